@@ -1,0 +1,194 @@
+"""Parameters of a soil (or a rigid rock), as the wheel and pad contact laws use them.
+
+Pressure under a plate of width b sunk by z, in the form that the file names:
+
+    bekker   p = (k_c / b + k_phi) z^n        (Bekker 1969, Introduction to Terrain-Vehicle Systems, ch. 1)
+    reece    p = (k_c + b k_phi) (z / b)^n    (Wong & Reece 1967, J. Terramechanics 4(1):81, eq. 1;
+                                               there k_c stands for c k_c' and k_phi for gamma k_phi')
+
+Shear stress after a shear displacement j (Janosi & Hanamoto 1961): tau = (c + p tan phi)(1 - exp(-j / K)).
+The modulus K may grow with the slip angle beta of the wheel, K = K_0 + K_1 |beta| (Ishigami et al. 2007,
+J. Field Robotics 24(3):233, table 2); K_1 is zero where nobody has measured it.
+
+Angle of greatest normal stress under a rigid wheel (Wong & Reece 1967): theta_m = (c1 + c2 s) theta_1.
+Exit angle: `zero` (the contact ends under the axle), or `lambda:L`: theta_2 = -acos(1 - L h / r), where L is
+the height of the rut behind the wheel over the sinkage h (Ishigami et al. 2007); L > 1 is soil that is
+carried up behind the wheel.
+
+Normal damping is of the Hunt-Crossley kind (Hunt & Crossley 1975, J. Appl. Mech. 42:440): p (1 + d dz/dt), d
+in s/m. No soil table gives d: it is an estimate in every file. Rigid rock is the same law with n = 1, no
+cohesion and a stiff k_phi.
+
+Range of validity: homogeneous ground, widths from about 0.03 to 0.5 m, sinkage below the wheel's radius.
+"""
+
+import math
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import Literal, Self
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.params import FloatArray, Params
+
+MAX_EXIT_LAMBDA = 2.0
+EXIT_LAMBDA_ZERO = -1.0
+"""Value of the column `exit_lambda` for exit angle `zero`."""
+
+FORM_BEKKER = 0.0
+FORM_REECE = 1.0
+
+
+class SoilColumn(IntEnum):
+    """Columns of a kernel row. New columns are added at the end, so that a kernel's indices stay right."""
+
+    FORM = 0
+    N = 1
+    K_C = 2
+    K_PHI = 3
+    COHESION = 4
+    TAN_PHI = 5
+    SHEAR_MODULUS_LONGITUDINAL = 6
+    SHEAR_MODULUS_LATERAL = 7
+    THETA_M_C1 = 8
+    THETA_M_C2 = 9
+    EXIT_LAMBDA = 10
+    CONTACT_DAMPING = 11
+    DENSITY = 12
+    SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE = 13
+    SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE = 14
+
+
+SOIL_COLUMNS: tuple[str, ...] = tuple(column.name.lower() for column in SoilColumn)
+"""Names of the columns of a kernel row, in order."""
+
+
+def parse_exit_angle(text: str) -> float | None:
+    """Read `zero` (gives None) or `lambda:L` (gives L).
+
+    Raises:
+        InvalidValueError: any other text, or an L outside 0 to 2.
+    """
+    allowed = f"'zero' or 'lambda:L' with L from 0 to {MAX_EXIT_LAMBDA:g}"
+    if text == "zero":
+        return None
+    prefix, separator, number = text.partition(":")
+    if prefix != "lambda" or not separator:
+        raise InvalidValueError("exit_angle", text, allowed)
+    try:
+        value = float(number)
+    except ValueError as error:
+        raise InvalidValueError("exit_angle", text, allowed) from error
+    if not 0.0 <= value <= MAX_EXIT_LAMBDA:
+        raise InvalidValueError("exit_angle", text, allowed)
+    return value
+
+
+class SoilParams(Params):
+    """One soil. The field names are the keys of the files in `config/soils`."""
+
+    name: str = Field(min_length=1, pattern=r"^[a-z][a-z0-9_]*$", description="name of the soil, as its file")
+    citation: str = Field(min_length=1, description="where the numbers are from")
+    estimates: tuple[str, ...] = Field(
+        default=("contact_damping",), description="fields of this set that no source gives: estimates of ours"
+    )
+    kind: Literal["soil", "rigid"] = Field(default="soil", description="soil, or rock that does not yield")
+    form: Literal["bekker", "reece"] = Field(default="bekker", description="form of the pressure-sinkage law")
+    n: float = Field(gt=0.0, le=3.0, description="sinkage exponent [-]")
+    k_c: float = Field(
+        ge=-1e9,
+        le=1e9,
+        description="cohesive modulus [bekker: N/m^(n+1), reece: N/m^2]; negative in some fits",
+    )
+    k_phi: float = Field(ge=0.0, le=1e11, description="frictional modulus [bekker: N/m^(n+2), reece: N/m^3]")
+    cohesion: float = Field(ge=0.0, le=1e6, description="cohesion [Pa]")
+    friction_angle_deg: float = Field(ge=0.0, lt=80.0, description="angle of internal friction [degree]")
+    shear_modulus: float = Field(gt=0.0, le=1.0, description="Janosi K along the wheel [m]")
+    shear_modulus_lateral: float = Field(gt=0.0, le=1.0, description="Janosi K across the wheel [m]")
+    shear_modulus_per_slip_angle: float = Field(
+        default=0.0, ge=0.0, le=1.0, description="growth of shear_modulus with the slip angle [m/rad]"
+    )
+    shear_modulus_lateral_per_slip_angle: float = Field(
+        default=0.0, ge=0.0, le=1.0, description="growth of shear_modulus_lateral with the slip angle [m/rad]"
+    )
+    density: float = Field(gt=0.0, le=10000.0, description="bulk density [kg/m3]")
+    theta_m_c1: float = Field(ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
+    theta_m_c2: float = Field(ge=-1.0, le=1.0, description="c2 of theta_m = (c1 + c2 s) theta_1 [-]")
+    exit_angle: str = Field(default="zero", description="'zero' or 'lambda:L', L = rut height / sinkage [-]")
+    contact_damping: float = Field(ge=0.0, le=100.0, description="Hunt-Crossley normal damping d [s/m]")
+
+    @field_validator("exit_angle")
+    @classmethod
+    def _exit_angle_is_readable(cls, text: str) -> str:
+        parse_exit_angle(text)
+        return text
+
+    @model_validator(mode="after")
+    def _stiffness_and_estimates(self) -> Self:
+        if self.k_c <= 0.0 and self.k_phi <= 0.0:
+            allowed = f"more than 0 where k_c = {self.k_c:g} is not positive"
+            raise InvalidValueError("k_phi", self.k_phi, allowed)
+        largest = self.theta_m_c1 + self.theta_m_c2
+        if largest > 1.0:
+            raise InvalidValueError("theta_m_c1 + theta_m_c2", largest, "at most 1: theta_m is below theta_1")
+        unknown = sorted(set(self.estimates) - set(type(self).model_fields))
+        if unknown:
+            raise InvalidValueError("estimates", unknown, "names of fields of a soil")
+        return self
+
+    @property
+    def exit_lambda(self) -> float | None:
+        """Rut height behind the wheel over the sinkage [-], or None where the contact ends under the axle."""
+        return parse_exit_angle(self.exit_angle)
+
+    @property
+    def friction_angle(self) -> float:
+        """Angle of internal friction [rad]."""
+        return math.radians(self.friction_angle_deg)
+
+    def unit_weight(self, gravity: float) -> float:
+        """Weight of a cubic metre [N/m3] where the gravity is `gravity` [m/s2].
+
+        Raises:
+            InvalidValueError: gravity that is negative or not finite.
+        """
+        if not (math.isfinite(gravity) and gravity >= 0.0):
+            raise InvalidValueError("gravity", gravity, "a finite number, at least 0 m/s2")
+        return self.density * gravity
+
+
+def kernel_row(params: SoilParams) -> FloatArray:
+    """Numbers of one soil for the contact kernels: shape (len(SOIL_COLUMNS),), contiguous, all finite."""
+    exit_lambda = params.exit_lambda
+    row = np.empty(len(SOIL_COLUMNS), dtype=np.float64)
+    row[SoilColumn.FORM] = FORM_BEKKER if params.form == "bekker" else FORM_REECE
+    row[SoilColumn.N] = params.n
+    row[SoilColumn.K_C] = params.k_c
+    row[SoilColumn.K_PHI] = params.k_phi
+    row[SoilColumn.COHESION] = params.cohesion
+    row[SoilColumn.TAN_PHI] = math.tan(params.friction_angle)
+    row[SoilColumn.SHEAR_MODULUS_LONGITUDINAL] = params.shear_modulus
+    row[SoilColumn.SHEAR_MODULUS_LATERAL] = params.shear_modulus_lateral
+    row[SoilColumn.THETA_M_C1] = params.theta_m_c1
+    row[SoilColumn.THETA_M_C2] = params.theta_m_c2
+    row[SoilColumn.EXIT_LAMBDA] = EXIT_LAMBDA_ZERO if exit_lambda is None else exit_lambda
+    row[SoilColumn.CONTACT_DAMPING] = params.contact_damping
+    row[SoilColumn.DENSITY] = params.density
+    row[SoilColumn.SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE] = params.shear_modulus_per_slip_angle
+    row[SoilColumn.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE] = params.shear_modulus_lateral_per_slip_angle
+    return row
+
+
+def kernel_table(soils: Sequence[SoilParams]) -> FloatArray:
+    """Kernel rows of several soils in their order: shape (len(soils), len(SOIL_COLUMNS)), contiguous.
+
+    Row i belongs to index i of a height field's `soil_index` if `soils` is in the order of its `soil_names`.
+
+    Raises:
+        InvalidValueError: no soil at all.
+    """
+    if not soils:
+        raise InvalidValueError("soils", [], "at least one soil")
+    return np.ascontiguousarray(np.stack([kernel_row(soil) for soil in soils]))
