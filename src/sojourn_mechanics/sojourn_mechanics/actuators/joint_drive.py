@@ -1,0 +1,197 @@
+"""Servo, DC motor, gear and friction of every joint, one step, with implicit damping.
+
+Motor (electrical time constant far under the step: quasi-static current):
+
+    V = R I + k N q',   τ = N k I,   |I| <= I_max,   |V| <= bus voltage
+
+Servo at the output:  rate mode      τ* = P (ω* - ω) + I ∫(ω* - ω) dt
+                      position mode  τ* = P (q* - q) + D (q'* - q') + τ_ff + I ∫(q* - q) dt
+limited by its own largest torque, by the current that the power manager allows, and by the bus voltage.
+
+Friction of gear and bearings is of Dahl's kind (Dahl 1968, Aerospace Report TOR-0158), so that a held joint rests at a
+fixed point:  dz/dt = q' - |q'| z/z_c,  τ_f = F z/z_c + b q',  F = F_0 + (1 - η)|τ|:
+with F_0 the friction without load, η the gear's efficiency, in both directions of power.
+
+A joint driven into its limit meets a stiff, damped stop.
+
+All torques are taken as linear in the rate at the end of the step, τ(q' + a dt) = τ_0 - B a dt. B dt is added to
+the joint's inertia before the machine is solved, which makes the stiff terms (back-EMF, servo, friction) implicit. After
+the solution `settle_joints` finds the torques that were really applied, and books the energy with them.
+"""
+
+import math
+
+from numba import njit
+
+from sojourn_mechanics.params import FloatArray, IntArray
+
+# Columns of a joint's parameters
+RATIO, TORQUE_CONSTANT, RESISTANCE, MAX_CURRENT, EFFICIENCY, FRICTION, VISCOUS, PROPORTIONAL = range(8)
+INTEGRAL, DERIVATIVE, MAX_TORQUE, ARMATURE, LOWER, UPPER, STOP_STIFFNESS, STOP_DAMPING = range(8, 16)
+JOINT_COLUMNS = 16
+
+PASSIVE, RATE, POSITION = 0, 1, 2
+"""Kinds of joint."""
+
+FRICTION_ANGLE = 5e-4
+"""z_c: angle over which friction builds up [rad]."""
+
+# Rows of a joint's state and of the step's working arrays
+STATE_ROWS = 3
+"""angle [rad], integral of the servo, friction deflection z [rad]"""
+WORK_ROWS = 6
+"""motor torque and its slope, friction and its slope, stop and its slope"""
+ENERGY_TERMS = ("electrical", "winding_heat", "friction_heat", "stop_heat")
+
+
+@njit(cache=True)
+def joint_torques(
+    parameters: FloatArray,
+    kinds: IntArray,
+    columns: IntArray,
+    loads: IntArray,
+    velocity: FloatArray,
+    states: FloatArray,
+    command: FloatArray,
+    lead: float,
+    limits: FloatArray,
+    bus_voltage: float,
+    dt: float,
+    work: FloatArray,
+    generalised_force: FloatArray,
+    armature: FloatArray,
+) -> None:
+    """Torques at the present rate and their slopes.
+
+    Args:
+        parameters: (joints, JOINT_COLUMNS). kinds: (joints,). columns: (joints,) index into `velocity`. loads: (joints,)
+            index into `limits`.
+        velocity: (nv,) [rad/s]. states: (3, joints), servo integral advanced in place.
+        command: (3, joints): position [rad], rate [rad/s], feed-forward torque [N m].
+        lead: time since the command's stamp [s]: a position reference moves on at its rate.
+        limits: (loads,) fraction of the current that each load may draw; 0 is switched off.
+        bus_voltage: [V]. work: (6, joints), written. generalised_force, armature: (nv,), written at `columns`.
+    """
+    for i in range(kinds.shape[0]):
+        p = parameters[i]
+        column = columns[i]
+        rate = velocity[column]
+        angle = states[0, i]
+        torque = 0.0
+        slope = 0.0
+        if kinds[i] != PASSIVE:
+            gain = p[RATIO] * p[TORQUE_CONSTANT]
+            fraction = limits[loads[i]]
+            if fraction > 0.0:
+                if kinds[i] == RATE:
+                    error = command[1, i] - rate
+                    torque = p[PROPORTIONAL] * error + p[INTEGRAL] * states[1, i]
+                    slope = p[PROPORTIONAL]
+                else:
+                    error = command[0, i] + command[1, i] * lead - angle
+                    torque = (
+                        p[PROPORTIONAL] * (error - dt * rate)
+                        + p[DERIVATIVE] * (command[1, i] - rate)
+                        + command[2, i]
+                        + p[INTEGRAL] * states[1, i]
+                    )
+                    slope = p[DERIVATIVE] + dt * p[PROPORTIONAL]
+                largest = min(p[MAX_TORQUE], gain * p[MAX_CURRENT] * fraction)
+                limited = min(max(torque, -largest), largest)
+                if limited != torque:
+                    torque = limited
+                    slope = 0.0
+                # what the bus voltage can drive against the back-EMF
+                back = gain * rate
+                high = gain * (bus_voltage - back) / p[RESISTANCE]
+                low = gain * (-bus_voltage - back) / p[RESISTANCE]
+                if torque > high or torque < low:
+                    torque = high if torque > high else low
+                    slope = gain * gain / p[RESISTANCE]
+                    if abs(torque) > largest:  # driven backwards beyond no-load speed: the amplifier's limit holds
+                        torque = math.copysign(largest, torque)
+                        slope = 0.0
+                elif slope != 0.0 or torque * error < 0.0:
+                    states[1, i] += error * dt  # no wind-up while saturated
+        friction = p[FRICTION] + (1.0 - p[EFFICIENCY]) * abs(torque)
+        stiffness = friction / FRICTION_ANGLE
+        relaxed = 1.0 + dt * abs(rate) / FRICTION_ANGLE
+        # z + dt q' (end of step), over `relaxed`
+        friction_torque = -stiffness * (states[2, i] + dt * rate) / relaxed - p[VISCOUS] * rate
+        friction_slope = stiffness * dt / relaxed + p[VISCOUS]
+        stop = 0.0
+        stop_slope = 0.0
+        over = max(angle + dt * rate - p[UPPER], 0.0) + min(angle + dt * rate - p[LOWER], 0.0)
+        if over != 0.0:
+            stop = -p[STOP_STIFFNESS] * over - p[STOP_DAMPING] * rate
+            if stop * over < 0.0:
+                stop_slope = p[STOP_STIFFNESS] * dt + p[STOP_DAMPING]
+            else:  # a stop pushes, it does not hold back
+                stop = 0.0
+        work[0, i] = torque
+        work[1, i] = slope
+        work[2, i] = friction_torque
+        work[3, i] = friction_slope
+        work[4, i] = stop
+        work[5, i] = stop_slope
+        generalised_force[column] += torque + friction_torque + stop
+        armature[column] = p[ARMATURE] + dt * (slope + friction_slope + stop_slope)
+
+
+@njit(cache=True)
+def settle_joints(
+    parameters: FloatArray,
+    kinds: IntArray,
+    columns: IntArray,
+    loads: IntArray,
+    old_velocity: FloatArray,
+    velocity: FloatArray,
+    dt: float,
+    work: FloatArray,
+    states: FloatArray,
+    efforts: FloatArray,
+    currents: FloatArray,
+    load_power: FloatArray,
+    energy: FloatArray,
+) -> float:
+    """Applied torques, currents, friction states and energies of a step that has been solved.
+
+    Args:
+        old_velocity, velocity: (nv,) rates at the start and the end of the step.
+        states: (3, joints), advanced in place. efforts [N m], currents [A]: (joints,), written.
+        load_power: (loads,) power of the motors on each load [W], written.
+        energy: at least (4,): electrical, winding heat, friction heat, stop heat [J], added to.
+
+    Returns:
+        electrical power of all motors at their terminals [W].
+    """
+    load_power[:] = 0.0
+    total = 0.0
+    for i in range(kinds.shape[0]):
+        p = parameters[i]
+        rate = velocity[columns[i]]
+        old_rate = old_velocity[columns[i]]
+        change = rate - old_rate
+        mean_rate = 0.5 * (rate + old_rate)
+        torque = work[0, i] - work[1, i] * change
+        friction_torque = work[2, i] - work[3, i] * change
+        stop = work[4, i] - work[5, i] * change
+        states[0, i] += rate * dt
+        states[2, i] = (states[2, i] + dt * rate) / (1.0 + dt * abs(old_rate) / FRICTION_ANGLE)
+        energy[2] -= friction_torque * mean_rate * dt
+        energy[3] -= stop * mean_rate * dt
+        efforts[i] = torque + friction_torque
+        if kinds[i] == PASSIVE:
+            continue
+        gain = p[RATIO] * p[TORQUE_CONSTANT]
+        current = torque / gain
+        heat = p[RESISTANCE] * current * current
+        power = heat + torque * mean_rate
+        currents[i] = current
+        load_power[loads[i]] += power
+        total += power
+        energy[0] += power * dt
+        energy[1] += heat * dt
+    return total
+
+

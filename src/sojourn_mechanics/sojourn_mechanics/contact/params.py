@@ -1,0 +1,33 @@
+"""Parameters of what touches the ground: wheels, and pads on bodies."""
+
+from pydantic import Field
+
+from sojourn_mechanics.params import Params
+
+
+class WheelParams(Params):
+    """One wheel."""
+
+    name: str = Field(min_length=1, description="name of the wheel")
+    joint: str = Field(min_length=1, description="drive joint, about the wheel's axle")
+    steer_joint: str | None = Field(default=None, description="steering joint, or none")
+    radius: float = Field(gt=0.0, le=5.0, description="radius of the rim, without grousers [m]")
+    width: float = Field(gt=0.0, le=3.0, description="width of the rim [m]")
+    grouser_height: float = Field(default=0.0, ge=0.0, le=0.2, description="height of the grousers [m]")
+    grouser_count: int = Field(default=0, ge=0, le=500, description="number of grousers on the rim [-]")
+
+    @property
+    def shear_radius(self) -> float:
+        """Radius of the circle on which the soil shears [m]: the tips of the grousers, if there are any."""
+        return self.radius + (self.grouser_height if self.grouser_count else 0.0)
+
+
+class PadParams(Params):
+    """A round pad on a body: where the chassis, the mast or the arm's tip would touch the ground."""
+
+    name: str = Field(min_length=1, description="name of the pad")
+    link: str = Field(min_length=1, description="link of the URDF that carries it")
+    position: tuple[float, float, float] = Field(description="centre of the pad in the link's frame, shape (3,) [m]")
+    radius: float = Field(gt=0.0, le=2.0, description="radius of the pad [m]")
+
+

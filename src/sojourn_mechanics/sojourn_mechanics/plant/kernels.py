@@ -1,0 +1,115 @@
+"""The two compiled halves of a physics step; Pinocchio's terms and the solution stand between them (see `step`)."""
+
+import numpy as np
+from numba import njit
+
+from sojourn_mechanics.actuators.joint_drive import joint_torques, settle_joints
+from sojourn_mechanics.contact.contact_set import contact_forces
+from sojourn_mechanics.params import FloatArray, IntArray
+
+COUPLING_DRIFT_GAIN = 0.1
+"""Part of a coupling's drift that is taken back in one step."""
+SOIL_WORK = 4
+"""Place of the work on the soil in the energy sums, after `joint_drive.ENERGY_TERMS`."""
+ENERGY_SUMS = 5
+
+
+@njit(cache=True)
+def applied_forces(
+    joint_parameters: FloatArray,
+    kinds: IntArray,
+    columns: IntArray,
+    loads: IntArray,
+    shapes: FloatArray,
+    bodies: IntArray,
+    supports: IntArray,
+    offsets: FloatArray,
+    wheel_count: int,
+    placements: FloatArray,
+    jacobian: FloatArray,
+    velocity: FloatArray,
+    heights: FloatArray,
+    soil_index: IntArray,
+    grid: FloatArray,
+    soils: FloatArray,
+    quadrature: FloatArray,
+    rim: FloatArray,
+    joint_states: FloatArray,
+    contact_states: FloatArray,
+    reference: FloatArray,
+    limits: FloatArray,
+    lead: float,
+    bus_voltage: float,
+    dt: float,
+    report: FloatArray,
+    work: FloatArray,
+    contact_force: FloatArray,
+    force: FloatArray,
+    armature: FloatArray,
+) -> bool:
+    """Generalised force of contacts and joints, and the joints' inertia with their implicit slopes.
+
+    Arguments as in `contact_forces` and `joint_torques`; `contact_force` and `force`, both (nv,), are written: that of the
+    contacts alone, and all. Returns whether all contacts are on the map.
+    """
+    contact_force[:] = 0.0
+    on_map = contact_forces(
+        shapes, bodies, supports, offsets, wheel_count, placements, jacobian, velocity, heights, soil_index, grid,
+        soils, quadrature, rim, dt, contact_states, report, contact_force,
+    )  # fmt: skip
+    force[:] = contact_force
+    joint_torques(
+        joint_parameters, kinds, columns, loads, velocity, joint_states, reference, lead, limits, bus_voltage, dt,
+        work, force, armature,
+    )  # fmt: skip
+    return on_map
+
+
+@njit(cache=True)
+def advance_velocity(
+    joint_parameters: FloatArray,
+    kinds: IntArray,
+    columns: IntArray,
+    loads: IntArray,
+    velocity: FloatArray,
+    acceleration: FloatArray,
+    coupling: FloatArray,
+    coupling_response: FloatArray,
+    contact_force: FloatArray,
+    dt: float,
+    work: FloatArray,
+    joint_states: FloatArray,
+    efforts: FloatArray,
+    currents: FloatArray,
+    load_power: FloatArray,
+    energy: FloatArray,
+) -> FloatArray:
+    """New velocity, (nv,), from the free acceleration and the couplings; books the joints' part of the step.
+
+    Args:
+        acceleration: (nv,) without couplings. coupling: A, (couplings, nv). coupling_response: A M⁻¹, (couplings, nv).
+    """
+    new_velocity = velocity + dt * acceleration
+    count = coupling.shape[0]
+    if count:
+        error = np.empty(count)
+        for i in range(count):
+            drift = 0.0
+            rate = 0.0
+            for joint in range(columns.shape[0]):
+                drift += coupling[i, columns[joint]] * joint_states[0, joint]
+            for k in range(new_velocity.shape[0]):
+                rate += coupling[i, k] * new_velocity[k]
+            error[i] = rate + COUPLING_DRIFT_GAIN * drift / dt
+        impulse = np.linalg.solve(coupling @ coupling_response.T, error)
+        for i in range(count):
+            for k in range(new_velocity.shape[0]):
+                new_velocity[k] -= coupling_response[i, k] * impulse[i]
+    for k in range(new_velocity.shape[0]):
+        energy[SOIL_WORK] -= contact_force[k] * 0.5 * (velocity[k] + new_velocity[k]) * dt
+    settle_joints(
+        joint_parameters, kinds, columns, loads, velocity, new_velocity, dt, work, joint_states, efforts, currents,
+        load_power, energy,
+    )  # fmt: skip
+    return new_velocity
+

@@ -1,0 +1,245 @@
+"""A machine on its ground, ready to be stepped: multibody, tables for the kernels, working memory.
+
+Rigid-body dynamics by Pinocchio (Carpentier et al. 2019, IEEE/SICE SII) on a free-flying base. Couplings between joints
+(rocker differential) are linear constraints on the rates, solved with multipliers:
+
+    [M + dt B   Aᵀ] [ q̈ ]   [τ - h + τ_contact]
+    [A          0 ] [-λ ] = [ -A q̇/dt - 0.1 A q/dt² ]
+
+(Featherstone 2008, Rigid Body Dynamics Algorithms, ch. 8). The right side of the constraint brings both the
+rate and the drift of the closed loop back to zero. B holds the slopes of the joint torques (see `joint_drive`).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from sojourn_mechanics.actuators import joint_drive
+from sojourn_mechanics.contact import contact_set, wheel_on_soil
+from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.plant.params import MachineParams, SimulationParams
+from sojourn_mechanics.power.battery import BatteryParams
+from sojourn_mechanics.power.loads import BusParams
+from sojourn_mechanics.soil.params import SoilParams, kernel_table
+from sojourn_mechanics.terrain.height_field import HeightField
+
+BASE_COLUMNS = 6
+PLACEMENT_SIZE = 12
+
+
+@dataclass(frozen=True, slots=True)
+class JointTables:
+    """Joints with one degree of freedom, as arrays for the kernels; (joints, ...)."""
+
+    names: tuple[str, ...]
+    parameters: FloatArray
+    kinds: IntArray
+    columns: IntArray
+    loads: IntArray
+    armature: FloatArray
+    """(nv,) reflected rotor inertia [kg m^2]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ContactTables:
+    """Contacts as arrays for the kernels; wheels first."""
+
+    names: tuple[str, ...]
+    wheel_count: int
+    shapes: FloatArray
+    bodies: IntArray
+    supports: IntArray
+    offsets: FloatArray
+
+
+class PlantModel:
+    """Fixed part of the plant. Its working memory makes it unfit for two threads; make one model for each.
+
+    Args:
+        urdf_xml: text of the machine's URDF.
+        machine: what the URDF does not say.
+        gravity: surface gravity [m/s^2].
+        terrain: the ground. soils: parameters of the soils that it names, in any order.
+        battery, bus: energy supply and its loads.
+        simulation: steps.
+
+    Raises:
+        InvalidValueError: a joint or link that the URDF does not have, a drive whose load the bus does not have, a soil
+            that is missing.
+    """
+
+    def __init__(
+        self,
+        urdf_xml: str,
+        machine: MachineParams,
+        gravity: float,
+        terrain: HeightField,
+        soils: Sequence[SoilParams],
+        battery: BatteryParams,
+        bus: BusParams,
+        simulation: SimulationParams | None = None,
+    ) -> None:
+        self.machine = machine
+        self.terrain = terrain
+        self.battery = battery
+        self.bus = bus
+        self.simulation = simulation or SimulationParams()
+        self.gravity = gravity
+        self.multibody = pin.buildModelFromXML(urdf_xml, pin.JointModelFreeFlyer())
+        self.multibody.gravity.linear = np.array([0.0, 0.0, -gravity])
+        self.mass = float(sum(inertia.mass for inertia in self.multibody.inertias))
+        self.joints = self._joint_tables(machine, bus)
+        self.joint_index = {name: index for index, name in enumerate(self.joints.names)}
+        self.contacts = self._contact_tables(machine)
+        self.coupling = self._coupling_rows(machine)
+        by_name = {soil.name: soil for soil in soils}
+        for name in terrain.soil_names:
+            if name not in by_name:
+                raise InvalidValueError("soil of the terrain", name, "one of " + ", ".join(sorted(by_name)))
+        self.soils = kernel_table([by_name[name] for name in terrain.soil_names])
+        self.grid = np.array([terrain.origin_x, terrain.origin_y, terrain.resolution])
+        self.quadrature = np.stack([wheel_on_soil.NODES, wheel_on_soil.WEIGHTS])
+        self.rim = np.stack([contact_set.RIM_SIN, contact_set.RIM_COS])
+        self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
+        self._make_workspace()
+
+    @property
+    def wheel_names(self) -> tuple[str, ...]:
+        """Names of the wheels, in the order of the contacts."""
+        return self.contacts.names[: self.contacts.wheel_count]
+
+    def reference_rows(self, names: Sequence[str]) -> IntArray:
+        """Columns of a command's reference for joints by name. Raises InvalidValueError for an unknown name."""
+        return np.array([self._index_of(name) for name in names], dtype=np.int64)
+
+    def _index_of(self, joint: str) -> int:
+        if joint not in self.joint_index:
+            raise InvalidValueError("joint", joint, "one of " + ", ".join(self.joints.names))
+        return self.joint_index[joint]
+
+    def _joint_tables(self, machine: MachineParams, bus: BusParams) -> JointTables:
+        model = self.multibody
+        drives = {joint: drive for drive in machine.drives for joint in drive.joints}
+        load_names = [load.name for load in bus.loads]
+        identifiers = range(2, model.njoints)
+        names = tuple(model.names[i] for i in identifiers)
+        for joint in drives:
+            if joint not in names:
+                raise InvalidValueError("joint of a drive", joint, "one of " + ", ".join(names))
+        parameters = np.zeros((len(names), joint_drive.JOINT_COLUMNS))
+        kinds = np.zeros(len(names), dtype=np.int64)
+        loads = np.zeros(len(names), dtype=np.int64)
+        columns = np.zeros(len(names), dtype=np.int64)
+        armature = np.zeros(model.nv)
+        for i, name in zip(range(len(names)), names, strict=True):
+            joint = model.joints[i + 2]
+            if joint.nv != 1:
+                raise InvalidValueError(f"degrees of freedom of {name}", joint.nv, "1")
+            columns[i] = joint.idx_v
+            row = parameters[i]
+            turns = joint.nq == 2  # a continuous joint is a point on a circle, and has no stops
+            row[joint_drive.LOWER] = -np.inf if turns else model.lowerPositionLimit[joint.idx_q]
+            row[joint_drive.UPPER] = np.inf if turns else model.upperPositionLimit[joint.idx_q]
+            row[joint_drive.STOP_STIFFNESS] = machine.stop_stiffness
+            row[joint_drive.STOP_DAMPING] = machine.stop_damping
+            row[joint_drive.EFFICIENCY] = 1.0
+            row[joint_drive.FRICTION] = machine.passive_joint.friction_torque
+            row[joint_drive.VISCOUS] = machine.passive_joint.viscous_friction
+            drive = drives.get(name)
+            if drive is None:
+                continue
+            if drive.load not in load_names:
+                raise InvalidValueError(f"load of the drive of {name}", drive.load, "one of " + ", ".join(load_names))
+            kinds[i] = joint_drive.RATE if drive.servo.mode == "rate" else joint_drive.POSITION
+            loads[i] = load_names.index(drive.load)
+            row[joint_drive.RATIO] = drive.gear.ratio
+            row[joint_drive.TORQUE_CONSTANT] = drive.motor.torque_constant
+            row[joint_drive.RESISTANCE] = drive.motor.resistance
+            row[joint_drive.MAX_CURRENT] = drive.motor.max_current
+            row[joint_drive.EFFICIENCY] = drive.gear.efficiency
+            row[joint_drive.FRICTION] = drive.friction_torque
+            row[joint_drive.VISCOUS] = drive.gear.viscous_friction
+            row[joint_drive.PROPORTIONAL] = drive.servo.proportional
+            row[joint_drive.INTEGRAL] = drive.servo.integral
+            row[joint_drive.DERIVATIVE] = drive.servo.derivative
+            row[joint_drive.MAX_TORQUE] = drive.servo.max_torque
+            row[joint_drive.ARMATURE] = drive.reflected_inertia
+            armature[joint.idx_v] = drive.reflected_inertia
+        return JointTables(names, parameters, kinds, columns, loads, armature)
+
+    def _contact_tables(self, machine: MachineParams) -> ContactTables:
+        model = self.multibody
+        bodies: list[int] = []
+        offsets: list[FloatArray] = []
+        shapes: list[tuple[float, float, float]] = []
+        for wheel in machine.wheels:
+            for joint in filter(None, (wheel.joint, wheel.steer_joint)):
+                self._index_of(joint)
+            bodies.append(model.getJointId(wheel.joint))
+            offsets.append(np.zeros(3))
+            shapes.append((wheel.radius, wheel.shear_radius, wheel.width))
+        for pad in machine.pads:
+            if not model.existFrame(pad.link):
+                raise InvalidValueError(f"link of pad {pad.name}", pad.link, "a link of the URDF")
+            frame = model.frames[model.getFrameId(pad.link)]
+            bodies.append(frame.parentJoint)
+            offsets.append(frame.placement.act(np.array(pad.position)))
+            shapes.append((pad.radius, 0.0, 0.0))
+        chains = [self._support(body) for body in bodies]
+        supports = np.full((len(bodies), max(map(len, chains)) + 1), -1, dtype=np.int64)
+        for i, chain in enumerate(chains):
+            supports[i, : len(chain)] = chain
+        names = tuple(contact.name for contact in (*machine.wheels, *machine.pads))
+        return ContactTables(
+            names,
+            len(machine.wheels),
+            np.array(shapes),
+            np.array(bodies, dtype=np.int64),
+            supports,
+            np.ascontiguousarray(offsets),
+        )
+
+    def _support(self, joint: int) -> list[int]:
+        """Velocity columns that move a joint, base first."""
+        chain: list[int] = []
+        while joint > 0:
+            start = self.multibody.joints[joint].idx_v
+            chain = list(range(start, start + self.multibody.joints[joint].nv)) + chain
+            joint = self.multibody.parents[joint]
+        return chain
+
+    def _coupling_rows(self, machine: MachineParams) -> FloatArray:
+        """A of the constraint A q̇ = 0, shape (couplings, nv)."""
+        rows = np.zeros((len(machine.couplings), self.multibody.nv))
+        for row, coupling in zip(rows, machine.couplings, strict=True):
+            row[self.joints.columns[self._index_of(coupling.first)]] = 1.0
+            row[self.joints.columns[self._index_of(coupling.second)]] = coupling.ratio
+        return rows
+
+    def _make_workspace(self) -> None:
+        """Working memory, and views on Pinocchio's own, which stays in place as long as the model lives."""
+        model = self.multibody
+        self.data = model.createData()
+        self.jacobian: FloatArray = self.data.J
+        self.bias: FloatArray = self.data.nle
+        self.armature: FloatArray = model.armature
+        self.armature[:] = self.joints.armature
+        # The placements lie one after another in memory: rotation (by columns) and position, 12 numbers each. Read
+        # one by one through the binding they would cost as much as the dynamics.
+        first = self.data.oMi[0].rotation.__array_interface__["data"][0]
+        second = self.data.oMi[1].rotation.__array_interface__["data"][0]
+        if second - first != PLACEMENT_SIZE * 8:
+            raise InvalidValueError("stride of Pinocchio's placements", second - first, str(PLACEMENT_SIZE * 8))
+        self.placements: FloatArray = np.lib.stride_tricks.as_strided(
+            self.data.oMi[0].rotation.T.reshape(-1), (model.njoints, PLACEMENT_SIZE), (PLACEMENT_SIZE * 8, 8)
+        )
+        self.report = np.zeros((len(self.contacts.names), contact_set.REPORT_COLUMNS))
+        self.work = np.zeros((joint_drive.WORK_ROWS, len(self.joints.names)))
+        self.efforts = np.zeros(len(self.joints.names))
+        self.currents = np.zeros(len(self.joints.names))
+        self.load_power = np.zeros(len(self.bus.loads))
+        self.force = np.zeros(model.nv)
+        self.contact_force = np.zeros(model.nv)

@@ -1,0 +1,63 @@
+"""Parameters of the plant: what the URDF does not say about a machine."""
+
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from sojourn_mechanics.actuators.params import DriveParams, JointFrictionParams
+from sojourn_mechanics.contact.params import PadParams, WheelParams
+from sojourn_mechanics.params import Params
+
+
+class CouplingParams(Params):
+    """Two joints held to  q_first + ratio q_second = 0  by a mechanism (a rocker differential: ratio 1)."""
+
+    first: str = Field(min_length=1, description="first joint")
+    second: str = Field(min_length=1, description="second joint")
+    ratio: float = Field(ge=-1e3, le=1e3, description="rates: first + ratio times second is zero [-]")
+
+
+class MachineParams(Params):
+    """A rover: wheels, pads, drives and couplings. Kinematics, masses, inertias and joint limits are in its URDF.
+
+    Joints that no drive names are passive: they have `passive_joint` friction.
+    """
+
+    wheels: tuple[WheelParams, ...] = Field(min_length=1, description="wheels, in the order of all reports")
+    pads: tuple[PadParams, ...] = Field(default=(), description="other points that may touch the ground")
+    drives: tuple[DriveParams, ...] = Field(min_length=1, description="motor, gear and servo of groups of joints")
+    passive_joint: JointFrictionParams
+    couplings: tuple[CouplingParams, ...] = Field(default=(), description="joints coupled by a mechanism")
+    stop_stiffness: float = Field(default=2e4, gt=0.0, le=1e8, description="stiffness of joint stops [N m/rad]")
+    stop_damping: float = Field(default=200.0, ge=0.0, le=1e6, description="damping of joint stops [N m s/rad]")
+    roll_over_tilt_deg: float = Field(
+        default=75.0, gt=0.0, lt=180.0, description="tilt of the chassis that counts as rolled over [degree]"
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        joints = [joint for drive in self.drives for joint in drive.joints]
+        for joint in joints:
+            if joints.count(joint) > 1:
+                raise ValueError(f"drives: joint {joint} has {joints.count(joint)} drives, allowed is one")
+        for wheel in self.wheels:
+            if wheel.steer_joint is not None and wheel.steer_joint not in joints:
+                raise ValueError(f"wheels: steer_joint {wheel.steer_joint} of wheel {wheel.name} has no drive")
+        names = [contact.name for contact in (*self.wheels, *self.pads)]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"wheels, pads: name {name} is used {names.count(name)} times, allowed is once")
+        return self
+
+
+class SimulationParams(Params):
+    """How the plant is integrated."""
+
+    physics_step: float = Field(default=0.001, gt=0.0, le=0.005, description="step of the integrator [s]")
+    control_period: float = Field(default=0.02, gt=0.0, le=1.0, description="time between two commands [s]")
+    settle_time: float = Field(default=30.0, ge=0.0, le=1000.0, description="longest rest on the ground before the run [s]")
+
+    @property
+    def substeps(self) -> int:
+        """Physics steps in a control period."""
+        return round(self.control_period / self.physics_step)

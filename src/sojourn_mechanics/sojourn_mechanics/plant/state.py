@@ -1,0 +1,110 @@
+"""State, command and energy account of the plant. All of them are plain values: copy one and you have a branch."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.power.battery import BatteryState
+from sojourn_mechanics.power.loads import BusState
+
+
+@dataclass(frozen=True, slots=True)
+class EnergyAccount:
+    """Energies since the start of the run [J].
+
+    electrical in = work on the machine + winding heat; work = change of kinetic and potential energy + friction heat
+    + stop heat + work done on the soil.
+    """
+
+    electrical: float = 0.0
+    """Net, at the motors' terminals."""
+    winding_heat: float = 0.0
+    friction_heat: float = 0.0
+    """Of gears and bearings, what is stored in their deflection included."""
+    stop_heat: float = 0.0
+    soil_work: float = 0.0
+    """Into the ground, what is stored in it included."""
+    mechanical: float = 0.0
+    """Kinetic and potential energy of the machine."""
+
+    def balance_error(self, start: "EnergyAccount") -> float:
+        """Energy that is missing since `start`, as a fraction of the largest of its terms [-]."""
+        terms = [getattr(self, name) - getattr(start, name) for name in self.__dataclass_fields__]
+        missing = terms[0] - sum(terms[1:])
+        return abs(missing) / max(*(abs(term) for term in terms), 1e-12)
+
+
+@dataclass(frozen=True, slots=True)
+class PlantState:
+    """Everything that changes.
+
+    Shapes: nq, nv of the multibody; joints are those with one degree of freedom, in the model's order; contacts are the
+    wheels, then the pads.
+    """
+
+    tick: int
+    """Control periods since the start of the run."""
+    configuration: FloatArray
+    """(nq,): base position in map [m], base quaternion x y z w, joints."""
+    velocity: FloatArray
+    """(nv,): base velocity in base_link [m/s], [rad/s], joint rates [rad/s]."""
+    joints: FloatArray
+    """(3, joints): angle, not wrapped [rad]; servo integral; friction deflection [rad]."""
+    contacts: FloatArray
+    """(contacts, 3): memory of each contact, see `contact_set`."""
+    battery: BatteryState
+    bus: BusState
+    bus_voltage: float
+    """[V]"""
+    served: float
+    """Part of the power asked of the bus that it can give, 1 unless browned out."""
+    energy: EnergyAccount = field(default_factory=EnergyAccount)
+    rolled_over: bool = False
+    """Has been tilted beyond the machine's limit since the start."""
+    off_terrain: bool = False
+    """A contact is, or has been, beyond the edge of the map."""
+
+    def copy(self) -> "PlantState":
+        """A branch that shares no array with this state."""
+        return replace(
+            self,
+            configuration=self.configuration.copy(),
+            velocity=self.velocity.copy(),
+            joints=self.joints.copy(),
+            contacts=self.contacts.copy(),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class PlantCommand:
+    """What the machine is told for one control period.
+
+    Args:
+        reference: (3, joints): position [rad], rate [rad/s], feed-forward torque [N m] of each joint.
+        load_fractions: (loads,) 0 off to 1 on; a motor load's current is limited to that fraction.
+    """
+
+    reference: FloatArray
+    load_fractions: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class PlantOutput:
+    """What can be seen of the period that has passed, beyond the state."""
+
+    contacts: FloatArray
+    """(contacts, 11): x y z [m], sinkage [m], slip ratio, slip angle [rad], force x y z in map [N], torque [N m], soil."""
+    efforts: FloatArray
+    """(joints,) torque at each joint, gear friction included [N m]."""
+    currents: FloatArray
+    """(joints,) motor current [A]."""
+    load_power: FloatArray
+    """(loads,) power of each load [W]."""
+    battery_current: float
+    """Out of the battery [A]."""
+
+
+def zeros_command(joints: int, loads: int) -> PlantCommand:
+    """All joints commanded to zero and all loads on."""
+    return PlantCommand(np.zeros((3, joints)), np.ones(loads))

@@ -1,0 +1,244 @@
+"""One control period of the plant: the recipe of a step.
+
+Semi-implicit Euler at the physics step (velocity first, then configuration with the new velocity), implicit in the joints'
+stiff terms. For each physics step:
+
+    1  placements and Jacobian of the machine                    (Pinocchio)
+    2  contact forces, joint torques and their slopes            (`kernels.applied_forces`)
+    3  mass matrix with the slopes, bias forces, factorisation   (Pinocchio)
+    4  acceleration, couplings, new velocity, energy             (`kernels.advance_velocity`)
+    5  configuration on the group                                (Pinocchio)
+
+The battery and the bus take one step a control period, with the mean power of the motors; the bus voltage holds for the
+next period.
+"""
+
+import numpy as np
+import pinocchio as pin
+
+from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.plant.kernels import (
+    ENERGY_SUMS,
+    SOIL_WORK,
+    advance_velocity,
+    applied_forces,
+)
+from sojourn_mechanics.plant.model import PlantModel
+from sojourn_mechanics.plant.state import EnergyAccount, PlantCommand, PlantOutput, PlantState, zeros_command
+from sojourn_mechanics.power import battery, loads
+
+SETTLED_SPEED = 1e-6
+"""The machine has settled when nothing moves faster [m/s], [rad/s]."""
+
+
+def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[PlantState, PlantOutput]:
+    """Advance one control period.
+
+    Args:
+        model: the machine and its ground; its working memory is used, its parameters are not changed.
+        state: at the start of the period; not changed.
+        command: holds for the whole period.
+
+    Returns:
+        the state at the end, and what was seen on the way.
+
+    Raises:
+        InvalidValueError: a command of another shape or not finite; a state that has become infinite.
+    """
+    _check_command(model, command)
+    dt = model.simulation.physics_step
+    substeps = model.simulation.substeps
+    new = state.copy()
+    configuration, joints, contacts = new.configuration, new.joints, new.contacts
+    velocity = new.velocity
+    multibody, data = model.multibody, model.data
+    tables, contact_tables, terrain = model.joints, model.contacts, model.terrain
+    limits = command.load_fractions * state.served
+    sums = np.zeros(ENERGY_SUMS)
+    load_energy = np.zeros(len(model.bus.loads))
+    response = np.zeros_like(model.coupling)
+    on_map = True
+    for i in range(substeps):
+        pin.computeJointJacobians(multibody, data, configuration)
+        all_on_map = applied_forces(
+            tables.parameters, tables.kinds, tables.columns, tables.loads,
+            contact_tables.shapes, contact_tables.bodies, contact_tables.supports, contact_tables.offsets,
+            contact_tables.wheel_count, model.placements, model.jacobian, velocity,
+            terrain.heights, terrain.soil_index, model.grid, model.soils, model.quadrature, model.rim,
+            joints, contacts, command.reference, limits, (i + 1) * dt, state.bus_voltage, dt,
+            model.report, model.work, model.contact_force, model.force, model.armature,
+        )  # fmt: skip
+        on_map = on_map and all_on_map
+        pin.crba(multibody, data, configuration)
+        pin.nonLinearEffects(multibody, data, configuration, velocity)
+        pin.cholesky.decompose(multibody, data)
+        acceleration = pin.cholesky.solve(multibody, data, model.force - model.bias)
+        for row, coupling in zip(response, model.coupling, strict=True):
+            row[:] = pin.cholesky.solve(multibody, data, coupling)
+        velocity = advance_velocity(
+            tables.parameters, tables.kinds, tables.columns, tables.loads, velocity, acceleration,
+            model.coupling, response, model.contact_force, dt, model.work, joints, model.efforts, model.currents,
+            model.load_power, sums,
+        )  # fmt: skip
+        configuration = pin.integrate(multibody, configuration, velocity * dt)
+        load_energy += model.load_power * dt
+    if not (np.isfinite(configuration).all() and np.isfinite(velocity).all()):
+        raise InvalidValueError("state of the plant", f"infinite at tick {state.tick + 1}", "finite numbers")
+    return _close_period(model, new, configuration, velocity, command, sums, load_energy, on_map)
+
+
+def _check_command(model: PlantModel, command: PlantCommand) -> None:
+    shape = (3, len(model.joints.names))
+    if command.reference.shape != shape or command.load_fractions.shape != (len(model.bus.loads),):
+        raise InvalidValueError(
+            "shapes of the command", (command.reference.shape, command.load_fractions.shape), f"{shape} and one a load"
+        )
+    if not (np.isfinite(command.reference).all() and np.isfinite(command.load_fractions).all()):
+        raise InvalidValueError("command", "NaN or infinity", "finite numbers")
+
+
+def _close_period(
+    model: PlantModel,
+    state: PlantState,
+    configuration: FloatArray,
+    velocity: FloatArray,
+    command: PlantCommand,
+    sums: FloatArray,
+    load_energy: FloatArray,
+    on_map: bool,
+) -> tuple[PlantState, PlantOutput]:
+    """Supply, energy account and events of the period that has passed."""
+    period = model.simulation.control_period
+    source, resistance = battery.thevenin(model.battery, state.battery)
+    bus, supply = loads.step(
+        model.bus, state.bus, source, resistance, command.load_fractions, load_energy / period, period
+    )
+    new_battery = battery.step(model.battery, state.battery, supply.current, period)
+    old = state.energy
+    energy = EnergyAccount(
+        electrical=old.electrical + float(sums[0]),
+        winding_heat=old.winding_heat + float(sums[1]),
+        friction_heat=old.friction_heat + float(sums[2]),
+        stop_heat=old.stop_heat + float(sums[3]),
+        soil_work=old.soil_work + float(sums[SOIL_WORK]),
+        mechanical=mechanical_energy(model, configuration, velocity),
+    )
+    x, y = configuration[3], configuration[4]
+    upright = 1.0 - 2.0 * (x * x + y * y)  # cosine between the base's z axis and up
+    new = PlantState(
+        tick=state.tick + 1,
+        configuration=configuration,
+        velocity=velocity,
+        joints=state.joints,
+        contacts=state.contacts,
+        battery=new_battery,
+        bus=bus,
+        bus_voltage=supply.voltage,
+        served=supply.served,
+        energy=energy,
+        rolled_over=state.rolled_over or bool(upright < model.roll_over_cosine),
+        off_terrain=state.off_terrain or not on_map,
+    )
+    output = PlantOutput(
+        contacts=model.report.copy(),
+        efforts=model.efforts.copy(),
+        currents=model.currents.copy(),
+        load_power=supply.load_power,
+        battery_current=supply.current,
+    )
+    return new, output
+
+
+def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: FloatArray) -> float:
+    """Kinetic energy, turning rotors included, and potential energy over z = 0 [J]."""
+    multibody, data = model.multibody, model.data
+    model.armature[:] = 0.0
+    kinetic = pin.computeKineticEnergy(multibody, data, configuration, velocity)
+    rotors = 0.5 * float(np.dot(model.joints.armature, velocity * velocity))
+    return float(kinetic + rotors + pin.computePotentialEnergy(multibody, data, configuration))
+
+
+def initial_state(
+    model: PlantModel, x: float, y: float, yaw: float, soc: float, angles: dict[str, float] | None = None
+) -> PlantState:
+    """The machine at rest on the ground, settled on its soil.
+
+    Args:
+        x, y: of the base in map [m]. yaw: [rad]. soc: state of charge [0..1].
+        angles: joint angles to start from and to hold while settling, by name [rad]; zero for all others.
+
+    Raises:
+        InvalidValueError: unknown joint. OutsideTerrainError: no ground there.
+    """
+    multibody = model.multibody
+    configuration = pin.neutral(multibody)
+    joints = np.zeros((3, len(model.joints.names)))
+    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    for name, angle in (angles or {}).items():
+        index = int(model.reference_rows([name])[0])
+        joint = multibody.joints[index + 2]
+        if joint.nq == 2:
+            configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
+        else:
+            configuration[joint.idx_q] = angle
+        joints[0, index] = angle
+        command.reference[0, index] = angle
+    height, slope_x, slope_y = _ground(model, x, y)
+    normal = np.array([-slope_x, -slope_y, 1.0]) / np.sqrt(1.0 + slope_x**2 + slope_y**2)
+    heading = np.array([np.cos(yaw), np.sin(yaw), 0.0])
+    forward = heading - np.dot(heading, normal) * normal
+    forward /= np.linalg.norm(forward)
+    rotation = np.column_stack([forward, np.cross(normal, forward), normal])
+    configuration[:3] = np.array([x, y, height]) + _standing_height(model, configuration) * normal
+    configuration[3:7] = pin.Quaternion(rotation).coeffs()
+    supply = battery.initial_state(model.battery, soc)
+    source, _ = battery.thevenin(model.battery, supply)
+    state = PlantState(
+        tick=0,
+        configuration=configuration,
+        velocity=np.zeros(multibody.nv),
+        joints=joints,
+        contacts=np.zeros((len(model.contacts.names), 3)),
+        battery=supply,
+        bus=loads.BusState(),
+        bus_voltage=source,
+        served=1.0,
+    )
+    for _ in range(round(model.simulation.settle_time / model.simulation.control_period)):
+        state, _ = step(model, state, command)
+        if np.abs(state.velocity).max() < SETTLED_SPEED:
+            break
+    return PlantState(
+        tick=0,
+        configuration=state.configuration,
+        velocity=state.velocity,
+        joints=state.joints,
+        contacts=state.contacts,
+        battery=supply,
+        bus=loads.BusState(),
+        bus_voltage=source,
+        served=1.0,
+        energy=EnergyAccount(mechanical=state.energy.mechanical),
+        rolled_over=state.rolled_over,
+        off_terrain=state.off_terrain,
+    )
+
+
+def _ground(model: PlantModel, x: float, y: float) -> tuple[float, float, float]:
+    height = model.terrain.height(x, y)
+    normal = model.terrain.normal(x, y)
+    return height, -float(normal[0] / normal[2]), -float(normal[1] / normal[2])
+
+
+def _standing_height(model: PlantModel, configuration: FloatArray) -> float:
+    """Height of the base over the plane that its lowest wheel touches, base level [m]."""
+    level = configuration.copy()
+    level[:7] = 0.0
+    level[6] = 1.0
+    pin.forwardKinematics(model.multibody, model.data, level)
+    tables = model.contacts
+    wheels = range(tables.wheel_count)
+    return max(float(tables.shapes[i, 0] - model.data.oMi[int(tables.bodies[i])].translation[2]) for i in wheels)
+
+

@@ -1,0 +1,39 @@
+"""The sensor suite of a machine as one parameter set."""
+
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from sojourn_mechanics.params import Params
+from sojourn_mechanics.sensors.bus import BusTelemetryParams
+from sojourn_mechanics.sensors.encoder import EncoderParams
+from sojourn_mechanics.sensors.imu import ImuParams
+
+
+class JointGroupParams(Params):
+    """Joints with the same encoder and the same measurement of effort (from motor current)."""
+
+    joints: tuple[str, ...] = Field(min_length=1, description="names of the joints, as in the URDF")
+    encoder: EncoderParams = Field(description="encoder of each joint")
+    effort_resolution: float = Field(gt=0.0, le=1e4, description="step of the measured joint effort [N m]")
+    effort_noise: float = Field(ge=0.0, le=1e4, description="standard deviation of the measured effort [N m]")
+
+
+class SensorSuiteParams(Params):
+    """Encoders by joint group, IMU and bus telemetry. A joint that is in no group is not measured."""
+
+    joint_groups: dict[str, JointGroupParams] = Field(min_length=1, description="group name to its joints")
+    imu: ImuParams = Field(description="the inertial measurement unit")
+    bus: BusTelemetryParams = Field(description="telemetry channels of every energy store")
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        seen: dict[str, str] = {}
+        for name, group in self.joint_groups.items():
+            for joint in group.joints:
+                if joint in seen:
+                    raise ValueError(
+                        f"joint {joint!r} is in {seen[joint]!r} and {name!r}: allowed is one group"
+                    )
+                seen[joint] = name
+        return self
