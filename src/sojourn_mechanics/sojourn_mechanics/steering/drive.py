@@ -1,0 +1,318 @@
+"""The drive: one call a period from measurements and commands to motor commands, odometry and status.
+
+Order of a period: refuse bad measurements; odometry; take the stop request, the new goal and the twist
+command, newest first; the twist wanted (goal follower or operator); limits of the machine and of the power
+manager, all by one factor; steering kinematics; slew limits. Everything between two calls is in `DriveState`.
+
+Rules: a goal ends the older goal; a twist command that came after the goal ends the goal; a stop request ends
+both. A twist command older than cmd_vel_timeout stops the rover. A refused goal changes nothing else.
+
+Sources and equations: see kinematics, rate_limiter, odometry and goal_follower of this chapter.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba import njit
+
+from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, DriveState, Mode, TwistCommand
+from sojourn_mechanics.steering.goal import Goal, GoalOutcome
+from sojourn_mechanics.steering.goal_follower import (
+    FollowerLimits,
+    FollowerState,
+    accept,
+    follow,
+    stop,
+)
+from sojourn_mechanics.steering.kinematics import PlanarTwist, limit_kernel, wheels_kernel
+from sojourn_mechanics.steering.odometry import (
+    OdometryInput,
+    OdometryState,
+    initial_odometry,
+    message_covariances,
+    step_odometry,
+)
+from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
+from sojourn_mechanics.steering.rate_limiter import LimiterState, limit_rates
+
+LONGEST_PERIOD = 1.0
+"""Longest period a step accepts [s]."""
+NO_MOTION = PlanarTwist(0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class DriveModel:
+    """Parameters of one machine, validated and prepared for the kernels."""
+
+    params: DriveParams
+    geometry: SteeringGeometryParams
+    table: FloatArray = field(init=False)
+    turn_radius: float = field(init=False)
+    """Distance of the farthest wheel from base_link [m]."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "table", self.geometry.table())
+        object.__setattr__(self, "turn_radius", max(math.hypot(w.x, w.y) for w in self.geometry.wheels))
+
+    def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
+        """At rest at a pose in odom [m, rad]."""
+        odometry = initial_odometry(self.params.odometry, x, y, yaw)
+        return DriveState("idle", odometry, None, None, None, math.inf, 0.0, "idle")
+
+    def step(self, state: DriveState, inputs: DriveInput, dt: float) -> tuple[DriveState, DriveOutput]:
+        """One period, see `step`."""
+        return step(self, state, inputs, dt)
+
+
+@njit(cache=True)
+def _first_bad(values: FloatArray) -> int:
+    """Index of the first number that is not finite, -1 if there is none."""
+    for i in range(values.shape[0]):
+        if not math.isfinite(values[i]):
+            return i
+    return -1
+
+
+def _measured_array(model: DriveModel, name: str, values: FloatArray) -> FloatArray:
+    """A copy of a measurement as the kernels want it."""
+    array = np.array(values, dtype=np.float64)
+    if array.shape != (model.table.shape[0],):
+        raise InvalidValueError(
+            f"shape of {name}", array.shape, f"({model.table.shape[0]},), one for each wheel"
+        )
+    bad = _first_bad(array)
+    if bad >= 0:
+        wheel = model.geometry.wheels[bad].name
+        raise InvalidValueError(f"{name} of {wheel}", float(array[bad]), "a finite number")
+    return array
+
+
+def _measured(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) -> OdometryInput:
+    """Measurements, checked."""
+    if not (math.isfinite(dt) and 0.0 < dt <= LONGEST_PERIOD):
+        raise InvalidValueError("dt", dt, f"above 0 s, at most {LONGEST_PERIOD} s")
+    if not (math.isfinite(inputs.power_limit) and 0.0 <= inputs.power_limit <= 1.0):
+        raise InvalidValueError("power_limit", inputs.power_limit, "0 to 1")
+    for name, values in (("gyro", inputs.gyro), ("roll and pitch", inputs.roll_pitch)):
+        if values is not None and not math.isfinite(sum(values)):
+            raise InvalidValueError(name, values, "finite numbers")
+    limiter = state.limiter
+    return OdometryInput(
+        _measured_array(model, "wheel position", inputs.wheel_positions),
+        _measured_array(model, "wheel rate", inputs.wheel_rates),
+        _measured_array(model, "steer angle", inputs.steer_angles),
+        inputs.gyro,
+        inputs.roll_pitch,
+        commanded_still=limiter is None or not limiter.wheel_rates.any(),
+    )
+
+
+@dataclass(slots=True)
+class _Arbiter:
+    """What commands the rover in this period; lives within one step only."""
+
+    mode: Mode
+    follower: FollowerState | None
+    since_override: float
+    text: str
+    outcomes: list[GoalOutcome]
+
+    def end_goal(self, outcome: GoalOutcome, mode: Mode = "idle") -> None:
+        """Notes how a goal ended."""
+        self.outcomes.append(outcome)
+        self.follower = None
+        self.mode = mode
+        self.text = f"{outcome.kind}: {outcome.reason}"
+
+    def take_stop(self) -> None:
+        """A stop request ends goal and twist."""
+        if self.follower is not None:
+            self.end_goal(stop(self.follower, "stop requested"))
+        self.mode, self.text, self.since_override = "idle", "stopped: stop requested", 0.0
+
+    def take_goal(self, model: DriveModel, goal: Goal, position: tuple[float, float]) -> None:
+        """A new goal ends the older one, unless it is refused."""
+        answer = accept(model.params.follower, goal, position)
+        if isinstance(answer, GoalOutcome):
+            self.outcomes.append(answer)
+            if self.follower is None and self.mode == "idle":
+                self.text = f"refused: {answer.reason}"
+            return
+        if self.follower is not None:
+            self.end_goal(stop(self.follower, "pre-empted by a newer goal"))
+        self.follower, self.mode, self.since_override = answer, goal.kind, 0.0
+
+    def take_twist(self, model: DriveModel, command: TwistCommand | None, dt: float) -> PlanarTwist:
+        """The operator's twist, if it is fresh and newer than the last goal or stop."""
+        timeout = model.params.cmd_vel_timeout
+        newer = command is not None and command.age < self.since_override - 0.5 * dt
+        if command is not None and newer and command.age <= timeout:
+            if self.follower is not None:
+                self.end_goal(stop(self.follower, "pre-empted by /cmd_vel"))
+            self.mode, self.text = "cmd_vel", "driving by /cmd_vel"
+            return command.twist
+        if self.mode == "cmd_vel":
+            self.mode, self.text = "idle", f"stopped: /cmd_vel is older than {timeout:.2f} s"
+        return NO_MOTION
+
+
+def _follow(
+    model: DriveModel, arbiter: _Arbiter, odometry: OdometryState, power: float, still: bool, dt: float
+) -> PlanarTwist:
+    """The goal follower's twist; notes the end of the goal."""
+    way = arbiter.follower
+    if way is None:
+        return NO_MOTION
+    if power <= 0.0:
+        arbiter.text = f"waiting for power, {way.distance_to_go:.2f} m to go"
+        return NO_MOTION
+    limits = model.params.limits
+    moving = not still or math.hypot(odometry.v_x, odometry.v_y) > model.params.odometry.standing_speed
+    able = FollowerLimits(
+        limits.max_speed * power,
+        min(limits.max_yaw_rate, limits.max_speed / model.turn_radius) * power,
+        limits.max_deceleration,
+        limits.max_deceleration / model.turn_radius,
+    )
+    pose = (odometry.x, odometry.y, odometry.yaw)
+    way, v_x, yaw_rate, outcome = follow(model.params.follower, way, pose, moving, able, dt)
+    arbiter.follower = way
+    if outcome is not None:
+        arbiter.end_goal(outcome)
+        return NO_MOTION
+    arbiter.text = f"{way.phase.value.replace('_', ' ')}, {way.distance_to_go:.2f} m to go"
+    return PlanarTwist(v_x, 0.0, yaw_rate)
+
+
+def step(
+    model: DriveModel, state: DriveState, inputs: DriveInput, dt: float
+) -> tuple[DriveState, DriveOutput]:
+    """One control period.
+
+    Args:
+        model: the machine.
+        state: from `DriveModel.initial_state` or the last period; not changed.
+        inputs: measurements and commands at the start of the period.
+        dt: period [s].
+
+    Raises:
+        InvalidValueError: if a measurement is not finite or has a wrong shape; the state stays as it was.
+    """
+    measured = _measured(model, state, inputs, dt)
+    params, table = model.params, model.table
+    odometry = step_odometry(params.odometry, table, state.odometry, measured, dt)
+    limiter = state.limiter
+    if limiter is None:
+        limiter = LimiterState(measured.steer_angles, np.zeros(table.shape[0]))
+
+    arbiter = _Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [])
+    if inputs.stop:
+        arbiter.take_stop()
+    if inputs.goal is not None:
+        arbiter.take_goal(model, inputs.goal, (odometry.x, odometry.y))
+    wanted = arbiter.take_twist(model, inputs.twist, dt)
+    if arbiter.follower is not None:
+        wanted = _follow(model, arbiter, odometry, inputs.power_limit, measured.commanded_still, dt)
+
+    limits, power = params.limits, inputs.power_limit
+    cut = limit_kernel(
+        table,
+        float(wanted.v_x),
+        float(wanted.v_y),
+        float(wanted.yaw_rate),
+        limits.max_speed * power,
+        limits.max_yaw_rate * power,
+        limits.max_wheel_rate * power,
+    )
+    count = table.shape[0]
+    angles, rates, residual = np.empty(count), np.empty(count), np.empty(count)
+    wheels_kernel(
+        table,
+        wanted.v_x * cut,
+        wanted.v_y * cut,
+        wanted.yaw_rate * cut,
+        limiter.steer_angles,
+        angles,
+        rates,
+        residual,
+    )
+    limited = limit_rates(table, limits, params.transition, limiter, angles, rates, measured.steer_angles, dt)
+    waiting = limited.speed_factor <= 0.0
+    stuck_for = state.stuck_for + dt if waiting else 0.0
+    if waiting and arbiter.follower is not None and stuck_for > params.transition.stuck_timeout:
+        worst = int(np.argmax(np.abs(angles - measured.steer_angles)))
+        arbiter.end_goal(
+            stop(
+                arbiter.follower,
+                f"steering of {model.geometry.wheels[worst].name} does not reach its angle: "
+                f"{measured.steer_angles[worst]:.3f} rad measured, {angles[worst]:.3f} rad wanted",
+            )
+        )
+    elif waiting and wanted != NO_MOTION:
+        arbiter.text += " (wheels wait for the steering)"
+    last_outcome = arbiter.outcomes[-1] if arbiter.outcomes else state.last_outcome
+    new_state = DriveState(
+        mode=arbiter.mode,
+        odometry=odometry,
+        limiter=limited.state,
+        follower=arbiter.follower,
+        last_outcome=last_outcome,
+        since_override=arbiter.since_override,
+        stuck_for=stuck_for,
+        text=arbiter.text,
+    )
+    pose_covariance, twist_covariance = message_covariances(params.odometry, odometry, dt)
+    output = DriveOutput(
+        limited.state.wheel_rates,
+        limited.state.steer_angles,
+        limited.steer_rates,
+        odometry,
+        pose_covariance,
+        twist_covariance,
+        tuple(arbiter.outcomes),
+        _status(
+            new_state, inputs, cut, limited.speed_factor, limited.steer_error, float(np.abs(residual).max())
+        ),
+    )
+    return new_state, output
+
+
+def _status(
+    state: DriveState,
+    inputs: DriveInput,
+    cut: float,
+    speed_factor: float,
+    steer_error: float,
+    residual: float,
+) -> dict[str, str | float]:
+    """Fields of /drive/status; the unit is the last part of a name."""
+    odometry, way, outcome = state.odometry, state.follower, state.last_outcome
+    status: dict[str, str | float] = {
+        "mode": state.mode,
+        "text": state.text,
+        "phase": way.phase.value if way is not None else "",
+        "goal": way.goal.name if way is not None else "",
+        "distance_to_go_m": way.distance_to_go if way is not None else 0.0,
+        "lateral_error_m": way.lateral_error if way is not None else 0.0,
+        "waypoint": float(way.index) if way is not None else 0.0,
+        "waypoints": float(len(way.goal.points)) if way is not None else 0.0,
+        "outcome": outcome.kind if outcome is not None else "",
+        "outcome_goal": outcome.goal.name if outcome is not None else "",
+        "outcome_reason": outcome.reason if outcome is not None else "",
+        "distance_m": odometry.distance,
+        "speed_m_s": math.hypot(odometry.v_x, odometry.v_y),
+        "yaw_rate_rad_s": odometry.yaw_rate,
+        "gyro_bias_rad_s": odometry.gyro_bias,
+        "wheel_disagreement_m_s": odometry.residual,
+        "yaw_rate_difference_rad_s": odometry.yaw_rate_difference,
+        "encoder_jumps": float(odometry.encoder_jumps),
+        "steer_error_rad": steer_error,
+        "steering_residual_m_s": residual,
+        "speed_factor": speed_factor,
+        "limit_factor": cut,
+        "power_limit": inputs.power_limit,
+    }
+    return status

@@ -1,0 +1,105 @@
+"""What goes into the drive and comes out of it in a period, and what it remembers in between. No ROS types.
+
+Arrays have one number for each wheel, in the order of the geometry. Positions [m], angles [rad], time [s].
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.goal import Goal, GoalOutcome
+from sojourn_mechanics.steering.goal_follower import FollowerState
+from sojourn_mechanics.steering.kinematics import PlanarTwist
+from sojourn_mechanics.steering.odometry import OdometryState
+from sojourn_mechanics.steering.rate_limiter import LimiterState
+
+Mode = Literal["idle", "goal", "waypoints", "cmd_vel"]
+
+
+@dataclass(frozen=True, slots=True)
+class TwistCommand:
+    """The operator's newest /cmd_vel.
+
+    Raises:
+        InvalidValueError: if a number is not finite or the age is negative.
+    """
+
+    twist: PlanarTwist
+    """Wanted motion of base_link."""
+    age: float
+    """Time since its stamp [s]."""
+
+    def __post_init__(self) -> None:
+        for name, value in zip(self.twist._fields, self.twist, strict=True):
+            if not math.isfinite(value):
+                raise InvalidValueError(f"cmd_vel {name}", value, "a finite number")
+        if not (math.isfinite(self.age) and self.age >= 0.0):
+            raise InvalidValueError("cmd_vel age", self.age, "a finite number, 0 s or more")
+
+
+@dataclass(frozen=True, slots=True)
+class DriveInput:
+    """What is known at the start of a period. Arrays have shape (wheels,) in the order of the geometry."""
+
+    wheel_positions: FloatArray
+    """[rad]"""
+    wheel_rates: FloatArray
+    """[rad/s]"""
+    steer_angles: FloatArray
+    """[rad]; 0 for fixed wheels"""
+    gyro: tuple[float, float, float] | None = None
+    """Angular velocity in base_link [rad/s], None without a gyro."""
+    roll_pitch: tuple[float, float] | None = None
+    """[rad], None to take the ground as level."""
+    twist: TwistCommand | None = None
+    """Newest /cmd_vel, every period until it is replaced; its age tells when it came."""
+    goal: Goal | None = None
+    """A goal or path that arrived in this period, in odom."""
+    stop: bool = False
+    """A stop request that arrived in this period."""
+    power_limit: float = 1.0
+    """Factor of the power manager on all speeds, 0 to 1 [-]."""
+
+
+@dataclass(frozen=True, slots=True)
+class DriveState:
+    """Everything the drive remembers."""
+
+    mode: Mode
+    odometry: OdometryState
+    limiter: LimiterState | None
+    """None before the first period, when the steering's present angles are taken over."""
+    follower: FollowerState | None
+    """The goal on its way."""
+    last_outcome: GoalOutcome | None
+    """How the last goal ended."""
+    since_override: float
+    """Time since the last goal or stop request [s]; a twist command older than that does not count."""
+    stuck_for: float
+    """Time the wheels have waited for the steering [s]."""
+    text: str
+    """What the drive is doing, in words."""
+
+
+@dataclass(frozen=True, slots=True)
+class DriveOutput:
+    """Result of one period. Wheel arrays have shape (wheels,)."""
+
+    wheel_rates: FloatArray
+    """Commands [rad/s]."""
+    steer_angles: FloatArray
+    """Commands [rad], 0 for fixed wheels."""
+    steer_rates: FloatArray
+    """Feed-forward of the steering [rad/s]."""
+    odometry: OdometryState
+    """Pose of base_link in odom and twist in base_link."""
+    pose_covariance: FloatArray
+    """x, y, z, roll, pitch, yaw; shape (6, 6)."""
+    twist_covariance: FloatArray
+    """v_x, v_y, v_z, w_x, w_y, w_z; shape (6, 6)."""
+    outcomes: tuple[GoalOutcome, ...]
+    """Goals that ended in this period."""
+    status: dict[str, str | float]
+    """Fields of /drive/status."""

@@ -1,0 +1,138 @@
+"""Kernels of the odometry: arc, wheels, covariance. Equations and sources are in `odometry`."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.kinematics import twist_kernel, velocity_kernel
+
+START_POSITION_VARIANCE = 1e-6
+"""Variance of the start position [m^2]: zero by definition, but a covariance must be positive definite."""
+START_YAW_VARIANCE = 1e-8
+"""Variance of the start heading [rad^2], for the same reason."""
+STANDING_RATE_VARIANCE = 1e-8
+"""Variance of a velocity that is zero because the rover stands [m^2/s^2 or rad^2/s^2]."""
+
+
+@njit(cache=True)
+def body_arc(v_x: float, v_y: float, turn: float, dt: float) -> tuple[float, float]:
+    """Displacement in the body plane at the start of a period [m] while the body turns by `turn` [rad]."""
+    if abs(turn) < 1e-4:
+        sine = 1.0 - turn * turn / 6.0
+        versine = 0.5 * turn - turn**3 / 24.0
+    else:
+        sine = math.sin(turn) / turn
+        versine = (1.0 - math.cos(turn)) / turn
+    return dt * (sine * v_x - versine * v_y), dt * (versine * v_x + sine * v_y)
+
+
+@njit(cache=True)
+def wheel_motion(
+    table: FloatArray, old_positions: FloatArray, positions: FloatArray, measured_rates: FloatArray,
+    old_angles: FloatArray, angles: FloatArray, dt: float, plausible_rate: float, lateral_weight: float,
+    yaw_rate: float, use_gyro: bool,
+) -> tuple[float, float, float, float, float, int]:  # fmt: skip
+    """v_x, v_y, yaw rate of the wheels alone, residual, fastest rim (roll or steer) [m/s], encoder jumps."""
+    count = table.shape[0]
+    rates, middle = np.empty(count), np.empty(count)
+    fastest = 0.0
+    jumps = 0
+    for i in range(count):
+        rates[i] = (positions[i] - old_positions[i]) / dt
+        if abs(rates[i]) > plausible_rate:
+            rates[i] = measured_rates[i]
+            jumps += 1
+        middle[i] = 0.5 * (angles[i] + old_angles[i])
+        fastest = max(fastest, abs(rates[i]) * table[i, 2])
+        fastest = max(fastest, abs(angles[i] - old_angles[i]) / dt * table[i, 2])
+    v_x, v_y, wheel_yaw_rate, residual = twist_kernel(table, rates, middle, lateral_weight)
+    if use_gyro:
+        v_x, v_y, residual = velocity_kernel(table, rates, middle, yaw_rate, lateral_weight)
+    return v_x, v_y, wheel_yaw_rate, residual, fastest, jumps
+
+
+@njit(cache=True)
+def propagate(
+    covariance: FloatArray,
+    move_x: float,
+    move_y: float,
+    side_x: float,
+    side_y: float,
+    bias_gain: float,
+    slip_kept: float,
+    slip_variance: float,
+    side_variance: float,
+    move_variance: float,
+    yaw_variance: float,
+    bias_variance: float,
+) -> FloatArray:
+    """F P F^T + Q for one period; the variances are those added, `slip_kept` what is left of the old slip."""
+    size = 6
+    jacobian = np.eye(size)
+    # The bias turns the heading while the rover moves: half of the period's turn counts for its displacement.
+    jacobian[0, 2], jacobian[0, 3], jacobian[0, 4], jacobian[0, 5] = (
+        -move_y,
+        -move_x,
+        side_x,
+        0.5 * bias_gain * move_y,
+    )
+    jacobian[1, 2], jacobian[1, 3], jacobian[1, 4], jacobian[1, 5] = (
+        move_x,
+        -move_y,
+        side_y,
+        -0.5 * bias_gain * move_x,
+    )
+    jacobian[2, 5] = -bias_gain
+    jacobian[3, 3] = jacobian[4, 4] = slip_kept
+    half = np.zeros((size, size))
+    for i in range(size):
+        for k in range(size):
+            if jacobian[i, k] != 0.0:
+                for j in range(size):
+                    half[i, j] += jacobian[i, k] * covariance[k, j]
+    result = np.empty((size, size))
+    for i in range(size):
+        for j in range(i + 1):
+            value = 0.0
+            for k in range(size):
+                value += half[i, k] * jacobian[j, k]
+            result[i, j] = value
+            result[j, i] = value
+    result[0, 0] += move_variance
+    result[1, 1] += move_variance
+    result[2, 2] += yaw_variance
+    result[3, 3] += slip_variance
+    result[4, 4] += side_variance
+    result[5, 5] += bias_variance
+    return result
+
+
+@njit(cache=True)
+def update_bias(covariance: FloatArray, noise_variance: float) -> tuple[float, FloatArray]:
+    """Gain and covariance after the standing gyro has measured its bias; other states are left alone."""
+    gain = covariance[5, 5] / (covariance[5, 5] + noise_variance)
+    result = covariance.copy()
+    for i in range(5):
+        result[i, 5] *= 1.0 - gain
+        result[5, i] = result[i, 5]
+    result[5, 5] = (1.0 - gain) ** 2 * covariance[5, 5] + gain * gain * noise_variance
+    return gain, result
+
+
+@njit(cache=True)
+def fill_covariances(
+    covariance: FloatArray, tilt_sigma: float, distance: float, white: float, lasting: float, side: float,
+    gyro: float, pose: FloatArray, twist: FloatArray,
+) -> None:  # fmt: skip
+    """Fills the two (6, 6) covariances of a message, which are zero before."""
+    pose[0, 0], pose[0, 1], pose[1, 1] = covariance[0, 0], covariance[0, 1], covariance[1, 1]
+    pose[0, 5], pose[1, 5], pose[5, 5] = covariance[0, 2], covariance[1, 2], covariance[2, 2]
+    pose[1, 0], pose[5, 0], pose[5, 1] = pose[0, 1], pose[0, 5], pose[1, 5]
+    pose[2, 2] = START_POSITION_VARIANCE + (tilt_sigma * distance) ** 2
+    pose[3, 3] = pose[4, 4] = tilt_sigma**2
+    twist[0, 0] = STANDING_RATE_VARIANCE + white + lasting
+    twist[1, 1] = STANDING_RATE_VARIANCE + white + side
+    twist[2, 2] = STANDING_RATE_VARIANCE + side
+    twist[3, 3] = twist[4, 4] = twist[5, 5] = STANDING_RATE_VARIANCE + gyro
