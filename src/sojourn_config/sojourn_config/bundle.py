@@ -1,0 +1,184 @@
+"""Everything that a rover on a body needs, read from its files and checked together."""
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from sojourn_config.errors import ConfigError, Problem
+from sojourn_config.load import validate
+from sojourn_config.machine_checks import machine_problems, steering_geometry, with_drive_data
+from sojourn_config.overrides import override_document
+from sojourn_config.paths import resolve, resolve_urdf
+from sojourn_config.rover import RoverConfig
+from sojourn_config.urdf import UrdfSummary, read_urdf
+from sojourn_config.yaml_file import YamlDocument, dotted, read_yaml
+from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.environment.body import BodyParams
+from sojourn_mechanics.power.battery import BatteryParams
+from sojourn_mechanics.power.loads import BusParams
+from sojourn_mechanics.power.manager_params import PowerLawParams, PowerManagerParams
+from sojourn_mechanics.sensors.params import SensorSuiteParams
+from sojourn_mechanics.soil.params import SoilParams
+from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bundle:
+    """The parameter sets of a run.
+
+    Args:
+        rover: wheels, pads, drives, couplings (also the plant's MachineParams).
+        urdf: the machine's URDF; `urdf.text` is the XML.
+        body: planet or moon.
+        soil, rock_soil: default soil of the ground, and soil of its rocks.
+        battery, bus: energy store and its loads.
+        power_manager: what the power manager believes and its law.
+        sensors, arm, drive: sets of the sensor, arm and drive node; rotor inertia and friction that the arm's
+            file leaves out are filled in from the rover's drives.
+        steering: wheels as the drive node sees them, from URDF and rover.
+        files: text of every file that was read, by name; the scenario's is first.
+    """
+
+    rover: RoverConfig
+    urdf: UrdfSummary
+    body: BodyParams
+    soil: SoilParams
+    rock_soil: SoilParams
+    battery: BatteryParams
+    bus: BusParams
+    power_manager: PowerManagerParams
+    sensors: SensorSuiteParams
+    arm: ArmParams
+    drive: DriveParams
+    steering: SteeringGeometryParams
+    files: dict[str, str]
+
+    @property
+    def urdf_xml(self) -> str:
+        """The URDF as text."""
+        return self.urdf.text
+
+    @property
+    def soils(self) -> dict[str, SoilParams]:
+        """The soils of the ground by name."""
+        return {soil.name: soil for soil in (self.soil, self.rock_soil)}
+
+    @property
+    def gravity(self) -> float:
+        """Surface gravity [m/s2]."""
+        return self.body.surface_gravity
+
+    def fields(self) -> dict[str, Any]:
+        """The fields by name, to build a larger bundle from."""
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(Bundle)}
+
+
+class BundleReader:
+    """Reads the files of a scenario one after the other and collects the problems of all of them."""
+
+    def __init__(self, scenario: YamlDocument, path: Path, overrides: dict[str, list[str]]) -> None:
+        self.problems: list[Problem] = []
+        self.files: dict[str, str] = {scenario.file: path.read_text(encoding="utf-8")}
+        self._scenario = scenario
+        self._path = path
+        self._overrides = overrides
+
+    def read(self, rover: str, body: str, soil: str, rock_soil: str) -> Bundle | None:
+        """All that a scenario names, or None with the reasons in `problems`."""
+        here = (self._scenario, self._path)
+        found_body = self._named("bodies", body, "body", BodyParams, here)
+        found_soil = self._named("soils", soil, "soil", SoilParams, here)
+        found_rock = self._named("soils", rock_soil, "rock_soil", SoilParams, here)
+        machine = self._load("rovers", rover, "rover", RoverConfig, here)
+        if machine is None:
+            return None
+        config, document, path = machine
+        there = (document, path)
+        urdf = self._urdf(config.urdf, document, path)
+        battery = self._load("power", config.battery, "battery", BatteryParams, there)
+        bus = self._load("power", config.loads, "loads", BusParams, there)
+        law = self._load("power", config.power_manager, "power_manager", PowerLawParams, there)
+        sensors = self._load("sensors", config.sensors, "sensors", SensorSuiteParams, there)
+        arm = self._load("arms", config.arm, "arm", ArmParams, there)
+        drive = self._load("nodes", config.drive, "drive", DriveParams, there)
+        if urdf is None or battery is None or bus is None or law is None or sensors is None or arm is None:
+            return None
+        if drive is None or found_body is None or found_soil is None or found_rock is None:
+            return None
+        documents = {"rover": document, "sensors": sensors[1], "arm": arm[1], "drive": drive[1]}
+        found = machine_problems(config, urdf, bus[0], sensors[0], arm[0], drive[0], documents)
+        if found:
+            self.problems += found
+            return None
+        return Bundle(
+            rover=config,
+            urdf=urdf,
+            body=found_body,
+            soil=found_soil,
+            rock_soil=found_rock,
+            battery=battery[0],
+            bus=bus[0],
+            power_manager=PowerManagerParams(battery=battery[0], loads=bus[0].loads, law=law[0]),
+            sensors=sensors[0],
+            arm=with_drive_data(arm[0], config),
+            drive=drive[0],
+            steering=steering_geometry(config, urdf),
+            files=self.files,
+        )
+
+    def _load(
+        self, kind: str, name: str, key: str, model: type[Model], asked: tuple[YamlDocument, Path]
+    ) -> tuple[Model, YamlDocument, Path] | None:
+        """The set with its document and path; None with the reason in `problems`."""
+        asked_document, asked_path = asked
+        try:
+            path = resolve(kind, name, (asked_document.file, key), asked_path.parent)
+            plain = read_yaml(path)
+            self.files[plain.file] = path.read_text(encoding="utf-8")
+            document = override_document(plain, self._overrides.get(key, ()))
+            return validate(document, model), document, path
+        except ConfigError as error:
+            self.problems += _with_line(error.problems, asked_document, key)
+            return None
+
+    def _named(
+        self, kind: str, name: str, key: str, model: type[Model], asked: tuple[YamlDocument, Path]
+    ) -> Model | None:
+        """A set that carries its own name, which must be that of its file."""
+        loaded = self._load(kind, name, key, model, asked)
+        if loaded is None:
+            return None
+        params, document, path = loaded
+        own_name = getattr(params, "name", path.stem)
+        if own_name != path.stem:
+            allowed = f"allowed is the name of the file, {path.stem}"
+            self.problems.append(document.problem(("name",), own_name, allowed))
+            return None
+        return params
+
+    def _urdf(self, name: str, document: YamlDocument, path: Path) -> UrdfSummary | None:
+        try:
+            urdf_path = resolve_urdf(name, (document.file, "urdf"), path.parent)
+            urdf = read_urdf(urdf_path)
+        except ConfigError as error:
+            self.problems += _with_line(error.problems, document, "urdf")
+            return None
+        self.files[urdf.file] = urdf.text
+        return urdf
+
+
+def _with_line(problems: Sequence[Problem], document: YamlDocument, key: str) -> list[Problem]:
+    """Add the line of the key that named a set to the problems that are about that key."""
+    _, line = document.place((key,))
+    return [
+        dataclasses.replace(problem, line=line)
+        if problem.file == document.file and problem.key == dotted((key,)) and problem.line is None
+        else problem
+        for problem in problems
+    ]

@@ -1,0 +1,191 @@
+"""Checks of a rover across its files: URDF, wheels, drives, loads, sensors, arm, drive node."""
+
+from collections.abc import Iterator, Mapping
+
+from sojourn_config.errors import Problem, names_text
+from sojourn_config.rover import RoverConfig
+from sojourn_config.urdf import UrdfSummary
+from sojourn_config.yaml_file import KeyPath, YamlDocument
+from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.power.loads import BusParams
+from sojourn_mechanics.sensors.params import SensorSuiteParams
+from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams, geometry_from_placements
+
+SAME_LENGTH = 1e-6
+"""Largest difference of two lengths that are meant to be one [m]."""
+BASE_LINK = "base_link"
+
+
+def machine_problems(
+    rover: RoverConfig,
+    urdf: UrdfSummary,
+    bus: BusParams,
+    sensors: SensorSuiteParams,
+    arm: ArmParams,
+    drive: DriveParams,
+    documents: Mapping[str, YamlDocument],
+) -> list[Problem]:
+    """All that does not fit together.
+
+    Args:
+        documents: the files by role (`rover`, `sensors`, `arm`, `drive`), for messages.
+    """
+    problems = [
+        *_wheel_problems(rover, urdf, documents["rover"]),
+        *_drive_problems(rover, urdf, bus, documents["rover"]),
+        *_reference_problems(rover, urdf, documents["rover"]),
+        *_sensor_problems(sensors, urdf, documents["sensors"]),
+        *_arm_problems(arm, rover, urdf, documents["arm"]),
+    ]
+    if not problems:
+        problems += _limit_problems(rover, urdf, drive, documents["drive"])
+    return problems
+
+
+def steering_geometry(rover: RoverConfig, urdf: UrdfSummary) -> SteeringGeometryParams:
+    """The wheels as the drive node sees them. They roll on the circle on which the soil shears."""
+    steer = [None if wheel.steer_joint is None else urdf.joints[wheel.steer_joint] for wheel in rover.wheels]
+    return geometry_from_placements(
+        [wheel.name for wheel in rover.wheels],
+        [urdf.position_in_link(wheel.joint, BASE_LINK) for wheel in rover.wheels],
+        [wheel.shear_radius for wheel in rover.wheels],
+        [None if joint is None else (joint.lower, joint.upper) for joint in steer],
+    )
+
+
+def with_drive_data(arm: ArmParams, rover: RoverConfig) -> ArmParams:
+    """The arm with rotor inertia and friction of the rover's drives, where its own file leaves them out."""
+    drives = {joint: drive for drive in rover.drives for joint in drive.joints}
+    found = [drives[joint] for joint in arm.joint_names]
+    update = {
+        "reflected_inertia": tuple(drive.reflected_inertia for drive in found),
+        "coulomb_friction": tuple(drive.friction_torque for drive in found),
+        "viscous_friction": tuple(drive.gear.viscous_friction for drive in found),
+    }
+    return arm.model_copy(update={name: value for name, value in update.items() if not getattr(arm, name)})
+
+
+def _joint_problem(document: YamlDocument, path: KeyPath, name: str, urdf: UrdfSummary) -> Problem | None:
+    """The problem with a joint's name, or None where the URDF has that joint and it moves."""
+    if name in urdf.moving_joints:
+        return None
+    why = "is fixed" if name in urdf.joints else "is not a joint"
+    return document.problem(path, name, f"{why} in {urdf.file}: " + names_text(name, urdf.moving_joints))
+
+
+def _wheel_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+    driven = {joint for drive in rover.drives for joint in drive.joints}
+    for index, wheel in enumerate(rover.wheels):
+        path: KeyPath = ("wheels", index)
+        problem = _joint_problem(document, (*path, "joint"), wheel.joint, urdf)
+        if problem is not None:
+            yield problem
+            continue
+        joint = urdf.joints[wheel.joint]
+        if joint.kind != "continuous":
+            allowed = f"is {joint.kind} in {urdf.file}: allowed is continuous"
+            yield document.problem((*path, "joint"), wheel.joint, allowed)
+        if wheel.joint not in driven:
+            yield document.problem((*path, "joint"), wheel.joint, "has no drive: name it in drives")
+        size = urdf.cylinders.get(joint.child)
+        if size is None:
+            allowed = f"its link {joint.child} has not one collision cylinder in {urdf.file}"
+            yield document.problem((*path, "joint"), wheel.joint, allowed)
+        else:
+            for key, value, wanted in (("radius", wheel.radius, size[0]), ("width", wheel.width, size[1])):
+                if abs(value - wanted) > SAME_LENGTH:
+                    allowed = f"allowed is {wanted:g} m, that of the cylinder of {joint.child} in {urdf.file}"
+                    yield document.problem((*path, key), value, allowed)
+        if wheel.steer_joint is not None:
+            steer = _joint_problem(document, (*path, "steer_joint"), wheel.steer_joint, urdf)
+            if steer is not None:
+                yield steer
+            elif urdf.joints[wheel.steer_joint].kind != "revolute":
+                kind = urdf.joints[wheel.steer_joint].kind
+                allowed = f"is {kind} in {urdf.file}: allowed is revolute"
+                yield document.problem((*path, "steer_joint"), wheel.steer_joint, allowed)
+
+
+def _drive_problems(
+    rover: RoverConfig, urdf: UrdfSummary, bus: BusParams, document: YamlDocument
+) -> Iterator[Problem]:
+    loads = {load.name: load for load in bus.loads}
+    commanded = [load.name for load in bus.loads if load.kind == "commanded"]
+    for index, drive in enumerate(rover.drives):
+        path: KeyPath = ("drives", index)
+        if drive.load not in commanded:
+            why = "is no commanded load" if drive.load in loads else "is no load of the bus"
+            allowed = f"{why}: " + names_text(drive.load, commanded)
+            yield document.problem((*path, "load"), drive.load, allowed)
+        for number, name in enumerate(drive.joints):
+            problem = _joint_problem(document, (*path, "joints", number), name, urdf)
+            if problem is not None:
+                yield problem
+            elif drive.servo.max_torque > urdf.joints[name].effort:
+                effort = urdf.joints[name].effort
+                allowed = f"allowed is at most {effort:g} N m, the effort of {name} in {urdf.file}"
+                yield document.problem((*path, "servo", "max_torque"), drive.servo.max_torque, allowed)
+
+
+def _reference_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+    for index, coupling in enumerate(rover.couplings):
+        for key, name in (("first", coupling.first), ("second", coupling.second)):
+            problem = _joint_problem(document, ("couplings", index, key), name, urdf)
+            if problem is not None:
+                yield problem
+    for index, pad in enumerate(rover.pads):
+        if pad.link not in urdf.links:
+            allowed = f"is not a link of {urdf.file}: " + names_text(pad.link, urdf.links)
+            yield document.problem(("pads", index, "link"), pad.link, allowed)
+    if BASE_LINK not in urdf.links:
+        yield document.problem(("urdf",), rover.urdf, f"has no link {BASE_LINK}")
+
+
+def _sensor_problems(
+    sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument
+) -> Iterator[Problem]:
+    for group, params in sensors.joint_groups.items():
+        for number, name in enumerate(params.joints):
+            problem = _joint_problem(document, ("joint_groups", group, "joints", number), name, urdf)
+            if problem is not None:
+                yield problem
+
+
+def _arm_problems(
+    arm: ArmParams, rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument
+) -> Iterator[Problem]:
+    driven = {joint for drive in rover.drives for joint in drive.joints}
+    for index, name in enumerate(arm.joint_names):
+        problem = _joint_problem(document, ("joint_names", index), name, urdf)
+        if problem is not None:
+            yield problem
+            continue
+        if name not in driven:
+            yield document.problem(("joint_names", index), name, "has no drive in the rover's drives")
+        joint = urdf.joints[name]
+        if arm.max_velocity[index] > joint.velocity:
+            allowed = f"allowed is at most {joint.velocity:g} rad/s, the velocity of {name} in {urdf.file}"
+            yield document.problem(("max_velocity", index), arm.max_velocity[index], allowed)
+        for pose, positions in arm.named_poses.items():
+            if not joint.lower <= positions[index] <= joint.upper:
+                allowed = f"allowed is {joint.lower:g} to {joint.upper:g} rad, the limits of {name}"
+                yield document.problem(("named_poses", pose, index), positions[index], allowed)
+    for key, link in (("base_link", arm.base_link), ("tip_link", arm.tip_link)):
+        if link not in urdf.links:
+            allowed = f"is not a link of {urdf.file}: " + names_text(link, urdf.links)
+            yield document.problem((key,), link, allowed)
+
+
+def _limit_problems(
+    rover: RoverConfig, urdf: UrdfSummary, drive: DriveParams, document: YamlDocument
+) -> Iterator[Problem]:
+    """The drive node may not ask for more than the joints can do."""
+    steered = [wheel.steer_joint for wheel in rover.wheels if wheel.steer_joint is not None]
+    for key, value, joints in (
+        ("max_wheel_rate", drive.limits.max_wheel_rate, [wheel.joint for wheel in rover.wheels]),
+        ("max_steer_rate", drive.limits.max_steer_rate, steered),
+    ):
+        slowest = min((urdf.joints[joint].velocity for joint in joints), default=value)
+        if value > slowest:
+            allowed = f"allowed is at most {slowest:g} rad/s, the velocity of these joints in {urdf.file}"
+            yield document.problem(("limits", key), value, allowed)

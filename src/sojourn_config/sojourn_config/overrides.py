@@ -1,0 +1,98 @@
+"""Values set on the command line: `--set battery_soc=0.5`, `--set soil.n=1`, `--set steps[0].wait_s=5`."""
+
+import copy
+import re
+from collections.abc import Sequence
+
+from sojourn_config.errors import MISSING, single
+from sojourn_config.yaml_file import Data, KeyPath, YamlDocument, parse_value
+
+_PART = re.compile(r"([^\[\].=]+)((?:\[[0-9]+\])*)")
+
+
+def split_override(text: str) -> tuple[KeyPath, str]:
+    """`a.b[0].c=1` as the path (a, b, 0, c) and the text `1`.
+
+    Raises:
+        ConfigError: it is not KEY=VALUE.
+    """
+    key, separator, value = text.partition("=")
+    path: list[str | int] = []
+    for part in key.strip().split("."):
+        match = _PART.fullmatch(part.strip())
+        if match is None or not separator:
+            allowed = "allowed is KEY=VALUE, the key with dots: start.yaw=0.5"
+            raise single(f"--set {text}", "", MISSING, allowed)
+        path.append(match.group(1))
+        path.extend(int(index) for index in re.findall(r"[0-9]+", match.group(2)))
+    return tuple(path), value.strip()
+
+
+def apply_overrides(data: dict[str, Data], overrides: Sequence[str]) -> dict[str, Data]:
+    """A copy of `data` with every `KEY=VALUE` set. A key that is not there is added: the schema judges it.
+
+    Raises:
+        ConfigError: not KEY=VALUE, or a path that goes through a value that is no table or list.
+    """
+    result = copy.deepcopy(data)
+    for text in overrides:
+        path, value = split_override(text)
+        _set(result, path, parse_value(value, f"--set {text}"), text)
+    return result
+
+
+def override_document(document: YamlDocument, overrides: Sequence[str]) -> YamlDocument:
+    """The document with overrides applied, which remembers where each value is from.
+
+    Raises:
+        ConfigError: as `apply_overrides`.
+    """
+    if not overrides:
+        return document
+    changed = dict(document.overridden)
+    changed.update((split_override(text)[0], text) for text in overrides)
+    return YamlDocument(document.file, apply_overrides(document.data, overrides), document.lines, changed)
+
+
+def route_overrides(overrides: Sequence[str], heads: Sequence[str]) -> tuple[list[str], dict[str, list[str]]]:
+    """Sort overrides by the file they are for.
+
+    `soil.k_c=1400` with the head `soil` is `k_c=1400` for the file that `soil` names; `soil=jsc_1a` stays.
+
+    Returns:
+        those that stay, and those of each head without it.
+
+    Raises:
+        ConfigError: it is not KEY=VALUE.
+    """
+    stay: list[str] = []
+    routed: dict[str, list[str]] = {head: [] for head in heads}
+    for text in overrides:
+        path, _ = split_override(text)
+        head = path[0]
+        if len(path) > 1 and isinstance(head, str) and head in routed and isinstance(path[1], str):
+            routed[head].append(text.strip().partition(".")[2])
+        else:
+            stay.append(text)
+    return stay, routed
+
+
+def _set(data: dict[str, Data], path: KeyPath, value: Data, text: str) -> None:
+    here: Data = data
+    for depth, part in enumerate(path):
+        last = depth == len(path) - 1
+        if isinstance(here, dict) and isinstance(part, str):
+            if last:
+                here[part] = value
+                return
+            here = here.setdefault(part, {})
+        elif isinstance(here, list) and isinstance(part, int) and part < len(here):
+            if last:
+                here[part] = value
+                return
+            here = here[part]
+        elif isinstance(here, list):
+            allowed = f"{part!r} is no index of a list of {len(here)}"
+            raise single(f"--set {text}", "", MISSING, allowed)
+        else:
+            raise single(f"--set {text}", "", MISSING, f"{part!r} is asked of a value that is no table")

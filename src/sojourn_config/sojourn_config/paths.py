@@ -1,0 +1,117 @@
+"""Where the configuration is: folder `config/` with one folder a kind, and folder `urdf/` beside it.
+
+The folders are found by path and not through an installation index, so that an editable install and a colcon
+workspace work alike. SOJOURN_CONFIG_DIR names another `config/`; `urdf/` is then looked for beside it and,
+where there is none, the repository's is used.
+"""
+
+import os
+from pathlib import Path
+
+from sojourn_config.errors import MISSING, names_text, single
+
+ENVIRONMENT_VARIABLE = "SOJOURN_CONFIG_DIR"
+KINDS: tuple[str, ...] = ("arms", "bodies", "nodes", "power", "rovers", "scenarios", "sensors", "soils")
+"""Folders of `config/`."""
+SUFFIX = ".yaml"
+
+
+def repository_root() -> Path:
+    """The folder above this file (or above the working folder) that holds `config/` and `urdf/`.
+
+    Raises:
+        ConfigError: there is no such folder.
+    """
+    for start in (Path(__file__).resolve(), Path.cwd()):
+        for folder in (start, *start.parents):
+            if (folder / "config").is_dir() and (folder / "urdf").is_dir():
+                return folder
+    raise single("environment", ENVIRONMENT_VARIABLE, MISSING, "no config/ was found: set it to yours")
+
+
+def config_folder() -> Path:
+    """The folder `config/` in use.
+
+    Raises:
+        ConfigError: SOJOURN_CONFIG_DIR is set and is no folder, or nothing was found.
+    """
+    override = os.environ.get(ENVIRONMENT_VARIABLE)
+    if override is None:
+        return repository_root() / "config"
+    folder = Path(override).expanduser()
+    if not folder.is_dir():
+        raise single("environment", ENVIRONMENT_VARIABLE, override, "allowed is a folder that exists")
+    return folder
+
+
+def urdf_folder() -> Path:
+    """The folder `urdf/` in use.
+
+    Raises:
+        ConfigError: as `config_folder`.
+    """
+    beside = config_folder().resolve().parent / "urdf"
+    return beside if beside.is_dir() else repository_root() / "urdf"
+
+
+def available(kind: str) -> tuple[str, ...]:
+    """Names of the parameter sets of a kind, sorted."""
+    return tuple(sorted(path.stem for path in (config_folder() / kind).glob(f"*{SUFFIX}")))
+
+
+def display(path: Path) -> str:
+    """The path as a person would name it: from the folder that holds `config/` where it is under it."""
+    resolved = path.resolve()
+    for base in (config_folder().resolve().parent, Path.cwd().resolve()):
+        if resolved.is_relative_to(base):
+            return resolved.relative_to(base).as_posix()
+    return str(path)
+
+
+def resolve(
+    kind: str, name: str, asked_by: tuple[str, str] | None = None, folder: Path | None = None
+) -> Path:
+    """The file of a parameter set.
+
+    Args:
+        kind: one of KINDS.
+        name: a name (`jsc_1a`), or the path of a file: absolute, or from the working folder or `folder`.
+        asked_by: file and key that name it, for the message.
+        folder: folder of the file that names it.
+
+    Raises:
+        ConfigError: no such file; the message lists the names that exist.
+    """
+    file, key = asked_by if asked_by is not None else ("command line", kind)
+    if kind not in KINDS:
+        raise single(file, key, kind, names_text(kind, KINDS))
+    if _is_path(name):
+        candidates = [Path(name).expanduser()]
+        if folder is not None:
+            candidates.append(folder / name)
+        for candidate in candidates:
+            if candidate.is_file():
+                return candidate
+        known = names_text(Path(name).stem, available(kind))
+        raise single(file, key, name, f"there is no such file; without a path, {known}")
+    names = available(kind)
+    if name not in names:
+        raise single(file, key, name, f"not in config/{kind}: " + names_text(name, names))
+    return config_folder() / kind / f"{name}{SUFFIX}"
+
+
+def resolve_urdf(name: str, asked_by: tuple[str, str], folder: Path) -> Path:
+    """The URDF file `name`: in `urdf/`, or a path from the file that names it.
+
+    Raises:
+        ConfigError: no such file; the message lists the URDF files that exist.
+    """
+    for candidate in (Path(name).expanduser(), folder / name, urdf_folder() / name):
+        if candidate.is_file():
+            return candidate
+    files = [path.name for path in urdf_folder().glob("*.urdf")]
+    raise single(asked_by[0], asked_by[1], name, "not in urdf/: " + names_text(name, files))
+
+
+def _is_path(name: str) -> bool:
+    return "/" in name or os.sep in name or name.endswith((SUFFIX, ".yml"))

@@ -1,0 +1,123 @@
+"""Scenarios: the schema of `config/scenarios/NAME.yaml`, and `load_scenario`, which loads all of a run."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import Field
+
+from sojourn_config.bundle import Bundle, BundleReader
+from sojourn_config.errors import ConfigError, single
+from sojourn_config.load import validate
+from sojourn_config.overrides import override_document, route_overrides
+from sojourn_config.paths import resolve
+from sojourn_config.scenario_checks import scenario_problems
+from sojourn_config.steps import FARTHEST, LONGEST, StepConfig
+from sojourn_config.yaml_file import read_yaml
+from sojourn_mechanics.errors import MechanicsError
+from sojourn_mechanics.params import Params
+from sojourn_mechanics.plant.params import SimulationParams
+from sojourn_mechanics.terrain.generate import generate
+from sojourn_mechanics.terrain.height_field import HeightField
+from sojourn_mechanics.terrain.params import TerrainParams
+
+HEADS = ("rover", "body", "soil", "rock_soil", "battery", "loads", "power_manager", "sensors", "arm", "drive")
+"""First word of an override that is for another file than the scenario's."""
+
+
+class StartConfig(Params):
+    """Where the rover stands at the start; its height and tilt follow from the ground."""
+
+    x: float = Field(default=0.0, ge=-FARTHEST, le=FARTHEST, description="position in map [m]")
+    y: float = Field(default=0.0, ge=-FARTHEST, le=FARTHEST, description="position in map [m]")
+    yaw: float = Field(default=0.0, ge=-2 * math.pi, le=2 * math.pi, description="heading in map [rad]")
+
+
+class AcceptanceConfig(Params):
+    """How near counts as met, by the truth of the plant."""
+
+    drive_m: float = Field(default=0.3, gt=0.0, le=100.0, description="distance from a drive goal [m]")
+    arm_m: float = Field(default=0.005, gt=0.0, le=1.0, description="distance of the tip from its target [m]")
+
+
+class ScenarioConfig(Params):
+    """One scenario."""
+
+    description: str = Field(min_length=1, description="what happens, in one sentence")
+    seed: int = Field(ge=0, lt=2**63, description="seed of everything random [-]")
+    rover: str = Field(min_length=1, description="name in config/rovers")
+    body: str = Field(min_length=1, description="name in config/bodies")
+    terrain: TerrainParams = Field(description="the ground")
+    soil: str = Field(min_length=1, description="name in config/soils")
+    rock_soil: str = Field(default="rigid_rock", min_length=1, description="name in config/soils")
+    start: StartConfig = Field(default_factory=StartConfig, description="where the rover stands")
+    battery_soc: float = Field(default=1.0, ge=0.0, le=1.0, description="state of charge at the start [1]")
+    duration_limit_s: float = Field(gt=0.0, le=LONGEST, description="simulated time at which a run ends [s]")
+    simulation: SimulationParams = Field(default_factory=SimulationParams, description="steps of the plant")
+    accept: AcceptanceConfig = Field(default_factory=AcceptanceConfig, description="how near counts as met")
+    steps: tuple[StepConfig, ...] = Field(default=(), description="what the operator sends, in order")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoadedScenario(Bundle):
+    """A scenario with everything that it names, validated together. See Bundle for what comes from the rover.
+
+    Args:
+        name: name of the scenario, or its file without suffix.
+        config: the scenario itself.
+        overrides: the KEY=VALUE texts that went over the files.
+    """
+
+    name: str
+    config: ScenarioConfig
+    overrides: tuple[str, ...]
+
+    @property
+    def terrain(self) -> TerrainParams:
+        """Parameters of the ground."""
+        return self.config.terrain
+
+    @property
+    def simulation(self) -> SimulationParams:
+        """Steps of the plant."""
+        return self.config.simulation
+
+    @property
+    def soil_names(self) -> tuple[str, str]:
+        """Names of the default soil and of the soil of rocks."""
+        return self.soil.name, self.rock_soil.name
+
+    def height_field(self) -> HeightField:
+        """Make the ground, from the scenario's seed.
+
+        Raises:
+            ConfigError: the ground cannot be made with these parameters.
+        """
+        try:
+            return generate(self.terrain, *self.soil_names, self.config.seed)
+        except MechanicsError as error:
+            raise single(next(iter(self.files)), "terrain", self.terrain.kind, str(error)) from error
+
+
+def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
+    """Load a scenario and everything that it names.
+
+    Args:
+        name: name in `config/scenarios`, or the path of a file.
+        overrides: `KEY=VALUE` texts. A first word of HEADS means the file that scenario or rover name:
+            `soil.k_c=1400`, `rover.drives[0].gear.ratio=500`; all others to the scenario: `battery_soc=0.5`.
+
+    Raises:
+        ConfigError: with every problem of every file in it.
+    """
+    path = resolve("scenarios", name, ("command line", "scenario"))
+    own, routed = route_overrides(overrides, HEADS)
+    document = override_document(read_yaml(path), own)
+    config = validate(document, ScenarioConfig)
+    reader = BundleReader(document, path, routed)
+    bundle = reader.read(config.rover, config.body, config.soil, config.rock_soil)
+    problems = [*reader.problems, *scenario_problems(config, bundle, document)]
+    if problems or bundle is None:
+        raise ConfigError(problems)
+    return LoadedScenario(**bundle.fields(), name=Path(name).stem, config=config, overrides=tuple(overrides))

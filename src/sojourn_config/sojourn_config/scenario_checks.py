@@ -1,0 +1,72 @@
+"""Checks of a scenario against its ground and its arm: goals on the map, named poses that exist."""
+
+import typing
+from collections.abc import Iterator
+
+from sojourn_config.bundle import Bundle
+from sojourn_config.errors import Problem, names_text
+from sojourn_config.steps import ArmJointsStep, DriveGoalStep, DriveRouteStep
+from sojourn_config.yaml_file import KeyPath, YamlDocument
+from sojourn_mechanics.terrain.params import TerrainParams
+
+if typing.TYPE_CHECKING:
+    from sojourn_config.scenario import ScenarioConfig
+
+EDGE = 2.0
+"""Drive goals and the start keep this far from the edge of the map [m]."""
+
+
+def scenario_problems(
+    config: "ScenarioConfig", bundle: Bundle | None, document: YamlDocument
+) -> Iterator[Problem]:
+    """All that does not fit. Without a bundle (its files have problems) only the goals are looked at."""
+    places: list[tuple[KeyPath, float, float]] = [(("start",), config.start.x, config.start.y)]
+    for index, step in enumerate(config.steps):
+        path: KeyPath = ("steps", index, step.kind)
+        action = step.action
+        if isinstance(action, DriveGoalStep):
+            places.append((path, action.x, action.y))
+        elif isinstance(action, DriveRouteStep):
+            places += [((*path, "points", i), point.x, point.y) for i, point in enumerate(action.points)]
+        elif isinstance(action, ArmJointsStep) and bundle is not None:
+            yield from _arm_goal_problems(action, path, bundle, document)
+    for path, x, y in places:
+        yield from _place_problems(config.terrain, path, x, y, document)
+
+
+def _place_problems(
+    terrain: TerrainParams, path: KeyPath, x: float, y: float, document: YamlDocument
+) -> Iterator[Problem]:
+    rows, columns = terrain.node_counts
+    x_min, y_min = terrain.origin
+    ranges = (
+        ("x", x, x_min + EDGE, x_min + (columns - 1) * terrain.resolution - EDGE),
+        ("y", y, y_min + EDGE, y_min + (rows - 1) * terrain.resolution - EDGE),
+    )
+    for key, value, low, high in ranges:
+        if low > high:
+            allowed = f"the map is too small: allowed is more than {2.0 * EDGE:g} m in {key}"
+            yield document.problem(("terrain", f"size_{key}"), high - low + 2.0 * EDGE, allowed)
+        elif not low <= value <= high:
+            allowed = f"is off the terrain or within {EDGE:g} m of its edge: allowed is {low:g} to {high:g} m"
+            yield document.problem((*path, key), value, allowed)
+
+
+def _arm_goal_problems(
+    action: ArmJointsStep, path: KeyPath, bundle: Bundle, document: YamlDocument
+) -> Iterator[Problem]:
+    if action.name is not None and action.name not in bundle.arm.named_poses:
+        allowed = "is no pose of the arm: " + names_text(action.name, bundle.arm.named_poses)
+        yield document.problem((*path, "name"), action.name, allowed)
+    if action.positions is None:
+        return
+    names = bundle.arm.joint_names
+    if len(action.positions) != len(names):
+        allowed = f"has {len(action.positions)} values: allowed is {len(names)}, for " + ", ".join(names)
+        yield document.problem((*path, "positions"), list(action.positions), allowed)
+        return
+    for index, (value, name) in enumerate(zip(action.positions, names, strict=True)):
+        joint = bundle.urdf.joints[name]
+        if not joint.lower <= value <= joint.upper:
+            allowed = f"allowed is {joint.lower:g} to {joint.upper:g} rad, the limits of {name}"
+            yield document.problem((*path, "positions", index), value, allowed)

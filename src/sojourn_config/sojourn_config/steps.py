@@ -1,0 +1,121 @@
+"""What the scripted operator of a scenario sends. Each step is one goal on one topic, or a wait."""
+
+import math
+from typing import Literal, Self, TypeAlias
+
+from pydantic import Field, model_validator
+
+from sojourn_mechanics.params import Params
+
+FARTHEST = 1e6
+LONGEST = 1e7
+UNIT_TOLERANCE = 1e-3
+"""How far the length of a quaternion may be from 1."""
+
+
+class DriveGoalStep(Params):
+    """A pose to drive to: /goal_pose."""
+
+    x: float = Field(ge=-FARTHEST, le=FARTHEST, description="position in map [m]")
+    y: float = Field(ge=-FARTHEST, le=FARTHEST, description="position in map [m]")
+    yaw: float | None = Field(
+        default=None, ge=-2 * math.pi, le=2 * math.pi, description="heading there; free if left out [rad]"
+    )
+
+
+class PointParams(Params):
+    """A point on the way."""
+
+    x: float = Field(ge=-FARTHEST, le=FARTHEST, description="position in map [m]")
+    y: float = Field(ge=-FARTHEST, le=FARTHEST, description="position in map [m]")
+
+
+class DriveRouteStep(Params):
+    """Points to drive through, the last one is the goal: /waypoints."""
+
+    points: tuple[PointParams, ...] = Field(min_length=1, max_length=1000, description="points in order")
+    yaw: float | None = Field(
+        default=None, ge=-2 * math.pi, le=2 * math.pi, description="heading there; free if left out [rad]"
+    )
+
+
+class ArmPoseStep(Params):
+    """A place for the arm's tip: /arm/goal_pose."""
+
+    frame: Literal["base_link", "map"] = Field(default="base_link", description="frame of the numbers")
+    x: float = Field(ge=-FARTHEST, le=FARTHEST, description="position of the tip [m]")
+    y: float = Field(ge=-FARTHEST, le=FARTHEST, description="position of the tip [m]")
+    z: float = Field(ge=-FARTHEST, le=FARTHEST, description="position of the tip [m]")
+    orientation: tuple[float, float, float, float] = Field(
+        default=(0.0, 0.0, 0.0, 1.0),
+        description="of the tip frame, quaternion x y z w [-]; 0 0 0 1 leaves the direction of the tool free",
+    )
+
+    @model_validator(mode="after")
+    def _orientation_is_a_rotation(self) -> Self:
+        length = math.hypot(*self.orientation)
+        if abs(length - 1.0) > UNIT_TOLERANCE:
+            raise ValueError(f"orientation = {self.orientation} has length {length:.4g}: allowed is 1")
+        return self
+
+
+class ArmGroundStep(Params):
+    """A place over the ground: the operator looks its height up and sends /arm/goal_pose."""
+
+    x: float = Field(ge=-10.0, le=10.0, description="position of the target in base_link [m]")
+    y: float = Field(ge=-10.0, le=10.0, description="position of the target in base_link [m]")
+    height: float = Field(default=0.0, ge=-0.1, le=2.0, description="of the tip above the ground [m]")
+
+
+class ArmJointsStep(Params):
+    """Joint positions, or the name of a pose of the arm: /arm/joint_goal."""
+
+    name: str | None = Field(default=None, min_length=1, description="named pose of the arm: stow, unfold")
+    positions: tuple[float, ...] | None = Field(
+        default=None, min_length=1, description="one for each joint, in the order of the arm [rad]"
+    )
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Self:
+        if (self.name is None) == (self.positions is None):
+            raise ValueError("allowed is either name or positions")
+        return self
+
+
+StepAction: TypeAlias = (
+    DriveGoalStep | DriveRouteStep | ArmPoseStep | ArmGroundStep | ArmJointsStep | float
+)
+ACTIONS = ("drive_to", "drive_route", "arm_to", "arm_to_ground", "arm_joints", "wait_s")
+
+
+class StepConfig(Params):
+    """One step: exactly one of its actions, and how long it may take."""
+
+    drive_to: DriveGoalStep | None = Field(default=None, description="drive to a pose")
+    drive_route: DriveRouteStep | None = Field(default=None, description="drive through points")
+    arm_to: ArmPoseStep | None = Field(default=None, description="tip of the arm to a place")
+    arm_to_ground: ArmGroundStep | None = Field(default=None, description="tip of the arm to the ground")
+    arm_joints: ArmJointsStep | None = Field(default=None, description="arm to positions or a named pose")
+    wait_s: float | None = Field(default=None, ge=0.0, le=LONGEST, description="time to wait [s]")
+    timeout_s: float | None = Field(
+        default=None, gt=0.0, le=LONGEST, description="time until the step has failed [s]; none: no limit"
+    )
+
+    @model_validator(mode="after")
+    def _one_action(self) -> Self:
+        given = [name for name in ACTIONS if getattr(self, name) is not None]
+        if len(given) != 1:
+            found = " and ".join(given) if given else "none"
+            raise ValueError(f"a step has one action, here {found}: allowed is one of " + ", ".join(ACTIONS))
+        return self
+
+    @property
+    def kind(self) -> str:
+        """Name of the action: one of ACTIONS."""
+        return next(name for name in ACTIONS if getattr(self, name) is not None)
+
+    @property
+    def action(self) -> StepAction:
+        """What is to be done; for `wait_s` the seconds."""
+        action: StepAction = getattr(self, self.kind)
+        return action

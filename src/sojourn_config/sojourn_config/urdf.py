@@ -1,0 +1,204 @@
+"""What the configuration needs to know of a URDF: joints, links, limits, wheels, and places at zero pose.
+
+Only what other files refer to is read here, with no physics library: so a wrong name is found, with its file
+and key, before any model is built. Rotations: rpy is roll, pitch, yaw about fixed axes, R = Rz(yaw) Ry(pitch)
+Rx(roll) (URDF specification). Mimic joints, transmissions and meshes are not used here and are not read.
+"""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from sojourn_config.errors import MISSING, ConfigError, Problem, single
+from sojourn_config.paths import display
+from sojourn_mechanics.params import FloatArray
+
+LIMITED = ("revolute", "prismatic")
+MOVING = ("revolute", "prismatic", "continuous")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UrdfJoint:
+    """One joint.
+
+    Args:
+        transform_parent_to_joint: homogeneous transform at zero pose, shape (4, 4) [m].
+        lower, upper: position limits, infinite where there are none [rad or m].
+        velocity, effort: limits, infinite where there are none [rad/s or m/s; N m or N].
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    transform_parent_to_joint: FloatArray
+    lower: float
+    upper: float
+    velocity: float
+    effort: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UrdfSummary:
+    """A machine description as text and as the names that other files may use.
+
+    Args:
+        file: name for messages.
+        text: the XML.
+        joints: by name, in the order of the file.
+        links: names, in the order of the file.
+        cylinders: (radius, length) of the collision cylinder of each link that has exactly one [m].
+    """
+
+    file: str
+    text: str
+    joints: dict[str, UrdfJoint]
+    links: tuple[str, ...]
+    cylinders: dict[str, tuple[float, float]]
+
+    @property
+    def moving_joints(self) -> tuple[str, ...]:
+        """Names of the joints that are not fixed."""
+        return tuple(name for name, joint in self.joints.items() if joint.kind in MOVING)
+
+    def position_in_link(self, joint: str, link: str) -> FloatArray:
+        """Origin of a joint in the frame of a link above it, at zero pose: shape (3,) [m].
+
+        Raises:
+            ConfigError: the link is not above the joint.
+        """
+        above = {entry.child: entry for entry in self.joints.values()}
+        place = self.joints[joint].transform_parent_to_joint
+        here = self.joints[joint].parent
+        while here != link:
+            if here not in above:
+                raise single(self.file, f"joint {joint}", MISSING, f"allowed is a joint below {link}")
+            place = above[here].transform_parent_to_joint @ place
+            here = above[here].parent
+        return np.array(place[:3, 3])
+
+
+def read_urdf(path: Path) -> UrdfSummary:
+    """Read a URDF file.
+
+    Raises:
+        ConfigError: it cannot be read, is not XML, or lacks what a URDF must have.
+    """
+    file = display(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+        root = ElementTree.fromstring(text.encode("utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise single(file, "", MISSING, f"cannot be read: {error}") from error
+    except ElementTree.ParseError as error:
+        raise single(file, "", MISSING, f"not an XML document: {error}", error.position[0]) from error
+    if root.tag != "robot":
+        raise ConfigError([Problem(file, root.tag, "", "allowed as the outermost element is robot")])
+    try:
+        joints = [_joint(element) for element in root.findall("joint")]
+        links = tuple(_attribute(element, "name") for element in root.findall("link"))
+        cylinders = dict(_cylinders(root))
+    except ValueError as error:
+        raise ConfigError([Problem(file, "", "", str(error))]) from error
+    problems = [
+        Problem(file, f"joint {joint.name}", link, "not a link of this file")
+        for joint in joints
+        for link in (joint.parent, joint.child)
+        if link not in links
+    ]
+    for kind, names in (("joint", [joint.name for joint in joints]), ("link", list(links))):
+        problems += [
+            Problem(file, f"{kind} {name}", "", f"is there {names.count(name)} times: allowed is once")
+            for name in sorted(set(names))
+            if names.count(name) > 1
+        ]
+    if problems:
+        raise ConfigError(problems)
+    return UrdfSummary(file, text, {joint.name: joint for joint in joints}, links, cylinders)
+
+
+def _joint(element: ElementTree.Element) -> UrdfJoint:
+    name = _attribute(element, "name")
+    kind = _attribute(element, "type")
+    limit = element.find("limit")
+    if kind in LIMITED and (limit is None or "lower" not in limit.attrib or "upper" not in limit.attrib):
+        raise ValueError(f"joint {name}: a {kind} joint needs a limit with lower and upper")
+    bounded = kind in LIMITED
+    return UrdfJoint(
+        name=name,
+        kind=kind,
+        parent=_attribute(_child(element, "parent", name), "link"),
+        child=_attribute(_child(element, "child", name), "link"),
+        transform_parent_to_joint=_transform(element.find("origin")),
+        lower=_number(limit, "lower", name) if bounded else -math.inf,
+        upper=_number(limit, "upper", name) if bounded else math.inf,
+        velocity=_number(limit, "velocity", name),
+        effort=_number(limit, "effort", name),
+    )
+
+
+def _cylinders(root: ElementTree.Element) -> list[tuple[str, tuple[float, float]]]:
+    found: list[tuple[str, tuple[float, float]]] = []
+    for link in root.findall("link"):
+        cylinders = link.findall("collision/geometry/cylinder")
+        if len(cylinders) == 1:
+            name = _attribute(link, "name")
+            size = (_number(cylinders[0], "radius", name), _number(cylinders[0], "length", name))
+            found.append((name, size))
+    return found
+
+
+def _transform(origin: ElementTree.Element | None) -> FloatArray:
+    transform = np.eye(4)
+    if origin is None:
+        return transform
+    position, angles = _triple(origin, "xyz"), _triple(origin, "rpy")
+    (cr, cp, cy), (sr, sp, sy) = np.cos(angles), np.sin(angles)
+    transform[:3, :3] = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    transform[:3, 3] = position
+    return transform
+
+
+def _triple(origin: ElementTree.Element, name: str) -> FloatArray:
+    text = origin.get(name, "0 0 0")
+    try:
+        values = np.array([float(part) for part in text.split()])
+    except ValueError as error:
+        raise ValueError(f"origin {name} = {text!r}: allowed are three numbers") from error
+    if values.shape != (3,) or not np.all(np.isfinite(values)):
+        raise ValueError(f"origin {name} = {text!r}: allowed are three numbers")
+    return values
+
+
+def _number(element: ElementTree.Element | None, name: str, owner: str) -> float:
+    text = None if element is None else element.get(name)
+    if text is None:
+        return math.inf
+    try:
+        value = float(text)
+    except ValueError as error:
+        raise ValueError(f"{owner}: {name} = {text!r}: allowed is a number") from error
+    if math.isnan(value):
+        raise ValueError(f"{owner}: {name} = {text!r}: allowed is a number")
+    return value
+
+
+def _attribute(element: ElementTree.Element, name: str) -> str:
+    value = element.get(name)
+    if not value:
+        raise ValueError(f"an element {element.tag} has no {name}")
+    return value
+
+
+def _child(element: ElementTree.Element, tag: str, owner: str) -> ElementTree.Element:
+    child = element.find(tag)
+    if child is None:
+        raise ValueError(f"joint {owner} has no {tag}")
+    return child

@@ -1,0 +1,201 @@
+"""A strict reader of YAML 1.2: plain data, the line of every key, and nothing that could surprise.
+
+Scalars follow the core schema of YAML 1.2.2 (section 10.3.2): `820e3` is a number, `on` and `12:30` are text.
+Refused: a key that is there twice, aliases, tags, keys that are no text, more than one document.
+"""
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import yaml
+from yaml.nodes import MappingNode, ScalarNode, SequenceNode
+
+from sojourn_config.errors import MISSING, ConfigError, Problem, shown
+from sojourn_config.paths import display
+
+Scalar = str | int | float | bool | None
+Data = Scalar | list["Data"] | dict[str, "Data"]
+KeyPath = tuple[str | int, ...]
+
+_INTEGER = re.compile(r"[-+]?[0-9]+")
+_OCTAL = re.compile(r"0o[0-7]+")
+_HEXADECIMAL = re.compile(r"0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_INFINITE = re.compile(r"[-+]?\.(inf|Inf|INF)")
+_NAN = frozenset((".nan", ".NaN", ".NAN"))
+_NULL = frozenset(("null", "Null", "NULL", "~", ""))
+_TRUE = frozenset(("true", "True", "TRUE"))
+_FALSE = frozenset(("false", "False", "FALSE"))
+_PLAIN_TAGS = frozenset(
+    f"tag:yaml.org,2002:{name}" for name in ("map", "seq", "str", "int", "float", "bool", "null", "timestamp")
+)
+_LONGEST_NUMBER = 300
+"""Longer digits are read as a float, which is then infinite and refused."""
+
+
+@dataclass
+class YamlDocument:
+    """One file.
+
+    Args:
+        file: its name for messages.
+        data: its content: a table.
+        lines: line of each key, by path.
+        overridden: text of the override that set a key, by path.
+    """
+
+    file: str
+    data: dict[str, Data]
+    lines: dict[KeyPath, int] = field(default_factory=dict)
+    overridden: dict[KeyPath, str] = field(default_factory=dict)
+
+    def place(self, path: KeyPath) -> tuple[str, int | None]:
+        """File and line of the key at `path`, or of the nearest table around it; or the override of it."""
+        for length in range(len(path), 0, -1):
+            if path[:length] in self.overridden:
+                return f"--set {self.overridden[path[:length]]} (in {self.file})", None
+            if path[:length] in self.lines:
+                return self.file, self.lines[path[:length]]
+        return self.file, None
+
+    def problem(self, path: KeyPath, value: object, allowed: str) -> Problem:
+        """A problem with the key at `path`; the value MISSING shows none."""
+        file, line = self.place(path)
+        return Problem(file, dotted(path), "" if value is MISSING else shown(value), allowed, line)
+
+
+def plain_scalar(text: str) -> Scalar:
+    """The value of an unquoted scalar by the core schema of YAML 1.2."""
+    if text in _NULL:
+        return None
+    if text in _TRUE:
+        return True
+    if text in _FALSE:
+        return False
+    if len(text) <= _LONGEST_NUMBER:
+        if _INTEGER.fullmatch(text):
+            return int(text)
+        if _OCTAL.fullmatch(text):
+            return int(text[2:], 8)
+        if _HEXADECIMAL.fullmatch(text):
+            return int(text[2:], 16)
+    if _FLOAT.fullmatch(text):
+        return float(text)
+    if _INFINITE.fullmatch(text):
+        return float(text.replace(".", ""))
+    return float("nan") if text in _NAN else text
+
+
+def read_yaml(path: Path) -> YamlDocument:
+    """Read a file.
+
+    Raises:
+        ConfigError: it cannot be read, is not YAML, or holds something that is refused (see the module).
+    """
+    file = display(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError([Problem(file, "", "", f"cannot be read: {error}")]) from error
+    return parse_yaml(text, file)
+
+
+def parse_yaml(text: str, file: str) -> YamlDocument:
+    """As `read_yaml`, from text; `file` is the name for messages.
+
+    Raises:
+        ConfigError: as `read_yaml`.
+    """
+    try:
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        mark = getattr(error, "problem_mark", None)
+        reason = getattr(error, "problem", None) or " ".join(str(error).split())
+        line = None if mark is None else int(mark.line) + 1
+        raise ConfigError([Problem(file, "", "", f"not a YAML document: {reason}", line)]) from error
+    if not isinstance(root, MappingNode):
+        raise ConfigError([Problem(file, "", "", "allowed is a table of keys and values that is not empty")])
+    document = YamlDocument(file, {})
+    reader = _Reader(document)
+    data = reader.convert(root, ())
+    if reader.problems:
+        raise ConfigError(reader.problems)
+    if isinstance(data, dict):
+        document.data = data
+    return document
+
+
+def parse_value(text: str, file: str) -> Data:
+    """The value of a `KEY=VALUE` of the command line: number, true, false, null, text, or a [list].
+
+    Raises:
+        ConfigError: it is not YAML.
+    """
+    return parse_yaml(f"value: {text}", file).data["value"]
+
+
+class _Reader:
+    """Turns nodes into plain data and collects what is refused."""
+
+    def __init__(self, document: YamlDocument) -> None:
+        self.document = document
+        self.problems: list[Problem] = []
+        self.seen: set[int] = set()
+
+    def convert(self, node: object, path: KeyPath) -> Data:
+        if id(node) in self.seen:
+            # the node is where the anchor stands: the key that asks for it has its own line
+            line = self.document.lines.get(path)
+            reason = "an alias is not used here: write the value out"
+            self.problems.append(Problem(self.document.file, dotted(path), "", reason, line))
+            return None
+        self.seen.add(id(node))
+        if isinstance(node, ScalarNode):
+            return self._scalar(node, path)
+        if not isinstance(node, MappingNode | SequenceNode):
+            return None
+        if str(node.tag) not in _PLAIN_TAGS:
+            self._refuse(node, path, f"the tag {node.tag} is not used here: allowed are plain values")
+        if isinstance(node, SequenceNode):
+            items: list[Data] = []
+            for index, item in enumerate(node.value):
+                self.document.lines[(*path, index)] = item.start_mark.line + 1
+                items.append(self.convert(item, (*path, index)))
+            return items
+        return self._table(node, path)
+
+    def _table(self, node: MappingNode, path: KeyPath) -> dict[str, Data]:
+        table: dict[str, Data] = {}
+        for key_node, value_node in node.value:
+            key = self._scalar(key_node, path) if isinstance(key_node, ScalarNode) else None
+            if not isinstance(key, str) or key == "<<":
+                self._refuse(key_node, path, "allowed as a key is text only")
+                continue
+            line = key_node.start_mark.line + 1
+            if key in table:
+                first = self.document.lines[(*path, key)]
+                self._refuse(key_node, (*path, key), f"the key is there twice, first on line {first}")
+                continue
+            self.document.lines[(*path, key)] = line
+            table[key] = self.convert(value_node, (*path, key))
+        return table
+
+    def _scalar(self, node: ScalarNode, path: KeyPath) -> Scalar:
+        if str(node.tag) not in _PLAIN_TAGS:
+            self._refuse(node, path, f"the tag {node.tag} is not used here: allowed are plain values")
+        text = str(node.value)
+        return plain_scalar(text) if node.style is None else text
+
+    def _refuse(self, node: object, path: KeyPath, reason: str) -> None:
+        mark = getattr(node, "start_mark", None)
+        line = None if mark is None else int(mark.line) + 1
+        self.problems.append(Problem(self.document.file, dotted(path), "", reason, line))
+
+
+def dotted(path: KeyPath) -> str:
+    """`("steps", 0, "wait_s")` as `steps[0].wait_s`."""
+    text = ""
+    for item in path:
+        text += f"[{item}]" if isinstance(item, int) else (f".{item}" if text else item)
+    return text

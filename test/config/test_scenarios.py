@@ -1,0 +1,321 @@
+"""Every scenario of the repository loads, and every kind of mistake in one is refused with its place."""
+
+import math
+import shutil
+from collections.abc import Callable
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sojourn_config.errors import ConfigError
+from sojourn_config.load import load_params
+from sojourn_config.paths import available, config_folder, repository_root
+from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_config.steps import ACTIONS
+from sojourn_mechanics.environment.body import BodyParams
+from sojourn_mechanics.plant.params import MachineParams
+from sojourn_mechanics.soil.params import SoilParams
+from sojourn_mechanics.terrain.height_field import HeightField
+
+SCENARIOS = available("scenarios")
+
+
+@cache
+def ground_of(name: str) -> HeightField:
+    return load_scenario(name).height_field()
+
+
+@pytest.fixture(scope="module")
+def flat() -> LoadedScenario:
+    return load_scenario("flat_drive")
+
+
+# --- what is in the repository ---
+
+
+def test_the_agreed_scenarios_are_there() -> None:
+    assert {"lunar_sample", "flat_drive", "parked_slope"} <= set(SCENARIOS)
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_every_scenario_loads_and_its_ground_can_be_made(name: str) -> None:
+    scenario = load_scenario(name)
+    assert scenario.name == name
+    ground = ground_of(name)
+    assert set(ground.soil_names) <= set(scenario.soils)
+    assert math.isfinite(ground.height(scenario.config.start.x, scenario.config.start.y))
+    assert scenario.gravity > 0.0
+    for step in scenario.config.steps:
+        assert step.kind in ACTIONS
+
+
+@pytest.mark.parametrize("name", available("soils"))
+def test_every_soil_loads_under_its_own_name(name: str) -> None:
+    assert load_params("soils", name, SoilParams).name == name
+
+
+@pytest.mark.parametrize("name", available("bodies"))
+def test_every_body_loads_under_its_own_name(name: str) -> None:
+    assert load_params("bodies", name, BodyParams).name == name
+
+
+def test_bundle_holds_what_a_run_needs(flat: LoadedScenario) -> None:
+    assert isinstance(flat.rover, MachineParams)
+    assert flat.urdf_xml.lstrip().startswith("<?xml")
+    assert flat.soil_names == ("lunar_nominal", "rigid_rock")
+    assert flat.body.name == "moon"
+    assert flat.simulation.substeps == 20
+    assert flat.power_manager.loads == flat.bus.loads
+    assert flat.power_manager.battery == flat.battery
+    assert [wheel.name for wheel in flat.rover.wheels] == [
+        "front_left", "front_right", "middle_left", "middle_right", "rear_left", "rear_right",
+    ]  # fmt: skip
+    names = list(flat.files)
+    assert names[0] == "config/scenarios/flat_drive.yaml"
+    assert "urdf/explorer.urdf" in names
+    for name, text in flat.files.items():
+        assert (repository_root() / name).read_text(encoding="utf-8") == text
+
+
+def test_wheels_of_the_drive_node_are_those_of_the_urdf(flat: LoadedScenario) -> None:
+    wheels = {wheel.name: wheel for wheel in flat.steering.wheels}
+    assert wheels["front_left"].x - wheels["rear_left"].x == pytest.approx(1.41)
+    assert wheels["front_left"].y - wheels["front_right"].y == pytest.approx(1.06)
+    assert not wheels["middle_left"].steered
+    assert wheels["rear_right"].steered
+    assert wheels["rear_right"].steer_max > math.pi / 2
+    assert wheels["front_left"].radius == pytest.approx(0.125 + 0.006), "they roll on their grousers"
+
+
+def test_arm_gets_rotor_inertia_and_friction_of_its_drives(flat: LoadedScenario) -> None:
+    drives = {joint: drive for drive in flat.rover.drives for joint in drive.joints}
+    for index, joint in enumerate(flat.arm.joint_names):
+        drive = drives[joint]
+        wanted = drive.motor.rotor_inertia * drive.gear.ratio**2
+        assert flat.arm.reflected_inertia[index] == pytest.approx(wanted)
+        assert flat.arm.coulomb_friction[index] >= drive.gear.friction_torque
+
+
+def test_straight_way_of_the_main_job_is_blocked_and_the_route_is_long_enough() -> None:
+    scenario = load_scenario("lunar_sample")
+    ground = ground_of("lunar_sample")
+    start = scenario.config.start
+    routes = [step.drive_route for step in scenario.config.steps if step.drive_route is not None]
+    assert len(routes) == 1
+    points = [(start.x, start.y), *((point.x, point.y) for point in routes[0].points)]
+    length = sum(math.dist(a, b) for a, b in pairwise(points))
+    assert length > 8.0
+
+    def steepest(way: list[tuple[float, float]]) -> float:
+        found = 0.0
+        for a, b in pairwise(way):
+            for part in np.linspace(0.0, 1.0, 60):
+                for side in (-0.53, 0.0, 0.53):
+                    x = a[0] + part * (b[0] - a[0])
+                    y = a[1] + part * (b[1] - a[1]) + side
+                    found = max(found, math.hypot(*ground.gradient(x, y)))
+        return math.degrees(math.atan(found))
+
+    assert steepest([points[0], points[-1]]) > 30.0, "beyond the slope that the machine may take"
+    assert steepest(points) < 20.0
+    assert [step.kind for step in scenario.config.steps if step.kind != "wait_s"] == [
+        "drive_route", "arm_joints", "arm_to_ground", "arm_joints",
+    ]  # fmt: skip
+
+
+# --- mistakes ---
+
+
+@pytest.fixture
+def workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of config/ and urdf/ to make mistakes in."""
+    shutil.copytree(config_folder(), tmp_path / "config")
+    shutil.copytree(repository_root() / "urdf", tmp_path / "urdf")
+    monkeypatch.setenv("SOJOURN_CONFIG_DIR", str(tmp_path / "config"))
+    return tmp_path
+
+
+@pytest.fixture
+def refused(workspace: Path) -> Callable[[str, str, str], str]:
+    """Change one thing in a file of the copy, load flat_drive, and give the text of the refusal."""
+
+    def change(file: str, old: str, new: str) -> str:
+        path = workspace / file
+        text = path.read_text(encoding="utf-8")
+        assert old in text, f"{old!r} is not in {file}"
+        path.write_text(text.replace(old, new, 1), encoding="utf-8")
+        with pytest.raises(ConfigError) as caught:
+            load_scenario("flat_drive")
+        return str(caught.value)
+
+    return change
+
+
+SCENARIO = "config/scenarios/flat_drive.yaml"
+ROVER = "config/rovers/explorer.yaml"
+SOIL = "config/soils/lunar_nominal.yaml"
+BODY = "config/bodies/moon.yaml"
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "words"),
+    [
+        (SCENARIO, "seed: 1", "sead: 1", [SCENARIO, "sead = 1", "unknown key", "did you mean seed?"]),
+        (SCENARIO, "seed: 1", "seed: -1", ["seed = -1", "at least 0"]),
+        (SCENARIO, "seed: 1", "seed: 1.5", ["seed = 1.5", "whole number"]),
+        (SCENARIO, "battery_soc: 0.8", "battery_soc: 80", ["battery_soc = 80", "at most 1"]),
+        (SCENARIO, "battery_soc: 0.8", "battery_soc: 80 %", ["'80 %'", "number", "no unit"]),
+        (SCENARIO, "rover: explorer", "rover: explorr", ["rover = 'explorr'", "did you mean explorer?"]),
+        (SCENARIO, "body: moon", "body: mun", [f"{SCENARIO}:5", "mars", "did you mean moon?"]),
+        (SCENARIO, "soil: lunar_nominal", "soil: lunar", ["config/soils", "did you mean lunar_nominal?"]),
+        (SCENARIO, "kind: flat", "kind: flet", ["terrain.kind = 'flet'", "did you mean flat?"]),
+        (SCENARIO, "kind: flat", "kind: slope", ["terrain.slope_deg", "more than 0"]),
+        (SCENARIO, "resolution: 0.1", "resolution: 0.001", ["terrain.resolution", "at least 0.005", "[m]"]),
+        (SCENARIO, "x: -1.0", "x: -11.0", ["start.x = -11.0", "off the terrain", "-8 to 8 m"]),
+        (SCENARIO, "{x: 1.0", "{x: 9.5", ["steps[0].drive_to.x = 9.5", "off the terrain"]),
+        (SCENARIO, "drive_to:", "drive_too:", ["steps[0].drive_too", "did you mean drive_to?", "arm_joints"]),
+        (SCENARIO, "y: 0.0}\n    time", "y: 0.0, yaw: 90}\n    time", ["drive_to.yaw = 90", "[rad]"]),
+        (SCENARIO, "timeout_s", "wait_s", ["steps[0]", "drive_to and wait_s", "one action"]),
+        (SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_joints: {name: stoww}", ["did you mean stow?"]),
+        (SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_joints: {positions: [0, 0]}", ["has 2 values", "is 5"]),
+        (
+            SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_joints: {positions: [0, 0, 0, 0, 9]}",
+            ["positions[4] = 9", "arm_turret_joint"],
+        ),
+        (SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_joints: {}", ["either name or positions"]),
+        (
+            SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_to: {frame: odom, x: 1, y: 0, z: 0}",
+            ["arm_to.frame = 'odom'", "base_link", "map"],
+        ),
+        (
+            SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_to: {x: 1, y: 0, z: 0, orientation: [0, 0, 0, 2]}",
+            ["orientation", "length 2"],
+        ),
+        (ROVER, "urdf: explorer.urdf", "urdf: explore.urdf", [f"{ROVER}:", "did you mean explorer.urdf?"]),
+        (ROVER, "radius: 0.125", "radius: 0.13", ["wheels[0].radius = 0.13", "0.125 m", "urdf/"]),
+        (ROVER, "width: 0.16", "width: 160", ["wheels[0].width = 160", "at most 3", "[m]"]),
+        (
+            ROVER, "joint: wheel_front_left_joint", "joint: wheel_front_lef_joint",
+            ["wheels[0].joint", "not a joint", "did you mean wheel_front_left_joint?"],
+        ),
+        (
+            ROVER, "joint: wheel_front_left_joint", "joint: rocker_left_joint",
+            ["wheels[0].joint = 'rocker_left_joint'", "allowed is continuous"],
+        ),
+        (ROVER, "ratio: 1000.0", "ratio: 0.5", ["drives[0].gear.ratio = 0.5", "at least 1"]),
+        (ROVER, "efficiency: 0.70", "efficiency: 70", ["drives[0].gear.efficiency = 70", "at most 1"]),
+        (ROVER, "load: drive", "load: driv", ["drives[0].load", "did you mean drive?"]),
+        (ROVER, "load: drive", "load: computer", ["no commanded load", "arm, drive, steer"]),
+        (ROVER, "max_torque: 40.0", "max_torque: 400.0", ["servo.max_torque = 400.0", "60 N m", "effort"]),
+        (ROVER, "first: rocker_left_joint", "first: rocker_joint", ["[0].first", "rocker_left_joint"]),
+        (ROVER, "link: base_link", "link: base", ["pads[0].link = 'base'", "did you mean base_link?"]),
+        (ROVER, "battery: explorer_battery", "battery: explorer", ["one of explorer_battery"]),
+        (ROVER, "load: steer", "load: steer\n    load: steer", ["drives[1].load", "twice"]),
+        (SOIL, "k_phi:", "kphi:", ["kphi", "did you mean k_phi?"]),
+        (SOIL, "name: lunar_nominal", "name: other", ["name = 'other'", "lunar_nominal"]),
+        (BODY, "\nradius: ", "\nradius: -", [BODY, "radius = -", "[m]"]),
+        (
+            "config/arms/explorer_arm.yaml", "tip_link: arm_tip_link", "tip_link: arm_tip",
+            ["tip_link = 'arm_tip'", "did you mean arm_tip_link?"],
+        ),
+        (
+            "config/sensors/explorer_sensors.yaml", "rocker_left_joint", "roker_left_joint",
+            ["joint_groups.suspension.joints[0]", "did you mean rocker_left_joint?"],
+        ),
+        (
+            "config/nodes/drive.yaml", "max_wheel_rate: 1.0", "max_wheel_rate: 2.0",
+            ["limits.max_wheel_rate = 2.0", "at most 1 rad/s", "urdf/explorer.urdf"],
+        ),
+        ("urdf/explorer.urdf", "</robot>", "", ["urdf/explorer.urdf", "not an XML document"]),
+        ("urdf/explorer.urdf", '<link name="arm_tip_link"/>', "", ["arm_tip_link", "not a link"]),
+        ("urdf/explorer.urdf", 'lower="-0.45"', "", ["rocker_left_joint", "lower and upper"]),
+        ("urdf/explorer.urdf", 'lower="-0.45"', 'lower="low"', ["rocker_left_joint", "'low'", "number"]),
+        ("urdf/explorer.urdf", 'name="mast_link"', 'name="base_link"', ["link base_link", "2 times"]),
+        ("urdf/explorer.urdf", 'xyz="0 0.3 -0.07"', 'xyz="0 0.3"', ["three numbers"]),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_refused_with_its_place(
+    refused: Callable[[str, str, str], str], file: str, old: str, new: str, words: list[str]
+) -> None:
+    text = refused(file, old, new)
+    for word in words:
+        assert word in text, text
+
+
+def test_problems_of_several_files_are_told_together(workspace: Path) -> None:
+    for file, old, new in (
+        (SOIL, "cohesion: ", "cohesion: -"),
+        (BODY, "solar_day_hours: ", "solar_day_hours: -"),
+        (ROVER, "ratio: 1000.0", "ratio: 0"),
+    ):
+        path = workspace / file
+        path.write_text(path.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
+    with pytest.raises(ConfigError) as caught:
+        load_scenario("flat_drive")
+    files = {problem.file for problem in caught.value.problems}
+    assert files == {SOIL, BODY, ROVER}
+    assert all(problem.line is not None for problem in caught.value.problems)
+
+
+def test_unknown_scenario_lists_those_that_exist() -> None:
+    with pytest.raises(ConfigError, match=r"lunar_sample.*did you mean lunar_sample\?"):
+        load_scenario("lunar_sampel")
+
+
+def test_scenario_from_a_path(tmp_path: Path) -> None:
+    text = (config_folder() / "scenarios" / "flat_drive.yaml").read_text(encoding="utf-8")
+    (tmp_path / "mine.yaml").write_text(text.replace("seed: 1", "seed: 7"), encoding="utf-8")
+    scenario = load_scenario(str(tmp_path / "mine.yaml"))
+    assert (scenario.name, scenario.config.seed) == ("mine", 7)
+
+
+# --- overrides ---
+
+
+def test_overrides_reach_every_file() -> None:
+    scenario = load_scenario(
+        "flat_drive",
+        [
+            "seed=9",
+            "terrain.size_x=30",
+            "steps[0].drive_to.x=1.5",
+            "body=mars",
+            "soil=jsc_1a",
+            "soil.cohesion=900",
+            "rover.drives[0].gear.ratio=900",
+            "battery.capacity_ah=9",
+            "drive.limits.max_speed=0.05",
+            "arm.settle_time=0.3",
+        ],
+    )
+    assert scenario.config.seed == 9
+    assert scenario.terrain.size_x == 30.0
+    assert scenario.config.steps[0].drive_to is not None
+    assert scenario.config.steps[0].drive_to.x == 1.5
+    assert scenario.body.name == "mars"
+    assert (scenario.soil.name, scenario.soil.cohesion) == ("jsc_1a", 900.0)
+    assert scenario.rover.drives[0].gear.ratio == 900.0
+    assert scenario.battery.capacity_ah == 9.0
+    assert scenario.drive.limits.max_speed == 0.05
+    assert scenario.arm.settle_time == 0.3
+    assert scenario.overrides[0] == "seed=9"
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("soil.k_fi=1", ["--set k_fi=1", "config/soils/lunar_nominal.yaml", "did you mean k_phi?"]),
+        ("steps[3].wait_s=1", ["--set steps[3].wait_s=1", "no index of a list of 1"]),
+        ("battery_soc=full", ["--set battery_soc=full", "is text", "number"]),
+        ("rover.wheels[0].radius=0.2", ["wheels[0].radius = 0.2", "0.125 m"]),
+        ("terain.kind=flat", ["unknown key", "did you mean terrain?"]),
+    ],
+)
+def test_wrong_override_is_refused(override: str, words: list[str]) -> None:
+    with pytest.raises(ConfigError) as caught:
+        load_scenario("flat_drive", [override])
+    for word in words:
+        assert word in str(caught.value)
