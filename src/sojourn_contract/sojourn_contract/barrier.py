@@ -1,0 +1,105 @@
+"""The lock-step barrier: which inputs of a role are due at which stamp, and whether they are all in.
+
+No ROS in here: messages are opaque. A role acts at every stamp at which at least one of its periodic inputs is due,
+and it acts once all that are due have arrived. Events (goals) are queued apart, see `events.py`.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from math import gcd
+from typing import Generic, TypeVar
+
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topics import Topic, inputs_of
+
+Message = TypeVar("Message")
+
+MAX_PENDING_PERIODS = 512
+"""A message further ahead than this is refused: its sender's clock is not ours."""
+
+
+def awaited_inputs(role: str, participants: Iterable[str]) -> tuple[Topic, ...]:
+    """Periodic inputs of `role` that one of the participants publishes: the ones worth waiting for.
+
+    The recorder writes a period when it is complete, so for it no row is pipelined.
+    """
+    present = set(participants) - {role}
+    rows = tuple(row for row in inputs_of(role) if not row.is_event and row.publisher in present)
+    return tuple(replace(row, lag=0) for row in rows) if role == "recorder" else rows
+
+
+def is_due(row: Topic, period: int) -> bool:
+    """Whether the consumer at control period `period` (1, 2, ...) needs a message of this row."""
+    return period % row.every == 0 and period > row.lag
+
+
+def stamp_due(row: Topic, period: int) -> int:
+    """Stamp [ns] that the message needed at control period `period` carries."""
+    return (period - row.lag) * CONTROL_PERIOD_NS
+
+
+@dataclass
+class Barrier(Generic[Message]):
+    """Collects the stamped inputs of one role.
+
+    Args:
+        awaited: rows that the role waits for, as `awaited_inputs` gives them.
+        every_period: act at every control period, even where no input is due (the plant).
+    """
+
+    awaited: tuple[Topic, ...]
+    every_period: bool = False
+    _messages: dict[str, dict[int, Message]] = field(default_factory=dict, init=False)
+
+    def __post_init__(self) -> None:
+        self.stride = 1 if self.every_period or not self.awaited else gcd(*(row.every for row in self.awaited))
+        self.period = self.stride
+        self._messages = {row.name: {} for row in self.awaited}
+
+    @property
+    def stamp(self) -> int:
+        """Stamp [ns] of the period that is waited for."""
+        return self.period * CONTROL_PERIOD_NS
+
+    def refusal(self, row: Topic, stamp: int) -> str | None:
+        """Why a message with this stamp cannot be taken, or None."""
+        if stamp % CONTROL_PERIOD_NS:
+            return f"a multiple of the control period ({CONTROL_PERIOD_NS} ns)"
+        oldest = self.stamp - row.lag * CONTROL_PERIOD_NS
+        if stamp < oldest or stamp in self._messages[row.name]:
+            return f"newer than {oldest / 1e9 - 1e-9 * CONTROL_PERIOD_NS:.2f} s, once a stamp"
+        if stamp > self.stamp + MAX_PENDING_PERIODS * CONTROL_PERIOD_NS:
+            return f"at most {MAX_PENDING_PERIODS} periods ahead of {self.stamp / 1e9:.2f} s"
+        return None
+
+    def offer(self, row: Topic, stamp: int, message: Message) -> None:
+        """Keep a message until its period. Ask `refusal` first."""
+        self._messages[row.name][stamp] = message
+
+    def peek(self, row: Topic) -> Message | None:
+        """Message of `row` that is due now, if it has arrived."""
+        if not is_due(row, self.period):
+            return None
+        return self._messages[row.name].get(stamp_due(row, self.period))
+
+    def missing(self) -> list[Topic]:
+        """Rows that are due now and have not arrived."""
+        return [
+            row
+            for row in self.awaited
+            if is_due(row, self.period) and stamp_due(row, self.period) not in self._messages[row.name]
+        ]
+
+    def take(self) -> Mapping[str, Message]:
+        """Messages of this period, by topic, and step to the next. Only when `missing` is empty."""
+        period = self.period
+        taken = {}
+        for row in self.awaited:
+            if is_due(row, period):
+                taken[row.name] = self._messages[row.name].pop(stamp_due(row, period))
+        self.period = self._next(period)
+        return taken
+
+    def _next(self, period: int) -> int:
+        """First period after `period` at which the role acts: the next multiple of its stride."""
+        return (period // self.stride + 1) * self.stride

@@ -1,0 +1,58 @@
+"""Errors of the contract: each names the topic and the field, what came and what is allowed."""
+
+
+class ContractError(Exception):
+    """Base of every error raised by sojourn_contract."""
+
+
+class UnknownRoleError(ContractError):
+    """A role that is in no row of the topic table."""
+
+    def __init__(self, role: str, known: tuple[str, ...]) -> None:
+        super().__init__(f"role {role!r} is unknown: known roles are {', '.join(known)}")
+        self.role = role
+
+
+class UnknownTopicError(ContractError):
+    """A topic that is in no row of the topic table."""
+
+    def __init__(self, topic: str, known: tuple[str, ...]) -> None:
+        super().__init__(f"topic {topic!r} is unknown: known topics are {', '.join(known)}")
+        self.topic = topic
+
+
+class RefusedMessageError(ContractError):
+    """A message that breaks its row of the table. It is counted and shown in /diagnostics.
+
+    Args:
+        topic: where it arrived.
+        field: which field is wrong.
+        value: what it holds.
+        allowed: what is allowed, in words.
+    """
+
+    def __init__(self, topic: str, field: str, value: object, allowed: str) -> None:
+        super().__init__(f"{topic}.{field} = {value}: allowed is {allowed}")
+        self.topic = topic
+        self.field = field
+
+
+class SilentNodeError(ContractError):
+    """A node that did not answer within the stated wall time, in lock-step."""
+
+    def __init__(self, role: str, topic: str, stamp_s: float, waited_s: float) -> None:
+        super().__init__(
+            f"node '{role}' did not answer: {topic} stamped {stamp_s:.2f} s is missing after {waited_s:.1f} s of wall time"
+        )
+        self.role = role
+        self.topic = topic
+
+
+class DomainInUseError(ContractError):
+    """Another plant already publishes the clock on this domain and namespace."""
+
+    def __init__(self, domain: str, topic: str) -> None:
+        super().__init__(
+            f"domain {domain} is already in use by another plant (somebody else publishes {topic}): "
+            "stop it, or choose another domain with --domain or another namespace with --namespace"
+        )

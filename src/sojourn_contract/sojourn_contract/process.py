@@ -1,0 +1,92 @@
+"""Runs nodes of the contract in this process: one as its own process, or several composed on one executor.
+
+Signals are ours, not rclpy's: SIGINT and SIGTERM end the loop between two events, the nodes say farewell, and only then
+the context is shut down. The executor's own `spin()` is not used: in this build it hangs at the end and ignores SIGTERM.
+"""
+
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterable
+from types import FrameType
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.experimental import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from sojourn_contract.node import ContractNode
+
+POLL_S = 0.02
+"""Wall time between two looks at the nodes' wall-clock chores."""
+
+
+class StopFlag:
+    """Set by SIGINT or SIGTERM."""
+
+    def __init__(self) -> None:
+        self.is_set = False
+
+    def install(self) -> "StopFlag":
+        """Catch SIGINT and SIGTERM from here on."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._set)
+        return self
+
+    def _set(self, _number: int, _frame: FrameType | None) -> None:
+        self.is_set = True
+
+
+def spin(
+    nodes: Iterable[ContractNode],
+    stop: StopFlag,
+    each_poll: Callable[[], bool] = lambda: False,
+) -> int:
+    """Run nodes until a signal, until all that can finish have, or until `each_poll` returns True.
+
+    Returns the largest exit status of the nodes. In a composed run the nodes are closed in the given order, so the
+    recorder goes last.
+    """
+    nodes = list(nodes)
+    executor = EventsExecutor()
+    for node in nodes:
+        executor.add_node(node)
+    next_poll = 0.0
+    try:
+        while not stop.is_set and rclpy.ok():
+            executor.spin_once(timeout_sec=POLL_S)
+            now = time.monotonic()
+            if now >= next_poll:
+                next_poll = now + POLL_S
+                for node in nodes:
+                    node.poll()
+                if each_poll() or any(node.finished for node in nodes if node.ends_the_run):
+                    break
+        drain(executor, nodes)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    return max(node.exit_status for node in nodes)
+
+
+def drain(executor: EventsExecutor, nodes: list[ContractNode]) -> None:
+    """Close the nodes in order, each after what is still on its way to it has been taken."""
+    for node in nodes:
+        while not node.is_drained():
+            executor.spin_once(timeout_sec=POLL_S)
+        node.close()
+    for node in nodes:
+        executor.remove_node(node)
+
+
+def run(factory: Callable[[], ContractNode], arguments: list[str] | None = None) -> int:
+    """Main of a node's process: start rclpy, make the node, spin, clean up. Returns the exit status."""
+    stop = StopFlag().install()
+    rclpy.init(args=arguments if arguments is not None else sys.argv, signal_handler_options=SignalHandlerOptions.NO)
+    node: ContractNode | None = None
+    try:
+        node = factory()
+        return spin([node], stop)
+    finally:
+        if node is not None:
+            node.destroy_node()
+        rclpy.try_shutdown()

@@ -1,0 +1,37 @@
+"""Simulation time. Stamps are integer nanoseconds since the start; the control period is their grid.
+
+Stamp zero means "before the run" on heartbeats, and "now" on an operator's goal. The first period is stamped
+one control period.
+"""
+
+from builtin_interfaces.msg import Time
+
+NANOSECONDS = 1_000_000_000
+CONTROL_PERIOD_NS = 20_000_000
+"""Length of a control period [ns]: 50 Hz. All rates of the contract are integer divisors of it."""
+CONTROL_PERIOD_S = CONTROL_PERIOD_NS / NANOSECONDS
+
+
+def to_message(stamp_ns: int) -> Time:
+    """Stamp [ns] as a ROS time message."""
+    return Time(sec=stamp_ns // NANOSECONDS, nanosec=stamp_ns % NANOSECONDS)
+
+
+def from_message(time: Time) -> int:
+    """ROS time message as a stamp [ns]."""
+    return int(time.sec) * NANOSECONDS + int(time.nanosec)
+
+
+def from_cdr(data: bytes) -> int:
+    """Stamp [ns] of a serialised message whose first field is a Time or a Header (every one of the contract's is).
+
+    The encapsulation header is 4 bytes; its second byte says the byte order (1: little endian).
+    """
+    order = "little" if data[1] & 1 else "big"
+    seconds = int.from_bytes(data[4:8], order, signed=True)  # type: ignore[arg-type]
+    return seconds * NANOSECONDS + int.from_bytes(data[8:12], order)  # type: ignore[arg-type]
+
+
+def seconds(stamp_ns: int) -> float:
+    """Stamp [ns] in seconds."""
+    return stamp_ns / NANOSECONDS

@@ -1,0 +1,234 @@
+"""The topic table: the interface of Sojourn as data. Every node, the recorder, the checks and the manual read it.
+
+A row says who publishes, who subscribes, at which rate, how old a message may be, and for each field its unit, its
+frame and its plausible range. Rows stand in the order in which data flows through one control period, from the plant's
+truth to the commands that go back to it.
+"""
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+from sojourn_contract.errors import UnknownRoleError, UnknownTopicError
+
+INFINITY = float("inf")
+
+
+class Reliability(Enum):
+    """Quality of service of a topic; depths are in `qos.py`."""
+
+    RELIABLE = "reliable"
+    BEST_EFFORT = "best effort"
+
+
+@dataclass(frozen=True)
+class FieldRule:
+    """What one field of a message means.
+
+    Args:
+        path: field, dotted; arrays are meant element by element.
+        unit: SI unit, or "" for text and flags.
+        frame: frame the value is expressed in, "" where it has none.
+        low, high: plausible range in that unit, both included.
+        tolerance: largest difference in a replay that still counts as the same answer.
+    """
+
+    path: str
+    unit: str
+    frame: str = ""
+    low: float = -INFINITY
+    high: float = INFINITY
+    tolerance: float = 1e-9
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One row of the table.
+
+    Args:
+        name: absolute name in the default namespace.
+        type: ROS type, "package/Name".
+        publisher: role that publishes it; "operator" for goals, "all" for heartbeats.
+        subscribers: roles that act on it. The recorder listens to every logged topic besides.
+        every: published each so many control periods; 0 means event.
+        max_age_s: older than this it counts as lost [s]; for events: older stamps are refused.
+        lag: the consumer at period k waits for the message of period k - lag (pipelined participants).
+        logged: whether the recorder writes it.
+    """
+
+    name: str
+    type: str
+    publisher: str
+    subscribers: tuple[str, ...]
+    every: int
+    max_age_s: float
+    meaning: str
+    fields: tuple[FieldRule, ...] = field(default=())
+    reliability: Reliability = Reliability.RELIABLE
+    lag: int = 0
+    logged: bool = True
+
+    @property
+    def is_event(self) -> bool:
+        """True where messages come when somebody sends one, not at a rate."""
+        return self.every == 0
+
+
+ROLES = ("plant", "sensors", "drive", "arm", "power", "operator", "recorder")
+"""Every role, in the order in which a period passes through them."""
+
+OPERATOR_LAG = 5
+"""Periods between the operator's look at the machine and the effect of its goals, in lock-step."""
+RECORDER_LAG = 25
+"""Periods that the recorder may lag behind the plant, in lock-step."""
+
+_RATE = FieldRule("velocity", "rad/s", low=-200.0, high=200.0)
+_ANGLE = FieldRule("position", "rad", low=-1e6, high=1e6)
+_POSE = (
+    FieldRule("pose.pose.position", "m", low=-1e5, high=1e5),
+    FieldRule("pose.pose.orientation", "", low=-1.0, high=1.0),
+)
+_TWIST = (
+    FieldRule("twist.twist.linear", "m/s", frame="base_link", low=-50.0, high=50.0),
+    FieldRule("twist.twist.angular", "rad/s", frame="base_link", low=-50.0, high=50.0),
+)
+_GOAL = (
+    FieldRule("pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),
+    FieldRule("pose.orientation", "", low=-1.0, high=1.0),
+)
+_BATTERY = (
+    FieldRule("voltage", "V", low=0.0, high=100.0),
+    FieldRule("current", "A, negative while discharging", low=-500.0, high=500.0),
+    FieldRule("temperature", "degree Celsius", low=-150.0, high=150.0),
+    FieldRule("charge", "Ah", low=0.0, high=1000.0),
+    FieldRule("percentage", "1", low=0.0, high=1.0),
+)
+
+TOPICS: tuple[Topic, ...] = (
+    Topic("/clock", "rosgraph_msgs/Clock", "plant", (), 1, 0.1, "simulation time", (FieldRule("clock", "s"),)),
+    Topic(
+        "/truth/odom", "nav_msgs/Odometry", "plant", ("sensors",), 1, 0.1,
+        "true pose of base_link in map, true twist in base_link", _POSE + _TWIST,
+    ),
+    Topic(
+        "/truth/contacts", "sensor_msgs/PointCloud2", "plant", (), 1, 0.1,
+        "one point a wheel or pad: x y z, sinkage, slip_ratio, slip_angle, force_x force_y force_z, torque, soil",
+        (
+            FieldRule("x y z", "m", frame="map", low=-1e5, high=1e5),
+            FieldRule("sinkage", "m", low=-1.0, high=1.0),
+            FieldRule("slip_ratio", "1", low=-1.0, high=1.0),
+            FieldRule("slip_angle", "rad", low=-3.2, high=3.2),
+            FieldRule("force_x force_y force_z", "N", frame="map", low=-1e6, high=1e6),
+            FieldRule("torque", "N m", low=-1e5, high=1e5),
+            FieldRule("soil", "index", low=0.0, high=255.0),
+        ),
+    ),
+    Topic(
+        "/truth/electrical", "sensor_msgs/BatteryState", "plant", ("sensors",), 5, 0.5,
+        "true state of the battery", _BATTERY,
+    ),
+    Topic(
+        "/truth/loads", "diagnostic_msgs/DiagnosticArray", "plant", (), 5, 0.5,
+        "power that each load draws, and the energy account of the run", (FieldRule("status.values", "W, J"),),
+    ),
+    Topic(
+        "/truth/joint_states", "sensor_msgs/JointState", "plant", ("sensors",), 1, 0.1,
+        "true position, rate and effort of every joint",
+        (_ANGLE, _RATE, FieldRule("effort", "N m", low=-1e4, high=1e4)),
+    ),
+    Topic(
+        "/bus/state", "sensor_msgs/BatteryState", "sensors", ("power",), 5, 0.5,
+        "measured voltage, current and temperature of the bus", _BATTERY,
+    ),
+    Topic(
+        "/joint_states", "sensor_msgs/JointState", "sensors", ("drive", "arm"), 1, 0.1,
+        "measured position and rate of every joint with an encoder",
+        (_ANGLE, _RATE, FieldRule("effort", "N m", low=-1e4, high=1e4)),
+    ),
+    Topic(
+        "/imu/data", "sensor_msgs/Imu", "sensors", ("drive", "arm"), 1, 0.1,
+        "measured angular velocity and specific force, estimated attitude",
+        (
+            FieldRule("orientation", "", frame="map to imu_link", low=-1.0, high=1.0),
+            FieldRule("angular_velocity", "rad/s", frame="imu_link", low=-20.0, high=20.0),
+            FieldRule("linear_acceleration", "m/s^2", frame="imu_link", low=-500.0, high=500.0),
+        ),
+    ),
+    Topic(
+        "/power/switches", "diagnostic_msgs/DiagnosticArray", "power", ("plant", "drive", "arm"), 5, 0.5,
+        "for each load: on, off, or the fraction of its power that it may draw",
+        (FieldRule("status.values.limit", "1", low=0.0, high=1.0),),
+    ),
+    Topic("/battery_state", "sensor_msgs/BatteryState", "power", ("operator",), 50, 3.0,
+          "estimated charge of the battery", _BATTERY),
+    Topic("/power/status", "diagnostic_msgs/DiagnosticArray", "power", (), 50, 3.0, "what the power manager does and why"),
+    Topic("/odom", "nav_msgs/Odometry", "drive", ("operator",), 1, 0.1,
+          "estimated pose of base_link in odom with covariance, twist in base_link", _POSE + _TWIST),
+    Topic("/drive/status", "diagnostic_msgs/DiagnosticArray", "drive", ("operator",), 50, 3.0,
+          "goal, state, distance to go and reason"),
+    Topic(
+        "/wheel_command", "sensor_msgs/JointState", "drive", ("plant",), 1, 0.2,
+        "drive joints: velocity; steer joints: position and velocity",
+        (_ANGLE, _RATE),
+    ),
+    Topic(
+        "/arm_command", "sensor_msgs/JointState", "arm", ("plant",), 1, 0.2,
+        "position, velocity and feed-forward effort of the arm's joints",
+        (_ANGLE, _RATE, FieldRule("effort", "N m", low=-1e4, high=1e4)),
+    ),
+    Topic("/arm/status", "diagnostic_msgs/DiagnosticArray", "arm", ("operator",), 50, 3.0,
+          "goal, state, progress and reason"),
+    Topic(
+        "/cmd_vel", "geometry_msgs/TwistStamped", "operator", ("drive",), 0, 0.5,
+        "wanted velocity of base_link",
+        (
+            FieldRule("twist.linear", "m/s", frame="base_link", low=-10.0, high=10.0),
+            FieldRule("twist.angular", "rad/s", frame="base_link", low=-10.0, high=10.0),
+        ),
+    ),
+    Topic("/goal_pose", "geometry_msgs/PoseStamped", "operator", ("drive",), 0, 10.0, "drive there", _GOAL),
+    Topic("/waypoints", "nav_msgs/Path", "operator", ("drive",), 0, 10.0, "drive along these",
+          (FieldRule("poses.pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),)),
+    Topic("/arm/goal_pose", "geometry_msgs/PoseStamped", "operator", ("arm",), 0, 10.0,
+          "place the arm's tip there; a non-zero orientation asks for the direction of its z axis", _GOAL),
+    Topic("/arm/joint_goal", "sensor_msgs/JointState", "operator", ("arm",), 0, 10.0,
+          "move to these joint positions; a header.frame_id of stow or unfold and no joints asks for that pose", (_ANGLE,)),
+    Topic("/arm/joint_trajectory", "trajectory_msgs/JointTrajectory", "operator", ("arm",), 0, 10.0,
+          "move through these joint positions", (FieldRule("points.positions", "rad", low=-10.0, high=10.0),)),
+    Topic("/arm/stop", "std_msgs/Header", "operator", ("arm",), 0, 10.0, "stop the arm and hold"),
+    Topic("/operator/tick", "std_msgs/Header", "operator", ("plant", "drive", "arm"), 5, INFINITY,
+          "the scripted operator has sent all goals of this period; frame_id counts them, 'end' ends the run",
+          lag=OPERATOR_LAG),
+    Topic("/recorder/tick", "std_msgs/Header", "recorder", ("plant",), 5, INFINITY,
+          "everything up to this period is written", lag=RECORDER_LAG, logged=False),
+    Topic("/diagnostics", "diagnostic_msgs/DiagnosticArray", "all", ("plant",), 50, 3.0,
+          "one heartbeat a second from every node: state, messages published, received and refused"),
+)
+
+_BY_NAME = {topic.name: topic for topic in TOPICS}
+
+
+def topic(name: str) -> Topic:
+    """Row of the table by topic name. Raises UnknownTopicError."""
+    try:
+        return _BY_NAME[name]
+    except KeyError:
+        raise UnknownTopicError(name, tuple(_BY_NAME)) from None
+
+
+def outputs_of(role: str) -> tuple[Topic, ...]:
+    """Topics that a role publishes, heartbeats included. Raises UnknownRoleError."""
+    _check_role(role)
+    return tuple(row for row in TOPICS if row.publisher in (role, "all"))
+
+
+def inputs_of(role: str) -> tuple[Topic, ...]:
+    """Topics that a role acts on; for the recorder every logged one. Raises UnknownRoleError."""
+    _check_role(role)
+    if role == "recorder":
+        return tuple(row for row in TOPICS if row.logged)
+    return tuple(row for row in TOPICS if role in row.subscribers)
+
+
+def _check_role(role: str) -> None:
+    if role not in ROLES:
+        raise UnknownRoleError(role, ROLES)
