@@ -1,0 +1,102 @@
+"""Measured joints and IMU as the drive's input, and its output as a wheel command."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from sensor_msgs.msg import JointState
+
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.messages import fill_joint_state, joint_state, quaternion, xyz
+from sojourn_mechanics.contact.params import WheelParams
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, TwistCommand
+from sojourn_mechanics.steering.goal import Goal
+from sojourn_mechanics.steering.odometry import OdometryState
+
+DRIVE_LOADS = ("drive", "steer")
+"""Loads without which the rover does not move."""
+
+
+class WheelMeasurements:
+    """Maps the joints of messages to wheels and back.
+
+    Args:
+        wheels: in the order of the steering geometry. urdf_xml: the machine, with a link `imu_link`.
+    """
+
+    def __init__(self, wheels: Sequence[WheelParams], urdf_xml: str) -> None:
+        self._drive_joints = [wheel.joint for wheel in wheels]
+        self._steered = [place for place, wheel in enumerate(wheels) if wheel.steer_joint is not None]
+        self._steer_joints = [wheel.steer_joint for wheel in wheels if wheel.steer_joint is not None]
+        self._columns: tuple[list[str], list[int], list[int]] | None = None
+        self._message = joint_state([*self._drive_joints, *self._steer_joints])
+        model = pin.buildModelFromXML(urdf_xml, pin.JointModelFreeFlyer())
+        data = model.createData()
+        pin.framesForwardKinematics(model, data, pin.neutral(model))
+        self._imu_to_base: FloatArray = np.array(data.oMf[model.getFrameId("imu_link")].rotation)
+
+    def drive_input(
+        self, joints: JointState, imu: Any, twist: TwistCommand | None, goal: Goal | None, power_limit: float
+    ) -> DriveInput:
+        """Input of the drive's step. Raises RefusedMessageError if a wheel's joint is missing."""
+        drive, steer = self._places(joints)
+        position = np.array(joints.position)
+        rate = np.array(joints.velocity)
+        angles = np.zeros(len(drive))
+        angles[self._steered] = position[steer]
+        gyro = self._imu_to_base @ xyz(imu.angular_velocity)
+        return DriveInput(
+            wheel_positions=position[drive],
+            wheel_rates=rate[drive],
+            steer_angles=angles,
+            gyro=(float(gyro[0]), float(gyro[1]), float(gyro[2])),
+            roll_pitch=self._roll_pitch(quaternion(imu.orientation)),
+            twist=twist,
+            goal=goal,
+            power_limit=power_limit,
+        )
+
+    def command(self, stamp: int, output: DriveOutput) -> JointState:
+        """Wheel command: rates of the drive joints, angles and rates of the steering joints."""
+        count = len(self._drive_joints)
+        position = np.zeros(count + len(self._steered))
+        velocity = np.empty_like(position)
+        velocity[:count] = output.wheel_rates
+        position[count:] = output.steer_angles[self._steered]
+        velocity[count:] = output.steer_rates[self._steered]
+        return fill_joint_state(self._message, stamp, position, velocity)
+
+    def orientation(self, estimate: OdometryState) -> FloatArray:
+        """Quaternion x y z w of base_link in odom."""
+        rotation = pin.rpy.rpyToMatrix(estimate.roll, estimate.pitch, estimate.yaw)
+        return np.array(pin.Quaternion(rotation).coeffs())
+
+    def power_limit(self, switches: dict[str, str], present: float) -> float:
+        """Factor on all speeds from the power manager's switches; `present` where they do not name the drive."""
+        named = [switches[load] for load in DRIVE_LOADS if load in switches]
+        if not named:
+            return present
+        return min(0.0 if text == "off" else 1.0 if text == "on" else float(text) for text in named)
+
+    def _places(self, joints: JointState) -> tuple[list[int], list[int]]:
+        """Where the wheels' and the steering's joints are in a message; remembered while its names stay the same."""
+        if self._columns is None or self._columns[0] != joints.name:
+            names = list(joints.name)
+            for joint in (*self._drive_joints, *self._steer_joints):
+                if joint not in names:
+                    raise RefusedMessageError("/joint_states", "name", ", ".join(names), f"{joint} among them")
+            self._columns = (
+                names,
+                [names.index(joint) for joint in self._drive_joints],
+                [names.index(joint) for joint in self._steer_joints],
+            )
+        return self._columns[1], self._columns[2]
+
+    def _roll_pitch(self, orientation_imu_in_map: FloatArray) -> tuple[float, float]:
+        x, y, z, w = orientation_imu_in_map
+        imu = pin.Quaternion(float(w), float(x), float(y), float(z)).toRotationMatrix()
+        base = imu @ self._imu_to_base.T
+        return math.atan2(base[2, 1], base[2, 2]), math.asin(min(max(-base[2, 0], -1.0), 1.0))

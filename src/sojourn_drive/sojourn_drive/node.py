@@ -1,0 +1,120 @@
+"""Node of the drive: goals and measurements in, odometry and wheel commands out, by the laws in `sojourn_mechanics.steering`."""
+
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+from nav_msgs.msg import Odometry
+from rclpy.context import Context
+
+from sojourn_config.scenario import load_scenario
+from sojourn_contract import process, stamps
+from sojourn_contract.barrier import is_due
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.heartbeat import status_message, status_values
+from sojourn_contract.messages import set_quaternion, set_xyz
+from sojourn_contract.node import ContractNode
+from sojourn_contract.topics import topic
+from sojourn_drive.goals import GoalDesk
+from sojourn_drive.measurements import WheelMeasurements
+from sojourn_mechanics.errors import MechanicsError
+from sojourn_mechanics.steering.drive import DriveModel
+from sojourn_mechanics.steering.drive_types import DriveOutput, TwistCommand
+from sojourn_mechanics.steering.kinematics import PlanarTwist
+
+
+class DriveNode(ContractNode):
+    """Role drive."""
+
+    def __init__(
+        self,
+        *,
+        context: Context | None = None,
+        overrides: Mapping[str, Any] | None = None,
+        namespace: str | None = None,
+    ) -> None:
+        super().__init__("drive", context=context, overrides=overrides, namespace=namespace)
+        scenario = load_scenario(self.scenario_name)
+        start = scenario.config.start
+        self.model = DriveModel(scenario.drive, scenario.steering)
+        self.state = self.model.initial_state(start.x, start.y, start.yaw)
+        self._measurements = WheelMeasurements(scenario.rover.wheels, scenario.urdf_xml)
+        self._goals = GoalDesk(scenario.terrain)
+        self._twist: tuple[int, PlanarTwist] | None = None
+        self._power_limit = 1.0
+        self._last = 0
+        self._odometry = Odometry(child_frame_id="base_link")
+        self._odometry.header.frame_id = "odom"
+
+    def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
+        """One step of the drive, with the measurements of this period."""
+        switches = inputs.get("/power/switches")
+        if switches is not None:
+            self._power_limit = self._measurements.power_limit(status_values(switches), self._power_limit)
+        goal = self._take_goals(goals)
+        joints, imu = inputs["/joint_states"], inputs["/imu/data"]
+        if joints is None or imu is None:  # refused: the last command ages out
+            return
+        try:
+            measured = self._measurements.drive_input(joints, imu, self._twist_command(stamp), goal, self._power_limit)
+            dt = (stamp - self._last) * 1e-9
+            self._last = stamp
+            self.state, output = self.model.step(self.state, measured, dt)
+        except MechanicsError as error:
+            self.refuse("/joint_states", error)
+            return
+        self._goals.note(output.outcomes)
+        self.publish("/odom", self._odometry_message(stamp, output))
+        if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
+            self.publish("/drive/status", self._status(stamp, output))
+        self.publish("/wheel_command", self._measurements.command(stamp, output))
+
+    def _take_goals(self, goals: list[tuple[str, Any]]) -> Any:
+        """The goal that takes effect now; of several the last."""
+        accepted = None
+        for name, message in goals:
+            if name == "/cmd_vel":
+                linear, angular = message.twist.linear, message.twist.angular
+                stamp = stamps.from_message(message.header.stamp) or self.now
+                self._twist = (stamp, PlanarTwist(linear.x, linear.y, angular.z))
+                self._goals.pre_empted(stamp)
+                continue
+            try:
+                accepted = self._goals.goal(name, message, self.state.odometry)
+            except RefusedMessageError as refusal:
+                self.refuse(name, refusal)
+        return accepted
+
+    def _twist_command(self, stamp: int) -> TwistCommand | None:
+        if self._twist is None:
+            return None
+        sent, twist = self._twist
+        return TwistCommand(twist, max(stamp - sent, 0) * 1e-9)
+
+    def _odometry_message(self, stamp: int, output: DriveOutput) -> Odometry:
+        message, estimate = self._odometry, output.odometry
+        message.header.stamp = stamps.to_message(stamp)
+        set_xyz(message.pose.pose.position, (estimate.x, estimate.y, estimate.z))
+        set_quaternion(message.pose.pose.orientation, self._measurements.orientation(estimate))
+        set_xyz(message.twist.twist.linear, (estimate.v_x, estimate.v_y, 0.0))
+        set_xyz(message.twist.twist.angular, (0.0, 0.0, estimate.yaw_rate))
+        message.pose.covariance = output.pose_covariance.ravel()
+        message.twist.covariance = output.twist_covariance.ravel()
+        return message
+
+    def _status(self, stamp: int, output: DriveOutput) -> Any:
+        values = self._goals.status(self.state)
+        values |= {
+            key: f"{value:.6g}" if isinstance(value, float) else value for key, value in output.status.items()
+        }
+        level = 1 if values["state"] in ("refused", "stopped") else 0
+        return status_message(stamp, "drive", values, values["reason"] or values["state"], level)
+
+
+def main() -> None:
+    """Run the node as a process."""
+    sys.exit(process.run(DriveNode))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,29 @@
+"""The plant of a scenario, settled on its ground."""
+
+from sojourn_config.scenario import LoadedScenario
+from sojourn_mechanics.plant.model import PlantModel
+from sojourn_mechanics.plant.state import PlantState
+from sojourn_mechanics.plant.step import initial_state
+
+STOWED = "stow"
+
+
+def build_plant(scenario: LoadedScenario) -> tuple[PlantModel, PlantState]:
+    """Model and first state: the machine at the scenario's start, arm stowed, at rest on its soil.
+
+    Raises:
+        MechanicsError: parameters that do not fit together. ConfigError: a terrain that cannot be made.
+    """
+    model = PlantModel(
+        scenario.urdf_xml,
+        scenario.rover,
+        scenario.gravity,
+        scenario.height_field(),
+        list(scenario.soils.values()),
+        scenario.battery,
+        scenario.bus,
+        scenario.simulation,
+    )
+    start = scenario.config.start
+    stowed = dict(zip(scenario.arm.joint_names, scenario.arm.named_poses[STOWED], strict=True))
+    return model, initial_state(model, start.x, start.y, start.yaw, scenario.config.battery_soc, stowed)

@@ -1,0 +1,94 @@
+"""The plant's state as messages of the contract."""
+
+from typing import Any
+
+import numpy as np
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
+
+from sojourn_contract import stamps
+from sojourn_contract.barrier import is_due
+from sojourn_contract.heartbeat import status_message
+from sojourn_contract.messages import (
+    battery_state,
+    contact_cloud,
+    fill_contact_cloud,
+    fill_joint_state,
+    joint_state,
+    set_quaternion,
+    set_xyz,
+)
+from sojourn_contract.topics import topic
+from sojourn_mechanics.plant.model import PlantModel
+from sojourn_mechanics.plant.state import PlantOutput, PlantState
+
+
+class TruthMessages:
+    """Builds the truth of a period; keeps its message objects, which are filled anew each time."""
+
+    def __init__(self, model: PlantModel) -> None:
+        self._model = model
+        self._joints = joint_state(model.joints.names)
+        self._contacts = contact_cloud()
+        self._odometry = Odometry(child_frame_id="base_link")
+        self._odometry.header.frame_id = "map"
+        self._loads = tuple(load.name for load in model.bus.loads)
+
+    def first(self, stamp: int, state: PlantState) -> list[tuple[str, Any]]:
+        """Truth before the first step, with the forces of the settled machine as they were last seen."""
+        model = self._model
+        output = PlantOutput(
+            contacts=model.report.copy(),
+            efforts=model.efforts.copy(),
+            currents=model.currents.copy(),
+            load_power=np.zeros(len(self._loads)),
+            battery_current=0.0,
+        )
+        return self.messages(stamp, state, output)
+
+    def messages(self, stamp: int, state: PlantState, output: PlantOutput) -> list[tuple[str, Any]]:
+        """Messages of one period as (topic, message), in the order of the table."""
+        period = stamp // stamps.CONTROL_PERIOD_NS
+        time = stamps.to_message(stamp)
+        odometry = self._odometry
+        odometry.header.stamp = time
+        set_xyz(odometry.pose.pose.position, state.configuration[:3])
+        set_quaternion(odometry.pose.pose.orientation, state.configuration[3:7])
+        set_xyz(odometry.twist.twist.linear, state.velocity[:3])
+        set_xyz(odometry.twist.twist.angular, state.velocity[3:6])
+        rates = state.velocity[self._model.joints.columns]
+        messages: list[tuple[str, Any]] = [
+            ("/clock", Clock(clock=time)),
+            ("/truth/odom", odometry),
+            ("/truth/contacts", fill_contact_cloud(self._contacts, stamp, output.contacts)),
+        ]
+        if is_due(topic("/truth/electrical"), period):
+            battery = self._model.battery
+            supply = state.battery
+            messages.append(
+                (
+                    "/truth/electrical",
+                    battery_state(
+                        stamp,
+                        state.bus_voltage,
+                        output.battery_current,
+                        supply.temperature,
+                        supply.soc,
+                        supply.soc * battery.charge_capacity,
+                        battery.charge_capacity,
+                    ),
+                )
+            )
+            messages.append(("/truth/loads", self._load_message(stamp, state, output)))
+        messages.append(
+            ("/truth/joint_states", fill_joint_state(self._joints, stamp, state.joints[0], rates, output.efforts))
+        )
+        return messages
+
+    def _load_message(self, stamp: int, state: PlantState, output: PlantOutput) -> Any:
+        values = {
+            f"power {name}": f"{power:.6g}" for name, power in zip(self._loads, output.load_power, strict=True)
+        }
+        for name in state.energy.__dataclass_fields__:
+            values[f"energy {name}"] = f"{getattr(state.energy, name):.9g}"
+        return status_message(stamp, "loads", values)

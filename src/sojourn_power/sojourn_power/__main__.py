@@ -1,0 +1,5 @@
+"""python -m sojourn_power"""
+
+from sojourn_power.node import main
+
+main()

@@ -1,0 +1,5 @@
+"""python -m sojourn_sensors"""
+
+from sojourn_sensors.node import main
+
+main()

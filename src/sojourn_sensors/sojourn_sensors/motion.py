@@ -1,0 +1,69 @@
+"""True motion of the IMU from the truth of the base: differences of velocity over a period, and the lever arm."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from sojourn_contract.messages import quaternion, xyz
+from sojourn_mechanics.params import FloatArray
+
+IMU_FRAME = "imu_link"
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Of the IMU, in its own frame, each (3,): angular velocity [rad/s], acceleration less gravity [m/s^2]."""
+
+    angular_velocity: FloatArray
+    specific_force: FloatArray
+
+
+class ImuMotion:
+    """What an ideal IMU on the machine feels.
+
+    Velocity of the IMU  v = R (v_base + ω × r);  specific force = R_imuᵀ (Δv/Δt - g), the mean over the period, as an
+    integrating accelerometer gives it.
+
+    Args:
+        urdf_xml: the machine, with a link `imu_link`. gravity: [m/s^2].
+    """
+
+    def __init__(self, urdf_xml: str, gravity: float) -> None:
+        model = pin.buildModelFromXML(urdf_xml, pin.JointModelFreeFlyer())
+        data = model.createData()
+        level = pin.neutral(model)
+        pin.framesForwardKinematics(model, data, level)
+        placement = data.oMf[model.getFrameId(IMU_FRAME)]
+        self._lever: FloatArray = np.array(placement.translation)
+        self._rotation_imu_to_base: FloatArray = np.array(placement.rotation)
+        self._gravity = np.array([0.0, 0.0, -gravity])
+        self._velocity: FloatArray | None = None
+
+    def orientation_imu_in_map(self, orientation_base_in_map: FloatArray) -> FloatArray:
+        """Quaternion x y z w of the IMU from that of the base."""
+        rotation = _rotation(orientation_base_in_map) @ self._rotation_imu_to_base
+        coefficients: FloatArray = np.array(pin.Quaternion(rotation).coeffs())
+        return coefficients
+
+    def update(self, odometry: Any, dt: float) -> Motion:
+        """Motion at the end of a period of `dt` [s], from the base's true odometry."""
+        rotation = _rotation(quaternion(odometry.pose.pose.orientation))
+        angular = xyz(odometry.twist.twist.angular)
+        velocity = rotation @ (xyz(odometry.twist.twist.linear) + np.cross(angular, self._lever))
+        before = velocity if self._velocity is None else self._velocity
+        self._velocity = velocity
+        specific = rotation.T @ ((velocity - before) / dt - self._gravity)
+        return Motion(self._rotation_imu_to_base.T @ angular, self._rotation_imu_to_base.T @ specific)
+
+
+def _rotation(orientation: FloatArray) -> FloatArray:
+    x, y, z, w = orientation
+    return np.array(
+        (
+            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),
+            (2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)),
+            (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)),
+        )
+    )

@@ -1,0 +1,131 @@
+"""Node of the sensors: truth in, measurements out, from the emulators of `sojourn_mechanics.sensors`."""
+
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from rclpy.context import Context
+from sensor_msgs.msg import Imu
+
+from sojourn_config.scenario import load_scenario
+from sojourn_contract import process, stamps
+from sojourn_contract.messages import (
+    battery_readings,
+    battery_state,
+    fill_joint_state,
+    joint_state,
+    numbers,
+    quaternion,
+    set_quaternion,
+    set_xyz,
+)
+from sojourn_contract.node import ContractNode
+from sojourn_mechanics.sensors import suite
+from sojourn_sensors.motion import ImuMotion
+
+STORE = "battery"
+NOT_MEASURED = float("nan")
+
+
+class SensorsNode(ContractNode):
+    """Role sensors."""
+
+    def __init__(
+        self,
+        *,
+        context: Context | None = None,
+        overrides: Mapping[str, Any] | None = None,
+        namespace: str | None = None,
+    ) -> None:
+        super().__init__("sensors", context=context, overrides=overrides, namespace=namespace)
+        scenario = load_scenario(self.scenario_name)
+        self.params = scenario.sensors
+        self._seed = scenario.config.seed
+        self._gravity = scenario.gravity
+        self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
+        self.state: suite.SensorSuiteState | None = None
+        """None until the first truth says which joints there are and how the machine stands."""
+        self._electrical = (0.0, 0.0, 293.15)
+        self._last = 0
+        self._joints = joint_state(())
+        self._imu = Imu()
+        self._imu.header.frame_id = "imu_link"
+
+    def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
+        """Measure the truth of this period."""
+        odometry, joints = inputs["/truth/odom"], inputs["/truth/joint_states"]
+        if odometry is None or joints is None:  # refused: nothing to measure
+            return
+        electrical = inputs.get("/truth/electrical")
+        if electrical is not None:
+            self._electrical = battery_readings(electrical)
+        dt = (stamp - self._last) * 1e-9 if self.state is not None else stamps.CONTROL_PERIOD_S
+        self._last = stamp
+        motion = self._motion.update(odometry, dt)
+        if self.state is None:
+            self.state = self._first_state(odometry, joints)
+        voltage, current, temperature = self._electrical
+        truth = suite.SensorTruth(
+            joint_position=numbers(joints.position),
+            joint_effort=numbers(joints.effort),
+            angular_velocity_imu_in_imu=motion.angular_velocity,
+            specific_force_imu_in_imu=motion.specific_force,
+            bus_voltage=np.array([voltage]),
+            bus_current=np.array([current]),
+            bus_temperature=np.array([temperature]),
+        )
+        self.state, measured = suite.step(self.params, self.state, truth, dt)
+        if electrical is not None:
+            self.publish(
+                "/bus/state",
+                battery_state(
+                    stamp,
+                    measured.bus_voltage[0],
+                    measured.bus_current[0],
+                    measured.bus_temperature[0],
+                    NOT_MEASURED,
+                    NOT_MEASURED,
+                    NOT_MEASURED,
+                ),
+            )
+        self.publish(
+            "/joint_states",
+            fill_joint_state(
+                self._joints, stamp, measured.joint_position, measured.joint_velocity, measured.joint_effort
+            ),
+        )
+        self.publish("/imu/data", self._imu_message(stamp, measured.imu))
+
+    def _first_state(self, odometry: Any, joints: Any) -> suite.SensorSuiteState:
+        state = suite.initial_state(
+            self.params,
+            self._seed,
+            tuple(joints.name),
+            numbers(joints.position),
+            (STORE,),
+            self._motion.orientation_imu_in_map(quaternion(odometry.pose.pose.orientation)),
+            self._gravity,
+        )
+        self._joints = joint_state(state.layout.joint_names)
+        return state
+
+    def _imu_message(self, stamp: int, reading: Any) -> Imu:
+        imu = self._imu
+        imu.header.stamp = stamps.to_message(stamp)
+        set_quaternion(imu.orientation, reading.orientation)
+        set_xyz(imu.angular_velocity, reading.angular_velocity)
+        set_xyz(imu.linear_acceleration, reading.specific_force)
+        imu.orientation_covariance = np.diag(reading.orientation_variance).ravel()
+        imu.angular_velocity_covariance = np.diag(reading.angular_velocity_variance).ravel()
+        imu.linear_acceleration_covariance = np.diag(reading.specific_force_variance).ravel()
+        return imu
+
+
+def main() -> None:
+    """Run the node as a process."""
+    sys.exit(process.run(SensorsNode))
+
+
+if __name__ == "__main__":
+    main()
