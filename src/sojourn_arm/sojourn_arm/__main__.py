@@ -1,0 +1,5 @@
+"""python -m sojourn_arm"""
+
+from sojourn_arm.node import main
+
+main()

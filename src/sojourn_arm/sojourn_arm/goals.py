@@ -1,0 +1,94 @@
+"""Goals as they come over topics: into the arm's own, refused with the reason, and what became of them for the status."""
+
+from typing import Any
+
+from sojourn_contract import stamps
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_mechanics.arm.controller import ArmOutput
+from sojourn_mechanics.arm.goals import (
+    ArmGoal,
+    GoalRefusedError,
+    JointGoal,
+    NamedGoal,
+    StopGoal,
+    TrajectoryGoal,
+    pose_goal,
+)
+from sojourn_mechanics.arm.params import ArmParams
+
+FRAME = "base_link"
+"""Frame of pose goals: what the arm's cameras measure from. The drive's estimate of map is not good to millimetres."""
+_STATES = {"holding": "failed", "idle": "idle", "moving": "moving", "refused": "refused", "reached": "reached", "stopped": "stopped"}
+
+
+class GoalDesk:
+    """Takes goals in and keeps the state of the last one."""
+
+    def __init__(self, params: ArmParams) -> None:
+        self._params = params
+        self._state = "idle"
+        self._reason = ""
+        self._stamp = 0
+        self._refused_before = 0
+
+    def goal(self, topic: str, message: Any) -> ArmGoal:
+        """The arm's goal of a message. Raises RefusedMessageError for a frame or numbers that it cannot have."""
+        header = message if topic == "/arm/stop" else message.header
+        self._stamp = stamps.from_message(header.stamp)
+        self._state, self._reason = "moving", ""
+        try:
+            return self._convert(topic, message)
+        except (GoalRefusedError, RefusedMessageError) as refusal:
+            self._state, self._reason = "refused", str(refusal)
+            raise RefusedMessageError(topic, "goal", "refused", str(refusal)) from refusal
+
+    def note(self, output: ArmOutput, new_goal: bool) -> None:
+        """Keep what has become of the last goal; `new_goal`: it was given to the arm in this period."""
+        refused = output.goals_refused > self._refused_before
+        self._refused_before = output.goals_refused
+        if refused:
+            self._state, self._reason = "refused", output.reason
+        elif new_goal or self._state == "moving":
+            self._state, self._reason = _STATES[output.status], output.reason
+
+    def status(self, output: ArmOutput) -> dict[str, str]:
+        """Fields of /arm/status."""
+        x, y, z = output.tip_in_base
+        return {
+            "state": self._state,
+            "goal_stamp": str(self._stamp),
+            "progress": f"{output.progress:.3f}",
+            "time_to_go": f"{output.time_to_go:.2f}",
+            "reason": self._reason,
+            "error_m": f"{output.goal_error:.6f}",
+            "joint_error_rad": f"{output.joint_error:.6f}",
+            "tip_in_base_m": f"{x:.5f} {y:.5f} {z:.5f}",
+            "goals_accepted": str(output.goals_accepted),
+            "goals_refused": str(output.goals_refused),
+        }
+
+    def _convert(self, topic: str, message: Any) -> ArmGoal:
+        if topic == "/arm/stop":
+            return StopGoal()
+        if topic == "/arm/goal_pose":
+            if message.header.frame_id != FRAME:
+                raise RefusedMessageError(topic, "header.frame_id", repr(message.header.frame_id), FRAME)
+            position, orientation = message.pose.position, message.pose.orientation
+            return pose_goal(
+                self._params,
+                (position.x, position.y, position.z),
+                (orientation.x, orientation.y, orientation.z, orientation.w),
+            )
+        if topic == "/arm/joint_goal":
+            if not message.name:
+                return NamedGoal(message.header.frame_id)
+            return JointGoal(tuple(message.name), tuple(message.position))
+        points = message.points
+        return TrajectoryGoal(
+            names=tuple(message.joint_names),
+            times=tuple(point.time_from_start.sec + 1e-9 * point.time_from_start.nanosec for point in points),
+            positions=tuple(tuple(point.positions) for point in points),
+            velocities=tuple(tuple(point.velocities) for point in points)
+            if points and all(point.velocities for point in points)
+            else None,
+        )

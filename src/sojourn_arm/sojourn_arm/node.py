@@ -1,0 +1,123 @@
+"""Node of the arm: goals and measurements in, joint references and feed-forward out, by the laws in `sojourn_mechanics.arm`."""
+
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from rclpy.context import Context
+
+from sojourn_arm.goals import GoalDesk
+from sojourn_config.scenario import load_scenario
+from sojourn_contract import process, stamps
+from sojourn_contract.barrier import is_due
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.heartbeat import status_message, status_values
+from sojourn_contract.messages import fill_joint_state, joint_state
+from sojourn_contract.node import ContractNode
+from sojourn_contract.topics import topic
+from sojourn_mechanics.arm import controller
+from sojourn_mechanics.arm.goals import ArmGoal
+from sojourn_mechanics.arm.model import build_arm_model
+from sojourn_mechanics.params import FloatArray
+
+ARM_LOAD = "arm"
+
+
+class ArmNode(ContractNode):
+    """Role arm."""
+
+    def __init__(
+        self,
+        *,
+        context: Context | None = None,
+        overrides: Mapping[str, Any] | None = None,
+        namespace: str | None = None,
+    ) -> None:
+        super().__init__("arm", context=context, overrides=overrides, namespace=namespace)
+        scenario = load_scenario(self.scenario_name)
+        self.params = scenario.arm
+        self.model = build_arm_model(scenario.urdf_xml, self.params)
+        controller.warm_up(self.params, self.model)
+        self.state = controller.initial_state(self.params)
+        self._gravity = np.array([0.0, 0.0, -scenario.gravity])
+        self._goals = GoalDesk(self.params)
+        self._powered = True
+        self._command = joint_state(self.params.joint_names)
+        self._places: tuple[list[str], list[int]] = ([], [])
+        self._imu_to_base = _imu_to_base(scenario.urdf_xml)
+
+    def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
+        """One step of the arm's control, with the measurements of this period."""
+        switches = inputs.get("/power/switches")
+        if switches is not None:
+            self._powered = status_values(switches).get(ARM_LOAD, "on") != "off"
+        goal = self._take_goals(goals)
+        joints, imu = inputs["/joint_states"], inputs["/imu/data"]
+        if joints is None or imu is None:  # refused: the last command ages out
+            return
+        measured = self._measured(joints)
+        request = controller.ArmInput(
+            positions=measured[0],
+            velocities=measured[1],
+            gravity_in_base=self._gravity_in_base(imu.orientation),
+            goal=goal,
+            allowed=self._powered,
+            not_allowed_reason="" if self._powered else "the power manager has switched the arm off",
+        )
+        self.state, output = controller.step(
+            self.params, self.model, self.state, request, stamps.CONTROL_PERIOD_S
+        )
+        self._goals.note(output, goal is not None)
+        if is_due(topic("/arm/status"), stamp // stamps.CONTROL_PERIOD_NS):
+            values = self._goals.status(output)
+            level = 1 if values["state"] in ("refused", "failed") else 0
+            self.publish("/arm/status", status_message(stamp, "arm", values, values["reason"] or values["state"], level))
+        self.publish(
+            "/arm_command",
+            fill_joint_state(self._command, stamp, output.positions, output.velocities, output.efforts),
+        )
+
+    def _take_goals(self, goals: list[tuple[str, Any]]) -> ArmGoal | None:
+        """The goal that takes effect now; of several the last."""
+        accepted = None
+        for name, message in goals:
+            try:
+                accepted = self._goals.goal(name, message)
+            except RefusedMessageError as refusal:
+                self.refuse(name, refusal)
+        return accepted
+
+    def _measured(self, joints: Any) -> tuple[FloatArray, FloatArray]:
+        """Positions and rates of the arm's joints. Raises RefusedMessageError if one is missing."""
+        if self._places[0] != joints.name:
+            names = list(joints.name)
+            for joint in self.params.joint_names:
+                if joint not in names:
+                    raise RefusedMessageError("/joint_states", "name", ", ".join(names), f"{joint} among them")
+            self._places = (names, [names.index(joint) for joint in self.params.joint_names])
+        places = self._places[1]
+        return np.array(joints.position)[places], np.array(joints.velocity)[places]
+
+    def _gravity_in_base(self, orientation: Any) -> FloatArray:
+        imu = pin.Quaternion(orientation.w, orientation.x, orientation.y, orientation.z).toRotationMatrix()
+        gravity: FloatArray = self._imu_to_base @ (imu.T @ self._gravity)
+        return gravity
+
+
+def _imu_to_base(urdf_xml: str) -> FloatArray:
+    """Rotation from the IMU's frame to base_link, (3, 3)."""
+    model = pin.buildModelFromXML(urdf_xml, pin.JointModelFreeFlyer())
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, pin.neutral(model))
+    return np.array(data.oMf[model.getFrameId("imu_link")].rotation)
+
+
+def main() -> None:
+    """Run the node as a process."""
+    sys.exit(process.run(ArmNode))
+
+
+if __name__ == "__main__":
+    main()

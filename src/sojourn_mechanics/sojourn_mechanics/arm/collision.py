@@ -1,0 +1,187 @@
+"""Distance between the arm and the rover, itself and the ground, along a whole path before it is moved.
+
+Links: signed distances between primitive shapes (GJK/EPA; Gilbert, Johnson, Keerthi 1988; the coal library
+through Pinocchio), for pairs whose enclosing spheres are near enough. Along a path only those pairs are
+looked at again that could have come near since their last look: a point of a shape moves at most
+sum_i reach_i |dq_i|  over the joints i that move the pair's shapes against each other, with reach_i a bound
+of its distance from joint i in any posture; so a pair that was d apart needs no look until this sum has
+grown to d minus the clearance (conservative advancement; Mirtich, 1996). The posture is stepped by at most
+`collision_step` per joint.
+
+Ground: a plane in base_link. The depth of a primitive below it is exact from its support function.
+
+A pair (or a link and the ground) that is nearer than the clearance at the start may not come nearer, but
+may part.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio
+from numpy.typing import NDArray
+
+from sojourn_mechanics.arm.joint_path import JointPath
+from sojourn_mechanics.arm.model import ArmModel
+from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.params import FloatArray
+
+_PART = 1.0e-4  # [m] a pair that starts too near may come nearer by rounding only
+
+
+@dataclass(frozen=True, slots=True)
+class GroundPlane:
+    """Half space below  normal . x = height  in base_link. The normal points up, out of the ground."""
+
+    height: float  # [m]
+    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)  # unit
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.height) and abs(math.hypot(*self.normal) - 1.0) < 1e-3):
+            raise InvalidValueError(
+                "ground plane", (self.height, self.normal), "a finite height and a unit normal"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Collision:
+    """Two links (or a link and 'ground') that come too near."""
+
+    first: str
+    second: str
+    distance: float  # signed [m]
+    clearance: float  # [m]
+    progress: float  # where on the path, 0 to 1
+
+    def text(self) -> str:
+        """The pair, the distance and the clearance in words."""
+        how = (
+            f"{self.distance * 1e3:.1f} mm apart"
+            if self.distance > 0.0
+            else f"overlap by {-self.distance * 1e3:.1f} mm"
+        )
+        return (
+            f"collision of {self.first} and {self.second}: {how} "
+            f"(at least {self.clearance * 1e3:.1f} mm is kept) at {self.progress * 100.0:.0f} % of the path"
+        )
+
+
+def check_posture(
+    params: ArmParams, model: ArmModel, positions: FloatArray, ground: GroundPlane | None
+) -> Collision | None:
+    """The first pair nearer than its clearance at joint `positions` (n,), or None."""
+    return check_samples(params, model, positions[None, :], ground, allow_start=False)
+
+
+def check_path(
+    params: ArmParams, model: ArmModel, path: JointPath, ground: GroundPlane | None
+) -> Collision | None:
+    """The first collision along `path`, or None."""
+    return check_samples(params, model, path_samples(path, params.collision_step), ground, allow_start=True)
+
+
+def path_samples(path: JointPath, step: float) -> FloatArray:
+    """Positions (m, n) along the path, both ends included, no joint more than `step` between two."""
+    fastest = max(float(np.max(path.extremes()[2])), 1e-6)
+    count = math.ceil(path.duration * fastest / (0.1 * step)) + 2
+    fine = path.samples(np.linspace(0.0, path.duration, count))
+    travel = np.concatenate([[0.0], np.cumsum(np.max(np.abs(np.diff(fine, axis=0)), axis=1))])
+    # A fine step is at most a tenth of `step`, so that rounding up to one keeps within it.
+    wanted = np.arange(0.0, travel[-1], 0.9 * step)
+    picked = np.searchsorted(travel, wanted)
+    return np.ascontiguousarray(fine[np.union1d(picked, [0, count - 1])])
+
+
+def check_samples(
+    params: ArmParams, model: ArmModel, samples: FloatArray, ground: GroundPlane | None, allow_start: bool
+) -> Collision | None:
+    """The first collision at the postures `samples` (m, n), or None.
+
+    Args:
+        allow_start: what is too near at the first sample is taken as given: it must not come nearer.
+    """
+    count = len(model.pairs)
+    slack = np.zeros(count)
+    clearance = np.full(count, params.collision_clearance)
+    ground_links = model.arm_shapes if ground is not None else ()
+    ground_slack = np.zeros(len(ground_links))
+    ground_clearance = np.array([_ground_clearance(params, link) for _, link in ground_links])
+    last = max(samples.shape[0] - 1, 1)
+    for k, positions in enumerate(samples):
+        if k > 0:
+            turned = np.abs(positions - samples[k - 1])
+            slack -= model.pair_reach @ turned
+            if ground_links:
+                ground_slack -= model.shape_reach @ turned
+        due, ground_due = np.flatnonzero(slack <= 0.0), np.flatnonzero(ground_slack <= 0.0)
+        if due.size or ground_due.size:
+            pinocchio.updateGeometryPlacements(
+                model.pinocchio_model, model.data, model.geometry_model, model.geometry_data, positions
+            )
+        for pair in _near_pairs(model, due, slack, clearance):
+            distance = _distance(model, pair)
+            if k == 0 and allow_start:
+                clearance[pair] = min(clearance[pair], distance - _PART)
+            slack[pair] = distance - clearance[pair]
+            if slack[pair] < 0.0:
+                return Collision(*model.pairs[pair], distance, params.collision_clearance, k / last)
+        for item in ground_due.tolist():
+            shape, link = ground_links[item]
+            height = _height(model, shape, ground)
+            if k == 0 and allow_start:
+                ground_clearance[item] = min(ground_clearance[item], height - _PART)
+            ground_slack[item] = height - ground_clearance[item]
+            if ground_slack[item] < 0.0:
+                return Collision(link, "ground", height, _ground_clearance(params, link), k / last)
+    return None
+
+
+def _near_pairs(
+    model: ArmModel, due: NDArray[np.int64], slack: FloatArray, clearance: FloatArray
+) -> list[int]:
+    """Those of the `due` pairs whose enclosing spheres are too near; the slack of the others is set here."""
+    if due.size == 0:
+        return []
+    centres = model.shape_centres.copy()
+    for shape, _ in model.arm_shapes:
+        centres[shape] = model.geometry_data.oMg[shape].translation
+    first, second = model.pair_shapes[due].T
+    apart = np.sqrt(np.sum((centres[first] - centres[second]) ** 2, axis=1))
+    slack[due] = apart - model.shape_radii[first] - model.shape_radii[second] - clearance[due]
+    near: list[int] = due[slack[due] <= 0.0].tolist()
+    return near
+
+
+def _ground_clearance(params: ArmParams, link: str) -> float:
+    return -params.ground_contact_depth if link in params.ground_contact_links else params.ground_clearance
+
+
+def _distance(model: ArmModel, pair: int) -> float:
+    """Signed distance of a collision pair at the placements last computed [m]."""
+    pinocchio.computeDistance(model.geometry_model, model.geometry_data, pair)
+    return float(model.geometry_data.distanceResults[pair].min_distance)
+
+
+def _height(model: ArmModel, shape: int, ground: GroundPlane | None) -> float:
+    """Lowest point of a shape above the ground plane [m]: centre height less the support function."""
+    if ground is None:
+        return math.inf
+    normal = np.array(ground.normal)
+    placement = model.geometry_data.oMg[shape]
+    direction = placement.rotation.T @ normal
+    geometry: Any = model.geometry_model.geometryObjects[shape].geometry
+    kind = type(geometry).__name__
+    if kind == "Box":
+        support = float(np.abs(direction) @ geometry.halfSide)
+    elif kind == "Sphere":
+        support = float(geometry.radius)
+    elif kind == "Capsule":
+        support = float(geometry.radius + geometry.halfLength * abs(direction[2]))
+    elif kind == "Cylinder":
+        across = math.sqrt(max(1.0 - direction[2] ** 2, 0.0))
+        support = float(geometry.radius * across + geometry.halfLength * abs(direction[2]))
+    else:
+        raise InvalidValueError("collision shape", kind, "Box, Sphere, Capsule or Cylinder")
+    return float(normal @ placement.translation) - support - ground.height
