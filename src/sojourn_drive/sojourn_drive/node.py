@@ -2,8 +2,10 @@
 
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from nav_msgs.msg import Odometry
 from rclpy.context import Context
 
@@ -20,6 +22,7 @@ from sojourn_drive.measurements import WheelMeasurements
 from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.steering.drive import DriveModel
 from sojourn_mechanics.steering.drive_types import DriveOutput, TwistCommand
+from sojourn_mechanics.steering.goal import Goal
 from sojourn_mechanics.steering.kinematics import PlanarTwist
 
 
@@ -43,6 +46,7 @@ class DriveNode(ContractNode):
         self._twist: tuple[int, PlanarTwist] | None = None
         self._power_limit = 1.0
         self._last = 0
+        self._output = self.model.at_rest(self.state)
         self._odometry = Odometry(child_frame_id="base_link")
         self._odometry.header.frame_id = "odom"
 
@@ -52,24 +56,34 @@ class DriveNode(ContractNode):
         if switches is not None:
             self._power_limit = self._measurements.power_limit(status_values(switches), self._power_limit)
         goal = self._take_goals(goals)
-        joints, imu = inputs["/joint_states"], inputs["/imu/data"]
-        if joints is None or imu is None:  # refused: the last command ages out
-            return
-        try:
-            measured = self._measurements.drive_input(joints, imu, self._twist_command(stamp), goal, self._power_limit)
-            dt = (stamp - self._last) * 1e-9
-            self._last = stamp
-            self.state, output = self.model.step(self.state, measured, dt)
-        except MechanicsError as error:
-            self.refuse("/joint_states", error)
-            return
+        output = self._step(stamp, inputs["/joint_states"], inputs["/imu/data"], goal)
         self._goals.note(output.outcomes)
         self.publish("/odom", self._odometry_message(stamp, output))
         if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
             self.publish("/drive/status", self._status(stamp, output))
         self.publish("/wheel_command", self._measurements.command(stamp, output))
 
-    def _take_goals(self, goals: list[tuple[str, Any]]) -> Any:
+    def _step(self, stamp: int, joints: Any, imu: Any, goal: Goal | None) -> DriveOutput:
+        """The drive's answer to this period. Where a measurement cannot be used the wheels stop and the steering holds."""
+        dt = (stamp - self._last) * 1e-9
+        if joints is not None and imu is not None:  # None: refused on arrival
+            try:
+                measured = self._measurements.drive_input(
+                    joints, imu, self._twist_command(stamp), goal, self._power_limit
+                )
+                self.state, self._output = self.model.step(self.state, measured, dt)
+                self._last = stamp
+                return self._output
+            except (MechanicsError, RefusedMessageError) as error:
+                self.refuse("/joint_states", error)
+        return replace(
+            self._output,
+            wheel_rates=np.zeros_like(self._output.wheel_rates),
+            steer_rates=np.zeros_like(self._output.steer_rates),
+            outcomes=(),
+        )
+
+    def _take_goals(self, goals: list[tuple[str, Any]]) -> Goal | None:
         """The goal that takes effect now; of several the last."""
         accepted = None
         for name, message in goals:

@@ -3,7 +3,9 @@
 Ground under a wheel. The rim is sampled in the wheel's plane; each sample under the terrain (or within a small margin
 of it) has a weight that grows with the square of its depth, and the contact plane is the weighted mean of the terrain's
 points and gradients. On a plane, tilted or not, that plane is exact; over a rock or a step it turns continuously
-towards what the rim presses on.
+towards what the rim presses on. Where the samples lie on different soils, their parameters are blended by the same
+weights (the pressure modulus geometrically, since it differs by orders of magnitude between sand and rock), so that a
+wheel is lifted onto a rock and not shot off it.
 
 Memory of a contact, so that rest is a fixed point and everything is continuous through zero speed (the relaxation of a
 rolling contact; Pacejka 2012, Tire and Vehicle Dynamics, ch. 7, here with the contact length L as relaxation length):
@@ -28,7 +30,7 @@ from numba import njit
 
 from sojourn_mechanics.contact.wheel_on_soil import pressure_modulus, rim_forces
 from sojourn_mechanics.params import FloatArray, IntArray
-from sojourn_mechanics.soil.params import SoilColumn
+from sojourn_mechanics.soil.params import FORM_BEKKER, SoilColumn
 from sojourn_mechanics.terrain.height_field import sample_height, sample_soil
 
 RIM_SAMPLES = 13
@@ -57,6 +59,9 @@ RIM_SIN: FloatArray = np.ascontiguousarray(np.sin(_ANGLES))
 RIM_COS: FloatArray = np.ascontiguousarray(np.cos(_ANGLES))
 
 _DAMPING = int(SoilColumn.CONTACT_DAMPING)
+_FORM = int(SoilColumn.FORM)
+_K_C = int(SoilColumn.K_C)
+_K_PHI = int(SoilColumn.K_PHI)
 _N = int(SoilColumn.N)
 _COHESION = int(SoilColumn.COHESION)
 _TAN_PHI = int(SoilColumn.TAN_PHI)
@@ -77,8 +82,44 @@ def shear_lead(speed: float) -> float:
 
 
 @njit(cache=True)
+def blend_soils(soils: FloatArray, shares: FloatArray, width: float, blended: FloatArray) -> int:
+    """Parameters of the ground under a wheel that touches several soils, written to `blended`, (soil columns,).
+
+    Args:
+        soils: kernel rows, (soils, columns). shares: weight of each soil, (soils,), not all zero. width: of the wheel [m].
+
+    Returns:
+        index of the soil with the largest share.
+    """
+    total = 0.0
+    first = 0
+    for i in range(shares.shape[0]):
+        total += shares[i]
+        if shares[i] > shares[first]:
+            first = i
+    if shares[first] == total:
+        blended[:] = soils[first]
+        return first
+    blended[:] = 0.0
+    log_modulus = 0.0
+    for i in range(shares.shape[0]):
+        share = shares[i] / total
+        if share > 0.0:
+            log_modulus += share * math.log(max(pressure_modulus(soils[i], width), 1.0))
+            for k in range(blended.shape[0]):
+                blended[k] += share * soils[i, k]
+    blended[_FORM] = FORM_BEKKER
+    blended[_K_C] = 0.0
+    blended[_K_PHI] = math.exp(log_modulus)
+    # "exit angle zero" is marked by a negative ratio, for which zero stands as well
+    blended[_EXIT_LAMBDA] = max(blended[_EXIT_LAMBDA], 0.0)
+    return first
+
+
+@njit(cache=True)
 def contact_plane(
     heights: FloatArray,
+    soil_index: IntArray,
     grid: FloatArray,
     centre: FloatArray,
     forward: FloatArray,
@@ -86,12 +127,14 @@ def contact_plane(
     radius: float,
     rim_sin: FloatArray,
     rim_cos: FloatArray,
+    shares: FloatArray,
 ) -> tuple[bool, float, float, float, float, float, bool]:
     """Plane that stands for the ground under one wheel.
 
     Args:
-        heights, grid: of the height field; grid = (origin_x, origin_y, resolution) [m].
+        heights, soil_index, grid: of the height field; grid = (origin_x, origin_y, resolution) [m].
         centre: of the wheel in map, shape (3,) [m]. forward, up: unit vectors in the wheel's plane, shape (3,).
+        shares: (soils,), written: weight of each soil in the contact.
 
     Returns:
         whether there is ground within reach, a point of the plane x, y, z [m], its gradients dz/dx, dz/dy, and whether
@@ -105,6 +148,7 @@ def contact_plane(
     y_slope = 0.0
     on_map = True
     margin = SAMPLE_MARGIN * radius
+    shares[:] = 0.0
     for i in range(rim_sin.shape[0]):
         ahead = radius * rim_sin[i]
         below = radius * rim_cos[i]
@@ -116,6 +160,7 @@ def contact_plane(
         if depth > 0.0:
             weight = depth * depth
             total += weight
+            shares[sample_soil(soil_index, grid[0], grid[1], grid[2], x, y)] += weight
             x_mean += weight * x
             y_mean += weight * y
             z_mean += weight * height
@@ -164,8 +209,9 @@ def _wheel(
             forward[0] * axle[1] - forward[1] * axle[0],
         )
     )
+    shares = np.empty(soils.shape[0])
     found, px, py, pz, slope_x, slope_y, on_map = contact_plane(
-        heights, grid, centre, forward, up, radius, rim[0], rim[1]
+        heights, soil_index, grid, centre, forward, up, radius, rim[0], rim[1], shares
     )
     report[:] = 0.0
     report[0] = centre[0]
@@ -204,15 +250,15 @@ def _wheel(
         )
     )
 
-    soil_number = sample_soil(soil_index, grid[0], grid[1], grid[2], px, py)
-    soil = soils[soil_number]
+    soil = np.empty(soils.shape[1])
+    soil_number = blend_soils(soils, shares, shape[2], soil)
     v_along = velocity[0] * along[0] + velocity[1] * along[1] + velocity[2] * along[2]
     v_side = velocity[0] * side[0] + velocity[1] * side[1] + velocity[2] * side[2]
     v_normal = velocity[0] * normal[0] + velocity[1] * normal[1] + velocity[2] * normal[2]
     rim_speed = radius * spin
 
     # The state is advanced implicitly: at any speed and step it stays bounded.
-    length = max(contact_length(radius, sinkage, soils[soil_number], state), MIN_CONTACT_LENGTH * radius)
+    length = max(contact_length(radius, sinkage, soil, state), MIN_CONTACT_LENGTH * radius)
     transport = max(abs(rim_speed), math.sqrt(v_along * v_along + v_side * v_side))
     relaxed = 1.0 + dt * transport / length
     state[0] = (state[0] + dt * (rim_speed - v_along)) / relaxed

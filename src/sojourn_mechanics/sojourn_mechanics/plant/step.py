@@ -13,6 +13,8 @@ The battery and the bus take one step a control period, with the mean power of t
 next period.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 
@@ -30,6 +32,9 @@ from sojourn_mechanics.power import battery, loads
 
 SETTLED_SPEED = 1e-6
 """The machine has settled when nothing moves faster [m/s], [rad/s]."""
+PLACEMENT_TRIES = 5
+PLACEMENT_TOLERANCE = 1e-3
+"""How near to where it was asked for the machine has to rest [m], [rad]."""
 
 
 def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[PlantState, PlantOutput]:
@@ -164,6 +169,9 @@ def initial_state(
 ) -> PlantState:
     """The machine at rest on the ground, settled on its soil.
 
+    A machine put down on uneven ground slides a little until it rests; it is put down again with that offset taken off,
+    until it rests where it was asked for.
+
     Args:
         x, y: of the base in map [m]. yaw: [rad]. soc: state of charge [0..1].
         angles: joint angles to start from and to hold while settling, by name [rad]; zero for all others.
@@ -171,33 +179,52 @@ def initial_state(
     Raises:
         InvalidValueError: unknown joint. OutsideTerrainError: no ground there.
     """
-    multibody = model.multibody
-    configuration = pin.neutral(multibody)
-    joints = np.zeros((3, len(model.joints.names)))
+    configuration = pin.neutral(model.multibody)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
     for name, angle in (angles or {}).items():
         index = int(model.reference_rows([name])[0])
-        joint = multibody.joints[index + 2]
+        joint = model.multibody.joints[index + 2]
         if joint.nq == 2:
             configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
         else:
             configuration[joint.idx_q] = angle
-        joints[0, index] = angle
         command.reference[0, index] = angle
+    wanted = np.array([x, y, yaw])
+    aim = wanted.copy()
+    for _ in range(PLACEMENT_TRIES):
+        state = _settled(model, configuration, command, aim, soc)
+        x_axis = pin.Quaternion(state.configuration[3:7]).toRotationMatrix()[:, 0]
+        reached = np.array([*state.configuration[:2], np.arctan2(x_axis[1], x_axis[0])])
+        offset = wanted - reached
+        offset[2] = np.remainder(offset[2] + np.pi, 2.0 * np.pi) - np.pi
+        if np.abs(offset).max() < PLACEMENT_TOLERANCE:
+            break
+        aim += offset
+    return state
+
+
+def _settled(
+    model: PlantModel, posture: FloatArray, command: PlantCommand, aim: FloatArray, soc: float
+) -> PlantState:
+    """Put down at aim = (x, y, yaw) in this posture, and left alone until it rests."""
+    x, y, yaw = aim
     height, slope_x, slope_y = _ground(model, x, y)
     normal = np.array([-slope_x, -slope_y, 1.0]) / np.sqrt(1.0 + slope_x**2 + slope_y**2)
     heading = np.array([np.cos(yaw), np.sin(yaw), 0.0])
     forward = heading - np.dot(heading, normal) * normal
     forward /= np.linalg.norm(forward)
     rotation = np.column_stack([forward, np.cross(normal, forward), normal])
+    configuration = posture.copy()
     configuration[:3] = np.array([x, y, height]) + _standing_height(model, configuration) * normal
     configuration[3:7] = pin.Quaternion(rotation).coeffs()
+    joints = np.zeros((3, len(model.joints.names)))
+    joints[0] = command.reference[0]
     supply = battery.initial_state(model.battery, soc)
     source, _ = battery.thevenin(model.battery, supply)
-    state = PlantState(
+    state = start = PlantState(
         tick=0,
         configuration=configuration,
-        velocity=np.zeros(multibody.nv),
+        velocity=np.zeros(model.multibody.nv),
         joints=joints,
         contacts=np.zeros((len(model.contacts.names), 3)),
         battery=supply,
@@ -209,19 +236,15 @@ def initial_state(
         state, _ = step(model, state, command)
         if np.abs(state.velocity).max() < SETTLED_SPEED:
             break
-    return PlantState(
+    # settling costs nothing and wears nothing
+    return replace(
+        state,
         tick=0,
-        configuration=state.configuration,
-        velocity=state.velocity,
-        joints=state.joints,
-        contacts=state.contacts,
-        battery=supply,
-        bus=loads.BusState(),
-        bus_voltage=source,
+        battery=start.battery,
+        bus=start.bus,
+        bus_voltage=start.bus_voltage,
         served=1.0,
         energy=EnergyAccount(mechanical=state.energy.mechanical),
-        rolled_over=state.rolled_over,
-        off_terrain=state.off_terrain,
     )
 
 

@@ -62,6 +62,12 @@ class DriveModel:
         odometry = initial_odometry(self.params.odometry, x, y, yaw)
         return DriveState("idle", odometry, None, None, None, math.inf, 0.0, "idle")
 
+    def at_rest(self, state: DriveState) -> DriveOutput:
+        """Output before the first step: nothing moves, the estimate is that of `state`."""
+        pose_covariance, twist_covariance = message_covariances(self.params.odometry, state.odometry, 1.0)
+        zero = np.zeros(self.table.shape[0])
+        return DriveOutput(zero, zero, zero, state.odometry, pose_covariance, twist_covariance, (), {})
+
     def step(self, state: DriveState, inputs: DriveInput, dt: float) -> tuple[DriveState, DriveOutput]:
         """One period, see `step`."""
         return step(self, state, inputs, dt)

@@ -4,7 +4,7 @@ Estimate. Over one period the wheels (position differences, so that nothing is l
 mean steer angles give v_x, v_y of base_link by least squares, with the yaw rate taken from the gyro less its
 bias, or from the wheels where there is no gyro. The displacement in the body plane is the exact arc of SE(2),
 
-    t = w dt,  s = sin t / t,  c = (1 - cos t) / t,   d = dt (1 - mean_slip) [s v_x - c v_y, c v_x + s v_y],
+    t = w dt,  s = sin t / t,  c = (1 - cos t) / t,   d = dt (1 - s) [s v_x - c v_y, c v_x + s v_y],
 
 turned into the odom frame by Rz(yaw) Ry(pitch) Rx(roll), with the tilt from the IMU. The Euler rate of yaw is
 (w_y sin roll + w_z cos roll) / cos pitch.
@@ -218,7 +218,8 @@ def step_odometry(
             yaw_rate_difference=0.0,
         )
 
-    ground = 1.0 - params.mean_slip
+    grade = -math.sin(pitch) * (1.0 if v_x >= 0.0 else -1.0)
+    ground = 1.0 - min(max(params.mean_slip + params.slip_per_grade * grade, -0.5), 0.9)
     v_x, v_y = v_x * ground, v_y * ground
     pitch_rate = gyro[1] if gyro is not None else 0.0
     yaw_rate = body_rate if gyro is not None else wheel_yaw_rate

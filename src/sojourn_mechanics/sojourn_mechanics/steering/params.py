@@ -178,6 +178,12 @@ class OdometryParams(Params):
     mean_slip: float = Field(
         ..., ge=-0.5, le=0.9, description="expected slip: ground travel = wheel travel x (1 - mean_slip) [-]"
     )
+    slip_per_grade: float = Field(
+        default=0.0,
+        ge=-5.0,
+        le=5.0,
+        description="growth of the expected slip with the sine of the grade that is climbed [-]",
+    )
     slip_sigma: float = Field(..., gt=0.0, le=1.0, description="lasting error of mean_slip [-]")
     side_slip_sigma: float = Field(..., gt=0.0, le=1.0, description="lasting sideways drift per distance [-]")
     slip_length: float = Field(
