@@ -36,7 +36,7 @@ class ArmNode(ContractNode):
         namespace: str | None = None,
     ) -> None:
         super().__init__("arm", context=context, overrides=overrides, namespace=namespace)
-        scenario = load_scenario(self.scenario_name)
+        scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         self.params = scenario.arm
         self.model = build_arm_model(scenario.urdf_xml, self.params)
         controller.warm_up(self.params, self.model)

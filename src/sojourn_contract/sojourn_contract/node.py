@@ -38,7 +38,7 @@ READY_REPEAT_S = 0.2
 class ContractNode(Node):  # type: ignore[misc]
     """A node that keeps the contract of one role.
 
-    ROS parameters: `scenario` (name or path), `lockstep` (bool), `participants` (roles that take part in the run),
+    ROS parameters: `scenario` (name or path), `overrides` (KEY=VALUE texts that go over it), `lockstep` (bool), `participants` (roles that take part in the run),
     `lockstep_timeout_s` (wall time after which a missing answer is an error).
 
     Args:
@@ -71,6 +71,8 @@ class ContractNode(Node):  # type: ignore[misc]
         self.lockstep: bool = self.declare_parameter("lockstep", True).value
         self.participants: tuple[str, ...] = tuple(self.declare_parameter("participants", list(ROLES)).value)
         self.timeout_s: float = self.declare_parameter("lockstep_timeout_s", 10.0).value
+        overrides_given = self.declare_parameter("overrides", [""]).value
+        self.scenario_overrides = tuple(text for text in overrides_given if text)
         self.counters = Counters()
         self.events = EventQueue()
         self.finished = False

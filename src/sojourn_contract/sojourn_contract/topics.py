@@ -106,7 +106,7 @@ _BATTERY = (
 TOPICS: tuple[Topic, ...] = (
     Topic("/clock", "rosgraph_msgs/Clock", "plant", (), 1, 0.1, "simulation time", (FieldRule("clock", "s"),)),
     Topic(
-        "/truth/odom", "nav_msgs/Odometry", "plant", ("sensors",), 1, 0.1,
+        "/truth/odom", "nav_msgs/Odometry", "plant", ("sensors", "operator"), 1, 0.1,
         "true pose of base_link in map, true twist in base_link", _POSE + _TWIST,
     ),
     Topic(
@@ -161,7 +161,7 @@ TOPICS: tuple[Topic, ...] = (
     Topic("/battery_state", "sensor_msgs/BatteryState", "power", ("operator",), 50, 3.0,
           "estimated charge of the battery", _BATTERY),
     Topic("/power/status", "diagnostic_msgs/DiagnosticArray", "power", (), 50, 3.0, "what the power manager does and why"),
-    Topic("/odom", "nav_msgs/Odometry", "drive", ("operator",), 1, 0.1,
+    Topic("/odom", "nav_msgs/Odometry", "drive", (), 1, 0.1,
           "estimated pose of base_link in odom with covariance, twist in base_link", _POSE + _TWIST),
     Topic("/drive/status", "diagnostic_msgs/DiagnosticArray", "drive", ("operator",), 50, 3.0,
           "goal, state, distance to go and reason"),

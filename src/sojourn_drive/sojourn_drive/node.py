@@ -37,7 +37,7 @@ class DriveNode(ContractNode):
         namespace: str | None = None,
     ) -> None:
         super().__init__("drive", context=context, overrides=overrides, namespace=namespace)
-        scenario = load_scenario(self.scenario_name)
+        scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         start = scenario.config.start
         self.model = DriveModel(scenario.drive, scenario.steering)
         self.state = self.model.initial_state(start.x, start.y, start.yaw)

@@ -41,7 +41,7 @@ class PlantNode(ContractNode):
         namespace: str | None = None,
     ) -> None:
         super().__init__("plant", context=context, overrides=overrides, namespace=namespace, every_period=True)
-        scenario = load_scenario(self.scenario_name)
+        scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         self.model, self.state = build_plant(scenario)
         self.ends_the_run = True
         self._commands = CommandBuffer(self.model)

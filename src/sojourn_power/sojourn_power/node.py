@@ -28,7 +28,7 @@ class PowerNode(ContractNode):
         namespace: str | None = None,
     ) -> None:
         super().__init__("power", context=context, overrides=overrides, namespace=namespace)
-        self.params = load_scenario(self.scenario_name).power_manager
+        self.params = load_scenario(self.scenario_name, self.scenario_overrides).power_manager
         self.state = manager.initial_state(self.params)
         self._last = 0
 

@@ -39,7 +39,7 @@ class SensorsNode(ContractNode):
         namespace: str | None = None,
     ) -> None:
         super().__init__("sensors", context=context, overrides=overrides, namespace=namespace)
-        scenario = load_scenario(self.scenario_name)
+        scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         self.params = scenario.sensors
         self._seed = scenario.config.seed
         self._gravity = scenario.gravity

@@ -6,6 +6,8 @@ bias, or from the wheels where there is no gyro. The displacement in the body pl
 
     t = w dt,  s = sin t / t,  c = (1 - cos t) / t,   d = dt (1 - s) [s v_x - c v_y, c v_x + s v_y],
 
+with the slip s = mean_slip + slip_per_grade g that the soil is expected to give on the grade g = -sin pitch (forwards) and
+a drift downhill of side_slip_per_grade sin roll on side slopes (measured for a machine and a soil; zero where unknown),
 turned into the odom frame by Rz(yaw) Ry(pitch) Rx(roll), with the tilt from the IMU. The Euler rate of yaw is
 (w_y sin roll + w_z cos roll) / cos pitch.
 
@@ -220,7 +222,8 @@ def step_odometry(
 
     grade = -math.sin(pitch) * (1.0 if v_x >= 0.0 else -1.0)
     ground = 1.0 - min(max(params.mean_slip + params.slip_per_grade * grade, -0.5), 0.9)
-    v_x, v_y = v_x * ground, v_y * ground
+    drift = -params.side_slip_per_grade * math.sin(roll) * abs(v_x) * ground
+    v_x, v_y = v_x * ground, v_y * ground + drift
     pitch_rate = gyro[1] if gyro is not None else 0.0
     yaw_rate = body_rate if gyro is not None else wheel_yaw_rate
     body_x, body_y = body_arc(float(v_x), float(v_y), float(yaw_rate * dt), float(dt))

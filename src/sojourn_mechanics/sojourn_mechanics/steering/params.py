@@ -184,6 +184,12 @@ class OdometryParams(Params):
         le=5.0,
         description="growth of the expected slip with the sine of the grade that is climbed [-]",
     )
+    side_slip_per_grade: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=5.0,
+        description="expected drift downhill per distance, for the sine of the roll [-]",
+    )
     slip_sigma: float = Field(..., gt=0.0, le=1.0, description="lasting error of mean_slip [-]")
     side_slip_sigma: float = Field(..., gt=0.0, le=1.0, description="lasting sideways drift per distance [-]")
     slip_length: float = Field(

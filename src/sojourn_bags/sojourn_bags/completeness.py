@@ -1,0 +1,136 @@
+"""Proves that a bag is complete: messages published, as the nodes count them, against messages written.
+
+Each heartbeat carries its node's counters, and the last one says `ended`. In lock-step the topic table also
+says how many messages of each row are due by the last period of the run.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from sojourn_contract.heartbeat import ENDED, Heartbeat
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topics import Reliability, Topic
+
+RECORD = "sojourn_completeness"
+"""Name of the metadata record in the bag."""
+
+
+@dataclass(frozen=True)
+class Count:
+    """One topic's account.
+
+    Args:
+        published: messages sent, as the sender counts them; None where no sender counts.
+        recorded: messages in the bag. due: messages that lock-step asks for, None elsewhere.
+        may_be_lost: the topic's quality of service allows loss, so that a gap is no failure.
+    """
+
+    published: int | None
+    recorded: int
+    due: int | None = None
+    may_be_lost: bool = False
+
+    @property
+    def lost(self) -> int:
+        """Messages that should be in the bag and are not."""
+        return max(0, self.recorded, self.published or 0, self.due or 0) - self.recorded
+
+
+class PublishedCounts:
+    """Adds up the counters of all nodes' heartbeats. A node that starts again counts from zero again."""
+
+    def __init__(self) -> None:
+        self._latest: dict[str, dict[str, int]] = {}
+        self._before_restart: dict[str, int] = {}
+        self._ended: dict[str, int] = {}
+
+    def hear(self, heartbeat: Heartbeat) -> None:
+        """Take a heartbeat of the run."""
+        latest = self._latest.get(heartbeat.role, {})
+        if sum(heartbeat.published.values()) < sum(latest.values()):
+            for topic, count in latest.items():
+                self._before_restart[topic] = self._before_restart.get(topic, 0) + count
+            self._ended.pop(heartbeat.role, None)
+        self._latest[heartbeat.role] = heartbeat.published
+        if heartbeat.state == ENDED:
+            self._ended[heartbeat.role] = heartbeat.stamp
+
+    def totals(self) -> dict[str, int]:
+        """Messages published so far, by topic."""
+        totals = dict(self._before_restart)
+        for counts in self._latest.values():
+            for topic, count in counts.items():
+                totals[topic] = totals.get(topic, 0) + count
+        return totals
+
+    def has_ended(self, roles: Iterable[str]) -> bool:
+        """Whether all of these nodes have said farewell."""
+        return all(role in self._ended for role in roles)
+
+
+@dataclass(frozen=True)
+class Completeness:
+    """Account of a whole bag, by topic."""
+
+    counts: Mapping[str, Count]
+
+    @property
+    def gaps(self) -> dict[str, Count]:
+        """Topics that lack messages which their quality of service does not allow to lose."""
+        return {name: count for name, count in self.counts.items() if count.lost and not count.may_be_lost}
+
+    def explain(self) -> str:
+        """The gaps in words, "" where there are none."""
+        lines = []
+        for name, count in self.gaps.items():
+            published = "an unknown number" if count.published is None else str(count.published)
+            due = "" if count.due is None else f", {count.due} due"
+            lines.append(f"{name}: {count.recorded} recorded of {published} published{due}")
+        return "; ".join(lines)
+
+    def as_record(self) -> dict[str, str]:
+        """Metadata record for the bag."""
+        topics = {
+            name: {"published": count.published, "recorded": count.recorded, "due": count.due}
+            for name, count in self.counts.items()
+        }
+        return {
+            "complete": "false" if self.gaps else "true",
+            "gaps": self.explain(),
+            "topics": json.dumps(topics),
+        }
+
+
+def account(
+    rows: Iterable[Topic],
+    recorded: Mapping[str, int],
+    published: Mapping[str, int],
+    last_stamp: int | None,
+    lockstep_rows: Iterable[Topic] = (),
+) -> Completeness:
+    """Account of a run.
+
+    Args:
+        rows: topics that the recorder listens to.
+        recorded, published: messages by topic.
+        last_stamp: stamp [ns] of the last period of the run in lock-step, None in real time.
+        lockstep_rows: rows of the table whose messages lock-step demands.
+    """
+    due = {row.name: due_by(row, last_stamp) for row in lockstep_rows} if last_stamp is not None else {}
+    counts = {}
+    for row in rows:
+        count = Count(
+            published.get(row.name),
+            recorded.get(row.name, 0),
+            due.get(row.name),
+            row.reliability is Reliability.BEST_EFFORT or (row.name == "/clock" and last_stamp is None),
+        )
+        if count.published or count.recorded or count.due:
+            counts[row.name] = count
+    return Completeness(counts)
+
+
+def due_by(row: Topic, last_stamp: int) -> int:
+    """Messages of a periodic row that somebody has waited for by this stamp [ns]."""
+    return max(0, last_stamp // CONTROL_PERIOD_NS - row.lag) // row.every

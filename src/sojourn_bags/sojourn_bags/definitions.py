@@ -1,0 +1,76 @@
+"""What a bag says of a message type and of a topic's quality of service, in the words of rosbag2.
+
+Definitions are `ros2msg`: the text of the .msg file, and after a line of 80 '=' that of every type it uses.
+The hash is RIHS01 (REP 2016). Both come from the Jazzy type store of rosbags, so that no sourced ROS 2 is
+needed.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from rclpy.duration import Infinite
+from rclpy.qos import QoSProfile
+from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.store import Typestore
+
+_NANOSECONDS = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class ChannelSpec:
+    """One topic of a bag.
+
+    Args:
+        topic: name in the bag. type: "package/Name". qos: what `qos_entry` returns.
+    """
+
+    topic: str
+    type: str
+    qos: dict[str, Any]
+
+    @property
+    def full_type(self) -> str:
+        """Type as bags name it: "package/msg/Name"."""
+        return full_type(self.type)
+
+
+def full_type(name: str) -> str:
+    """ "package/msg/Name" of "package/Name"."""
+    package, _, short = name.partition("/")
+    return f"{package}/msg/{short}"
+
+
+@cache
+def typestore() -> Typestore:
+    """All message types of ROS 2 Jazzy, tf2_msgs among them."""
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
+@cache
+def definition(type_name: str) -> str:
+    """Definition of "package/msg/Name" with all types it uses."""
+    text, _ = typestore().generate_msgdef(type_name, ros_version=2)
+    return text
+
+
+@cache
+def type_hash(type_name: str) -> str:
+    """RIHS01 hash of "package/msg/Name"."""
+    return typestore().hash_rihs01(type_name)
+
+
+def qos_entry(profile: QoSProfile) -> dict[str, Any]:
+    """A profile as metadata of version 9 writes it."""
+    endless = {"sec": Infinite.nanoseconds // _NANOSECONDS, "nsec": Infinite.nanoseconds % _NANOSECONDS}
+    return {
+        "history": profile.history.name.lower(),
+        "depth": profile.depth,
+        "reliability": profile.reliability.name.lower(),
+        "durability": "volatile",
+        "deadline": dict(endless),
+        "lifespan": dict(endless),
+        "liveliness": "automatic",
+        "liveliness_lease_duration": dict(endless),
+        "avoid_ros_namespace_conventions": False,
+    }

@@ -1,0 +1,60 @@
+"""Errors of the bags: each names the file or topic, what is wrong, and what to do."""
+
+from pathlib import Path
+
+
+class BagsError(Exception):
+    """Base of every error raised by sojourn_bags."""
+
+
+class UnwritableBagError(BagsError):
+    """The folder of a bag, or a file in it, cannot be written.
+
+    Args:
+        folder: the bag's folder.
+        reason: what the operating system says, or what stands in the way.
+    """
+
+    def __init__(self, folder: Path, reason: str) -> None:
+        super().__init__(f"the bag {folder} cannot be written: {reason}")
+        self.folder = folder
+
+
+class BagExistsError(BagsError):
+    """There is a bag in the folder already. Bags are never written over."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(
+            f"there is a bag in {folder} already, and bags are never written over: name another folder"
+        )
+        self.folder = folder
+
+
+class UnreadableBagError(BagsError):
+    """A file or folder that is no bag.
+
+    Args:
+        path: what was to be read.
+        reason: why it cannot be.
+    """
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(f"{path} cannot be read as a bag: {reason}")
+        self.path = path
+
+
+class UnknownTopicInBagError(BagsError):
+    """A topic or field that the bag does not hold.
+
+    Args:
+        name: what was asked for.
+        known: what there is.
+    """
+
+    def __init__(self, name: str, known: list[str]) -> None:
+        super().__init__(f"{name} is not in the bag: there are {', '.join(known) or 'no messages'}")
+        self.name = name
+
+
+class IncompleteConfigError(BagsError):
+    """The configuration lacks something that a summary or report needs."""

@@ -1,0 +1,92 @@
+"""Where a link of the machine truly was: forward kinematics from the recorded truth, by Pinocchio."""
+
+import numpy as np
+import pinocchio
+from numpy.typing import NDArray
+
+from sojourn_bags.errors import IncompleteConfigError
+from sojourn_bags.reading import Bag
+
+FloatArray = NDArray[np.float64]
+_POSE = [f"pose.pose.{part}" for part in (
+    "position.x", "position.y", "position.z",
+    "orientation.x", "orientation.y", "orientation.z", "orientation.w",
+)]  # fmt: skip
+
+
+def poses_of(bag: Bag, topic: str) -> FloatArray:
+    """Poses of an Odometry topic: shape (n, 7), x y z [m] and quaternion x y z w."""
+    return bag[topic].columns(*_POSE)
+
+
+def rotate(quaternion: FloatArray, vector: FloatArray) -> FloatArray:
+    """Vectors turned by unit quaternions x y z w: v + 2 q x (q x v + w v). Shapes (..., 4), (..., 3)."""
+    axis, w = quaternion[..., :3], quaternion[..., 3:]
+    return vector + 2.0 * np.cross(axis, np.cross(axis, vector) + w * vector)
+
+
+def tilts(quaternions: FloatArray) -> FloatArray:
+    """Angle of the machine's z axis from the vertical, for quaternions of shape (n, 4): shape (n,) [rad]."""
+    up = rotate(quaternions, np.array([0.0, 0.0, 1.0]))[..., 2]
+    return np.arccos(np.clip(up, -1.0, 1.0))
+
+
+class TrueMachine:
+    """The machine as the truth topics of a bag tell it.
+
+    Args:
+        bag: with /truth/odom and /truth/joint_states. urdf: text of the machine's URDF.
+    """
+
+    def __init__(self, bag: Bag, urdf: str) -> None:
+        self._model = pinocchio.buildModelFromXML(urdf, pinocchio.JointModelFreeFlyer())
+        self._data = self._model.createData()
+        self._pose_times = bag["/truth/odom"].times
+        self._poses = poses_of(bag, "/truth/odom")
+        states = bag["/truth/joint_states"]
+        self._joint_times, self._joints = states.times, states.joints()
+
+    def pose_at(self, time_s: float) -> FloatArray:
+        """Pose of base_link in map at the last period up to a time [s]: x y z and quaternion x y z w."""
+        return self._poses[_row_at(self._pose_times, time_s)]
+
+    def point_in_map(self, frame: str, point: FloatArray, time_s: float) -> FloatArray:
+        """A point given in map, odom or base_link, in map: shape (3,) [m].
+
+        odom is taken for map: an operator who names a place in odom means the place, not what the odometry
+        makes of it.
+        Raises ValueError for another frame.
+        """
+        if frame.lstrip("/") in ("map", "odom"):
+            return np.asarray(point, dtype=np.float64)
+        if frame.lstrip("/") != "base_link":
+            raise ValueError(f"frame {frame!r}: allowed is map, odom or base_link")
+        pose = self.pose_at(time_s)
+        return pose[:3] + rotate(pose[3:], np.asarray(point, dtype=np.float64))
+
+    def link_in_map(self, link: str, time_s: float) -> FloatArray:
+        """Origin of a link's frame in map at the last period up to a time [s]: shape (3,) [m].
+
+        Raises IncompleteConfigError if the URDF has no such link.
+        """
+        model, data = self._model, self._data
+        if not model.existFrame(link):
+            raise IncompleteConfigError(f"the machine has no link {link!r}")
+        configuration = pinocchio.neutral(model)
+        configuration[:7] = self.pose_at(time_s)
+        row = _row_at(self._joint_times, time_s)
+        for name, angle in zip(self._joints.names, self._joints.position[row], strict=True):
+            if not model.existJointName(name) or not np.isfinite(angle):
+                continue
+            joint = model.joints[model.getJointId(name)]
+            if joint.nq == 1:
+                configuration[joint.idx_q] = angle
+            else:  # a continuous joint is kept as cosine and sine
+                configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
+        pinocchio.framesForwardKinematics(model, data, configuration)
+        return np.array(data.oMf[model.getFrameId(link)].translation)
+
+
+def _row_at(times: FloatArray, time_s: float) -> int:
+    """Last row up to a time; half a nanosecond of rounding is forgiven."""
+    return max(0, int(np.searchsorted(times, time_s + 5e-10, side="right")) - 1)

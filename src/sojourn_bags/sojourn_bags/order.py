@@ -1,0 +1,189 @@
+"""Puts received messages in the order of the file: by stamp, then by row of the topic table, then by sender.
+
+No ROS in here. In lock-step a period is released when everything that is due in it has come, so that the file
+is the same from run to run. In real time messages wait a short while of simulation time and are then
+released.
+
+What comes late, stamped off the grid or twice is kept as well: the recorder records, others judge. It is
+filed under the period in which it is written.
+"""
+
+from collections.abc import Sequence
+from math import lcm
+from typing import TypeAlias
+
+from sojourn_contract.barrier import is_due
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topics import Topic
+
+Entry: TypeAlias = tuple[int, int, int, int, int, bytes]
+"""log time [ns], channel, rank of the sender, order of arrival, header stamp [ns], CDR. Sorted as a tuple."""
+
+MAX_AHEAD_PERIODS = 512
+"""A goal stamped further ahead than this is filed under the period in which it came."""
+HOLD_PERIODS = 10
+"""Complete periods that wait at most for a heartbeat that is due in an earlier one."""
+WINDOW_NS = 10 * CONTROL_PERIOD_NS
+"""Simulation time that a message waits for earlier ones, in real time."""
+TICK = "/operator/tick"
+
+
+class PeriodOrder:
+    """Lock-step: collects periods and releases them whole.
+
+    Args:
+        awaited: rows that are waited for, with their channel.
+        heartbeat_roles: ranks of the senders of heartbeats; a period with heartbeats waits for them, but not
+            for ever.
+        heartbeat_periods: periods between two heartbeats.
+    """
+
+    def __init__(
+        self, awaited: Sequence[tuple[int, Topic]], heartbeat_roles: frozenset[int], heartbeat_periods: int
+    ) -> None:
+        self.collected = 0
+        """Last period of which everything due has come."""
+        self.released = 0
+        """Last period that has been released."""
+        self._awaited = tuple(awaited)
+        self._bits = {channel: 1 << number for number, (channel, _) in enumerate(self._awaited)}
+        self._cycle = lcm(*(row.every for _, row in self._awaited))
+        self._masks: dict[int, int] = {}
+        self._arrived: dict[int, int] = {}
+        self._entries: dict[int, list[Entry]] = {}
+        self._ticks: dict[int, dict[int, int]] = {}
+        self._goals: dict[int, int] = {}
+        self._heartbeat_roles = heartbeat_roles
+        self._heartbeat_periods = heartbeat_periods
+        self._heard: dict[int, set[int]] = {}
+        self._arrivals = 0
+
+    def offer(self, channel: int, stamp: int, data: bytes) -> None:
+        """Take a message of an awaited row."""
+        period = -(-stamp // CONTROL_PERIOD_NS)
+        if stamp % CONTROL_PERIOD_NS == 0 and period > self.collected:
+            self._arrived[period] = self._arrived.get(period, 0) | self._bits[channel]
+        self._keep(period, channel, 0, stamp, data)
+
+    def offer_goal(self, channel: int, stamp: int, data: bytes) -> None:
+        """Take a goal. Stamp zero means now."""
+        self._goals[channel] = self._goals.get(channel, 0) + 1
+        period = -(-stamp // CONTROL_PERIOD_NS)
+        if period > self.collected + MAX_AHEAD_PERIODS:
+            period = self.collected + 1
+        self._keep(period, channel, 0, stamp, data)
+
+    def offer_heartbeat(self, channel: int, stamp: int, rank: int, data: bytes) -> None:
+        """Take a message of /diagnostics from the sender with this rank."""
+        period = -(-stamp // CONTROL_PERIOD_NS)
+        self._heard.setdefault(period, set()).add(rank)
+        self._keep(period, channel, rank, stamp, data)
+
+    def announce(self, stamp: int, counts: dict[int, int]) -> None:
+        """How many goals have been sent on each channel by this stamp: the period waits for them."""
+        self._ticks[stamp // CONTROL_PERIOD_NS] = counts
+
+    def collect(self) -> bool:
+        """Step to the next period if everything that is due in it has come."""
+        period = self.collected + 1
+        due = self._due(period)
+        if self._arrived.get(period, 0) & due != due:
+            return False
+        for channel, count in self._ticks.get(period, {}).items():
+            if self._goals.get(channel, 0) < count:
+                return False
+        self._arrived.pop(period, None)
+        self._ticks.pop(period, None)
+        self.collected = period
+        return True
+
+    def release(self) -> tuple[int, list[Entry]] | None:
+        """The next period to write, with its messages in order, or None."""
+        period = self.released + 1
+        if period > self.collected:
+            return None
+        if period % self._heartbeat_periods == 0 and self.collected < period + HOLD_PERIODS:
+            heard = self._heard.get(period, set())
+            if not self._heartbeat_roles <= heard:
+                return None
+        self.released = period
+        self._heard.pop(period, None)
+        entries = self._entries.pop(period, [])
+        entries.sort()
+        return period, entries
+
+    def release_all(self) -> list[Entry]:
+        """Everything that is left, complete or not, in order."""
+        rest = [entry for period in sorted(self._entries) for entry in sorted(self._entries[period])]
+        self._entries.clear()
+        return rest
+
+    def missing(self) -> list[Topic]:
+        """Rows that the period in progress waits for."""
+        period = self.collected + 1
+        arrived = self._arrived.get(period, 0)
+        return [
+            row for channel, row in self._awaited if is_due(row, period) and not arrived & self._bits[channel]
+        ]
+
+    def _due(self, period: int) -> int:
+        """Bits of the rows that are due. The pattern repeats, because no row lags for the recorder."""
+        key = period % self._cycle
+        mask = self._masks.get(key)
+        if mask is None:
+            mask = sum(self._bits[channel] for channel, row in self._awaited if is_due(row, period))
+            self._masks[key] = mask
+        return mask
+
+    def _keep(self, period: int, channel: int, rank: int, stamp: int, data: bytes) -> None:
+        log_time = stamp
+        if period <= self.released:
+            period = self.released + 1
+            log_time = period * CONTROL_PERIOD_NS
+        elif stamp > period * CONTROL_PERIOD_NS:  # a goal from far ahead
+            log_time = period * CONTROL_PERIOD_NS
+        self._arrivals += 1
+        entry = (log_time, channel, rank, self._arrivals, stamp, data)
+        kept = self._entries.get(period)
+        if kept is None:
+            self._entries[period] = [entry]
+        else:
+            kept.append(entry)
+
+
+class WindowOrder:
+    """Real time: holds messages for WINDOW_NS of simulation time, and never goes back in time."""
+
+    def __init__(self) -> None:
+        self.newest = 0
+        self._entries: list[Entry] = []
+        self._arrivals = 0
+        self._written = 0
+
+    def offer(self, channel: int, stamp: int, rank: int, data: bytes) -> None:
+        """Take a message."""
+        self._arrivals += 1
+        if stamp <= 0 or (self.newest and stamp > self.newest + MAX_AHEAD_PERIODS * CONTROL_PERIOD_NS):
+            log_time = self.newest  # a goal for now, or a clock that is not ours
+        else:
+            log_time = stamp
+        self._entries.append((max(log_time, self._written), channel, rank, self._arrivals, stamp, data))
+
+    def release(self) -> list[Entry]:
+        """Messages older than the window, in order."""
+        return self._take(self.newest - WINDOW_NS)
+
+    def release_all(self) -> list[Entry]:
+        """Everything that is left, in order."""
+        return self._take(None)
+
+    def _take(self, until: int | None) -> list[Entry]:
+        self._entries.sort()
+        count = len(self._entries)
+        if until is not None:
+            count = next((number for number, entry in enumerate(self._entries) if entry[0] > until), count)
+        taken = self._entries[:count]
+        del self._entries[:count]
+        if taken:
+            self._written = taken[-1][0]
+        return taken

@@ -1,0 +1,95 @@
+"""What a bag says about where it is from: scenario, configuration as resolved, machine, versions.
+
+With these attachments a bag explains itself: summary and report need no other file.
+"""
+
+import json
+import platform
+from collections.abc import Iterator, Sequence
+from importlib import metadata
+from pathlib import Path
+
+from sojourn_bags.description import Run
+from sojourn_bags.writer import Attachment
+from sojourn_config.errors import ConfigError
+from sojourn_config.paths import repository_root
+from sojourn_config.scenario import load_scenario
+
+RUN_RECORD = "sojourn_run"
+"""Name of the metadata record that describes the run."""
+VERSIONS_NAME = "versions.json"
+PACKAGES = (
+    *(
+        f"sojourn_{part}"
+        for part in ("mechanics", "config", "contract", "plant", "sensors", "drive", "arm", "power")
+    ),
+    "sojourn_bags",
+    "sojourn_bringup",
+    "numpy",
+    "numba",
+    "scipy",
+    "pin",
+    "ruckig",
+    "rclpy",
+    "mcap",
+    "rosbags",
+)
+
+
+def attachments(scenario: str, overrides: Sequence[str] = ()) -> list[Attachment]:
+    """Files to put into the bag of a run of this scenario with KEY=VALUE texts over it.
+
+    Raises ConfigError if the scenario is wrong.
+    """
+    return [*Run.of_scenario(load_scenario(scenario, overrides)).attachments(), versions_attachment()]
+
+
+def versions_attachment() -> Attachment:
+    """Versions of everything that shaped the run."""
+    return Attachment(VERSIONS_NAME, "application/json", json.dumps(versions(), indent=2).encode())
+
+
+def versions() -> dict[str, str]:
+    """Version of Python, of the packages that are installed, and the commit of the repository."""
+    found = {"python": platform.python_version(), "machine": platform.machine()}
+    for name in PACKAGES:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = "not installed as a package"
+    found["commit"] = commit() or "unknown"
+    return found
+
+
+def commit() -> str:
+    """Commit that the repository is at, "" without one. Reads git's files, starts no program."""
+    try:
+        folder = repository_root() / ".git"
+    except ConfigError:
+        return ""
+    if folder.is_file():  # a work tree says where its folder is
+        folder = Path(folder.read_text(encoding="utf-8").partition("gitdir:")[2].strip())
+    head = folder / "HEAD"
+    if not head.is_file():
+        return ""
+    text = head.read_text(encoding="utf-8").strip()
+    if not text.startswith("ref:"):
+        return text
+    reference = text.removeprefix("ref:").strip()
+    for base in _git_folders(folder):
+        if (base / reference).is_file():
+            return (base / reference).read_text(encoding="utf-8").strip()
+        packed = base / "packed-refs"
+        if packed.is_file():
+            for line in packed.read_text(encoding="utf-8").splitlines():
+                if line.endswith(" " + reference):
+                    return line.split(" ")[0]
+    return ""
+
+
+def _git_folders(folder: Path) -> Iterator[Path]:
+    """The folder, and the one that a work tree shares."""
+    yield folder
+    common = folder / "commondir"
+    if common.is_file():
+        yield (folder / common.read_text(encoding="utf-8").strip()).resolve()

@@ -1,0 +1,289 @@
+"""Reads a bag, whole or cut off by a crash, into numpy arrays.
+
+bag = read_bag(path)
+bag["/truth/odom"].column("pose.pose.position.x")      # shape (n,)
+bag["/truth/joint_states"].joints().velocity           # shape (n, joints)
+bag["/truth/contacts"].points()["sinkage"]             # shape (n, points)
+"""
+
+import struct
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mcap.exceptions import McapError
+from mcap.records import Attachment, Channel, Footer, Header, Message, Metadata, Schema
+from mcap.stream_reader import StreamReader
+from numpy.typing import NDArray
+from zstandard import ZstdError
+
+from sojourn_bags.definitions import typestore
+from sojourn_bags.errors import UnknownTopicInBagError, UnreadableBagError
+from sojourn_bags.layout import Layout, layout_of
+
+FloatArray = NDArray[np.float64]
+_POINT_CODES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
+"""Types of a sensor_msgs/PointField."""
+
+
+@dataclass(frozen=True)
+class Joints:
+    """Joint states of a run.
+
+    Attributes:
+        names: every joint that occurs. position, velocity, effort: shape (n, len(names)) [rad, rad/s, N m];
+            NaN where a message does not hold the joint or the field.
+    """
+
+    names: tuple[str, ...]
+    position: FloatArray
+    velocity: FloatArray
+    effort: FloatArray
+
+    def index(self, name: str) -> int:
+        """Column of a joint. Raises UnknownTopicInBagError."""
+        if name not in self.names:
+            raise UnknownTopicInBagError(f"joint {name}", list(self.names))
+        return self.names.index(name)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Messages of one layout: their indices in the topic, and their bytes, one message a row."""
+
+    indices: NDArray[np.int64]
+    rows: NDArray[np.uint8]
+    layout: Layout
+
+    def split(self, begin: int, end: int) -> list["Group"]:
+        """Split by the bytes in [begin, end), which are text and so without padding that varies."""
+        keys: dict[bytes, list[int]] = {}
+        for number, key in enumerate(np.ascontiguousarray(self.rows[:, begin:end])):
+            keys.setdefault(key.tobytes(), []).append(number)
+        if len(keys) == 1:
+            return [self]
+        return [Group(self.indices[chosen], self.rows[chosen], self.layout) for chosen in keys.values()]
+
+    def text(self, path: str) -> str:
+        """A text of the group's first message."""
+        text = self.layout.texts[path]
+        return self.rows[0, text.offset : text.offset + text.length].tobytes().decode(errors="replace")
+
+
+@dataclass
+class Messages:
+    """Messages of one topic, in the order of the file.
+
+    Attributes:
+        topic: name. type: "package/msg/Name". log_times: [ns]. data: CDR of each.
+    """
+
+    topic: str
+    type: str
+    log_times: list[int] = field(default_factory=list)
+    data: list[bytes] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.data)
+
+    @cached_property
+    def times(self) -> FloatArray:
+        """Header stamps, shape (n,) [s]."""
+        prefix = "clock" if self.type == "rosgraph_msgs/msg/Clock" else "header.stamp"
+        prefix = "stamp" if self.type == "std_msgs/msg/Header" else prefix
+        return self.column(f"{prefix}.sec") + 1e-9 * self.column(f"{prefix}.nanosec")
+
+    @cached_property
+    def groups(self) -> list[Group]:
+        """The messages by layout; most topics have one."""
+        sizes = np.array([len(message) for message in self.data], dtype=np.int64)
+        left = np.arange(len(self.data), dtype=np.int64)
+        found = []
+        while left.size:
+            layout = layout_of(self.type, self.data[int(left[0])])
+            alike = left[sizes[left] == sizes[left[0]]]
+            joined = b"".join(self.data[index] for index in alike)
+            rows = np.frombuffer(joined, dtype=np.uint8).reshape(len(alike), -1)
+            structure = layout.structure()
+            same = (rows[:, structure] == rows[0, structure]).all(axis=1)
+            found.append(Group(alike[same], rows[same], layout))
+            left = np.setdiff1d(left, alike[same], assume_unique=True)
+        return found
+
+    def fields(self) -> list[str]:
+        """Paths of all numbers that occur."""
+        return list(dict.fromkeys(path for group in self.groups for path in group.layout.numbers))
+
+    def column(self, path: str) -> FloatArray:
+        """A field of every message: shape (n,), or (n, k) for an array; NaN where a message does not have it.
+
+        Raises UnknownTopicInBagError if none has it.
+        """
+        parts = [
+            (group, group.layout.column(group.rows, path))
+            for group in self.groups
+            if path in group.layout.numbers
+        ]
+        if not parts:
+            raise UnknownTopicInBagError(f"{self.topic}.{path}", self.fields())
+        width = max((values.shape[1] for _, values in parts if values.ndim == 2), default=None)
+        column = np.full((len(self.data),) if width is None else (len(self.data), width), np.nan)
+        for group, values in parts:
+            if values.ndim == 2:
+                column[group.indices, : values.shape[1]] = values
+            else:
+                column[group.indices] = values
+        return column
+
+    def columns(self, *paths: str) -> FloatArray:
+        """Several single numbers side by side: shape (n, len(paths))."""
+        return np.stack([self.column(path) for path in paths], axis=1)
+
+    def joints(self) -> Joints:
+        """A JointState topic, by joint. Raises UnknownTopicInBagError if it is another type."""
+        if self.type != "sensor_msgs/msg/JointState":
+            raise UnknownTopicInBagError(f"a joint state on {self.topic}", [self.type])
+        groups = [
+            part
+            for group in self.groups
+            for part in group.split(group.layout.parts["name"], group.layout.parts["position"])
+        ]
+        named = [
+            [group.text(path) for path in group.layout.texts if path.startswith("name[")] for group in groups
+        ]
+        names = tuple(dict.fromkeys(name for group_names in named for name in group_names))
+        arrays = {
+            key: np.full((len(self.data), len(names)), np.nan) for key in ("position", "velocity", "effort")
+        }
+        for group, group_names in zip(groups, named, strict=True):
+            targets = np.array([names.index(name) for name in group_names], dtype=np.int64)
+            for key, array in arrays.items():
+                values = group.layout.column(group.rows, key)
+                if values.shape[1] == len(targets):
+                    array[np.ix_(group.indices, targets)] = values
+        return Joints(names, **arrays)
+
+    def points(self) -> dict[str, FloatArray]:
+        """A PointCloud2 topic by its point fields: each (n, most points), NaN where a cloud has fewer."""
+        if self.type != "sensor_msgs/msg/PointCloud2":
+            raise UnknownTopicInBagError(f"a point cloud on {self.topic}", [self.type])
+        found: dict[str, FloatArray] = {}
+        most = max((self._point_count(group) for group in self.groups), default=0)
+        for group in self.groups:
+            layout = group.layout
+            step, count = self._first(group, "point_step"), self._point_count(group)
+            order = ">" if self._first(group, "is_bigendian") else "<"
+            raw = layout.column(group.rows, "data")[:, : step * count].reshape(
+                len(group.indices), count, step
+            )
+            for path in [path for path in layout.texts if path.startswith("fields[")]:
+                prefix = path.removesuffix("name")
+                dtype = np.dtype(order + _POINT_CODES[self._first(group, prefix + "datatype")])
+                offset = self._first(group, prefix + "offset")
+                values = np.ascontiguousarray(raw[:, :, offset : offset + dtype.itemsize]).view(dtype)[
+                    :, :, 0
+                ]
+                array = found.setdefault(group.text(path), np.full((len(self.data), most), np.nan))
+                array[np.ix_(group.indices, np.arange(count))] = values
+        return found
+
+    def decode(self, index: int) -> Any:
+        """One message as an object of the type store."""
+        return typestore().deserialize_cdr(self.data[index], self.type)
+
+    def statuses(self) -> list[dict[str, str]]:
+        """Keys and values of the first status of each DiagnosticArray, with its `name` and `message`."""
+        found = []
+        for index in range(len(self.data)):
+            status = self.decode(index).status
+            values = {pair.key: pair.value for pair in status[0].values} if status else {}
+            found.append({"name": status[0].name, "message": status[0].message, **values} if status else {})
+        return found
+
+    @staticmethod
+    def _first(group: Group, path: str) -> int:
+        return int(group.layout.column(group.rows[:1], path)[0])
+
+    def _point_count(self, group: Group) -> int:
+        return self._first(group, "width") * self._first(group, "height")
+
+
+@dataclass
+class Bag:
+    """A bag in memory.
+
+    Attributes:
+        path: its MCAP file. whole: False if it was cut off. topics: messages by topic.
+        attachments: files inside, by name. records: metadata records, by name.
+    """
+
+    path: Path
+    whole: bool = False
+    topics: dict[str, Messages] = field(default_factory=dict)
+    attachments: dict[str, bytes] = field(default_factory=dict)
+    records: dict[str, dict[str, str]] = field(default_factory=dict)
+
+    def __getitem__(self, topic: str) -> Messages:
+        if topic not in self.topics:
+            raise UnknownTopicInBagError(topic, sorted(self.topics))
+        return self.topics[topic]
+
+    def __contains__(self, topic: str) -> bool:
+        return topic in self.topics
+
+
+def bag_file(path: Path) -> Path:
+    """The MCAP file of a bag: itself, the one in its folder, or the one in a run's folder `bag`.
+
+    Raises UnreadableBagError if there is none or more than one.
+    """
+    if path.is_file():
+        return path
+    for folder in (path, path / "bag"):
+        files = sorted(folder.glob("*.mcap"))
+        if len(files) == 1:
+            return files[0]
+        if files:
+            raise UnreadableBagError(path, f"there are {len(files)} MCAP files in {folder}: name one")
+    raise UnreadableBagError(path, "there is no such file or folder, or no MCAP file in it")
+
+
+def read_bag(path: Path | str) -> Bag:
+    """Read a bag into memory, as far as it goes. Raises UnreadableBagError for what is no ROS 2 bag."""
+    bag = Bag(bag_file(Path(path)))
+    schemas: dict[int, str] = {}
+    channels: dict[int, Messages] = {}
+    profile = None
+    try:
+        with bag.path.open("rb") as stream:
+            for record in StreamReader(stream).records:
+                if isinstance(record, Message):
+                    messages = channels[record.channel_id]
+                    messages.log_times.append(record.log_time)
+                    messages.data.append(record.data)
+                elif isinstance(record, Header):
+                    profile = record.profile
+                    if profile != "ros2":
+                        raise UnreadableBagError(bag.path, f"its profile is {profile!r}, not 'ros2'")
+                elif isinstance(record, Schema):
+                    schemas[record.id] = record.name
+                elif isinstance(record, Channel) and record.id not in channels:
+                    messages = Messages(record.topic, schemas.get(record.schema_id, ""))
+                    channels[record.id] = bag.topics[record.topic] = messages
+                elif isinstance(record, Attachment):
+                    bag.attachments[record.name] = record.data
+                elif isinstance(record, Metadata):
+                    bag.records[record.name] = record.metadata
+                elif isinstance(record, Footer):
+                    bag.whole = True
+    except OSError as error:
+        raise UnreadableBagError(bag.path, str(error)) from error
+    except (McapError, struct.error, ZstdError) as error:
+        # Cut off or damaged by a crash: what came before counts. Nothing before means that it never was a
+        # bag.
+        if profile is None:
+            raise UnreadableBagError(bag.path, f"it is no MCAP file ({error})") from error
+    bag.topics = {name: messages for name, messages in bag.topics.items() if len(messages)}
+    return bag

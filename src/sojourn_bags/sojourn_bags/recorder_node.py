@@ -1,0 +1,149 @@
+"""Node `recorder`: writes every logged topic as received, in a fixed order, and proves the bag complete.
+
+In lock-step it takes part: it says on /recorder/tick up to which period everything is written, and the plant
+never runs further ahead than the table allows. The file is the same from run to run. In real time it writes
+what comes.
+"""
+
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rclpy.context import Context
+from std_msgs.msg import Header
+
+from sojourn_bags.definitions import ChannelSpec, qos_entry
+from sojourn_bags.errors import BagsError
+from sojourn_bags.provenance import attachments
+from sojourn_bags.recording import CLOCK, Recording
+from sojourn_bags.transforms import channel as transform_channel
+from sojourn_bags.writer import BagWriter
+from sojourn_config.errors import ConfigError
+from sojourn_contract import process, qos, stamps
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.heartbeat import STALLED
+from sojourn_contract.node import ContractNode
+from sojourn_contract.topics import Topic, inputs_of, topic
+
+TICK_PERIODS = topic("/recorder/tick").every
+DRAIN_S = 2.0
+"""Wall time without a message after which the recorder stops waiting for what is still missing."""
+
+
+class RecorderNode(ContractNode):
+    """The recorder. Its parameter `bag` is the folder to write, relative to the working folder.
+
+    Raises BagsError at the start if the bag cannot be written, ConfigError if the scenario is wrong.
+    """
+
+    def __init__(
+        self,
+        *,
+        context: Context | None = None,
+        overrides: Mapping[str, Any] | None = None,
+        namespace: str | None = None,
+    ) -> None:
+        self._recording: Recording | None = None
+        super().__init__("recorder", context=context, overrides=overrides, namespace=namespace, raw=True)
+        folder = str(self.declare_parameter("bag", "").value)
+        try:
+            self.recording = self._recording = self._open(folder)
+        except (BagsError, ConfigError):
+            self.destroy_node()
+            raise
+
+    def poll(self) -> None:
+        """Wall-clock chores: readiness, a word when stalled, and the flush of each second."""
+        self.recording.writer.flush_if_due()
+        if not self.lockstep:
+            self.recording.write_window()
+        if self.now == 0 or not self.lockstep:
+            super().poll()
+            return
+        now = time.monotonic()
+        if now - self._last_progress > self.timeout_s / 2:
+            self._last_progress = now
+            missing = self.recording.missing()
+            if missing:
+                role = missing[0].publisher
+                detail = f"waiting for {missing[0].name} from {role}"
+                self._send_heartbeat(STALLED, self.now, detail, {"waiting for role": role})
+
+    def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
+        """Nothing: messages are written as their periods are released."""
+
+    def is_drained(self) -> bool:
+        """Whether everything that the others say they have sent is here, or nothing has come for a while."""
+        self.recording.writer.flush_if_due()
+        if self.now == 0 or time.monotonic() - self.recording.last_arrival > DRAIN_S:
+            return True
+        return self.recording.has_all(role for role in self.participants if role != self.role)
+
+    def close(self) -> None:
+        """Write what is left, the account of the bag and its index; a gap makes the exit status 1."""
+        self._finish()
+        super().close()
+
+    def destroy_node(self) -> None:
+        """Leave a whole bag behind, however the run ended."""
+        self._finish()
+        super().destroy_node()
+
+    def _open(self, folder: str) -> Recording:
+        if not folder:
+            raise BagsError("parameter 'bag' is empty: give the folder to write the bag into")
+        rows = inputs_of("recorder")
+        channels = [
+            ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, self.lockstep, row.publisher)))
+            for row in rows
+        ]
+        described = attachments(self.scenario_name, self.scenario_overrides)
+        writer = BagWriter(Path(folder), [*channels, transform_channel()], described)
+        return Recording(writer, rows, self._awaited, self.participants, self.lockstep)
+
+    def _receive(self, row: Topic, message: bytes) -> None:
+        """Take one message as bytes. None is refused: what is wrong with it, others will judge."""
+        stamp = stamps.from_cdr(message)
+        try:
+            self.recording.take(row, stamp, message)
+        except RefusedMessageError as refusal:
+            self.refuse(row.name, refusal)
+        if not self.lockstep:
+            if row.name == CLOCK and stamp > self.now:
+                self.act(stamp, {})
+            return
+        while collected := self.recording.collect():
+            self.act(collected, {})
+        while period := self.recording.write_period():
+            if period % TICK_PERIODS == 0:
+                written = stamps.to_message(period * stamps.CONTROL_PERIOD_NS)
+                self.publish("/recorder/tick", Header(stamp=written))
+
+    def _finish(self) -> None:
+        """Close the bag, once."""
+        recording, self._recording = self._recording, None
+        if recording is None:
+            return
+        completeness = recording.finish(
+            {
+                "scenario": self.scenario_name,
+                "lockstep": str(self.lockstep).lower(),
+                "participants": ",".join(self.participants),
+                "namespace": self.get_namespace(),
+            }
+        )
+        if completeness.gaps:
+            self.exit_status = 1
+            folder = recording.writer.folder
+            self.get_logger().error(f"the bag {folder} is not complete: {completeness.explain()}")
+
+
+def main() -> None:
+    """Run the recorder as a process of its own."""
+    try:
+        sys.exit(process.run(RecorderNode))
+    except (BagsError, ConfigError) as error:
+        print(f"recorder: {error}", file=sys.stderr)
+        sys.exit(1)

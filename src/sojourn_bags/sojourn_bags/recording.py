@@ -1,0 +1,164 @@
+"""A recording in progress: takes messages as bytes, writes them in order, adds /tf, accounts for them.
+
+It knows messages but no node and no executor; the recorder node feeds it.
+"""
+
+import time
+from collections.abc import Iterable, Mapping, Sequence
+
+from rclpy.serialization import deserialize_message
+from std_msgs.msg import Header
+
+from sojourn_bags.completeness import RECORD, Completeness, PublishedCounts, account
+from sojourn_bags.order import TICK, Entry, PeriodOrder, WindowOrder
+from sojourn_bags.provenance import RUN_RECORD
+from sojourn_bags.transforms import TransformSource
+from sojourn_bags.writer import BagWriter
+from sojourn_contract.events import parse_tick
+from sojourn_contract.heartbeat import read_heartbeats
+from sojourn_contract.node import HEARTBEAT_PERIODS
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topics import ROLES, Topic, topic
+from sojourn_contract.types import message_class
+
+CLOCK, TRUTH, ODOMETRY = "/clock", "/truth/odom", "/odom"
+
+
+class Recording:
+    """What the recorder has taken and written so far.
+
+    Args:
+        writer: open bag, whose channels are `rows` and after them /tf.
+        rows: topics that are recorded. awaited: those that lock-step waits for.
+        participants: roles of the run. lockstep: mode of time.
+    """
+
+    def __init__(
+        self,
+        writer: BagWriter,
+        rows: Sequence[Topic],
+        awaited: Sequence[Topic],
+        participants: Sequence[str],
+        lockstep: bool,
+    ) -> None:
+        self.writer = writer
+        self.lockstep = lockstep
+        self.last_stamp = 0
+        """Newest stamp of the plant's clock [ns]."""
+        self.last_arrival = time.monotonic()
+        self._rows = tuple(rows)
+        self._channel_of = {row.name: number for number, row in enumerate(self._rows)}
+        self._awaited = tuple(awaited)
+        ranks = frozenset(ROLES.index(role) for role in participants if role in ROLES)
+        channels = [(self._channel_of[row.name], row) for row in self._awaited]
+        self._periods = PeriodOrder(channels, ranks, HEARTBEAT_PERIODS)
+        self._window = WindowOrder()
+        self._published = PublishedCounts()
+        self._arrived = dict.fromkeys(self._channel_of, 0)
+        self._transforms = TransformSource()
+        self._has_drive = "drive" in participants
+        self._truth: bytes | None = None
+        self._truth_channel, self._odometry_channel = self._channel_of[TRUTH], self._channel_of[ODOMETRY]
+
+    def take(self, row: Topic, stamp: int, message: bytes) -> None:
+        """Take one message of a row. Raises RefusedMessageError for an unreadable tick, which is kept."""
+        self.last_arrival = time.monotonic()
+        rank = 0
+        if row.publisher == "all":
+            found = self._hear(stamp, message)
+            if found is None:
+                return
+            rank = found
+        name = row.name
+        self._arrived[name] += 1
+        channel = self._channel_of[name]
+        if name == CLOCK and stamp > self.last_stamp:
+            self.last_stamp = self._window.newest = stamp
+        if not self.lockstep:
+            self._window.offer(channel, stamp, rank, message)
+        elif row.publisher == "all":
+            self._periods.offer_heartbeat(channel, stamp, rank, message)
+        elif row.is_event:
+            self._periods.offer_goal(channel, stamp, message)
+        else:
+            self._periods.offer(channel, stamp, message)
+            if name == TICK:
+                self._announce(stamp, message)
+
+    def collect(self) -> int:
+        """Step to the next period of lock-step if it is complete. Returns its stamp [ns], 0 if it is not."""
+        return self._periods.collected * CONTROL_PERIOD_NS if self._periods.collect() else 0
+
+    def write_period(self) -> int:
+        """Write the next period of lock-step if it is ready. Returns its number, 0 if it is not."""
+        released = self._periods.release()
+        if released is None:
+            return 0
+        self._write(released[1])
+        return released[0]
+
+    def write_window(self) -> None:
+        """Write what has waited long enough in real time."""
+        self._write(self._window.release())
+
+    def missing(self) -> list[Topic]:
+        """Rows that the period in progress waits for."""
+        return self._periods.missing()
+
+    def has_all(self, roles: Iterable[str]) -> bool:
+        """Whether these nodes have said farewell, and everything that they say they have sent is here."""
+        published = self._published.totals()
+        here = all(self._arrived.get(name, count) >= count for name, count in published.items())
+        return here and self._published.has_ended(roles)
+
+    def finish(self, run: Mapping[str, str]) -> Completeness:
+        """Write what is left and close the bag with its account.
+
+        Args:
+            run: metadata record that describes the run.
+        """
+        self._write(self._periods.release_all() if self.lockstep else self._window.release_all())
+        completeness = account(
+            self._rows,
+            self.writer.recorded(),
+            self._published.totals(),
+            self.last_stamp if self.lockstep else None,
+            [topic(row.name) for row in self._awaited],
+        )
+        record = {**run, "last_stamp_ns": str(self.last_stamp)}
+        self.writer.close({RUN_RECORD: record, RECORD: completeness.as_record()})
+        return completeness
+
+    def _hear(self, stamp: int, message: bytes) -> int | None:
+        """Read a heartbeat. Returns its sender's rank, None where it is from before the run: no record."""
+        array = deserialize_message(message, message_class("diagnostic_msgs/DiagnosticArray"))
+        heartbeats = read_heartbeats(array)
+        if stamp <= 0 and heartbeats:
+            return None
+        for heartbeat in heartbeats:
+            self._published.hear(heartbeat)
+        role = heartbeats[0].role if heartbeats else ""
+        return ROLES.index(role) if role in ROLES else len(ROLES)
+
+    def _announce(self, stamp: int, message: bytes) -> None:
+        """The operator's tick says how many goals it has sent."""
+        counts, _ = parse_tick(deserialize_message(message, Header).frame_id)
+        known = {self._channel_of[name]: count for name, count in counts.items() if name in self._channel_of}
+        self._periods.announce(stamp, known)
+
+    def _write(self, entries: list[Entry]) -> None:
+        """Write messages in order; /tf follows the odometry, or the truth where nothing drives."""
+        write = self.writer.write
+        for log_time, channel, _, _, stamp, data in entries:
+            write(channel, log_time, stamp if stamp > 0 else log_time, data)
+            if channel == self._truth_channel:
+                self._truth = data
+                if not self._has_drive:
+                    self._write_transform(log_time, data, None)
+            elif channel == self._odometry_channel and self._has_drive:
+                self._write_transform(log_time, self._truth, data)
+
+    def _write_transform(self, stamp: int, truth: bytes | None, odometry: bytes | None) -> None:
+        message = self._transforms.message(stamp, truth, odometry)
+        if message is not None:
+            self.writer.write(len(self._rows), stamp, stamp, message)

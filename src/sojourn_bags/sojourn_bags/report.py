@@ -1,0 +1,195 @@
+"""The picture of a run, report.png: track on the terrain, sinkage and slip, torques, power and charge."""
+
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from sojourn_bags.description import Run
+from sojourn_bags.goals import ARM_TOPICS
+from sojourn_bags.machine import FloatArray, TrueMachine
+from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.report_map import draw_map
+from sojourn_bags.summary import summarise
+from sojourn_mechanics.terrain.height_field import HeightField
+
+SIZE_INCHES = (17.0, 12.0)
+DOTS_PER_INCH = 110
+MOST_POINTS = 3000
+"""Of a curve; a longer one is drawn as the band between its least and greatest values."""
+MEANS = 400
+"""Stretches of time over which a long curve is averaged."""
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#333333", "#56b4e9", "#999933")
+"""Distinct to colour-blind eyes too (Okabe and Ito, 2008, and two more)."""
+DRIVE_SHADE, ARM_SHADE = "#0072b2", "#8a00a8"
+TIME_LABEL = "simulation time [s]      blue: drive goal, violet: arm goal; faint: each value, bold: mean"
+NEEDED = ("/truth/odom", "/truth/joint_states", "/truth/contacts", "/truth/electrical")
+
+
+def write_report(
+    bag: Bag,
+    path: Path,
+    run: Run | None = None,
+    summary: dict[str, Any] | None = None,
+    terrain: HeightField | None = None,
+) -> None:
+    """Draw the report of a bag into a PNG file.
+
+    Args:
+        bag: the run's bag. path: file to write.
+        run: description of its scenario, None for the one in the bag.
+        summary: as `summarise` gives it, None to make it here. terrain: the ground, None to make it again.
+
+    Raises:
+        UnknownTopicInBagError: the bag lacks the truth of the plant.
+        IncompleteConfigError: it does not say what was run.
+    """
+    for topic in NEEDED:
+        bag[topic]  # says which topic is missing
+    run = run or Run.of_bag(bag)
+    summary = summary or summarise(bag, run)
+    figure = Figure(figsize=SIZE_INCHES, dpi=DOTS_PER_INCH, layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06)  # type: ignore[union-attr, call-arg]
+    figure.suptitle(_title(summary), fontsize=13, x=0.01, ha="left")
+    grid = figure.add_gridspec(4, 2, width_ratios=(1.12, 1.0))
+    draw_map(
+        figure, figure.add_subplot(grid[0:2, 0]), bag, TrueMachine(bag, run.urdf), terrain or run.terrain()
+    )
+
+    charge_axes = figure.add_subplot(grid[2, 0])
+    arm_axes = figure.add_subplot(grid[3, 0], sharex=charge_axes)
+    wheel_axes = [figure.add_subplot(grid[row, 1], sharex=charge_axes) for row in range(4)]
+    _draw_power(charge_axes, bag)
+    _draw_joints(arm_axes, bag, run.resolved["arm"]["joint_names"], "Torque of the arm joints")
+    _draw_contacts(wheel_axes[0], bag, run, "sinkage", 1000.0, "Sinkage of each wheel", "sinkage [mm]")
+    _draw_contacts(wheel_axes[1], bag, run, "slip_ratio", 1.0, "Slip of each wheel", "slip ratio [-]")
+    _draw_joints(
+        wheel_axes[2], bag, [wheel.joint for wheel in run.rover.wheels], "Torque of the wheel drives"
+    )
+    steered = [wheel.steer_joint for wheel in run.rover.wheels if wheel.steer_joint]
+    _draw_joints(wheel_axes[3], bag, steered, "Torque of the steering joints")
+    times = (charge_axes, arm_axes, *wheel_axes)
+    for axes in times:
+        _shade_goals(axes, summary["goals"])
+        axes.grid(alpha=0.25)
+        axes.set_xlim(0.0, max(summary["sim_time_s"], 1e-3))
+    for axes in (arm_axes, wheel_axes[3]):
+        axes.set_xlabel(TIME_LABEL)
+    try:
+        figure.savefig(path)
+    finally:
+        figure.clear()
+
+
+def _title(summary: dict[str, Any]) -> str:
+    """Scenario, numbers and verdict."""
+    numbers = [f"seed {summary['seed']}", f"{summary['sim_time_s']:.0f} s simulated"]
+    for key, text in (
+        ("distance_m", "{:.1f} m driven"),
+        ("energy_wh", "{:.1f} Wh used"),
+        ("max_sinkage_m", "largest sinkage {:.3f} m"),
+        ("max_tilt_deg", "largest tilt {:.1f}°"),
+    ):
+        if summary[key] is not None:
+            numbers.append(text.format(summary[key]))
+    verdict = textwrap.fill(summary["verdict"], 160)
+    return f"{summary['scenario']}  ({', '.join(numbers)})\n{verdict}"
+
+
+def _draw_contacts(axes: Axes, bag: Bag, run: Run, field: str, scale: float, title: str, label: str) -> None:
+    """One curve a wheel from the true contacts, whose first points are the wheels."""
+    contacts = bag["/truth/contacts"]
+    values = scale * contacts.points()[field]
+    names = [wheel.name.replace("_", " ") for wheel in run.rover.wheels]
+    _draw_curves(axes, contacts.times, values[:, : len(names)], names)
+    axes.set(title=title, ylabel=label)
+
+
+def _draw_joints(axes: Axes, bag: Bag, names: Sequence[str], title: str) -> None:
+    """One curve a joint from the true efforts."""
+    states: Messages = bag["/truth/joint_states"]
+    joints = states.joints()
+    known = [name for name in names if name in joints.names]
+    values = joints.effort[:, [joints.index(name) for name in known]]
+    _draw_curves(axes, states.times, values, [_short(name) for name in known])
+    axes.set(title=title, ylabel="torque [N m]")
+
+
+def _draw_power(axes: Axes, bag: Bag) -> None:
+    """Power out of the battery and its charge."""
+    store = bag["/truth/electrical"]
+    power = -store.column("voltage") * store.column("current")
+    _draw_curves(axes, store.times, power[:, np.newaxis], ["power out of the battery"])
+    axes.set(title="Power and charge", ylabel="power [W]")
+    axes.set_ylim(
+        bottom=min(0.0, 1.1 * float(np.nanmin(power))), top=max(1.0, 1.15 * float(np.nanmax(power)))
+    )
+    charge = axes.twinx()
+    percent = 100.0 * store.column("percentage")
+    charge.plot(store.times, percent, color=COLORS[1], linewidth=1.6, label="charge")
+    middle, half = 0.5 * (percent.min() + percent.max()), max(1.0, 0.6 * float(np.ptp(percent)))
+    charge.set_ylim(middle - half, middle + half)
+    charge.set_ylabel("charge [%]", color=COLORS[1])
+    axes.yaxis.label.set_color(COLORS[0])
+    lines = [axes.get_lines()[-1], *charge.get_lines()]
+    axes.legend(
+        lines, [str(line.get_label()) for line in lines], fontsize=8, loc="upper right", framealpha=0.85
+    )
+
+
+def _draw_curves(axes: Axes, times: FloatArray, values: FloatArray, names: Sequence[str]) -> None:
+    """Curves with a legend beside them: every value faintly (thinned, but with its peaks), and the mean."""
+    for number, name in enumerate(names):
+        color = COLORS[number % len(COLORS)]
+        axes.plot(*_thinned(times, values[:, number]), color=color, linewidth=0.6, alpha=0.25)
+        axes.plot(*_means(times, values[:, number]), color=color, linewidth=1.3, label=name)
+    if len(names) > 1:
+        axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, handlelength=1.2)
+
+
+def _means(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mean over each of MEANS stretches of time, at their middle; or the values where there are few."""
+    if len(values) <= 2 * MEANS:
+        return times, values
+    edges = np.linspace(times[0], times[-1], MEANS + 1)
+    stretch = np.clip(np.searchsorted(edges, times, side="right") - 1, 0, MEANS - 1)
+    good = np.isfinite(values)
+    counts = np.bincount(stretch[good], minlength=MEANS)
+    sums = np.bincount(stretch[good], weights=values[good], minlength=MEANS)
+    filled = counts > 0
+    return 0.5 * (edges[:-1] + edges[1:])[filled], sums[filled] / counts[filled]
+
+
+def _thinned(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Least and greatest value of each of MOST_POINTS / 2 stretches, in the order of time."""
+    bins = MOST_POINTS // 2
+    if len(values) <= MOST_POINTS:
+        return times, values
+    width = len(values) // bins
+    blocks = values[: bins * width].reshape(bins, width)
+    filled_low, filled_high = np.nan_to_num(blocks, nan=np.inf), np.nan_to_num(blocks, nan=-np.inf)
+    picks = np.stack([filled_low.argmin(axis=1), filled_high.argmax(axis=1)], axis=1)
+    picks.sort(axis=1)
+    rows = (picks + np.arange(bins)[:, np.newaxis] * width).ravel()
+    return times[rows], values[rows]
+
+
+def _shade_goals(axes: Axes, goals: Sequence[dict[str, Any]]) -> None:
+    """Mark when a goal was under way."""
+    for goal in goals:
+        color = ARM_SHADE if goal["topic"] in ARM_TOPICS else DRIVE_SHADE
+        axes.axvspan(goal["start_s"], goal["end_s"], color=color, alpha=0.07, linewidth=0.0)
+
+
+def _short(joint: str) -> str:
+    """Name of a joint without what all of them share."""
+    name = joint.removesuffix("_joint")
+    for prefix in ("arm_", "wheel_", "steer_"):
+        name = name.removeprefix(prefix)
+    return name.replace("_", " ")

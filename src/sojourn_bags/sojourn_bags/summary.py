@@ -1,0 +1,185 @@
+"""The summary of a run, from its bag alone: what was asked and reached, what it cost, is the record whole.
+
+Distances and errors are by the truth of the plant, not by what the rover believes.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sojourn_bags.completeness import RECORD
+from sojourn_bags.description import Run
+from sojourn_bags.goals import (
+    ARM_TOPICS,
+    DRIVE_TOPICS,
+    GoalResult,
+    Limits,
+    judge_goals,
+    missing_steps,
+)
+from sojourn_bags.machine import TrueMachine, poses_of, tilts
+from sojourn_bags.provenance import RUN_RECORD
+from sojourn_bags.reading import Bag
+from sojourn_bags.transforms import TOPIC as TRANSFORMS_TOPIC
+
+FloatArray = NDArray[np.float64]
+JOULES_PER_WATT_HOUR = 3600.0
+
+
+def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None) -> dict[str, Any]:
+    """Summary of a run; numbers that the bag cannot give are None.
+
+    Args:
+        bag: its bag. run: description of its scenario, None for the one in the bag. wall_time_s: how long it
+            took [s].
+
+    Returns:
+        scenario, seed, verdict (words), all_met, complete, sim_time_s, wall_time_s, real_time_factor,
+        distance_m, goal_error_m (last drive goal), arm_error_m (worst place of the arm), energy_wh,
+        soc_start, soc_end, max_sinkage_m, max_tilt_deg, goals (each with its outcome), steps_not_sent,
+        messages (topic -> published, recorded).
+    """
+    run = run or Run.of_bag(bag)
+    has_truth = "/truth/odom" in bag
+    machine = TrueMachine(bag, run.urdf) if has_truth and "/truth/joint_states" in bag else None
+    end_s = sim_time(bag)
+    accept = run.scenario.accept
+    results = judge_goals(
+        bag, machine, run.resolved["arm"]["tip_link"], Limits(accept.drive_m, accept.arm_m), end_s
+    )
+    operated = "operator" in bag.records.get(RUN_RECORD, {}).get("participants", "operator").split(",")
+    kinds = [step.kind for step in run.scenario.steps] if operated else []
+    not_sent = missing_steps(kinds, [result.goal for result in results])
+    drive_errors = [result.error_m for result in results if result.goal.topic in DRIVE_TOPICS]
+    arm_errors = [result.error_m for result in results if result.goal.topic in ARM_TOPICS]
+    max_tilt_deg = float(np.degrees(tilts(poses_of(bag, "/truth/odom")[:, 3:]).max())) if has_truth else None
+    rolled_over = max_tilt_deg is not None and max_tilt_deg >= run.rover.roll_over_tilt_deg
+    charge = charges(bag)
+    complete = bag.whole and bag.records.get(RECORD, {}).get("complete") == "true"
+    distance = distance_driven(bag) if has_truth else None
+    all_met = all(result.met for result in results) and not not_sent and not rolled_over
+    summary: dict[str, Any] = {
+        "scenario": run.name,
+        "seed": run.scenario.seed,
+        "verdict": "",
+        "all_met": all_met,
+        "complete": complete,
+        "sim_time_s": end_s,
+        "wall_time_s": wall_time_s,
+        "real_time_factor": end_s / wall_time_s if wall_time_s else None,
+        "distance_m": distance,
+        "goal_error_m": drive_errors[-1] if drive_errors else None,
+        "arm_error_m": max((error for error in arm_errors if error is not None), default=None),
+        "energy_wh": energy_used(bag),
+        "soc_start": float(charge[0]) if charge.size else None,
+        "soc_end": float(charge[-1]) if charge.size else None,
+        "max_sinkage_m": max_sinkage(bag, len(run.rover.wheels)),
+        "max_tilt_deg": max_tilt_deg,
+        "rolled_over": rolled_over,
+        "goals": [result.as_data() for result in results],
+        "steps_not_sent": not_sent,
+        "messages": messages(bag),
+    }
+    summary["verdict"] = _verdict(summary, results)
+    return {
+        key: None if isinstance(value, float) and not np.isfinite(value) else value
+        for key, value in summary.items()
+    }
+
+
+def write_summary(summary: dict[str, Any], path: Path) -> None:
+    """Write a summary as JSON."""
+    path.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def sim_time(bag: Bag) -> float:
+    """Last stamp of the plant's clock, or of the truth, or of anything [s]."""
+    for topic in ("/clock", "/truth/odom"):
+        if topic in bag:
+            return float(bag[topic].times.max())
+    return max((messages.log_times[-1] for messages in bag.topics.values()), default=0) / 1e9
+
+
+def distance_driven(bag: Bag) -> float:
+    """Length of the true path of base_link [m]."""
+    steps = np.diff(poses_of(bag, "/truth/odom")[:, :3], axis=0)
+    return float(np.linalg.norm(steps, axis=1).sum())
+
+
+def energy_used(bag: Bag) -> float | None:
+    """Energy that left the battery, by its true voltage and current (negative while discharging) [Wh]."""
+    if "/truth/electrical" not in bag:
+        return None
+    store = bag["/truth/electrical"]
+    power = -store.column("voltage") * store.column("current")
+    joules = float(np.trapezoid(power, store.times)) + float(power[0] * store.times[0])
+    return joules / JOULES_PER_WATT_HOUR
+
+
+def charges(bag: Bag) -> FloatArray:
+    """True state of charge over time, empty where it is not recorded [1]."""
+    return bag["/truth/electrical"].column("percentage") if "/truth/electrical" in bag else np.empty(0)
+
+
+def max_sinkage(bag: Bag, wheels: int) -> float | None:
+    """Deepest that a wheel has sunk [m]; the wheels are the first contacts."""
+    if "/truth/contacts" not in bag:
+        return None
+    sinkage = bag["/truth/contacts"].points()["sinkage"][:, :wheels]
+    return float(np.nanmax(sinkage)) if np.isfinite(sinkage).any() else None
+
+
+def messages(bag: Bag) -> dict[str, dict[str, int | None]]:
+    """Messages published and recorded, by topic. Published is None where nobody counted."""
+    counted = json.loads(bag.records.get(RECORD, {}).get("topics", "{}"))
+    names = [*counted, *(name for name in bag.topics if name not in counted and name != TRANSFORMS_TOPIC)]
+    return {
+        name: {
+            "published": counted.get(name, {}).get("published"),
+            "recorded": len(bag[name]) if name in bag else 0,
+        }
+        for name in names
+    }
+
+
+def _verdict(summary: dict[str, Any], results: list[GoalResult]) -> str:
+    """One or two sentences for a person."""
+    unmet = [result for result in results if not result.met]
+    parts = []
+    if summary["rolled_over"]:
+        parts.append(f"The rover rolled over: it tilted by {summary['max_tilt_deg']:.0f} degrees.")
+    if unmet:
+        first = unmet[0]
+        why = f" ({first.reason})" if first.reason else ""
+        error = "" if first.error_m is None else f", {_length(first.error_m)} off"
+        parts.append(
+            f"{len(unmet)} of {len(results)} goals not met: {first.goal.what}: {first.outcome}{why}{error}."
+        )
+    if summary["steps_not_sent"]:
+        parts.append(f"{summary['steps_not_sent']} steps of the scenario were never sent.")
+    if summary["all_met"]:
+        parts.append(_success(summary, len(results)))
+    if not summary["complete"]:
+        parts.append("The record is not complete.")
+    return " ".join(parts)
+
+
+def _success(summary: dict[str, Any], goals: int) -> str:
+    if not goals:
+        return "No goals were asked for."
+    deeds = []
+    if summary["goal_error_m"] is not None:
+        from_goal = _length(summary["goal_error_m"])
+        deeds.append(f"drove {summary['distance_m']:.1f} m and stopped {from_goal} from the goal")
+    if summary["arm_error_m"] is not None:
+        deeds.append(f"placed the arm {_length(summary['arm_error_m'])} from its target")
+    done = f": the rover {' and '.join(deeds)}" if deeds else ""
+    return f"Every goal was met{done}."
+
+
+def _length(metres: float) -> str:
+    """A distance in words that suit its size."""
+    return f"{metres:.2f} m" if metres >= 0.1 else f"{1000.0 * metres:.1f} mm"

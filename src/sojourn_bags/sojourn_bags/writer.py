@@ -1,0 +1,223 @@
+"""Writes one bag: a folder with an MCAP file (profile ros2, zstd chunks) and rosbag2's metadata.yaml.
+
+The file can be read however the writer ends: each second of wall time the chunk in progress is finished and
+handed to the operating system, and metadata.yaml is there from the start. Killed, the bag lacks its last
+second and its summary, and a reader of streams still opens it.
+"""
+
+import json
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from io import BufferedWriter
+from pathlib import Path
+from typing import Any
+
+import yaml
+from mcap.writer import CompressionType, Writer
+
+from sojourn_bags.definitions import ChannelSpec, definition, type_hash
+from sojourn_bags.errors import BagExistsError, UnwritableBagError
+
+FLUSH_S = 0.8
+"""Wall time after which a chunk is finished, so that with the poll of the loop it stays under a second."""
+BAG_VERSION = 9
+"""Version of rosbag2's metadata, that of Jazzy."""
+METADATA_FILE = "metadata.yaml"
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """A file inside the bag."""
+
+    name: str
+    media_type: str
+    data: bytes
+
+
+class BagWriter:
+    """An open bag.
+
+    Args:
+        folder: the bag; made here, and never one that holds a bag already.
+        channels: topics, by the index that `write` takes. Only those with a message show in the bag.
+        attachments: files to put inside.
+
+    Raises:
+        BagExistsError: there is a bag in the folder. UnwritableBagError: it cannot be made or written.
+    """
+
+    def __init__(
+        self, folder: Path, channels: Sequence[ChannelSpec], attachments: Sequence[Attachment] = ()
+    ) -> None:
+        self.folder = folder.absolute()
+        self.path = self.folder / f"{self.folder.name}_0.mcap"
+        self.closed = False
+        self._channels = tuple(channels)
+        self._schemas: dict[str, int] = {}
+        self._ids = [0] * len(self._channels)
+        self.counts = [0] * len(self._channels)
+        self._start, self._end = 2**63 - 1, 0
+        self._last_flush = time.monotonic()
+        self._custom: dict[str, str] = {}
+        self._stream = self._open()
+        self._writer = Writer(self._stream, compression=CompressionType.ZSTD)
+        try:
+            self._writer.start(profile="ros2", library="sojourn_bags")
+            for attachment in attachments:
+                self._writer.add_attachment(0, 0, attachment.name, attachment.media_type, attachment.data)
+            self._writer.flush()
+            self._write_metadata_file(self._metadata())
+        except OSError as error:
+            raise UnwritableBagError(self.folder, str(error)) from error
+
+    def write(self, index: int, log_time: int, publish_time: int, data: bytes) -> None:
+        """Append one message.
+
+        Args:
+            index: channel. log_time: period it belongs to [ns]. publish_time: its header's stamp [ns].
+            data: CDR as received.
+
+        Raises:
+            UnwritableBagError: the disk does not take it. The bag then stays as after a crash, and later
+                messages are dropped.
+        """
+        if self.closed:
+            return
+        sequence = self.counts[index]
+        if not sequence:
+            self._register(index)
+        self.counts[index] = sequence + 1
+        if log_time < self._start:
+            self._start = log_time
+        if log_time > self._end:
+            self._end = log_time
+        try:
+            self._writer.add_message(self._ids[index], log_time, data, publish_time, sequence)
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def flush_if_due(self) -> None:
+        """Finish the chunk once a second of wall time; call it some times a second."""
+        now = time.monotonic()
+        if now - self._last_flush >= FLUSH_S:
+            self._last_flush = now
+            self.flush()
+
+    def flush(self) -> None:
+        """Hand everything written so far to the operating system. Raises UnwritableBagError."""
+        if self.closed:
+            return
+        try:
+            self._writer.flush()
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def close(self, records: Mapping[str, Mapping[str, str]] | None = None) -> None:
+        """Write the last chunk, metadata records and summary, and metadata.yaml. Raises UnwritableBagError.
+
+        Args:
+            records: MCAP metadata records by name; in metadata.yaml they are custom data, as JSON text.
+        """
+        if self.closed:
+            return
+        self.closed = True
+        records = records or {}
+        self._custom = {name: json.dumps(dict(values)) for name, values in records.items()}
+        metadata = self._metadata()
+        text = yaml.safe_dump(metadata["rosbag2_bagfile_information"], sort_keys=False)
+        try:
+            self._writer.flush()
+            for name, values in records.items():
+                self._writer.add_metadata(name, dict(values))
+            self._writer.add_metadata("rosbag2", {"serialized_metadata": text})
+            self._writer.finish()
+            self._stream.close()
+            self._write_metadata_file(metadata)
+        except OSError as error:
+            raise UnwritableBagError(self.folder, str(error)) from error
+
+    def recorded(self) -> dict[str, int]:
+        """Messages written so far, by topic."""
+        return {spec.topic: count for spec, count in zip(self._channels, self.counts, strict=True) if count}
+
+    def _open(self) -> BufferedWriter:
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            if (self.folder / METADATA_FILE).exists() or any(self.folder.glob("*.mcap")):
+                raise BagExistsError(self.folder)
+            return self.path.open("xb")
+        except FileExistsError as error:
+            raise UnwritableBagError(self.folder, "a file stands where its folder should be") from error
+        except OSError as error:
+            raise UnwritableBagError(self.folder, str(error)) from error
+
+    def _failure(self, error: OSError) -> UnwritableBagError:
+        """Give up: nothing more is written, and what is on the disk stays as after a crash."""
+        self.closed = True
+        return UnwritableBagError(self.folder, str(error))
+
+    def _register(self, index: int) -> None:
+        spec = self._channels[index]
+        if spec.full_type not in self._schemas:
+            self._schemas[spec.full_type] = self._writer.register_schema(
+                spec.full_type, "ros2msg", definition(spec.full_type).encode()
+            )
+        self._ids[index] = self._writer.register_channel(
+            spec.topic,
+            "cdr",
+            self._schemas[spec.full_type],
+            {
+                "offered_qos_profiles": yaml.safe_dump([spec.qos], sort_keys=False).strip(),
+                "topic_type_hash": type_hash(spec.full_type),
+            },
+        )
+
+    def _metadata(self) -> dict[str, Any]:
+        """Content of metadata.yaml."""
+        total = sum(self.counts)
+        start = {"nanoseconds_since_epoch": self._start if total else 0}
+        duration = {"nanoseconds": self._end - self._start if total else 0}
+        topics = [
+            {
+                "topic_metadata": {
+                    "name": spec.topic,
+                    "type": spec.full_type,
+                    "serialization_format": "cdr",
+                    "offered_qos_profiles": [spec.qos],
+                    "type_description_hash": type_hash(spec.full_type),
+                },
+                "message_count": count,
+            }
+            for spec, count in zip(self._channels, self.counts, strict=True)
+            if count
+        ]
+        return {
+            "rosbag2_bagfile_information": {
+                "version": BAG_VERSION,
+                "storage_identifier": "mcap",
+                "duration": duration,
+                "starting_time": start,
+                "message_count": total,
+                "topics_with_message_count": topics,
+                "compression_format": "",
+                "compression_mode": "",
+                "relative_file_paths": [self.path.name],
+                "files": [
+                    {
+                        "path": self.path.name,
+                        "starting_time": dict(start),
+                        "duration": dict(duration),
+                        "message_count": total,
+                    }
+                ],
+                "custom_data": dict(self._custom) or None,
+                "ros_distro": "jazzy",
+            }
+        }
+
+    def _write_metadata_file(self, metadata: dict[str, Any]) -> None:
+        """Beside the final name first, so that there is always a whole file."""
+        draft = self.folder / (METADATA_FILE + ".part")
+        draft.write_text(yaml.safe_dump(metadata, sort_keys=False), encoding="utf-8")
+        draft.replace(self.folder / METADATA_FILE)

@@ -1,0 +1,128 @@
+"""One node's process: its command, its log, how it ended."""
+
+import contextlib
+import os
+import re
+import resource
+import shlex
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+from sojourn_bringup import child_process
+from sojourn_bringup.environment import foreign_environment, is_ours, own_environment
+from sojourn_bringup.plan import RunPlan
+from sojourn_bringup.process_table import process
+
+_LOG_TAIL_BYTES = 8192
+_ROS_LOG = re.compile(r"^\[(?P<level>[A-Z]+)\] \[[0-9.]+\] \[[^\]]*\]: (?P<text>.*)$")
+_EXCEPTION = re.compile(r"^(?:\w+\.)*(\w*(?:Error|Exception|Interrupt)): (?P<text>.*)$")
+_PAGE = resource.getpagesize()
+
+
+def command_of(plan: RunPlan, role: str, attempt: int = 0) -> list[str]:
+    """Command of a role: our module, or what replaces it, with the same ROS arguments."""
+    replacement = plan.replacements.get(role)
+    program = shlex.split(replacement) if replacement else [sys.executable, "-m", process(role).module]
+    return program + plan.ros_arguments(role, attempt)
+
+
+def environment_of(plan: RunPlan, role: str, ros: Mapping[str, str]) -> dict[str, str]:
+    """Environment of a role's process; a replacement that is not of our virtual environment gets nothing of it."""
+    replacement = plan.replacements.get(role)
+    if replacement and not is_ours(shlex.split(replacement)[0]):
+        return foreign_environment(os.environ, ros)
+    return own_environment(os.environ, ros)
+
+
+class Child:
+    """A process in a group of its own, so that Ctrl-C reaches us only and what it starts can be stopped with it.
+
+    Args:
+        role: row of the process table. command: program and arguments. environment: all of its variables.
+        log: file that takes what it prints; an earlier attempt's text is kept.
+    """
+
+    def __init__(self, role: str, command: list[str], environment: Mapping[str, str], log: Path) -> None:
+        self.role = role
+        self.log = log
+        self.started_at = time.monotonic()
+        wrapper = [sys.executable, "-I", "-S", child_process.__file__, str(os.getpid())]
+        with log.open("ab") as output:
+            self._process = subprocess.Popen(
+                wrapper + command,
+                env=dict(environment),
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                process_group=0,
+            )
+
+    @property
+    def pid(self) -> int:
+        """Process number, also that of its group."""
+        return self._process.pid
+
+    @property
+    def status(self) -> int | None:
+        """None while it runs; else its exit status, negative for the signal that ended it."""
+        return self._process.poll()
+
+    def send(self, number: signal.Signals) -> None:
+        """Send a signal to it and to whatever it has started."""
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(self.pid, number)
+
+    def wait(self, seconds: float) -> bool:
+        """Wait for its end; whether it has ended."""
+        try:
+            self._process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            return False
+        return True
+
+    def sweep(self) -> None:
+        """After its end: kill what it has started and left behind."""
+        self.send(signal.SIGKILL)
+
+    def memory_mb(self) -> float:
+        """Memory in use [MB, resident]; 0 once it has ended."""
+        try:
+            fields = Path(f"/proc/{self.pid}/statm").read_text().split()
+        except OSError:
+            return 0.0
+        return int(fields[1]) * _PAGE / 1e6
+
+    def how_it_ended(self) -> str:
+        """In words: signal or status, and the last thing that it said."""
+        status = self.status
+        if status is None:
+            return "still runs"
+        if status < 0:
+            return f"was killed by {signal.Signals(-status).name}"
+        said = last_words(self.log)
+        return f"ended with status {status}" + (f": {said}" if said else "")
+
+
+def last_words(log: Path) -> str:
+    """The last error in a log, else its last line; empty if it said nothing."""
+    try:
+        with log.open("rb") as file:
+            file.seek(max(0, log.stat().st_size - _LOG_TAIL_BYTES))
+            lines = file.read().decode(errors="replace").splitlines()
+    except OSError:
+        return ""
+    lines = [line for line in lines if line.strip()]
+    if not lines:
+        return ""
+    if exception := _EXCEPTION.match(lines[-1]):
+        return exception["text"] or exception[1]
+    for line in reversed(lines):
+        entry = _ROS_LOG.match(line)
+        if entry and entry["level"] in ("ERROR", "FATAL"):
+            return entry["text"]
+    entry = _ROS_LOG.match(lines[-1])
+    return entry["text"] if entry else lines[-1].strip()

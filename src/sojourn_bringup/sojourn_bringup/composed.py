@@ -1,0 +1,134 @@
+"""Runs all nodes in this process, on one executor."""
+
+import os
+import time
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+
+from sojourn_bringup.environment import ros_variables
+from sojourn_bringup.errors import BringupError
+from sojourn_bringup.health import Health, Progress
+from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, Stopwatch
+from sojourn_bringup.plan import RunPlan
+from sojourn_bringup.process_table import process
+from sojourn_bringup.screen import Screen
+from sojourn_bags.errors import BagsError
+from sojourn_config.errors import ConfigError
+from sojourn_contract import process as node_process
+from sojourn_contract.errors import ContractError
+from sojourn_contract.heartbeat import ENDED, READY, RUNNING, WAITING_TO_MATCH
+from sojourn_contract.node import ContractNode
+from sojourn_contract.process import StopFlag
+from sojourn_contract.stamps import seconds
+from sojourn_mechanics.errors import MechanicsError
+
+_SHOW_S = 0.25
+
+
+class ComposedRun:
+    """One run in this process.
+
+    Args:
+        plan: the run; it starts all of its participants. screen: where to show it.
+        load: class of a role's node; the process table's unless a test brings its own.
+    """
+
+    def __init__(
+        self, plan: RunPlan, screen: Screen, load: Callable[[str], Any] = lambda role: process(role).load_class()
+    ) -> None:
+        self.plan = plan
+        self.screen = screen
+        self.nodes: dict[str, ContractNode] = {}
+        self._load = load
+        self._health = {role: Health(role, pid=os.getpid()) for role in reversed(plan.in_order_of_stop())}
+        self._progress = Progress()
+        self._stopwatch = Stopwatch()
+        self._shown_at = 0.0
+        self._started_at = 0.0
+        self._not_started = ""
+
+    def run(self) -> Outcome:
+        """Run to the end. Returns how it ended."""
+        os.environ.update(ros_variables(self.plan.domain, self.plan.on_network))
+        stop = StopFlag().install()
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            for role in self.plan.in_order_of_stop():
+                self.nodes[role] = self._load(role)(
+                    overrides=self.plan.parameters(role), namespace=self.plan.namespace or None
+                )
+            self._started_at = time.monotonic()
+            status = node_process.spin(list(self.nodes.values()), stop, self._each_poll)
+            return self._outcome(status, stop)
+        except (BringupError, BagsError, ContractError, ConfigError, MechanicsError, OSError) as error:
+            return Outcome(FAILED, str(error), sim_time_s=self._time_s(), wall_time_s=self._stopwatch.wall_s)
+        finally:
+            for node in self.nodes.values():
+                node.destroy_node()
+            rclpy.try_shutdown()
+
+    def _outcome(self, status: int, stop: StopFlag) -> Outcome:
+        operator = self.nodes.get("operator")
+        ended = Outcome(SUCCEEDED, "the run ended", sim_time_s=self._time_s(), wall_time_s=self._stopwatch.wall_s)
+        if self._not_started:
+            return Outcome(FAILED, self._not_started)
+        if stop.is_set:
+            return Outcome(
+                SUCCEEDED if operator is None else INTERRUPTED,
+                "interrupted",
+                sim_time_s=ended.sim_time_s,
+                wall_time_s=ended.wall_time_s,
+            )
+        if operator is not None:
+            script = operator.script
+            ended = ended.judged(script.results, len(script.steps))
+        if ended.status == SUCCEEDED and status:
+            failed = [role for role, node in self.nodes.items() if node.exit_status]
+            reasons = [f"{role} failed" + _reason(self.nodes[role]) for role in failed]
+            return Outcome(FAILED, "; ".join(reasons), ended.results, ended.sim_time_s, ended.wall_time_s)
+        return ended
+
+    def _time_s(self) -> float:
+        return seconds(max((node.now for node in self.nodes.values()), default=0))
+
+    def _each_poll(self) -> bool:
+        """Show the run; True ends it, where it has not started in time."""
+        now = time.monotonic()
+        self._stopwatch.look(self._time_s(), now)
+        if now - self._shown_at < _SHOW_S:
+            return False
+        self._shown_at = now
+        for role, node in self.nodes.items():
+            self._update(self._health[role], node)
+        self._progress.stamp = max(node.now for node in self.nodes.values())
+        self._progress.speed = self._stopwatch.speed
+        operator = self.nodes.get("operator")
+        if operator is not None:
+            self._progress.hear_operator(operator.heartbeat_values())
+            self._progress.hear_drive(operator.drive_status)
+        self.screen.show(list(self._health.values()), self._progress)
+        if self._progress.stamp == 0 and now - self._started_at > self.plan.start_timeout_s:
+            unmatched = [text for node in self.nodes.values() for text in node.unmatched()]
+            self._not_started = f"not ready within {self.plan.start_timeout_s:g} s: " + "; ".join(unmatched)
+        return bool(self._not_started)
+
+    def _update(self, health: Health, node: ContractNode) -> None:
+        health.stamp = node.now
+        health.refused = sum(node.counters.refused.values())
+        health.last_refusal = node.counters.last_refusal
+        health.values = node.heartbeat_values()
+        if node.finished:
+            health.state = ENDED
+        elif node.now:
+            health.state = RUNNING
+        else:
+            health.state = WAITING_TO_MATCH if node.unmatched() else READY
+
+
+def _reason(node: ContractNode) -> str:
+    """What a node says of its failure, if it says it."""
+    text = str(getattr(node, "failure", "") or "")
+    return f": {text}" if text else ""

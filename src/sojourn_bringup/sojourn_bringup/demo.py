@@ -1,0 +1,124 @@
+"""The demonstration: scripts/demo runs a scenario to its end, then says in words how it went, with summary and picture."""
+
+import argparse
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress as Bar, TextColumn, TimeElapsedColumn
+
+from sojourn_bags.errors import BagsError
+from sojourn_bags.reading import read_bag
+from sojourn_bags.report import write_report
+from sojourn_bags.summary import summarise, write_summary
+from sojourn_bringup import options, start
+from sojourn_bringup.errors import BringupError
+from sojourn_bringup.health import Health, Progress
+from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome
+from sojourn_bringup.plan import RunPlan
+from sojourn_bringup.screen import PlainScreen, Screen
+
+DEFAULT_SCENARIO = "lunar_sample"
+
+
+class BarScreen(Screen):
+    """A progress bar over the steps of the operator, with simulation time, speed and distance to go."""
+
+    def __init__(self, console: Console | None = None) -> None:
+        super().__init__(console)
+        self._bar = Bar(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.completed:.0f} of {task.total:.0f} steps"),
+            TimeElapsedColumn(),
+            TextColumn("{task.fields[where]}"),
+            console=self.console,
+        )
+        self._task = self._bar.add_task("starting", total=1, where="")
+
+    def show(self, nodes: Sequence[Health], progress: Progress) -> None:
+        """Draw the bar again."""
+        where = f"{progress.time_s:.0f} s simulated, {progress.speed:.1f} times real time"
+        if progress.to_go_m is not None:
+            where += f", {progress.to_go_m:.1f} m to go"
+        words = progress.step.partition(": ")[2] or ("running" if progress.stamp else "starting")
+        self._bar.update(
+            self._task, completed=progress.steps_done, total=max(progress.steps, 1), description=words, where=where
+        )
+
+    def __enter__(self) -> "BarScreen":
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self._bar.stop()
+
+
+def parser() -> argparse.ArgumentParser:
+    """Options of scripts/demo."""
+    result = options.Parser(
+        prog="demo", description="Run a scenario in lock-step, say how it went, and leave bag, summary and picture."
+    )
+    result.add_argument(
+        "--scenario", default=DEFAULT_SCENARIO, help="name in config/scenarios, or a YAML file (default: %(default)s)"
+    )
+    kind = result.add_mutually_exclusive_group()
+    kind.add_argument("--composed", action="store_true", help="all nodes in one process (the default)")
+    kind.add_argument("--processes", action="store_true", help="each node as a process of its own")
+    result.add_argument("--seed", metavar="N", help="seed in place of the scenario's")
+    result.add_argument("--set", action="append", default=[], dest="overrides", metavar="KEY=VALUE",
+                        help="set a value of the scenario or of a file that it names; again for more")  # fmt: skip
+    result.add_argument("--run-dir", metavar="DIR", help="folder of the run (default: a new one in runs/)")
+    options.add_place(result)
+    return result
+
+
+def start_arguments(given: argparse.Namespace) -> list[str]:
+    """The same wishes as options of scripts/start.py."""
+    arguments = [given.scenario, "--domain", str(given.domain), "--namespace", given.namespace]
+    for name in ("seed", "run_dir"):
+        value = getattr(given, name)
+        if value is not None:
+            arguments += [f"--{name.replace('_', '-')}", value]
+    for text in given.overrides:
+        arguments += ["--set", text]
+    return arguments
+
+
+def evaluate(plan: RunPlan, outcome: Outcome, screen: Screen) -> bool:
+    """Write summary.json and report.png into the run's folder and print the verdict. Returns whether all goals were met."""
+    bag = read_bag(plan.bag())
+    summary = summarise(bag, wall_time_s=outcome.wall_time_s or None)
+    write_summary(summary, plan.run_dir / "summary.json")
+    write_report(bag, plan.run_dir / "report.png", summary=summary)
+    screen.say(str(summary["verdict"]))
+    for goal in summary["goals"]:
+        error = "" if goal["error_m"] is None else f", {1000.0 * goal['error_m']:.1f} mm from the target in truth"
+        reason = f" ({goal['reason']})" if goal["reason"] else ""
+        screen.say(f"  {goal['goal']}: {goal['outcome']}{error}{reason}")
+    factor = summary["real_time_factor"]
+    speed = f", {factor:.1f} times real time" if factor else ""
+    screen.say(f"{summary['sim_time_s']:.0f} s simulated in {outcome.wall_time_s:.0f} s{speed}")
+    screen.say(f"bag, summary.json and report.png are in {plan.run_dir}")
+    return bool(summary["all_met"] and summary["complete"])
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the demonstration; 0 only if every goal was met and the record is complete."""
+    given = parser().parse_args(arguments)
+    console = Console(highlight=False, soft_wrap=True)
+    screen = BarScreen(console) if console.is_terminal else PlainScreen(console)
+    plan = start.make_plan(start.parser().parse_args(start_arguments(given)), screen)
+    outcome = start.run_plan(plan, not given.processes, screen)
+    if outcome.status != SUCCEEDED:
+        screen.say(outcome.message)
+    if outcome.status == INTERRUPTED or not plan.bag().exists():
+        return outcome.status
+    try:
+        met = evaluate(plan, outcome, screen)
+    except BagsError as error:
+        raise BringupError(str(error)) from error
+    return SUCCEEDED if met and outcome.status == SUCCEEDED else FAILED
+
+
+if __name__ == "__main__":
+    options.run_script(main)

@@ -1,0 +1,70 @@
+"""Listens to the heartbeats of a run: the supervisor's only ROS node."""
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.experimental import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from sojourn_bringup.health import Health, Progress
+from sojourn_contract import qos
+from sojourn_contract.heartbeat import read_heartbeats, status_values
+from sojourn_contract.topics import topic
+
+
+class Monitor:
+    """Keeps the health of the nodes and the progress of the run up to date. A context manager.
+
+    Args:
+        namespace: namespace of the run. nodes: health by role, updated in place.
+    """
+
+    def __init__(self, namespace: str, nodes: Mapping[str, Health]) -> None:
+        self.nodes = nodes
+        self.progress = Progress()
+        self._namespace = namespace
+
+    def __enter__(self) -> "Monitor":
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        self._node = rclpy.create_node(
+            "supervisor", namespace=self._namespace or None, enable_rosout=False, start_parameter_services=False
+        )
+        self._listen("/diagnostics", self._on_heartbeat)
+        self._listen("/drive/status", self._on_drive_status)
+        self._executor = EventsExecutor()
+        self._executor.add_node(self._node)
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self._executor.remove_node(self._node)
+        self._node.destroy_node()
+        rclpy.try_shutdown()
+
+    def spin(self, seconds: float) -> None:
+        """Take what arrives for so long [s]."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0.0:
+            self._executor.spin_once(timeout_sec=left)
+
+    def _listen(self, name: str, callback: Any) -> None:
+        self._node.create_subscription(
+            DiagnosticArray, name.lstrip("/"), callback, qos.profile(topic(name), True, "recorder")
+        )
+
+    def _on_heartbeat(self, message: Any) -> None:
+        now = time.monotonic()
+        for beat in read_heartbeats(message):
+            node = self.nodes.get(beat.role)
+            if node is None:
+                continue
+            node.hear(beat, now)
+            if beat.role == "plant":
+                self.progress.stamp = max(self.progress.stamp, beat.stamp)
+            elif beat.role == "operator":
+                self.progress.hear_operator(beat.values)
+
+    def _on_drive_status(self, message: Any) -> None:
+        self.progress.hear_drive(status_values(message))

@@ -1,0 +1,104 @@
+"""Options that the scripts share, with checks that answer in one sentence."""
+
+import argparse
+import math
+import re
+import sys
+from collections.abc import Callable, Sequence
+from typing import NoReturn
+
+from sojourn_bringup.environment import HIGHEST_DOMAIN, default_domain
+from sojourn_bringup.errors import BringupError, UsageError
+from sojourn_bringup.process_table import check_roles
+from sojourn_config.errors import ConfigError
+
+_NAMESPACE = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+")
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser whose errors are one sentence."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print the sentence and end with status 2."""
+        self.exit(UsageError.exit_status, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def add_place(parser: argparse.ArgumentParser) -> None:
+    """--domain and --namespace: where the nodes meet."""
+    parser.add_argument(
+        "--domain",
+        type=domain,
+        default=default_domain(),
+        metavar="N",
+        help="ROS domain, 0 to 232 (default: ROS_DOMAIN_ID, else 42)",
+    )
+    parser.add_argument(
+        "--namespace", type=namespace, default="", metavar="NS", help="ROS namespace of every topic (default: none)"
+    )
+
+
+def domain(text: str) -> int:
+    """A ROS domain."""
+    if not text.isdigit() or int(text) > HIGHEST_DOMAIN:
+        raise argparse.ArgumentTypeError(f"domain {text!r}: allowed is a whole number from 0 to {HIGHEST_DOMAIN}")
+    return int(text)
+
+
+def namespace(text: str) -> str:
+    """A ROS namespace, with its leading slash; empty for none."""
+    name = "/" + text.strip("/") if text.strip("/") else ""
+    if name and not _NAMESPACE.fullmatch(name):
+        raise argparse.ArgumentTypeError(f"namespace {text!r}: allowed are letters, digits and _, a letter first")
+    return name
+
+
+def positive_seconds(text: str) -> float:
+    """A duration [s] above zero."""
+    value = number(text)
+    if value <= 0.0:
+        raise argparse.ArgumentTypeError(f"{text} s: allowed is a number above 0")
+    return value
+
+
+def number(text: str) -> float:
+    """A finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is no number")
+    return value
+
+
+def whole_number(text: str) -> int:
+    """A whole number of at least zero."""
+    if not text.isdigit():
+        raise argparse.ArgumentTypeError(f"{text!r}: allowed is a whole number of at least 0")
+    return int(text)
+
+
+def role_list(option: str) -> Callable[[str], tuple[str, ...]]:
+    """Reader of a list of roles with commas."""
+
+    def read(text: str) -> tuple[str, ...]:
+        try:
+            return check_roles([name.strip() for name in text.split(",") if name.strip()], option)
+        except UsageError as error:
+            raise argparse.ArgumentTypeError(str(error)) from error
+
+    return read
+
+
+def run_script(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | None = None) -> NoReturn:
+    """Main of a script: its errors as one sentence on the standard error, its status as ours."""
+    try:
+        sys.exit(main(arguments))
+    except BringupError as error:
+        print(error, file=sys.stderr)
+        sys.exit(error.exit_status)
+    except ConfigError as error:
+        print(error, file=sys.stderr)
+        sys.exit(UsageError.exit_status)
+    except KeyboardInterrupt:
+        sys.exit(130)

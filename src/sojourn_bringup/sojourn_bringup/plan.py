@@ -1,0 +1,139 @@
+"""What a run consists of, decided and checked before anything starts."""
+
+import json
+import shlex
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from sojourn_bringup.errors import UsageError
+from sojourn_bringup.process_table import PROCESSES
+from sojourn_contract.barrier import Barrier, awaited_inputs
+from sojourn_contract.topics import ROLES, outputs_of
+
+DEFAULT_LOCKSTEP_TIMEOUT_S = 10.0
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """One run.
+
+    Args:
+        scenario: name or file that every node loads. overrides: KEY=VALUE texts that go over it.
+        run_dir: folder of the run; it exists.
+        participants: roles that take part, wherever they are started.
+        started: those of them that this program starts.
+        replacements: command that takes the place of a role's process.
+        realtime: paced by the wall clock; else lock-step.
+        domain, namespace: where the nodes meet; the namespace starts with a slash, or is empty.
+        on_network: find nodes on other machines too.
+        lockstep_timeout_s: wall time after which a missing answer stops a lock-step run [s].
+        start_timeout_s: wall time within which every node must be ready [s].
+    """
+
+    scenario: str
+    run_dir: Path
+    participants: tuple[str, ...]
+    started: tuple[str, ...]
+    overrides: tuple[str, ...] = ()
+    replacements: Mapping[str, str] = field(default_factory=dict)
+    realtime: bool = False
+    domain: int = 42
+    namespace: str = ""
+    on_network: bool = False
+    lockstep_timeout_s: float = DEFAULT_LOCKSTEP_TIMEOUT_S
+    start_timeout_s: float = 60.0
+
+    @property
+    def result_file(self) -> Path:
+        """Where the operator writes what became of each step, when it is a process."""
+        return self.run_dir / "goals.json"
+
+    def in_order_of_stop(self) -> tuple[str, ...]:
+        """Roles started here, the plant first and the recorder last."""
+        return tuple(row.role for row in PROCESSES if row.role in self.started)
+
+    def bag(self, attempt: int = 0) -> Path:
+        """Folder of the bag; a recorder that was started again writes beside what the first has left."""
+        return self.run_dir / ("bag" if attempt == 0 else f"bag_{attempt + 1}")
+
+    def parameters(self, role: str, attempt: int = 0) -> dict[str, object]:
+        """ROS parameters of a role's node.
+
+        Args:
+            role: row of the process table. attempt: how often it has been started again.
+        """
+        values: dict[str, object] = {
+            "scenario": self.scenario,
+            "lockstep": not self.realtime,
+            "participants": list(self.participants),
+            "lockstep_timeout_s": float(self.lockstep_timeout_s),
+        }
+        if self.overrides:
+            values["overrides"] = list(self.overrides)
+        if role == "recorder":
+            values["bag"] = str(self.bag(attempt))
+        return values
+
+    def ros_arguments(self, role: str, attempt: int = 0) -> list[str]:
+        """Command line arguments that give a process its parameters and its namespace.
+
+        ROS reads a value as YAML, and JSON is YAML: so the name "2024" stays text and 10.0 stays a float.
+        """
+        values = self.parameters(role, attempt)
+        if role == "operator":
+            values["result_file"] = str(self.result_file)
+        arguments = ["--ros-args"]
+        for name, value in values.items():
+            arguments += ["-p", f"{name}:={json.dumps(value)}"]
+        if self.namespace:
+            arguments += ["-r", f"__ns:={self.namespace}"]
+        return arguments
+
+
+def replacement_of(text: str) -> tuple[str, str]:
+    """`drive=ros2 run my_rover drive` as (role, command). Raises UsageError."""
+    role, _, command = text.partition("=")
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise UsageError(f"--replace {text}: the command cannot be read: {error}") from error
+    if not words:
+        raise UsageError(f"--replace {text}: allowed is NAME=COMMAND")
+    return role, command
+
+
+def check_lockstep(participants: Iterable[str]) -> None:
+    """Raise UsageError if the run would stand still because a role lacks what it acts upon.
+
+    A role acts when its inputs are in; where their publisher does not take part it acts less often than others wait
+    for it, or never.
+    """
+    present = tuple(participants)
+    for role in present:
+        if role == "plant":
+            continue
+        inputs = awaited_inputs(role, present)
+        stride = Barrier(inputs).stride
+        for row in outputs_of(role):
+            waiting = [other for other in present if row in _waited_for(other, present)]
+            if waiting and (not inputs or row.every % stride):
+                raise UsageError(
+                    f"in lock-step {role} cannot run without {_lacking(role, present)}: "
+                    f"{waiting[0]} would wait for {row.name} for ever (leave out {role} too, or use --realtime)"
+                )
+
+
+def _waited_for(role: str, present: tuple[str, ...]) -> list[object]:
+    names = {row.name for row in awaited_inputs(role, present)}
+    return [row for other in present for row in outputs_of(other) if row.name in names and row.publisher == other]
+
+
+def _lacking(role: str, present: tuple[str, ...]) -> str:
+    """Roles left out on which this one depends, in words."""
+    lacking = [
+        other
+        for other in ROLES
+        if other not in present and any(row.publisher == other for row in awaited_inputs(role, ROLES))
+    ]
+    return " and ".join(lacking) or "the others"

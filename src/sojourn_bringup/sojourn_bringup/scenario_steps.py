@@ -1,0 +1,60 @@
+"""The steps of a scenario as the scripted operator carries them out, and the check of a scenario before a run."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from sojourn_bringup.operator_script import Action, ArmGround, ArmJoints, ArmTo, DriveAlong, DriveTo, Wait
+from sojourn_config.paths import resolve
+from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_config.steps import (
+    ArmGroundStep,
+    ArmJointsStep,
+    ArmPoseStep,
+    DriveGoalStep,
+    DriveRouteStep,
+    StepAction,
+)
+
+
+@dataclass(frozen=True)
+class PreparedScenario:
+    """A scenario that has been checked.
+
+    Args:
+        name: as the nodes load it: a name in config/scenarios, or an absolute path.
+        overrides: KEY=VALUE texts that every node puts over the files. loaded: all of it.
+    """
+
+    name: str
+    overrides: tuple[str, ...]
+    loaded: LoadedScenario
+
+
+def prepare_scenario(name: str, overrides: Sequence[str] = ()) -> PreparedScenario:
+    """Load and check everything that a scenario names. Raises ConfigError with every problem found."""
+    loaded = load_scenario(name, overrides)
+    path = resolve("scenarios", name, ("command line", "scenario"))
+    known = name if Path(name).stem == name else str(path.resolve())
+    return PreparedScenario(known, tuple(overrides), loaded)
+
+
+def script_steps(scenario: LoadedScenario) -> list[tuple[Action, float | None]]:
+    """Steps of a scenario, each with its limit [s] or None."""
+    joints = scenario.arm.joint_names
+    return [(_action(step.action, joints), step.timeout_s) for step in scenario.config.steps]
+
+
+def _action(step: StepAction, joints: Sequence[str]) -> Action:
+    match step:
+        case DriveGoalStep():
+            return DriveTo(step.x, step.y, step.yaw)
+        case DriveRouteStep():
+            return DriveAlong(tuple((point.x, point.y) for point in step.points), step.yaw)
+        case ArmPoseStep():
+            return ArmTo(step.x, step.y, step.z, step.frame, step.orientation)
+        case ArmGroundStep():
+            return ArmGround(step.x, step.y, step.height)
+        case ArmJointsStep():
+            return ArmJoints(tuple(zip(joints, step.positions or (), strict=False)), step.name or "")
+    return Wait(step)

@@ -1,0 +1,155 @@
+"""Starts a run: scripts/start.py SCENARIO [options]. Everything is checked before anything is started."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from sojourn_bringup import options
+from sojourn_bringup.errors import UsageError
+from sojourn_bringup.outcome import Outcome
+from sojourn_bringup.plan import DEFAULT_LOCKSTEP_TIMEOUT_S, RunPlan, check_lockstep, replacement_of
+from sojourn_bringup.process_table import ROLE_NAMES, check_roles
+from sojourn_bringup.run_folder import make_run_folder
+from sojourn_bringup.scenario_steps import prepare_scenario
+from sojourn_bringup.screen import Screen, default_screen
+from sojourn_bringup.shared_memory import remove_tracing_files
+
+
+def parser() -> argparse.ArgumentParser:
+    """Options of scripts/start.py."""
+    result = options.Parser(
+        prog="start.py",
+        description="Start a scenario: every node as a process, in lock-step, until its operator is through or Ctrl-C.",
+    )
+    result.add_argument("scenario", help="name in config/scenarios, or a YAML file")
+    result.add_argument("--composed", action="store_true", help="all nodes in one process")
+    result.add_argument("--realtime", action="store_true", help="paced by the wall clock, not in lock-step")
+    result.add_argument(
+        "--without", type=options.role_list("--without"), default=(), metavar="A,B", help="roles that take no part"
+    )
+    result.add_argument(
+        "--only",
+        type=options.role_list("--only"),
+        default=(),
+        metavar="A,B",
+        help="start these only; the others take part from elsewhere",
+    )
+    result.add_argument(
+        "--replace",
+        action="append",
+        default=[],
+        metavar="NAME=COMMAND",
+        help="run this command as the node of a role. It gets the ROS arguments that our node would get (--ros-args -p "
+        "... -r __ns:=...) and ROS_DOMAIN_ID; a program that is not of our .venv gets nothing of its environment",
+    )
+    options.add_place(result)
+    result.add_argument("--network", action="store_true", help="find nodes on other machines too")
+    result.add_argument("--run-dir", type=Path, metavar="DIR", help="folder of the run (default: a new one in runs/)")
+    result.add_argument("--seed", type=options.whole_number, metavar="N", help="seed in place of the scenario's")
+    result.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        dest="overrides",
+        metavar="KEY=VALUE",
+        help="set a value of the scenario or of a file that it names, as battery_soc=0.5 or soil.k_c=1400; again for more",
+    )
+    result.add_argument(
+        "--lockstep-timeout",
+        type=options.positive_seconds,
+        default=DEFAULT_LOCKSTEP_TIMEOUT_S,
+        metavar="S",
+        help="wall time after which a node that does not answer stops the run (default: %(default)g s)",
+    )
+    result.add_argument(
+        "--start-timeout",
+        type=options.positive_seconds,
+        default=60.0,
+        metavar="S",
+        help="wall time within which every node must be ready (default: %(default)g s)",
+    )
+    return result
+
+
+def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
+    """Check all that was asked for and make the run's folder. Raises UsageError or ConfigError; nothing has started then."""
+    replacements = dict(replacement_of(text) for text in given.replace)
+    check_roles(replacements, "--replace")
+    overrides = [*given.overrides, *([f"seed={given.seed}"] if given.seed is not None else [])]
+    scenario = prepare_scenario(given.scenario, overrides)
+    participants = _participants(given, bool(scenario.loaded.config.steps), screen)
+    started = tuple(role for role in participants if not given.only or role in given.only)
+    for role in given.only:
+        if role in given.without:
+            raise UsageError(f"--only and --without both name {role}")
+    for role in replacements:
+        if role not in started:
+            raise UsageError(f"--replace names {role}, which is not started here")
+    if given.composed and (replacements or len(started) < len(participants)):
+        raise UsageError("--composed runs every node in one process: it does not go with --replace or --only")
+    if "plant" not in participants:
+        raise UsageError("nothing moves without plant: to start it elsewhere, name here what to start with --only")
+    if not given.realtime:
+        check_lockstep(participants)
+    run_dir = make_run_folder(given.run_dir)
+    return RunPlan(
+        scenario=scenario.name,
+        overrides=scenario.overrides,
+        run_dir=run_dir,
+        participants=participants,
+        started=started,
+        replacements=replacements,
+        realtime=given.realtime,
+        domain=given.domain,
+        namespace=given.namespace,
+        on_network=given.network,
+        lockstep_timeout_s=given.lockstep_timeout,
+        start_timeout_s=given.start_timeout,
+    )
+
+
+def _participants(given: argparse.Namespace, has_steps: bool, screen: Screen) -> tuple[str, ...]:
+    """Roles that take part: all but those left out, and no scripted operator where it would have nothing to do."""
+    without = set(given.without)
+    if "operator" not in without:
+        if not has_steps:
+            screen.say("the scenario has no steps: send goals with scripts/goal, end with Ctrl-C")
+            without.add("operator")
+        elif "drive" in without:
+            screen.say("the operator is left out too: its drive goals need drive")
+            without.add("operator")
+    return tuple(role for role in ROLE_NAMES if role not in without)
+
+
+def run_plan(plan: RunPlan, composed: bool, screen: Screen) -> Outcome:
+    """Run to the end, in one process or in many; nothing is left behind."""
+    # here and not above, because the libraries read the environment when they are loaded
+    try:
+        with screen:
+            if composed:
+                from sojourn_bringup.composed import ComposedRun
+
+                return ComposedRun(plan, screen).run()
+            from sojourn_bringup.supervisor import Supervisor
+
+            return Supervisor(plan, screen).run()
+    finally:
+        remove_tracing_files()
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Start a run and return its status: 0 done, 1 failed, 2 bad usage or configuration, 130 interrupted."""
+    given = parser().parse_args(arguments)
+    screen = default_screen()
+    plan = make_plan(given, screen)
+    screen.say(f"run {plan.run_dir}, domain {plan.domain}{', namespace ' + plan.namespace if plan.namespace else ''}")
+    outcome = run_plan(plan, given.composed, screen)
+    for result in outcome.results:
+        reason = f" ({result.reason})" if result.reason else ""
+        screen.say(f"{result.start_s:8.2f} s  {result.step}: {result.outcome}{reason}")
+    screen.say(f"{outcome.message} after {outcome.sim_time_s:.2f} s of simulation, {outcome.wall_time_s:.1f} s of wall time")
+    return outcome.status
+
+
+if __name__ == "__main__":
+    options.run_script(main)

@@ -1,0 +1,184 @@
+"""Runs each node as a process: starts, watches, restarts what may be restarted, and leaves nothing behind."""
+
+import json
+import os
+import signal
+import time
+from collections import deque
+
+from sojourn_bringup.child import Child, command_of, environment_of
+from sojourn_bringup.environment import ros_variables
+from sojourn_bringup.health import DEAD, Health
+from sojourn_bringup.monitor import Monitor
+from sojourn_bringup.operator_script import StepResult, results_from_data
+from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, Stopwatch
+from sojourn_bringup.plan import RunPlan
+from sojourn_bringup.process_table import process
+from sojourn_bringup.screen import Screen
+from sojourn_contract.heartbeat import ENDED
+from sojourn_contract.process import StopFlag
+from sojourn_contract.stamps import seconds
+
+LOOK_S = 0.05
+"""Wall time between two looks at the processes: a dead one is noticed within this."""
+STOP_S = 5.0
+"""Wall time that a process has to end after SIGINT."""
+MAX_RESTARTS = 3
+RESTARTS_WITHIN_S = 30.0
+
+
+class Supervisor:
+    """One run as processes.
+
+    Args:
+        plan: the run. screen: where to show it.
+    """
+
+    def __init__(self, plan: RunPlan, screen: Screen) -> None:
+        self.plan = plan
+        self.screen = screen
+        self.nodes = {role: Health(role) for role in reversed(plan.in_order_of_stop())}
+        for role in plan.participants:
+            self.nodes.setdefault(role, Health(role, detail="not started here"))
+        self.children: dict[str, Child] = {}
+        self._ros = ros_variables(plan.domain, plan.on_network)
+        self._deaths: dict[str, deque[float]] = {role: deque() for role in plan.started}
+        self._stopwatch = Stopwatch()
+        self._logs = plan.run_dir / "logs"
+
+    def run(self) -> Outcome:
+        """Start, watch and stop. Returns how the run ended; no process is left whatever happens."""
+        os.environ.update(self._ros)
+        self._logs.mkdir(exist_ok=True)
+        stop = StopFlag().install()
+        signal.signal(signal.SIGHUP, signal.getsignal(signal.SIGINT))
+        with Monitor(self.plan.namespace, self.nodes) as self._monitor:
+            try:
+                for role in self.nodes:
+                    if role in self.plan.started:
+                        self._start(role)
+                outcome = self._watch(stop)
+                if outcome.status == FAILED:
+                    self.screen.say(f"stopping: {outcome.message}")
+            finally:
+                stop.is_set = False
+                self._stop_all(stop)
+        return self._after_the_end(outcome)
+
+    def _start(self, role: str) -> None:
+        attempt = self.nodes[role].restarts
+        self.children[role] = Child(
+            role,
+            command_of(self.plan, role, attempt),
+            environment_of(self.plan, role, self._ros),
+            self._logs / f"{role}.log",
+        )
+        self.nodes[role].pid = self.children[role].pid
+
+    def _watch(self, stop: StopFlag) -> Outcome:
+        """Until the run has ended, failed or been interrupted."""
+        started_at = time.monotonic()
+        while not stop.is_set:
+            self._look(LOOK_S)
+            outcome = self._ended() or self._failed()
+            if outcome is not None:
+                return outcome
+            if time.monotonic() - started_at > self.plan.start_timeout_s and self._monitor.progress.stamp == 0:
+                return self._outcome(FAILED, self._why_not_started())
+        finished = "operator" not in self.plan.participants
+        return self._outcome(SUCCEEDED if finished else INTERRUPTED, "interrupted")
+
+    def _look(self, wait_s: float) -> None:
+        """Take heartbeats for a moment and show them."""
+        self._monitor.spin(wait_s)
+        now = time.monotonic()
+        progress = self._monitor.progress
+        self._stopwatch.look(progress.time_s, now)
+        progress.speed = self._stopwatch.speed
+        for role, node in self.nodes.items():
+            node.look(now, self.plan.realtime)
+            if role in self.children:
+                node.memory_mb = self.children[role].memory_mb()
+        self.screen.show(list(self.nodes.values()), progress)
+
+    def _ended(self) -> Outcome | None:
+        """The plant ends a run."""
+        plant = self.children.get("plant")
+        if plant.status == 0 if plant is not None else self.nodes["plant"].state == ENDED:
+            return self._outcome(SUCCEEDED, "the run ended")
+        return None
+
+    def _failed(self) -> Outcome | None:
+        """Look for dead processes; restart one where that is allowed, else say which ended the run."""
+        dead = [role for role, child in self.children.items() if child.status is not None]
+        for role in sorted(dead, key=lambda name: name == "plant"):
+            child, node = self.children[role], self.nodes[role]
+            how = child.how_it_ended()
+            child.sweep()
+            node.state, node.detail = DEAD, how
+            words = f"{role} (process {child.pid}) {how}"
+            if role == "plant":
+                return self._outcome(FAILED, words)
+            if not node.heard_at:
+                return self._outcome(FAILED, f"{words}; it had never sent a heartbeat (log: {child.log})")
+            if not self.plan.realtime:
+                at = seconds(self._monitor.progress.stamp)
+                return self._outcome(FAILED, f"{words} after {at:.0f} s of simulation: lock-step cannot go on without it")
+            if not process(role).restartable or self._restarts_too_often(role):
+                return self._outcome(FAILED, f"{words}, and is not started again")
+            node.begin_again()
+            self._start(role)
+            self.screen.say(f"{words}: started again as process {node.pid}")
+        return None
+
+    def _restarts_too_often(self, role: str) -> bool:
+        now, deaths = time.monotonic(), self._deaths[role]
+        deaths.append(now)
+        while deaths and now - deaths[0] > RESTARTS_WITHIN_S:
+            deaths.popleft()
+        return len(deaths) > MAX_RESTARTS
+
+    def _why_not_started(self) -> str:
+        unready = [node for node in self.nodes.values() if not node.is_ready]
+        words = ", ".join(f"{node.role} ({node.detail or node.state})" for node in unready) or "plant"
+        return f"not ready within {self.plan.start_timeout_s:g} s: {words}"
+
+    def _outcome(self, status: int, message: str) -> Outcome:
+        return Outcome(
+            status, message, sim_time_s=self._monitor.progress.time_s, wall_time_s=self._stopwatch.wall_s
+        )
+
+    def _stop_all(self, stop: StopFlag) -> None:
+        """The plant first, the recorder last; a second Ctrl-C kills at once."""
+        for roles in (("plant",), set(self.children) - {"plant", "recorder"}, ("recorder",)):
+            self._stop([child for role, child in self.children.items() if role in roles], stop)
+
+    def _stop(self, children: list[Child], stop: StopFlag) -> None:
+        try:
+            for child in children:
+                if child.status is None:
+                    child.send(signal.SIGINT)
+            end = time.monotonic() + STOP_S
+            while any(child.status is None for child in children) and time.monotonic() < end and not stop.is_set:
+                self._look(0.02)
+        finally:
+            for child in children:
+                if child.status is None:
+                    self.screen.say(f"{child.role} (process {child.pid}) does not stop: killed")
+                    child.send(signal.SIGKILL)
+                    child.wait(STOP_S)
+                child.sweep()
+
+    def _after_the_end(self, outcome: Outcome) -> Outcome:
+        """Judge by the operator's results and by the recorder's proof that nothing is missing."""
+        outcome = outcome.judged(self._operator_results(), self._monitor.progress.steps)
+        recorder = self.children.get("recorder")
+        if outcome.status == SUCCEEDED and recorder is not None and recorder.status:
+            return self._outcome(FAILED, f"recorder {recorder.how_it_ended()}")
+        return outcome
+
+    def _operator_results(self) -> list[StepResult]:
+        file = self.plan.result_file
+        if "operator" not in self.plan.participants or not file.is_file():
+            return []
+        return results_from_data(json.loads(file.read_text(encoding="utf-8")))

@@ -1,0 +1,35 @@
+"""Fixtures of the bag tests: a domain of their own, a stack of stand-in nodes, and a recorded run."""
+
+import itertools
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import rclpy
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+FIRST_DOMAIN = 120
+_domains = itertools.count()
+
+
+@pytest.fixture(autouse=True)
+def domain(monkeypatch: pytest.MonkeyPatch) -> int:
+    """A ROS domain of this test's own, on this machine only, with the field checks of rclpy."""
+    number = FIRST_DOMAIN + (os.getpid() * 7 + next(_domains)) % 60
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", "1")
+    profiles = Path(__file__).parents[2] / "config" / "nodes" / "fastdds.xml"
+    monkeypatch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(profiles))
+    return number
+
+
+@pytest.fixture
+def ros(domain: int) -> Iterator[None]:
+    """rclpy, started on the test's domain."""
+    rclpy.init(args=[], signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)
+    yield
+    rclpy.try_shutdown()
