@@ -1,4 +1,6 @@
-"""Goals as they come over topics: into the arm's own, refused with the reason, and what became of them for the status."""
+"""Goals as they come over topics: into the arm's own, refused with the reason, and what became of them for
+the status.
+"""
 
 from typing import Any
 
@@ -17,8 +19,17 @@ from sojourn_mechanics.arm.goals import (
 from sojourn_mechanics.arm.params import ArmParams
 
 FRAME = "base_link"
-"""Frame of pose goals: what the arm's cameras measure from. The drive's estimate of map is not good to millimetres."""
-_STATES = {"holding": "failed", "idle": "idle", "moving": "moving", "refused": "refused", "reached": "reached", "stopped": "stopped"}
+"""Frame of pose goals: what the arm's cameras measure from. The drive's estimate of map is not good to
+millimetres.
+"""
+_STATES = {
+    "holding": "failed",
+    "idle": "idle",
+    "moving": "moving",
+    "refused": "refused",
+    "reached": "reached",
+    "stopped": "stopped",
+}
 
 
 class GoalDesk:
@@ -32,7 +43,9 @@ class GoalDesk:
         self._refused_before = 0
 
     def goal(self, topic: str, message: Any) -> ArmGoal:
-        """The arm's goal of a message. Raises RefusedMessageError for a frame or numbers that it cannot have."""
+        """The arm's goal of a message. Raises RefusedMessageError for a frame or numbers that it cannot
+        have.
+        """
         header = message if topic == "/arm/stop" else message.header
         self._stamp = stamps.from_message(header.stamp)
         self._state, self._reason = "moving", ""
@@ -51,15 +64,15 @@ class GoalDesk:
         elif new_goal or self._state == "moving":
             self._state, self._reason = _STATES[output.status], output.reason
 
-    def status(self, output: ArmOutput) -> dict[str, str]:
-        """Fields of /arm/status."""
+    def status(self, output: ArmOutput | None) -> dict[str, str]:
+        """Fields of /arm/status; without those that are measured where nothing has been measured yet."""
+        known = {"state": self._state, "goal_stamp": str(self._stamp), "reason": self._reason}
+        if output is None:
+            return known
         x, y, z = output.tip_in_base
-        return {
-            "state": self._state,
-            "goal_stamp": str(self._stamp),
+        return known | {
             "progress": f"{output.progress:.3f}",
             "time_to_go": f"{output.time_to_go:.2f}",
-            "reason": self._reason,
             "error_m": f"{output.goal_error:.6f}",
             "joint_error_rad": f"{output.joint_error:.6f}",
             "tip_in_base_m": f"{x:.5f} {y:.5f} {z:.5f}",

@@ -1,4 +1,6 @@
-"""Node of the arm: goals and measurements in, joint references and feed-forward out, by the laws in `sojourn_mechanics.arm`."""
+"""Node of the arm: goals and measurements in, joint references and feed-forward out, by the laws in
+`sojourn_mechanics.arm`.
+"""
 
 import sys
 from collections.abc import Mapping
@@ -14,8 +16,9 @@ from sojourn_contract import process, stamps
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_message, status_values
-from sojourn_contract.messages import fill_joint_state, joint_state
+from sojourn_contract.messages import doubles, fill_joint_state, joint_state
 from sojourn_contract.node import ContractNode
+from sojourn_contract.switches import fraction_of
 from sojourn_contract.topics import topic
 from sojourn_mechanics.arm import controller
 from sojourn_mechanics.arm.goals import ArmGoal
@@ -44,7 +47,11 @@ class ArmNode(ContractNode):
         self._gravity = np.array([0.0, 0.0, -scenario.gravity])
         self._goals = GoalDesk(self.params)
         self._powered = True
-        self._command = joint_state(self.params.joint_names)
+        self._pending: ArmGoal | None = None
+        """A goal that waits for the first period whose measurements can be used."""
+        self._output: controller.ArmOutput | None = None
+        self._command = joint_state(())
+        """Empty until the first measurement says where the arm is: a command of no joint."""
         self._places: tuple[list[str], list[int]] = ([], [])
         self._imu_to_base = _imu_to_base(scenario.urdf_xml)
 
@@ -52,42 +59,55 @@ class ArmNode(ContractNode):
         """One step of the arm's control, with the measurements of this period."""
         switches = inputs.get("/power/switches")
         if switches is not None:
-            self._powered = status_values(switches).get(ARM_LOAD, "on") != "off"
-        goal = self._take_goals(goals)
-        joints, imu = inputs["/joint_states"], inputs["/imu/data"]
-        if joints is None or imu is None:  # refused: the last command ages out
+            self._powered = fraction_of(status_values(switches).get(ARM_LOAD, "on")) != 0.0
+        self._take_goals(goals)
+        self._step(inputs["/joint_states"], inputs["/imu/data"])
+        if is_due(topic("/arm/status"), stamp // stamps.CONTROL_PERIOD_NS):
+            values = self._goals.status(self._output)
+            level = 1 if values["state"] in ("refused", "failed") else 0
+            self.publish(
+                "/arm/status",
+                status_message(stamp, "arm", values, values["reason"] or values["state"], level),
+            )
+        self._command.header.stamp = stamps.to_message(stamp)
+        self.publish("/arm_command", self._command)
+
+    def _step(self, joints: Any, imu: Any) -> None:
+        """Form the command of this period. Where a measurement cannot be used the arm holds where it was
+        last sent.
+        """
+        try:
+            measured = None if joints is None or imu is None else self._measured(joints)
+        except RefusedMessageError as refusal:
+            self.refuse("/joint_states", refusal)
+            measured = None
+        if measured is None:
+            self._command.velocity = doubles(np.zeros(len(self._command.name)))
             return
-        measured = self._measured(joints)
         request = controller.ArmInput(
             positions=measured[0],
             velocities=measured[1],
             gravity_in_base=self._gravity_in_base(imu.orientation),
-            goal=goal,
+            goal=self._pending,
             allowed=self._powered,
             not_allowed_reason="" if self._powered else "the power manager has switched the arm off",
         )
-        self.state, output = controller.step(
+        self.state, self._output = controller.step(
             self.params, self.model, self.state, request, stamps.CONTROL_PERIOD_S
         )
-        self._goals.note(output, goal is not None)
-        if is_due(topic("/arm/status"), stamp // stamps.CONTROL_PERIOD_NS):
-            values = self._goals.status(output)
-            level = 1 if values["state"] in ("refused", "failed") else 0
-            self.publish("/arm/status", status_message(stamp, "arm", values, values["reason"] or values["state"], level))
-        self.publish(
-            "/arm_command",
-            fill_joint_state(self._command, stamp, output.positions, output.velocities, output.efforts),
-        )
+        self._goals.note(self._output, self._pending is not None)
+        self._pending = None
+        output = self._output
+        self._command.name = list(self.params.joint_names)
+        fill_joint_state(self._command, 0, output.positions, output.velocities, output.efforts)
 
-    def _take_goals(self, goals: list[tuple[str, Any]]) -> ArmGoal | None:
-        """The goal that takes effect now; of several the last."""
-        accepted = None
+    def _take_goals(self, goals: list[tuple[str, Any]]) -> None:
+        """Keep the goal that takes effect now; of several the last."""
         for name, message in goals:
             try:
-                accepted = self._goals.goal(name, message)
+                self._pending = self._goals.goal(name, message)
             except RefusedMessageError as refusal:
                 self.refuse(name, refusal)
-        return accepted
 
     def _measured(self, joints: Any) -> tuple[FloatArray, FloatArray]:
         """Positions and rates of the arm's joints. Raises RefusedMessageError if one is missing."""
@@ -95,7 +115,9 @@ class ArmNode(ContractNode):
             names = list(joints.name)
             for joint in self.params.joint_names:
                 if joint not in names:
-                    raise RefusedMessageError("/joint_states", "name", ", ".join(names), f"{joint} among them")
+                    raise RefusedMessageError(
+                        "/joint_states", "name", ", ".join(names), f"{joint} among them"
+                    )
             self._places = (names, [names.index(joint) for joint in self.params.joint_names])
         places = self._places[1]
         return np.array(joints.position)[places], np.array(joints.velocity)[places]

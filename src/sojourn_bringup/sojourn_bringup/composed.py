@@ -3,6 +3,7 @@
 import os
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import rclpy
@@ -45,7 +46,7 @@ class ComposedRun:
         self._load = load
         self._health = {role: Health(role, pid=os.getpid()) for role in reversed(plan.in_order_of_stop())}
         self._progress = Progress()
-        self._stopwatch = Stopwatch()
+        self.stopwatch = Stopwatch()
         self._shown_at = 0.0
         self._started_at = 0.0
         self._not_started = ""
@@ -57,22 +58,24 @@ class ComposedRun:
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         try:
             for role in self.plan.in_order_of_stop():
+                if stop.is_set:
+                    return Outcome(INTERRUPTED, "interrupted before the run began")
                 self.nodes[role] = self._load(role)(
                     overrides=self.plan.parameters(role), namespace=self.plan.namespace or None
                 )
             self._started_at = time.monotonic()
-            status = node_process.spin(list(self.nodes.values()), stop, self._each_poll)
-            return self._outcome(status, stop)
+            node_process.spin(list(self.nodes.values()), stop, self._each_poll)
+            return self._outcome(stop)
         except (BringupError, BagsError, ContractError, ConfigError, MechanicsError, OSError) as error:
-            return Outcome(FAILED, str(error), sim_time_s=self._time_s(), wall_time_s=self._stopwatch.wall_s)
+            return Outcome(FAILED, str(error), sim_time_s=self._time_s(), wall_time_s=self.stopwatch.wall_s)
         finally:
             for node in self.nodes.values():
                 node.destroy_node()
             rclpy.try_shutdown()
 
-    def _outcome(self, status: int, stop: StopFlag) -> Outcome:
+    def _outcome(self, stop: StopFlag) -> Outcome:
         operator = self.nodes.get("operator")
-        ended = Outcome(SUCCEEDED, "the run ended", sim_time_s=self._time_s(), wall_time_s=self._stopwatch.wall_s)
+        ended = Outcome(SUCCEEDED, "the run ended", sim_time_s=self._time_s(), wall_time_s=self.stopwatch.wall_s)
         if self._not_started:
             return Outcome(FAILED, self._not_started)
         if stop.is_set:
@@ -82,14 +85,14 @@ class ComposedRun:
                 sim_time_s=ended.sim_time_s,
                 wall_time_s=ended.wall_time_s,
             )
-        if operator is not None:
-            script = operator.script
-            ended = ended.judged(script.results, len(script.steps))
-        if ended.status == SUCCEEDED and status:
-            failed = [role for role, node in self.nodes.items() if node.exit_status]
-            reasons = [f"{role} failed" + _reason(self.nodes[role]) for role in failed]
-            return Outcome(FAILED, "; ".join(reasons), ended.results, ended.sim_time_s, ended.wall_time_s)
-        return ended
+        script = operator.script if operator is not None else None
+        judged = ended.judged(script.results, len(script.steps)) if script is not None else ended
+        # the operator fails where a step does, which `judged` has said better
+        failed = [role for role, node in self.nodes.items() if node.exit_status and role != "operator"]
+        if failed:
+            reasons = "; ".join(f"{role} failed" + _reason(self.nodes[role]) for role in failed)
+            return replace(judged, status=FAILED, message=reasons)
+        return judged
 
     def _time_s(self) -> float:
         return seconds(max((node.now for node in self.nodes.values()), default=0))
@@ -97,14 +100,14 @@ class ComposedRun:
     def _each_poll(self) -> bool:
         """Show the run; True ends it, where it has not started in time."""
         now = time.monotonic()
-        self._stopwatch.look(self._time_s(), now)
+        self.stopwatch.look(self._time_s(), now)
         if now - self._shown_at < _SHOW_S:
             return False
         self._shown_at = now
         for role, node in self.nodes.items():
             self._update(self._health[role], node)
         self._progress.stamp = max(node.now for node in self.nodes.values())
-        self._progress.speed = self._stopwatch.speed
+        self._progress.speed = self.stopwatch.speed
         operator = self.nodes.get("operator")
         if operator is not None:
             self._progress.hear_operator(operator.heartbeat_values())

@@ -107,7 +107,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser().parse_args(arguments)
     console = Console(highlight=False, soft_wrap=True)
     screen = BarScreen(console) if console.is_terminal else PlainScreen(console)
-    plan = start.make_plan(start.parser().parse_args(start_arguments(given)), screen)
+    plan = start.make_plan(start.parser("demo").parse_args(start_arguments(given)), screen)
     outcome = start.run_plan(plan, not given.processes, screen)
     if outcome.status != SUCCEEDED:
         screen.say(outcome.message)

@@ -27,6 +27,13 @@ ANSWER_S = 5.0
 """Wall time within which a running stack must be found."""
 SHOW_S = 1.0
 STATUS_TOPICS = {"drive": "/drive/status", "arm": "/arm/status"}
+GOAL_TOPICS = {"drive": "/goal_pose", "arm": "/arm/goal_pose"}
+STOP_TOPICS = {"drive": "/cmd_vel", "arm": "/arm/stop"}
+UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
+"""Name that ROS gives to a node of which it knows an endpoint only, so far."""
+STOP_SETTLE_S = 0.2
+STOPPED_S = 10.0
+"""Wall time within which drive and arm must say that they stand; their statuses come once a simulated second."""
 INTERRUPTED = 130
 
 
@@ -69,30 +76,50 @@ class GoalClient:
         self._node.destroy_node()
         rclpy.try_shutdown()
 
-    def send(self, who: str, messages: Sequence[tuple[str, Any]]) -> None:
-        """Publish messages once somebody listens to each. Raises NoStackError if nobody does within ANSWER_S."""
-        senders = []
-        for name, message in messages:
-            row = topic(name)
-            sender = self._node.create_publisher(
-                message_class(row.type), name.lstrip("/"), qos.profile(row, lockstep=True)
-            )
-            senders.append((name, sender, message))
+    def send(self, who: str, name: str, message: Any) -> None:
+        """Publish a goal on a topic once its role listens. Raises NoStackError if it does not within ANSWER_S."""
+        sender = self._sender(name)
         end = time.monotonic() + ANSWER_S
-        while any(sender.get_subscription_count() == 0 for _, sender, _ in senders) or not self.now:
+        while not self._is_heard(sender) or not self.now:
             if time.monotonic() > end:
-                missing = [name for name, sender, _ in senders if sender.get_subscription_count() == 0]
-                what = f"nobody listens to {', '.join(missing)}" if missing else "its simulation time does not run"
-                raise NoStackError(
-                    f"no running stack for {who} on domain {self.domain}"
-                    f"{', namespace ' + self.namespace if self.namespace else ''}: {what} (start one with scripts/start.py)"
-                )
+                what = "its simulation time does not run" if self._is_heard(sender) else f"nobody acts on {name}"
+                raise NoStackError(self._nobody(who, what))
+            self._wait()
+        self._stamp(message, self.now)
+        sender.publish(message)
+        self._last_stamp = self.now
+
+    def halt(self) -> tuple[bool, str]:
+        """Stop whoever listens, drive and arm, and wait until their statuses say that they stand.
+
+        A stop carries no stamp: it is never too old, and needs no clock. Raises NoStackError if nobody listens within
+        ANSWER_S. Returns whether they stand, and in words what they say.
+        """
+        messages = stop_messages(0)
+        senders = {name: self._sender(name) for name, _ in messages}
+        end = time.monotonic() + ANSWER_S
+        while not any(self._is_heard(sender) for sender in senders.values()):
+            if time.monotonic() > end:
+                raise NoStackError(self._nobody("drive or arm", f"nobody acts on {' or '.join(senders)}"))
+            self._wait()
+        self.spin(STOP_SETTLE_S)  # whoever has not been found by now does not take part
+        told = [name for name, sender in senders.items() if self._is_heard(sender)]
+        for name, message in messages:
+            if name in told:
+                senders[name].publish(message)
+        waiting = [who for who, name in STOP_TOPICS.items() if name in told]
+        self.statuses.clear()
+        end = time.monotonic() + STOPPED_S
+        while time.monotonic() < end and not self.stop.is_set:
             self.spin(0.05)
-        for _, sender, message in senders:
-            self._stamp(message, self.now)
-            sender.publish(message)
-            self._last_stamp = self.now
-        self.spin(0.2)
+            if all(self._stands(who) for who in waiting):
+                return True, ", ".join(f"{who}: {report_of(self.statuses[who]).state}" for who in waiting)
+        moving = " and ".join(who for who in waiting if not self._stands(who))
+        return False, f"stop sent, but {moving} did not say within {STOPPED_S:g} s that it stands"
+
+    def _stands(self, who: str) -> bool:
+        status = self.statuses.get(who)
+        return status is not None and report_of(status).state != "moving"
 
     def follow(self, who: str, timeout_s: float) -> tuple[str, str]:
         """Show the progress of the goal just sent until it ends. Returns outcome and reason."""
@@ -111,6 +138,27 @@ class GoalClient:
         if self.stop.is_set:
             return "interrupted", "the goal goes on: stop it with scripts/goal stop"
         return "not finished", f"within {timeout_s:g} s of wall time; the goal goes on"
+
+    def _is_heard(self, sender: Any) -> bool:
+        """Whether somebody who acts on it, and everybody else who wants it, gets what is sent. The recorder does not act."""
+        listeners = self._node.get_subscriptions_info_by_topic(sender.topic_name)
+        acting = [listener for listener in listeners if listener.node_name not in ("recorder", UNKNOWN_NODE)]
+        return bool(acting) and sender.get_subscription_count() >= len(listeners)
+
+    def _wait(self) -> None:
+        if self.stop.is_set:
+            raise KeyboardInterrupt
+        self.spin(0.05)
+
+    def _sender(self, name: str) -> Any:
+        row = topic(name)
+        return self._node.create_publisher(
+            message_class(row.type), name.lstrip("/"), qos.profile(row, lockstep=True)
+        )
+
+    def _nobody(self, who: str, what: str) -> str:
+        place = f"domain {self.domain}" + (f", namespace {self.namespace}" if self.namespace else "")
+        return f"no running stack for {who} on {place}: {what} (start one with scripts/start.py)"
 
     def spin(self, wall_s: float) -> None:
         """Take what arrives for so long [s]."""
@@ -168,20 +216,19 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Send a goal; 0 only if it was reached (a stop: if it was sent)."""
+    """Send a goal; 0 only if it was reached (a stop: if drive and arm say that they stand)."""
     given = parser().parse_args(arguments)
     with GoalClient(given.domain, given.namespace) as client:
         if given.command == "stop":
-            client.send("drive and arm", stop_messages(0))
-            print("stop sent")
-            return 0
+            stands, words = client.halt()
+            print(words)
+            return 0 if stands else 1
         action = (
             DriveTo(given.x, given.y, given.yaw, given.frame)
             if given.command == "drive"
             else ArmTo(given.x, given.y, given.z, given.frame)
         )
-        message = goal_message(action, 0)
-        client.send(given.command, [("/goal_pose" if given.command == "drive" else "/arm/goal_pose", message)])
+        client.send(given.command, GOAL_TOPICS[given.command], goal_message(action, 0))
         outcome, reason = client.follow(given.command, given.timeout)
     print(f"{outcome}{': ' + reason if reason else ''}")
     if outcome == "interrupted":

@@ -20,7 +20,7 @@ class Health:
     Args:
         role: its role. pid: process number, 0 if it is not a process of ours. state: word of its last heartbeat, or
             one of ours. detail: in words. stamp: simulation time of its last heartbeat [ns]. refused: messages that it
-            has refused. restarts: how often it has been started again. memory_mb: [MB]. heard_at: wall time of its last
+            has refused. restarts: how often it has been started again. memory_mb, peak_memory_mb: [MB]. heard_at: wall time of its last
             heartbeat [s].
     """
 
@@ -33,6 +33,7 @@ class Health:
     last_refusal: str = ""
     restarts: int = 0
     memory_mb: float = 0.0
+    peak_memory_mb: float = 0.0
     heard_at: float = 0.0
     values: dict[str, str] = field(default_factory=dict)
 

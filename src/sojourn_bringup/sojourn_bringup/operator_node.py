@@ -10,7 +10,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from nav_msgs.msg import Odometry
 from rclpy.context import Context
+from rclpy.serialization import deserialize_message
 from std_msgs.msg import Header
 
 from sojourn_bringup.goal_messages import goal_message, report_of
@@ -48,14 +50,20 @@ class OperatorNode(ContractNode):
         overrides: Mapping[str, Any] | None = None,
         namespace: str | None = None,
     ) -> None:
-        super().__init__("operator", context=context, overrides=overrides, namespace=namespace)
+        super().__init__(
+            "operator",
+            context=context,
+            overrides=overrides,
+            namespace=namespace,
+            raw_topics=frozenset({"/truth/odom"}),
+        )
         self._result_file: str = self.declare_parameter("result_file", "").value
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         self.script = OperatorScript(
             script_steps(scenario), scenario.config.duration_limit_s, self._earlier_results()
         )
         self._terrain = scenario.height_field()
-        self._pose: Any = None
+        self._truth = b""
         self._reports: dict[str, Report] = {}
         self._sent: dict[str, int] = {}
         self._looked = 0
@@ -72,7 +80,7 @@ class OperatorNode(ContractNode):
         """Keep the latest reports; at every fifth period let the script look at them."""
         truth = inputs.get("/truth/odom")
         if truth is not None:
-            self._pose = truth.pose.pose
+            self._truth = truth
         for name, who in _STATUSES.items():
             status = inputs.get(name)
             if status is not None:
@@ -109,8 +117,8 @@ class OperatorNode(ContractNode):
         """
         if not isinstance(action, ArmGround):
             return action
-        here = (self._pose.position, self._pose.orientation)
-        x, y, z = ground_point(self._terrain, xyz(here[0]), quaternion(here[1]), action)
+        here = deserialize_message(self._truth, Odometry).pose.pose
+        x, y, z = ground_point(self._terrain, xyz(here.position), quaternion(here.orientation), action)
         return ArmTo(x, y, z)
 
     def _earlier_results(self) -> list[StepResult]:

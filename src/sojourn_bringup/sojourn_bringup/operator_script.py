@@ -139,6 +139,11 @@ def describe(action: Action) -> str:
             return f"wait {seconds:g} s"
 
 
+def receiver_of(action: Action) -> str:
+    """Role that carries out an action, "" for a wait."""
+    return "" if isinstance(action, Wait) else _TOPICS[type(action)][1]
+
+
 @dataclass
 class OperatorScript:
     """Carries out steps in order.

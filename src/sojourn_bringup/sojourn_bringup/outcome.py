@@ -46,6 +46,11 @@ class Stopwatch:
         self.wall_s = 0.0
         self.speed = 0.0
 
+    @property
+    def began_at(self) -> float:
+        """Wall time (monotonic) at which simulation time was first seen to move [s]; 0 before."""
+        return self._start[1] if self._start is not None else 0.0
+
     def look(self, sim_s: float, now: float) -> None:
         """Simulation time and wall time now [s]."""
         if self._start is None:

@@ -1,6 +1,7 @@
 """The folder of a run, runs/<time>/, and the link runs/latest."""
 
 import contextlib
+import itertools
 import os
 import tempfile
 from datetime import datetime
@@ -22,9 +23,11 @@ def make_run_folder(wanted: Path | None, runs: Path | None = None) -> Path:
         UsageError: it cannot be made or written, or holds a run already.
     """
     runs = runs if runs is not None else repository_root() / "runs"
-    folder = wanted.expanduser().absolute() if wanted is not None else _unused(runs)
+    folder = wanted.expanduser().absolute() if wanted is not None else runs
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        if wanted is None:
+            folder = _new_folder(runs)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
@@ -36,10 +39,15 @@ def make_run_folder(wanted: Path | None, runs: Path | None = None) -> Path:
     return folder
 
 
-def _unused(runs: Path) -> Path:
+def _new_folder(runs: Path) -> Path:
+    """Make a folder named by the time; two runs that start in one second get one each."""
     name = datetime.now().strftime("%Y-%m-%d_%H-%M-%S")
-    candidates = (runs / (name if number == 1 else f"{name}_{number}") for number in range(1, 1000))
-    return next(folder for folder in candidates if not folder.exists())
+    for number in itertools.count(1):
+        folder = runs / (name if number == 1 else f"{name}_{number}")
+        with contextlib.suppress(FileExistsError):
+            folder.mkdir()
+            break
+    return folder
 
 
 def _point_latest(runs: Path, folder: Path) -> None:

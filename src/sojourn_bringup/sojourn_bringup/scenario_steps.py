@@ -4,7 +4,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from sojourn_bringup.operator_script import Action, ArmGround, ArmJoints, ArmTo, DriveAlong, DriveTo, Wait
+from sojourn_bringup.operator_script import (
+    Action,
+    ArmGround,
+    ArmJoints,
+    ArmTo,
+    DriveAlong,
+    DriveTo,
+    Wait,
+    receiver_of,
+)
 from sojourn_config.paths import resolve
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.steps import (
@@ -43,6 +52,12 @@ def script_steps(scenario: LoadedScenario) -> list[tuple[Action, float | None]]:
     """Steps of a scenario, each with its limit [s] or None."""
     joints = scenario.arm.joint_names
     return [(_action(step.action, joints), step.timeout_s) for step in scenario.config.steps]
+
+
+def needed_roles(scenario: LoadedScenario) -> tuple[str, ...]:
+    """Roles that carry out the steps of a scenario."""
+    roles = {receiver_of(action) for action, _ in script_steps(scenario)}
+    return tuple(role for role in ("drive", "arm") if role in roles)
 
 
 def _action(step: StepAction, joints: Sequence[str]) -> Action:

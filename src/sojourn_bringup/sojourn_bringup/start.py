@@ -6,19 +6,21 @@ from pathlib import Path
 
 from sojourn_bringup import options
 from sojourn_bringup.errors import UsageError
+from sojourn_bringup.instance import RoleTokens
 from sojourn_bringup.outcome import Outcome
 from sojourn_bringup.plan import DEFAULT_LOCKSTEP_TIMEOUT_S, RunPlan, check_lockstep, replacement_of
 from sojourn_bringup.process_table import ROLE_NAMES, check_roles
 from sojourn_bringup.run_folder import make_run_folder
-from sojourn_bringup.scenario_steps import prepare_scenario
+from sojourn_bringup.scenario_steps import needed_roles, prepare_scenario
 from sojourn_bringup.screen import Screen, default_screen
 from sojourn_bringup.shared_memory import remove_tracing_files
+from sojourn_config.scenario import LoadedScenario
 
 
-def parser() -> argparse.ArgumentParser:
-    """Options of scripts/start.py."""
+def parser(program: str = "start.py") -> argparse.ArgumentParser:
+    """Options of scripts/start.py; `program` is the name in messages."""
     result = options.Parser(
-        prog="start.py",
+        prog=program,
         description="Start a scenario: every node as a process, in lock-step, until its operator is through or Ctrl-C.",
     )
     result.add_argument("scenario", help="name in config/scenarios, or a YAML file")
@@ -72,12 +74,15 @@ def parser() -> argparse.ArgumentParser:
 
 
 def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
-    """Check all that was asked for and make the run's folder. Raises UsageError or ConfigError; nothing has started then."""
-    replacements = dict(replacement_of(text) for text in given.replace)
-    check_roles(replacements, "--replace")
+    """Check all that was asked for and make the run's folder. Nothing has started then.
+
+    Raises:
+        UsageError, ConfigError: what was asked for cannot be. DomainInUseError: another run has the domain.
+    """
+    replacements = _replacements(given.replace)
     overrides = [*given.overrides, *([f"seed={given.seed}"] if given.seed is not None else [])]
     scenario = prepare_scenario(given.scenario, overrides)
-    participants = _participants(given, bool(scenario.loaded.config.steps), screen)
+    participants = _participants(given, scenario.loaded, screen)
     started = tuple(role for role in participants if not given.only or role in given.only)
     for role in given.only:
         if role in given.without:
@@ -91,7 +96,8 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
         raise UsageError("nothing moves without plant: to start it elsewhere, name here what to start with --only")
     if not given.realtime:
         check_lockstep(participants)
-    run_dir = make_run_folder(given.run_dir)
+    with RoleTokens(given.domain, given.namespace, started):  # before a folder is made for a run that cannot be
+        run_dir = make_run_folder(given.run_dir)
     return RunPlan(
         scenario=scenario.name,
         overrides=scenario.overrides,
@@ -108,15 +114,29 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     )
 
 
-def _participants(given: argparse.Namespace, has_steps: bool, screen: Screen) -> tuple[str, ...]:
-    """Roles that take part: all but those left out, and no scripted operator where it would have nothing to do."""
+def _replacements(texts: Sequence[str]) -> dict[str, str]:
+    """Command by role. Raises UsageError for an unknown role, for no command, and for a role named twice."""
+    found: dict[str, str] = {}
+    for text in texts:
+        role, command = replacement_of(text)
+        check_roles((role,), "--replace")
+        if role in found:
+            raise UsageError(f"--replace names {role} twice: {found[role]} and {command}")
+        found[role] = command
+    return found
+
+
+def _participants(given: argparse.Namespace, scenario: LoadedScenario, screen: Screen) -> tuple[str, ...]:
+    """Roles that take part: all but those left out, and no scripted operator where it could not do its steps."""
     without = set(given.without)
     if "operator" not in without:
-        if not has_steps:
+        needed = needed_roles(scenario)
+        lacking = [role for role in needed if role in without]
+        if not scenario.config.steps:
             screen.say("the scenario has no steps: send goals with scripts/goal, end with Ctrl-C")
             without.add("operator")
-        elif "drive" in without:
-            screen.say("the operator is left out too: its drive goals need drive")
+        elif lacking:
+            screen.say(f"the operator is left out too: its steps need {' and '.join(lacking)}")
             without.add("operator")
     return tuple(role for role in ROLE_NAMES if role not in without)
 
@@ -125,7 +145,7 @@ def run_plan(plan: RunPlan, composed: bool, screen: Screen) -> Outcome:
     """Run to the end, in one process or in many; nothing is left behind."""
     # here and not above, because the libraries read the environment when they are loaded
     try:
-        with screen:
+        with RoleTokens(plan.domain, plan.namespace, plan.started), screen:
             if composed:
                 from sojourn_bringup.composed import ComposedRun
 

@@ -43,7 +43,7 @@ class Supervisor:
         self.children: dict[str, Child] = {}
         self._ros = ros_variables(plan.domain, plan.on_network)
         self._deaths: dict[str, deque[float]] = {role: deque() for role in plan.started}
-        self._stopwatch = Stopwatch()
+        self.stopwatch = Stopwatch()
         self._logs = plan.run_dir / "logs"
 
     def run(self) -> Outcome:
@@ -93,12 +93,13 @@ class Supervisor:
         self._monitor.spin(wait_s)
         now = time.monotonic()
         progress = self._monitor.progress
-        self._stopwatch.look(progress.time_s, now)
-        progress.speed = self._stopwatch.speed
+        self.stopwatch.look(progress.time_s, now)
+        progress.speed = self.stopwatch.speed
         for role, node in self.nodes.items():
             node.look(now, self.plan.realtime)
             if role in self.children:
                 node.memory_mb = self.children[role].memory_mb()
+                node.peak_memory_mb = max(node.peak_memory_mb, node.memory_mb)
         self.screen.show(list(self.nodes.values()), progress)
 
     def _ended(self) -> Outcome | None:
@@ -145,7 +146,7 @@ class Supervisor:
 
     def _outcome(self, status: int, message: str) -> Outcome:
         return Outcome(
-            status, message, sim_time_s=self._monitor.progress.time_s, wall_time_s=self._stopwatch.wall_s
+            status, message, sim_time_s=self._monitor.progress.time_s, wall_time_s=self.stopwatch.wall_s
         )
 
     def _stop_all(self, stop: StopFlag) -> None:

@@ -1,7 +1,7 @@
 """The lock-step barrier: which inputs of a role are due at which stamp, and whether they are all in.
 
-No ROS in here: messages are opaque. A role acts at every stamp at which at least one of its periodic inputs is due,
-and it acts once all that are due have arrived. Events (goals) are queued apart, see `events.py`.
+No ROS in here: messages are opaque. A role acts at every stamp at which at least one of its periodic inputs
+is due, and it acts once all that are due have arrived. Events (goals) are queued apart, see `events.py`.
 """
 
 from collections.abc import Iterable, Mapping
@@ -52,7 +52,9 @@ class Barrier(Generic[Message]):
     _messages: dict[str, dict[int, Message]] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
-        self.stride = 1 if self.every_period or not self.awaited else gcd(*(row.every for row in self.awaited))
+        self.stride = (
+            1 if self.every_period or not self.awaited else gcd(*(row.every for row in self.awaited))
+        )
         self.period = self.stride
         self._messages = {row.name: {} for row in self.awaited}
 
@@ -63,9 +65,10 @@ class Barrier(Generic[Message]):
 
     def refusal(self, row: Topic, stamp: int) -> str | None:
         """Why a message with this stamp cannot be taken, or None."""
-        if stamp % CONTROL_PERIOD_NS:
-            return f"a multiple of the control period ({CONTROL_PERIOD_NS} ns)"
-        oldest = self.stamp - row.lag * CONTROL_PERIOD_NS
+        grid = row.every * CONTROL_PERIOD_NS
+        if stamp % grid:
+            return f"a multiple of {grid / 1e9:.2f} s, its period"
+        oldest = max(self.stamp - row.lag * CONTROL_PERIOD_NS, CONTROL_PERIOD_NS)
         if stamp < oldest or stamp in self._messages[row.name]:
             return f"newer than {oldest / 1e9 - 1e-9 * CONTROL_PERIOD_NS:.2f} s, once a stamp"
         if stamp > self.stamp + MAX_PENDING_PERIODS * CONTROL_PERIOD_NS:
@@ -81,6 +84,17 @@ class Barrier(Generic[Message]):
         if not is_due(row, self.period):
             return None
         return self._messages[row.name].get(stamp_due(row, self.period))
+
+    def is_complete(self) -> bool:
+        """Whether everything that is due now has arrived. Called for every message: no list, no call
+        inside.
+        """
+        period = self.period
+        for row in self.awaited:
+            if period % row.every == 0 and period > row.lag:
+                if (period - row.lag) * CONTROL_PERIOD_NS not in self._messages[row.name]:
+                    return False
+        return True
 
     def missing(self) -> list[Topic]:
         """Rows that are due now and have not arrived."""

@@ -8,6 +8,7 @@ from math import isfinite
 from typing import Any
 
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.topics import Topic
 
 
 def check_message(topic: str, message: Any) -> None:
@@ -35,6 +36,30 @@ def check_names(topic: str, names: list[str], known: dict[str, int]) -> None:
         raise RefusedMessageError(topic, "name", ", ".join(names), "each joint once")
 
 
+def check_complete(topic: str, message: Any) -> None:
+    """Raise RefusedMessageError if a measured JointState lacks the position or the rate of a joint that it
+    names.
+    """
+    for field in ("position", "velocity"):
+        count = len(getattr(message, field))
+        if count != len(message.name):
+            raise RefusedMessageError(
+                topic, field, f"{count} numbers", f"one for each of {len(message.name)} names"
+            )
+
+
+def check_ranges(row: Topic, message: Any) -> None:
+    """Raise RefusedMessageError if a number of a JointState is out of the plausible range that its row
+    states.
+    """
+    for rule in row.fields:
+        values = getattr(message, rule.path)
+        if len(values) and (min(values) < rule.low or max(values) > rule.high):
+            worst = min(values) if min(values) < rule.low else max(values)
+            allowed = f"{rule.low:g} to {rule.high:g} {rule.unit}"
+            raise RefusedMessageError(row.name, rule.path, worst, allowed)
+
+
 def _check_scalar(topic: str, field: str, value: float) -> None:
     if not isfinite(value):
         raise RefusedMessageError(topic, field, value, "a finite number")
@@ -56,7 +81,9 @@ def _check_joint_state(topic: str, message: Any) -> None:
     for field in ("position", "velocity", "effort"):
         values = getattr(message, field)
         if len(values) not in (0, count):
-            raise RefusedMessageError(topic, field, f"{len(values)} numbers", f"none, or one for each of {count} names")
+            raise RefusedMessageError(
+                topic, field, f"{len(values)} numbers", f"none, or one for each of {count} names"
+            )
         check_finite(topic, field, values)
 
 
@@ -67,7 +94,9 @@ def _check_trajectory(topic: str, message: Any) -> None:
             values = getattr(point, field)
             where = f"points[{index}].{field}"
             if len(values) not in ((count,) if field == "positions" else (0, count)):
-                raise RefusedMessageError(topic, where, f"{len(values)} numbers", f"one for each of {count} joints")
+                raise RefusedMessageError(
+                    topic, where, f"{len(values)} numbers", f"one for each of {count} joints"
+                )
             check_finite(topic, where, values)
 
 

@@ -42,10 +42,19 @@ class SilentNodeError(ContractError):
 
     def __init__(self, role: str, topic: str, stamp_s: float, waited_s: float) -> None:
         super().__init__(
-            f"node '{role}' did not answer: {topic} stamped {stamp_s:.2f} s is missing after {waited_s:.1f} s of wall time"
+            f"node '{role}' did not answer: {topic} stamped {stamp_s:.2f} s is missing "
+            f"after {waited_s:.1f} s of wall time"
         )
         self.role = role
         self.topic = topic
+
+
+class NotReadyError(ContractError):
+    """A participant that is not ready to begin within the stated wall time."""
+
+    def __init__(self, role: str, reason: str, waited_s: float) -> None:
+        super().__init__(f"node '{role}' is not ready after {waited_s:.1f} s of wall time: {reason}")
+        self.role = role
 
 
 class DomainInUseError(ContractError):

@@ -1,7 +1,7 @@
 """Operator's goals: when they take effect, and when they are refused for their stamp.
 
-A goal takes effect at its stamp or when it arrives, whichever is later; stamp zero means now. A scripted operator
-stamps its goals some periods ahead, so that a lock-step run is the same every time.
+A goal takes effect at its stamp or when it arrives, whichever is later; stamp zero means now. A scripted
+operator stamps its goals some periods ahead, so that a lock-step run is the same every time.
 """
 
 from typing import Any
@@ -9,6 +9,9 @@ from typing import Any
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topics import Topic
+
+MAX_AHEAD_S = 3600.0
+"""A goal stamped further ahead than this is refused [s]: its sender's clock is not the simulation's."""
 
 
 class EventQueue:
@@ -26,7 +29,8 @@ class EventQueue:
     def offer(self, row: Topic, stamp: int, now: int, message: Any) -> None:
         """Queue a goal stamped `stamp` [ns] that arrived at simulation time `now` [ns].
 
-        Raises RefusedMessageError if it is older than the row allows.
+        Raises RefusedMessageError if it is older than the row allows, or stamped by another clock than
+        ours. A node that has not acted yet (`now` zero) does not know the time and takes any stamp.
         """
         if stamp and stamp < now - int(row.max_age_s * NANOSECONDS):
             raise RefusedMessageError(
@@ -35,8 +39,15 @@ class EventQueue:
                 f"{stamp / NANOSECONDS:.2f} s",
                 f"zero, or later than {now / NANOSECONDS - row.max_age_s:.2f} s",
             )
+        if now and stamp > now + int(MAX_AHEAD_S * NANOSECONDS):
+            raise RefusedMessageError(
+                row.name,
+                "header.stamp",
+                f"{stamp / NANOSECONDS:.2f} s",
+                f"simulation time: zero, or at most {MAX_AHEAD_S:.0f} s after {now / NANOSECONDS:.2f} s",
+            )
         self._arrivals += 1
-        self._waiting.append((stamp, self._arrivals, row.name, message))
+        self._waiting.append((max(stamp, now), self._arrivals, row.name, message))
         self._waiting.sort(key=lambda entry: entry[:2])
 
     def take(self, now: int) -> list[tuple[str, Any]]:
@@ -67,8 +78,10 @@ def parse_tick(text: str) -> tuple[dict[str, int], bool]:
         name, equals, count = part.partition("=")
         if part == "end":
             end = True
-        elif equals and count.isdigit():
+        elif equals and count.isdecimal():
             counts[name] = int(count)
         else:
-            raise RefusedMessageError("/operator/tick", "frame_id", text, "'end' and TOPIC=COUNT, separated by ';'")
+            raise RefusedMessageError(
+                "/operator/tick", "frame_id", text, "'end' and TOPIC=COUNT, separated by ';'"
+            )
     return counts, end

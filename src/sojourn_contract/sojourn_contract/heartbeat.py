@@ -1,7 +1,8 @@
 """The heartbeat on /diagnostics: one a second from every node, and what it tells the others.
 
-Before the run (stamp zero) it says whether the node's endpoints are matched; during the run it carries the counters
-from which the recorder proves its completeness; if a node waits too long in lock-step it says for whom.
+Before the run (stamp zero) it says whether the node's endpoints are matched; during the run it carries the
+counters from which the recorder proves its completeness; if a node waits too long in lock-step it says for
+whom.
 """
 
 from dataclasses import dataclass, field
@@ -15,6 +16,8 @@ READY = "ready"
 RUNNING = "running"
 STALLED = "stalled"
 ENDED = "ended"
+WAITING_FOR = "waiting for role"
+"""Key of a heartbeat: the role whose message the node waits for in lock-step, before and during the run."""
 
 
 @dataclass
@@ -77,7 +80,12 @@ def status_values(array: DiagnosticArray) -> dict[str, str]:
 
 
 def heartbeat_message(
-    role: str, state: str, stamp: int, counters: Counters, detail: str = "", extra: dict[str, str] | None = None
+    role: str,
+    state: str,
+    stamp: int,
+    counters: Counters,
+    detail: str = "",
+    extra: dict[str, str] | None = None,
 ) -> DiagnosticArray:
     """Heartbeat of a node.
 
@@ -102,7 +110,7 @@ def read_heartbeats(array: DiagnosticArray) -> list[Heartbeat]:
         counts: dict[str, dict[str, int]] = {"published": {}, "refused": {}}
         for key, value in values.items():
             word, _, name = key.partition(" ")
-            if word in counts and name and value.isdigit():
+            if word in counts and name and value.isdecimal():
                 counts[word][name] = int(value)
         found.append(
             Heartbeat(

@@ -1,7 +1,7 @@
 """Numbers to messages and back, for the types that several nodes use.
 
-Arrays go in through `array.array`, the only form that rclpy takes without looking at every element; a message object may
-be filled again and published again, since publishing serialises it at once.
+Arrays go in through `array.array`, the only form that rclpy takes without looking at every element; a
+message object may be filled again and published again, since publishing serialises it at once.
 """
 
 import array
@@ -84,21 +84,28 @@ def quaternion(source: Quaternion) -> NDArray[np.float64]:
 
 
 def yaw_of(orientation: Quaternion) -> float | None:
-    """Heading of an orientation [rad], or None for one of zero length, which asks for none."""
+    """Heading of an orientation of any length [rad], or None for one of zero length, which asks for none."""
     x, y, z, w = orientation.x, orientation.y, orientation.z, orientation.w
     if x * x + y * y + z * z + w * w < 1e-6:
         return None
-    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
 
 
 def battery_state(
-    stamp: int, voltage: float, current_out: float, temperature: float, soc: float, charge: float, capacity: float
+    stamp: int,
+    voltage: float,
+    current_out: float,
+    temperature: float,
+    soc: float,
+    charge: float,
+    capacity: float,
 ) -> BatteryState:
     """State of an energy store.
 
     Args:
         voltage: [V]. current_out: out of the store positive [A]; the message counts it negative.
-        temperature: [K]. soc: 0 to 1. charge, capacity: [C]; the message has ampere hours. NaN where not known.
+        temperature: [K]. soc: 0 to 1. charge, capacity: [C]; the message has ampere hours. NaN where not
+            known.
     """
     message = BatteryState()
     message.header.stamp = stamps.to_message(stamp)
@@ -110,7 +117,9 @@ def battery_state(
     message.capacity = float(capacity) / 3600.0
     message.design_capacity = message.capacity
     message.power_supply_status = (
-        BatteryState.POWER_SUPPLY_STATUS_DISCHARGING if current_out >= 0.0 else BatteryState.POWER_SUPPLY_STATUS_CHARGING
+        BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
+        if current_out >= 0.0
+        else BatteryState.POWER_SUPPLY_STATUS_CHARGING
     )
     message.power_supply_technology = BatteryState.POWER_SUPPLY_TECHNOLOGY_LION
     message.present = True

@@ -1,8 +1,9 @@
 """Base of every node: endpoints from the topic table, lock-step or real time, heartbeats, refusals.
 
-A node derives from ContractNode, says its role, and implements `on_period`. In lock-step `on_period` is called at each
-stamp at which inputs are due, once they are all in. In real time it is called when the trigger input arrives (the last
-of the fastest inputs in the table's order), with the latest message of every other input.
+A node derives from ContractNode, says its role, and implements `on_period`. In lock-step `on_period` is
+called at each stamp at which inputs are due, once they are all in. In real time it is called when the
+trigger input arrives (the last of the fastest inputs in the table's order), with the latest message of
+every other input.
 """
 
 import time
@@ -15,7 +16,7 @@ from rclpy.parameter import Parameter
 
 from sojourn_contract import qos, stamps
 from sojourn_contract.barrier import Barrier, awaited_inputs
-from sojourn_contract.checks import check_message
+from sojourn_contract.checks import check_complete, check_message
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.events import EventQueue, parse_tick
 from sojourn_contract.heartbeat import (
@@ -23,29 +24,38 @@ from sojourn_contract.heartbeat import (
     READY,
     RUNNING,
     STALLED,
+    WAITING_FOR,
     WAITING_TO_MATCH,
     Counters,
     heartbeat_message,
+    status_values,
 )
-from sojourn_contract.topics import ROLES, Topic, inputs_of, outputs_of
+from sojourn_contract.switches import check_switches
+from sojourn_contract.topics import ROLES, Topic, inputs_of, outputs_of, topic
 from sojourn_contract.types import message_class
 
+TICK = "/operator/tick"
+SWITCHES = "/power/switches"
+MEASURED_BY = ("plant", "sensors")
+"""Publishers whose joint states are measurements: complete, or refused."""
 HEARTBEAT_PERIODS = 50
 READY_REPEAT_S = 0.2
 """Wall time between heartbeats before the run."""
 
 
-class ContractNode(Node):  # type: ignore[misc]
+class ContractNode(Node):
     """A node that keeps the contract of one role.
 
-    ROS parameters: `scenario` (name or path), `overrides` (KEY=VALUE texts that go over it), `lockstep` (bool), `participants` (roles that take part in the run),
-    `lockstep_timeout_s` (wall time after which a missing answer is an error).
+    ROS parameters: `scenario` (name or path), `overrides` (KEY=VALUE texts that go over it), `lockstep`
+    (bool), `participants` (roles that take part in the run), `lockstep_timeout_s` (wall time after which a
+    missing answer is an error).
 
     Args:
         role: row of the process table; also the node's name.
         context: rclpy context. overrides: parameter values, as the composed start gives them.
         namespace: ROS namespace, None for the one given on the command line.
         raw: take messages as serialised bytes (the recorder). every_period: act at every period (the plant).
+        raw_topics: those that come as serialised bytes; for a node that looks at few of many messages.
     """
 
     def __init__(
@@ -57,6 +67,7 @@ class ContractNode(Node):  # type: ignore[misc]
         namespace: str | None = None,
         raw: bool = False,
         every_period: bool = False,
+        raw_topics: frozenset[str] = frozenset(),
     ) -> None:
         super().__init__(
             role,
@@ -77,6 +88,8 @@ class ContractNode(Node):  # type: ignore[misc]
         self.events = EventQueue()
         self.finished = False
         self.exit_status = 0
+        self.failure = ""
+        """Why the node has ended the run, in words."""
         self.ends_the_run = False
         """Whether its process (or the composed run) ends when it has finished: the plant's."""
         self.now = 0
@@ -84,15 +97,19 @@ class ContractNode(Node):  # type: ignore[misc]
         self._awaited = awaited_inputs(role, self.participants)
         self.barrier: Barrier[Any] = Barrier(self._awaited, every_period)
         self._awaited_by_name = {row.name: row for row in self._awaited}
-        self._latest: dict[str, Any] = {}
+        self._latest: dict[str, tuple[int, Any]] = {}
+        """In real time: stamp and content of the last message of each periodic input; None where it was
+        refused.
+        """
         self._trigger = self._trigger_input()
         self._last_progress = time.monotonic()
         self._last_ready = 0.0
         self._advancing = False
-        self._raw = raw
+        self._raw_topics = frozenset(row.name for row in inputs_of(role)) if raw else raw_topics
         self._outputs = {row.name: row for row in outputs_of(role)}
         self._senders = {row.name: self._create_output(row) for row in self._outputs.values()}
         self._readers = {row.name: self._create_input(row) for row in self._inputs()}
+        self._periodic = [row for row in self._inputs() if not row.is_event and row.publisher != "all"]
 
     # What a node implements or calls
 
@@ -101,8 +118,9 @@ class ContractNode(Node):  # type: ignore[misc]
 
         Args:
             stamp: simulation time [ns]; every output of the period carries it.
-            inputs: messages by topic: those due at this stamp (lock-step) or the latest (real time). The value is None
-                where a message came but was refused.
+            inputs: messages by topic: those due at this stamp (lock-step), or the latest of every periodic
+                input (real time). The value is None where a message came but was refused; in real time also
+                where none has come, or none that is young enough.
             goals: (topic, message) that take effect now.
         """
         raise NotImplementedError
@@ -110,6 +128,12 @@ class ContractNode(Node):  # type: ignore[misc]
     def check(self, row: Topic, message: Any) -> None:
         """Refuse a message by raising RefusedMessageError; a node may add checks of its own."""
         check_message(row.name, message)
+        if row.name == TICK:
+            parse_tick(message.frame_id)
+        elif row.name == SWITCHES:
+            check_switches(row.name, status_values(message))
+        elif row.type == "sensor_msgs/JointState" and row.publisher in MEASURED_BY:
+            check_complete(row.name, message)
 
     def heartbeat_values(self) -> dict[str, str]:
         """What a node adds to its heartbeat; must not depend on wall time in lock-step."""
@@ -130,14 +154,16 @@ class ContractNode(Node):  # type: ignore[misc]
                 self._last_ready = now
                 missing = self.unmatched()
                 state = WAITING_TO_MATCH if missing else READY
-                self._send_heartbeat(state, 0, detail="; ".join(missing))
-        elif self.lockstep and self._awaited and now - self._last_progress > self.timeout_s / 2:
-            self._last_progress = now
-            missing_rows = self.barrier.missing()
-            if missing_rows:
-                row = missing_rows[0]
-                detail = f"waiting for {row.name} from {row.publisher}"
-                self._send_heartbeat(STALLED, self.now, detail, {"waiting for role": row.publisher})
+                # with whom it waits for already now: a run may stall in its very first period
+                whom, _ = self._waits_for()
+                self._send_heartbeat(state, 0, "; ".join(missing), {WAITING_FOR: whom} if whom else {})
+        elif now - self._last_progress > self.timeout_s / 2:
+            whom, what = self._waits_for()
+            if whom:
+                self._last_progress = now
+                self._send_heartbeat(
+                    STALLED, self.now, f"waiting for {what} from {whom}", {WAITING_FOR: whom}
+                )
 
     def is_drained(self) -> bool:
         """Whether nothing that it must still take is on its way; the recorder waits here."""
@@ -162,12 +188,28 @@ class ContractNode(Node):  # type: ignore[misc]
 
     # Inside
 
+    def _waits_for(self) -> tuple[str, str]:
+        """Role and topic that this node waits for in lock-step; empty where it waits for nobody."""
+        if not self.lockstep or not self._awaited:
+            return "", ""
+        missing = self.barrier.missing()
+        if missing:
+            return missing[0].publisher, missing[0].name
+        return (
+            ("", "") if self._goals_are_in() else (topic(TICK).publisher, "the goals that its tick announces")
+        )
+
     def _inputs(self) -> list[Topic]:
-        """Rows to subscribe: in lock-step what is awaited, in real time whoever may publish it; goals always."""
+        """Rows to subscribe: in lock-step what is awaited, in real time whoever may publish it; goals
+        always.
+        """
         return [
             row
             for row in inputs_of(self.role)
-            if row.is_event or row.publisher == "all" or not self.lockstep or row.name in self._awaited_by_name
+            if row.is_event
+            or row.publisher == "all"
+            or not self.lockstep
+            or row.name in self._awaited_by_name
         ]
 
     def _listeners(self, row: Topic) -> list[str]:
@@ -186,7 +228,11 @@ class ContractNode(Node):  # type: ignore[misc]
             self._receive(row, message)
 
         return self.create_subscription(
-            message_class(row.type), row.name.lstrip("/"), receive, qos.profile(row, self.lockstep, self.role), raw=self._raw
+            message_class(row.type),
+            row.name.lstrip("/"),
+            receive,
+            qos.profile(row, self.lockstep, self.role),
+            raw=row.name in self._raw_topics,
         )
 
     def _trigger_input(self) -> str:
@@ -196,7 +242,7 @@ class ContractNode(Node):  # type: ignore[misc]
         return [row.name for row in self._awaited if row.every == fastest][-1]
 
     def _stamp_of(self, row: Topic, message: Any) -> int:
-        if self._raw:
+        if isinstance(message, bytes):
             return stamps.from_cdr(message)
         if row.type == "std_msgs/Header":
             return stamps.from_message(message.stamp)
@@ -225,9 +271,12 @@ class ContractNode(Node):  # type: ignore[misc]
 
     def _receive_event(self, row: Topic, stamp: int, message: Any) -> None:
         self.events.count(row)
-        self.check(row, message)
-        self.events.offer(row, stamp, self.now, message)
-        self._advance()
+        try:
+            self.check(row, message)
+            self.events.offer(row, stamp, self.now, message)
+        except RefusedMessageError as refusal:
+            self.refuse(row.name, refusal)
+        self._advance()  # a tick may have waited for this goal, good or bad
 
     def _receive_periodic(self, row: Topic, stamp: int, message: Any) -> None:
         if not self.lockstep:
@@ -246,12 +295,35 @@ class ContractNode(Node):  # type: ignore[misc]
         self._advance()
 
     def _receive_realtime(self, row: Topic, stamp: int, message: Any) -> None:
-        self.check(row, message)
-        self._latest[row.name] = message
-        if row.name == self._trigger:
-            if stamp <= self.now:
-                raise RefusedMessageError(row.name, "header.stamp", f"{stamp / 1e9:.3f} s", f"after {self.now / 1e9:.3f} s")
-            self.act(stamp, self._latest)
+        allowed = self._refusal_realtime(row, stamp)
+        if allowed is not None:
+            raise RefusedMessageError(row.name, "header.stamp", f"{stamp / 1e9:.3f} s", allowed)
+        try:
+            self.check(row, message)
+        except RefusedMessageError as refusal:
+            self.refuse(row.name, refusal)
+            message = None
+        self._latest[row.name] = (stamp, message)
+        if row.name == self._trigger and stamp > self.now:
+            self.act(stamp, self._inputs_realtime(stamp))
+
+    def _refusal_realtime(self, row: Topic, stamp: int) -> str | None:
+        """Why a message with this stamp cannot be taken in real time, or None."""
+        if row.name in self._latest and stamp <= self._latest[row.name][0]:
+            return f"after {self._latest[row.name][0] / 1e9:.3f} s, that of the last one"
+        if _age_s(stamp, self.now) > row.max_age_s:
+            return f"{self.now / 1e9 - row.max_age_s:.3f} s or later"
+        return None
+
+    def _inputs_realtime(self, stamp: int) -> dict[str, Any]:
+        """Latest message of every periodic input; None for one that is older than its row allows at `stamp`
+        [ns].
+        """
+        inputs: dict[str, Any] = {}
+        for row in self._periodic:
+            sent, message = self._latest.get(row.name, (0, None))
+            inputs[row.name] = message if _age_s(sent, stamp) <= row.max_age_s else None
+        return inputs
 
     def _advance(self) -> None:
         """Act on every period whose inputs are in."""
@@ -259,7 +331,7 @@ class ContractNode(Node):  # type: ignore[misc]
             return
         self._advancing = True
         try:
-            while not self.finished and not self.barrier.missing() and self._goals_are_in():
+            while not self.finished and self.barrier.is_complete() and self._goals_are_in():
                 stamp = self.barrier.stamp
                 self.act(stamp, self.barrier.take())
         finally:
@@ -267,7 +339,7 @@ class ContractNode(Node):  # type: ignore[misc]
 
     def _goals_are_in(self) -> bool:
         """Whether all goals that the operator's tick of this period announces have arrived."""
-        row = self._awaited_by_name.get("/operator/tick")
+        row = self._awaited_by_name.get(TICK)
         tick = None if row is None else self.barrier.peek(row)
         if tick is None:
             return True
@@ -284,9 +356,15 @@ class ContractNode(Node):  # type: ignore[misc]
         if stamp // beat != previous // beat:
             self._send_heartbeat(RUNNING, stamp)
 
-    def _send_heartbeat(self, state: str, stamp: int, detail: str = "", extra: dict[str, str] | None = None) -> None:
+    def _send_heartbeat(
+        self, state: str, stamp: int, detail: str = "", extra: dict[str, str] | None = None
+    ) -> None:
         values = self.heartbeat_values() | (extra or {})
         if stamp:  # those before the run are as many as the start-up took, and no part of the record
             self.counters.count_published("/diagnostics")
         message = heartbeat_message(self.role, state, stamp, self.counters, detail, values)
         self._senders["/diagnostics"].publish(message)
+
+
+def _age_s(stamp: int, now: int) -> float:
+    return (now - stamp) / stamps.NANOSECONDS

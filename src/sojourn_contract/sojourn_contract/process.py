@@ -1,9 +1,11 @@
 """Runs nodes of the contract in this process: one as its own process, or several composed on one executor.
 
-Signals are ours, not rclpy's: SIGINT and SIGTERM end the loop between two events, the nodes say farewell, and only then
-the context is shut down. The executor's own `spin()` is not used: in this build it hangs at the end and ignores SIGTERM.
+Signals are ours, not rclpy's: SIGINT and SIGTERM end the loop between two events, the nodes say farewell,
+and only then the context is shut down. The executor's own `spin()` is not used: in this build it hangs at
+the end and ignores SIGTERM.
 """
 
+import gc
 import signal
 import sys
 import time
@@ -17,6 +19,8 @@ from rclpy.signals import SignalHandlerOptions
 
 from sojourn_contract.node import ContractNode
 
+COLLECT_AFTER = 50_000
+"""Objects made and not freed after which the garbage collector looks at the youngest."""
 POLL_S = 0.02
 """Wall time between two looks at the nodes' wall-clock chores."""
 
@@ -44,28 +48,40 @@ def spin(
 ) -> int:
     """Run nodes until a signal, until all that can finish have, or until `each_poll` returns True.
 
-    Returns the largest exit status of the nodes. In a composed run the nodes are closed in the given order, so the
-    recorder goes last.
+    Returns the largest exit status of the nodes. In a composed run the nodes are closed in the given order,
+    so the recorder goes last.
     """
     nodes = list(nodes)
     executor = EventsExecutor()
     for node in nodes:
         executor.add_node(node)
+    settle_collector()
     next_poll = 0.0
     try:
-        while not stop.is_set and rclpy.ok():
+        while not stop.is_set:
             executor.spin_once(timeout_sec=POLL_S)
             now = time.monotonic()
             if now >= next_poll:
                 next_poll = now + POLL_S
                 for node in nodes:
                     node.poll()
-                if each_poll() or any(node.finished for node in nodes if node.ends_the_run):
+                if not rclpy.ok() or each_poll() or any(node.finished for node in nodes if node.ends_the_run):
                     break
         drain(executor, nodes)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     return max(node.exit_status for node in nodes)
+
+
+def settle_collector() -> None:
+    """Take what the start has made out of the garbage collector's rounds, and have these come seldom.
+
+    Messages hold no cycles and go at once; a search through all loaded libraries every few periods finds
+    nothing.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(COLLECT_AFTER)
 
 
 def drain(executor: EventsExecutor, nodes: list[ContractNode]) -> None:
@@ -81,7 +97,9 @@ def drain(executor: EventsExecutor, nodes: list[ContractNode]) -> None:
 def run(factory: Callable[[], ContractNode], arguments: list[str] | None = None) -> int:
     """Main of a node's process: start rclpy, make the node, spin, clean up. Returns the exit status."""
     stop = StopFlag().install()
-    rclpy.init(args=arguments if arguments is not None else sys.argv, signal_handler_options=SignalHandlerOptions.NO)
+    rclpy.init(
+        args=arguments if arguments is not None else sys.argv, signal_handler_options=SignalHandlerOptions.NO
+    )
     node: ContractNode | None = None
     try:
         node = factory()

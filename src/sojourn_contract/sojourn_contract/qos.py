@@ -12,8 +12,9 @@ RECORDER_DEPTH = 8 * RECORDER_LAG
 def profile(row: Topic, lockstep: bool, role: str = "") -> QoSProfile:
     """Profile for publishing or subscribing `row`.
 
-    Reliable and keep last 10, but for clouds and images (best effort) and for /clock outside lock-step (best effort,
-    depth 1). The recorder keeps a longer history, which is its own affair and compatible with every publisher.
+    Reliable and keep last 10, but for clouds and images (best effort) and for /clock outside lock-step
+    (best effort, depth 1). The recorder keeps a longer history, which is its own affair and compatible with
+    every publisher.
     """
     best_effort = row.reliability is Reliability.BEST_EFFORT or (row.name == "/clock" and not lockstep)
     depth = 1 if row.name == "/clock" and not lockstep else DEPTH

@@ -23,7 +23,8 @@ def from_message(time: Time) -> int:
 
 
 def from_cdr(data: bytes) -> int:
-    """Stamp [ns] of a serialised message whose first field is a Time or a Header (every one of the contract's is).
+    """Stamp [ns] of a serialised message whose first field is a Time or a Header (every one of the
+    contract's is).
 
     The encapsulation header is 4 bytes; its second byte says the byte order (1: little endian).
     """

@@ -1,4 +1,6 @@
-"""Goals as they come over topics: into odom, refused with the reason, and what became of them for the status."""
+"""Goals as they come over topics: into odom, refused with the reason, and what became of them for the
+status.
+"""
 
 from typing import Any
 
@@ -29,17 +31,19 @@ class GoalDesk:
         self._state = "idle"
         self._reason = ""
         self._stamp = 0
+        self._count = 0
 
     def goal(self, topic: str, message: Any, here: OdometryState) -> Goal:
         """Goal of a PoseStamped or a Path, in odom.
 
         Raises:
-            RefusedMessageError: a frame that is not known, a path without points, a point off the terrain. The status
-                shows it.
+            RefusedMessageError: a frame that is not known, a path without points, a point off the terrain.
+                The status shows it.
         """
         stamp = stamps.from_message(message.header.stamp)
         poses = message.poses if topic == "/waypoints" else [message]
         self._state, self._reason, self._stamp = "moving", "", stamp
+        self._count += 1
         try:
             points = [self._point(topic, message.header.frame_id, pose.pose, here) for pose in poses]
             if not points:
@@ -51,18 +55,23 @@ class GoalDesk:
         if yaw is not None and message.header.frame_id == "base_link":
             yaw += here.yaw
         if topic == "/waypoints":
-            return Goal.along(points, yaw, name=str(stamp))
-        return Goal.at(*points[0], yaw, name=str(stamp))
+            return Goal.along(points, yaw, name=self._name())
+        return Goal.at(*points[0], yaw, name=self._name())
 
-    def pre_empted(self, stamp: int) -> None:
-        """A velocity command has come: a goal on its way ends with the outcome that the drive gives it."""
-        if self._state != "moving":
+    def pre_empted(self, stamp: int, unseen: bool) -> None:
+        """A velocity command has come: a goal on its way ends with the outcome that the drive gives it.
+
+        A goal that the drive has not seen yet (`unseen`) never starts.
+        """
+        if unseen:
+            self._state, self._reason = "stopped", "pre-empted by /cmd_vel"
+        elif self._state != "moving":
             self._state, self._reason, self._stamp = "idle", "", stamp
 
     def note(self, outcomes: tuple[GoalOutcome, ...]) -> None:
         """Keep how the last goal ended."""
         for outcome in outcomes:
-            if outcome.goal.name == str(self._stamp):
+            if outcome.goal.name == self._name():
                 self._state, self._reason = outcome.kind, outcome.reason
 
     def status(self, state: DriveState) -> dict[str, str]:
@@ -75,6 +84,10 @@ class GoalDesk:
             "reason": self._reason,
         }
 
+    def _name(self) -> str:
+        """Name of the last goal. Its stamp is none: all goals that are stamped zero would share it."""
+        return str(self._count)
+
     def _point(self, topic: str, frame: str, pose: Any, here: OdometryState) -> tuple[float, float]:
         if frame not in FRAMES:
             raise RefusedMessageError(topic, "header.frame_id", repr(frame), "one of " + ", ".join(FRAMES))
@@ -85,6 +98,9 @@ class GoalDesk:
         for axis, value, (low, high) in (("x", x, self._x), ("y", y, self._y)):
             if not low <= value <= high:
                 raise RefusedMessageError(
-                    topic, f"pose.position.{axis}", f"{value:.2f} m in map", f"on the terrain, {low:.2f} to {high:.2f} m"
+                    topic,
+                    f"pose.position.{axis}",
+                    f"{value:.2f} m in map",
+                    f"on the terrain, {low:.2f} to {high:.2f} m",
                 )
         return float(x), float(y)

@@ -10,6 +10,7 @@ from sensor_msgs.msg import JointState
 
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.messages import fill_joint_state, joint_state, quaternion, xyz
+from sojourn_contract.switches import fraction_of
 from sojourn_mechanics.contact.params import WheelParams
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, TwistCommand
@@ -75,19 +76,23 @@ class WheelMeasurements:
         return np.array(pin.Quaternion(rotation).coeffs())
 
     def power_limit(self, switches: dict[str, str], present: float) -> float:
-        """Factor on all speeds from the power manager's switches; `present` where they do not name the drive."""
-        named = [switches[load] for load in DRIVE_LOADS if load in switches]
-        if not named:
-            return present
-        return min(0.0 if text == "off" else 1.0 if text == "on" else float(text) for text in named)
+        """Factor on all speeds from the power manager's switches; `present` where they do not name the
+        drive.
+        """
+        fractions = (fraction_of(switches[load]) for load in DRIVE_LOADS if load in switches)
+        return min((fraction for fraction in fractions if fraction is not None), default=present)
 
     def _places(self, joints: JointState) -> tuple[list[int], list[int]]:
-        """Where the wheels' and the steering's joints are in a message; remembered while its names stay the same."""
+        """Where the wheels' and the steering's joints are in a message; remembered while its names stay the
+        same.
+        """
         if self._columns is None or self._columns[0] != joints.name:
             names = list(joints.name)
             for joint in (*self._drive_joints, *self._steer_joints):
                 if joint not in names:
-                    raise RefusedMessageError("/joint_states", "name", ", ".join(names), f"{joint} among them")
+                    raise RefusedMessageError(
+                        "/joint_states", "name", ", ".join(names), f"{joint} among them"
+                    )
             self._columns = (
                 names,
                 [names.index(joint) for joint in self._drive_joints],

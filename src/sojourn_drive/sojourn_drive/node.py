@@ -1,4 +1,6 @@
-"""Node of the drive: goals and measurements in, odometry and wheel commands out, by the laws in `sojourn_mechanics.steering`."""
+"""Node of the drive: goals and measurements in, odometry and wheel commands out, by the laws in
+`sojourn_mechanics.steering`.
+"""
 
 import sys
 from collections.abc import Mapping
@@ -20,7 +22,7 @@ from sojourn_contract.topics import topic
 from sojourn_drive.goals import GoalDesk
 from sojourn_drive.measurements import WheelMeasurements
 from sojourn_mechanics.errors import MechanicsError
-from sojourn_mechanics.steering.drive import DriveModel
+from sojourn_mechanics.steering.drive import LONGEST_PERIOD, DriveModel
 from sojourn_mechanics.steering.drive_types import DriveOutput, TwistCommand
 from sojourn_mechanics.steering.goal import Goal
 from sojourn_mechanics.steering.kinematics import PlanarTwist
@@ -45,7 +47,9 @@ class DriveNode(ContractNode):
         self._goals = GoalDesk(scenario.terrain)
         self._twist: tuple[int, PlanarTwist] | None = None
         self._power_limit = 1.0
-        self._last = 0
+        self._last: int | None = None
+        self._pending: Goal | None = None
+        """A goal that waits for the first period whose measurements can be used."""
         self._output = self.model.at_rest(self.state)
         self._odometry = Odometry(child_frame_id="base_link")
         self._odometry.header.frame_id = "odom"
@@ -55,24 +59,25 @@ class DriveNode(ContractNode):
         switches = inputs.get("/power/switches")
         if switches is not None:
             self._power_limit = self._measurements.power_limit(status_values(switches), self._power_limit)
-        goal = self._take_goals(goals)
-        output = self._step(stamp, inputs["/joint_states"], inputs["/imu/data"], goal)
+        self._take_goals(goals)
+        output = self._step(stamp, inputs["/joint_states"], inputs["/imu/data"])
         self._goals.note(output.outcomes)
         self.publish("/odom", self._odometry_message(stamp, output))
         if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
             self.publish("/drive/status", self._status(stamp, output))
         self.publish("/wheel_command", self._measurements.command(stamp, output))
 
-    def _step(self, stamp: int, joints: Any, imu: Any, goal: Goal | None) -> DriveOutput:
-        """The drive's answer to this period. Where a measurement cannot be used the wheels stop and the steering holds."""
-        dt = (stamp - self._last) * 1e-9
+    def _step(self, stamp: int, joints: Any, imu: Any) -> DriveOutput:
+        """The drive's answer to this period. Where a measurement cannot be used the wheels stop and the
+        steering holds.
+        """
         if joints is not None and imu is not None:  # None: refused on arrival
             try:
                 measured = self._measurements.drive_input(
-                    joints, imu, self._twist_command(stamp), goal, self._power_limit
+                    joints, imu, self._twist_command(stamp), self._pending, self._power_limit
                 )
-                self.state, self._output = self.model.step(self.state, measured, dt)
-                self._last = stamp
+                self.state, self._output = self.model.step(self.state, measured, self._since_last(stamp))
+                self._last, self._pending = stamp, None
                 return self._output
             except (MechanicsError, RefusedMessageError) as error:
                 self.refuse("/joint_states", error)
@@ -83,21 +88,28 @@ class DriveNode(ContractNode):
             outcomes=(),
         )
 
-    def _take_goals(self, goals: list[tuple[str, Any]]) -> Goal | None:
-        """The goal that takes effect now; of several the last."""
-        accepted = None
+    def _since_last(self, stamp: int) -> float:
+        """Time since the last period with measurements [s]: of a node that has just started one period, of
+        a gap its end.
+        """
+        if self._last is None:
+            return stamps.CONTROL_PERIOD_S
+        return min((stamp - self._last) * 1e-9, LONGEST_PERIOD)
+
+    def _take_goals(self, goals: list[tuple[str, Any]]) -> None:
+        """Keep the goal that takes effect now; of several the last."""
         for name, message in goals:
             if name == "/cmd_vel":
                 linear, angular = message.twist.linear, message.twist.angular
                 stamp = stamps.from_message(message.header.stamp) or self.now
                 self._twist = (stamp, PlanarTwist(linear.x, linear.y, angular.z))
-                self._goals.pre_empted(stamp)
+                self._goals.pre_empted(stamp, unseen=self._pending is not None)
+                self._pending = None
                 continue
             try:
-                accepted = self._goals.goal(name, message, self.state.odometry)
+                self._pending = self._goals.goal(name, message, self.state.odometry)
             except RefusedMessageError as refusal:
                 self.refuse(name, refusal)
-        return accepted
 
     def _twist_command(self, stamp: int) -> TwistCommand | None:
         if self._twist is None:

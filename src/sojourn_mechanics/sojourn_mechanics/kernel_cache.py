@@ -1,8 +1,8 @@
 """Where numba keeps the compiled kernels: one folder for each version of their sources.
 
-numba renews a cached function when its own file changes, but not when a kernel that it calls lives in another file and
-changes there: the caller would go on with the old code. A folder named after all kernel sources together rules
-that out.
+numba renews a cached function when its own file changes, but not when a kernel that it calls lives in another
+file and changes there: the caller would go on with the old code. A folder named after all kernel sources
+together rules that out.
 """
 
 import hashlib

@@ -6,23 +6,31 @@ from typing import Any
 import numpy as np
 
 from sojourn_contract import stamps
+from sojourn_contract.checks import check_names, check_ranges
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.messages import joint_columns, numbers
+from sojourn_contract.switches import check_switches, fraction_of
 from sojourn_contract.topics import Topic, topic
+from sojourn_mechanics.actuators import joint_drive
 from sojourn_mechanics.plant.model import PlantModel
 from sojourn_mechanics.plant.state import PlantCommand, zeros_command
 
 POSITION, RATE, EFFORT = 0, 1, 2
 JOINT_TOPICS = ("/wheel_command", "/arm_command")
 SWITCHES = "/power/switches"
+COMMANDS = (*JOINT_TOPICS, SWITCHES)
 
 
 class CommandBuffer:
-    """Last good command of each topic. A command older than its row allows is lost: its joints stop where they are told."""
+    """Last good command of each topic. A command older than its row allows is lost: its joints stop where
+    they are told.
+    """
 
     def __init__(self, model: PlantModel) -> None:
-        self._index = model.joint_index
+        kinds = dict(zip(model.joints.names, model.joints.kinds.tolist(), strict=True))
+        self._index = {name: i for name, i in model.joint_index.items() if kinds[name] != joint_drive.PASSIVE}
+        self._by_position = {name for name, kind in kinds.items() if kind == joint_drive.POSITION}
         self._loads = {load.name: place for place, load in enumerate(model.bus.loads)}
         command = zeros_command(len(model.joints.names), len(model.bus.loads))
         self._reference = command.reference
@@ -36,21 +44,24 @@ class CommandBuffer:
         """Hold these joint angles, (joints,) [rad], until a command comes."""
         self._reference[POSITION] = angles
 
-    def check_order(self, row: Topic, stamp: int, now: int) -> None:
-        """Raise RefusedMessageError for a stamp from the past: before the last command, or too old at simulation time `now` [ns]."""
-        oldest = max(self._stamps.get(row.name, 0), now - int(row.max_age_s * stamps.NANOSECONDS))
-        if stamp < oldest:
-            raise RefusedMessageError(
-                row.name, "header.stamp", f"{stamps.seconds(stamp):.3f} s", f"{stamps.seconds(oldest):.3f} s or later"
-            )
+    def check(self, row: Topic, message: Any) -> None:
+        """Raise RefusedMessageError for a command that the machine cannot follow.
 
-    def check_switches(self, name: str, values: dict[str, str]) -> None:
-        """Raise RefusedMessageError for an unknown load or a limit outside 0 to 1."""
-        for load, text in values.items():
-            if load not in self._loads:
-                raise RefusedMessageError(name, "status.values.key", load, "one of " + ", ".join(self._loads))
-            if fraction_of(text) is None:
-                raise RefusedMessageError(name, f"status.values.{load}", text, "on, off, or a fraction from 0 to 1")
+        That is a joint without a motor, a joint held by position without a position, a number out of the
+        row's range; an unknown load or a limit outside 0 to 1.
+        """
+        if row.name == SWITCHES:
+            check_switches(row.name, status_values(message), self._loads)
+            return
+        check_names(row.name, message.name, self._index)
+        check_ranges(row, message)
+        for field, needed in (
+            ("position", self._by_position),
+            ("velocity", self._index.keys() - self._by_position),
+        ):
+            named = needed.intersection(message.name)
+            if named and not len(getattr(message, field)):
+                raise RefusedMessageError(row.name, field, "0 numbers", f"one for {', '.join(sorted(named))}")
 
     def take(self, inputs: Mapping[str, Any]) -> None:
         """Keep the commands among the inputs; None (refused) leaves the last good one."""
@@ -59,9 +70,15 @@ class CommandBuffer:
             if message is None:
                 continue
             columns = joint_columns(message, self._index)
-            self._joints[name] = columns
+            left_out = [column for column in self._joints.get(name, ()) if column not in columns]
+            self._reference[RATE, left_out] = 0.0  # a joint that is no longer named stops
+            self._joints[name] = columns + left_out
             self._stamps[name] = stamps.from_message(message.header.stamp)
-            for row, values in ((POSITION, message.position), (RATE, message.velocity), (EFFORT, message.effort)):
+            for row, values in (
+                (POSITION, message.position),
+                (RATE, message.velocity),
+                (EFFORT, message.effort),
+            ):
                 self._reference[row, columns] = numbers(values) if len(values) else 0.0
         switches = inputs.get(SWITCHES)
         if switches is not None:
@@ -72,8 +89,8 @@ class CommandBuffer:
     def at(self, now: int) -> PlantCommand:
         """Command at simulation time `now` [ns]: too old ones stop their joints.
 
-        Wheels get rate zero, and joints with a position hold it: for both the rate is zero and the position stays.
-        Switches stay as they were: to cut the power of a rover whose manager is silent would be worse.
+        Wheels get rate zero, and joints with a position hold it: for both the rate is zero and the position
+        stays. Switches stay as they were: to cut the power of a rover whose manager is silent would be worse.
         """
         self.lost = [
             name
@@ -83,16 +100,6 @@ class CommandBuffer:
         reference = self._reference.copy()
         for name in self.lost:
             reference[RATE, self._joints.get(name, [])] = 0.0
-        # A position is the reference for the end of the period that it is stamped with; between commands it moves on.
+        # A position is the reference for the end of the period that it is stamped with;
+        # between commands it moves on.
         return PlantCommand(reference, np.array(self._fractions))
-
-
-def fraction_of(text: str) -> float | None:
-    """Fraction that a switch's text stands for, or None if it stands for none."""
-    if text in ("on", "off"):
-        return 1.0 if text == "on" else 0.0
-    try:
-        fraction = float(text)
-    except ValueError:
-        return None
-    return fraction if 0.0 <= fraction <= 1.0 else None

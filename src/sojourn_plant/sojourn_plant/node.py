@@ -1,8 +1,9 @@
-"""Node of the plant: the simulated machine and its ground. It owns /clock and, in lock-step, the pace of everybody.
+"""Node of the plant: the simulated machine and its ground. It owns /clock and, in lock-step, the pace of
+everybody.
 
-The start: it waits until all participants say that they are ready, then publishes the truth of the first period. At each
-period it waits for the commands stamped with it (lock-step) or for the wall clock (real time), steps the machine, and
-publishes the truth of the next.
+The start: it waits until all participants say that they are ready, then publishes the truth of the first
+period. At each period it waits for the commands stamped with it (lock-step) or for the wall clock (real
+time), steps the machine, and publishes the truth of the next.
 """
 
 import sys
@@ -14,18 +15,29 @@ from rclpy.context import Context
 
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import process, stamps
-from sojourn_contract.checks import check_message, check_names
-from sojourn_contract.errors import DomainInUseError, SilentNodeError
+from sojourn_contract.errors import DomainInUseError, NotReadyError, SilentNodeError
 from sojourn_contract.events import parse_tick
-from sojourn_contract.heartbeat import READY, STALLED, read_heartbeats, status_values
+from sojourn_contract.heartbeat import READY, WAITING_FOR, WAITING_TO_MATCH, Heartbeat, read_heartbeats
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import Topic
 from sojourn_mechanics.plant.state import PlantState
 from sojourn_mechanics.plant.step import step
-from sojourn_plant.commands import CommandBuffer
+from sojourn_plant.commands import COMMANDS, CommandBuffer
 from sojourn_plant.start import build_plant
 from sojourn_plant.truth import TruthMessages
 
+DISCOVERY_S = 0.5
+"""Wall time after its creation before which a plant does not begin: another one on its domain may not be
+seen yet.
+"""
+REPORT_LIFE = 0.75
+"""Part of the time-out for which it counts what a node says of whom it waits for; it says so again every
+half of it.
+"""
+AHEAD_S = 1.0
+"""In real time a command stamped further ahead of the plant's own clock than this is refused: it would
+never age.
+"""
 FREE_RUN_S = 0.02
 """Wall time for which a plant that nobody answers runs between two looks at its messages."""
 
@@ -40,7 +52,10 @@ class PlantNode(ContractNode):
         overrides: Mapping[str, Any] | None = None,
         namespace: str | None = None,
     ) -> None:
-        super().__init__("plant", context=context, overrides=overrides, namespace=namespace, every_period=True)
+        self._created = time.monotonic()
+        super().__init__(
+            "plant", context=context, overrides=overrides, namespace=namespace, every_period=True
+        )
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         self.model, self.state = build_plant(scenario)
         self.ends_the_run = True
@@ -48,7 +63,8 @@ class PlantNode(ContractNode):
         self._commands.hold(self.state.joints[0])
         self._truth = TruthMessages(self.model)
         self._ready: set[str] = set()
-        self._stalled: dict[str, str] = {}
+        self._heard: dict[str, Heartbeat] = {}
+        self._heard_at: dict[str, float] = {}
         self._begun = False
         self._waiting_since = time.monotonic()
         self._trigger = ""
@@ -58,10 +74,12 @@ class PlantNode(ContractNode):
     def on_heartbeat(self, message: Any) -> None:
         """Keep who is ready, and who says that it waits for whom."""
         for beat in read_heartbeats(message):
+            self._heard[beat.role] = beat
+            self._heard_at[beat.role] = time.monotonic()
             if beat.state == READY:
                 self._ready.add(beat.role)
-            if beat.state == STALLED:
-                self._stalled[beat.role] = beat.values.get("waiting for role", "")
+            elif beat.state == WAITING_TO_MATCH:
+                self._ready.discard(beat.role)
 
     def poll(self) -> None:
         """Begin the run when everybody is ready; say who is silent when somebody is."""
@@ -78,15 +96,10 @@ class PlantNode(ContractNode):
             self._stop_for_silence()
 
     def check(self, row: Topic, message: Any) -> None:
-        """Refuse commands with unknown joints, and in real time those older than what has come already."""
-        check_message(row.name, message)
-        if row.type == "sensor_msgs/JointState":
-            check_names(row.name, message.name, self.model.joint_index)
-        if row.name == "/power/switches":
-            self._commands.check_switches(row.name, status_values(message))
-        if not self.lockstep and row.type != "std_msgs/Header":
-            stamp = stamps.from_message(message.header.stamp)
-            self._commands.check_order(row, stamp, self.now)
+        """Refuse commands that the machine cannot follow."""
+        super().check(row, message)
+        if row.name in COMMANDS:
+            self._commands.check(row, message)
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """Take the commands of this period, step the machine, publish the truth of the next."""
@@ -110,31 +123,65 @@ class PlantNode(ContractNode):
 
     def _begin_when_ready(self) -> None:
         if self.count_publishers(self._senders["/clock"].topic_name) > 1:
-            self._fail(DomainInUseError(str(self.context.get_domain_id()), self._senders["/clock"].topic_name))
+            self._fail(
+                DomainInUseError(str(self.context.get_domain_id()), self._senders["/clock"].topic_name)
+            )
             return
-        missing = set(self.participants) - self._ready - {self.role}
-        if self.unmatched() or missing:
-            if time.monotonic() - self._waiting_since > 3 * self.timeout_s and missing:
-                self._fail(SilentNodeError(sorted(missing)[0], "/diagnostics", 0.0, 3 * self.timeout_s))
+        waited = time.monotonic() - self._waiting_since
+        unmatched = self.unmatched()
+        missing = [role for role in self.participants if role not in self._ready and role != self.role]
+        if unmatched or missing:
+            if waited > 3 * self.timeout_s:
+                self._fail(self._not_ready(missing, unmatched, waited))
+            return
+        if time.monotonic() - self._created < DISCOVERY_S:
             return
         self._begun = True
         self._waiting_since = self._last_progress = time.monotonic()
         self._publish(self._truth.first(stamps.CONTROL_PERIOD_NS, self.state))
         if not self.lockstep:
             self._timer = self.create_timer(stamps.CONTROL_PERIOD_S, self._act_in_real_time)
+        self._advance()  # where nobody answers in the first period, no message would begin the run
 
     def _act_in_real_time(self) -> None:
-        self.act(self.now + stamps.CONTROL_PERIOD_NS, self._latest)
+        stamp = self.now + stamps.CONTROL_PERIOD_NS
+        self.act(stamp, self._inputs_realtime(stamp))
 
     def _stop_for_silence(self) -> None:
         """Name the node at the root: the one that is missing and does not say that it waits for another."""
-        missing = self.barrier.missing()
-        row = missing[0]
-        role, seen = row.publisher, set()
-        while role in self._stalled and role not in seen and self._stalled[role]:
+        row = self.barrier.missing()[0]
+        role, seen = row.publisher, {self.role}
+        while (whom := self._waits_now(role)) and whom not in seen:
             seen.add(role)
-            role = self._stalled[role]
+            role = whom
         self._fail(SilentNodeError(role, row.name, stamps.seconds(self.barrier.stamp), self.timeout_s))
+
+    def _waits_now(self, role: str) -> str:
+        """Whom a node says that it waits for; empty where it says nothing, or has not said it again of
+        late.
+        """
+        if time.monotonic() - self._heard_at.get(role, 0.0) > REPORT_LIFE * self.timeout_s:
+            return ""
+        return self._heard[role].values.get(WAITING_FOR, "")
+
+    def _not_ready(self, missing: list[str], unmatched: list[str], waited_s: float) -> NotReadyError:
+        """Name a node that has not been heard at all before those that wait for it."""
+        for role in missing:
+            if role not in self._heard:
+                return NotReadyError(role, "no heartbeat has come from it", waited_s)
+        if missing:
+            return NotReadyError(missing[0], self._heard[missing[0]].detail, waited_s)
+        return NotReadyError(self.role, "; ".join(unmatched), waited_s)
+
+    def _refusal_realtime(self, row: Topic, stamp: int) -> str | None:
+        latest = self.now + int(AHEAD_S * stamps.NANOSECONDS)
+        if stamp > latest:
+            return f"simulation time, {stamps.seconds(latest):.3f} s at most"
+        return super()._refusal_realtime(row, stamp)
+
+    def _advance(self) -> None:
+        if self._begun:
+            super()._advance()
 
     def _fail(self, error: Exception) -> None:
         self.get_logger().error(str(error))
@@ -143,7 +190,10 @@ class PlantNode(ContractNode):
         self.failure = str(error)
 
     def _report_events(self, state: PlantState) -> None:
-        for flag, text in (("rolled_over", "the rover has rolled over"), ("off_terrain", "the rover has left the terrain")):
+        for flag, text in (
+            ("rolled_over", "the rover has rolled over"),
+            ("off_terrain", "the rover has left the terrain"),
+        ):
             if getattr(state, flag) and flag not in self._reported:
                 self._reported.add(flag)
                 self.get_logger().error(f"{text} at {stamps.seconds(self.now):.2f} s")

@@ -81,13 +81,17 @@ class TruthMessages:
             )
             messages.append(("/truth/loads", self._load_message(stamp, state, output)))
         messages.append(
-            ("/truth/joint_states", fill_joint_state(self._joints, stamp, state.joints[0], rates, output.efforts))
+            (
+                "/truth/joint_states",
+                fill_joint_state(self._joints, stamp, state.joints[0], rates, output.efforts),
+            )
         )
         return messages
 
     def _load_message(self, stamp: int, state: PlantState, output: PlantOutput) -> Any:
         values = {
-            f"power {name}": f"{power:.6g}" for name, power in zip(self._loads, output.load_power, strict=True)
+            f"power {name}": f"{power:.6g}"
+            for name, power in zip(self._loads, output.load_power, strict=True)
         }
         for name in state.energy.__dataclass_fields__:
             values[f"energy {name}"] = f"{getattr(state.energy, name):.9g}"

@@ -10,6 +10,7 @@ from sensor_msgs.msg import Imu
 
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import process, stamps
+from sojourn_contract.barrier import is_due
 from sojourn_contract.messages import (
     battery_readings,
     battery_state,
@@ -21,6 +22,7 @@ from sojourn_contract.messages import (
     set_xyz,
 )
 from sojourn_contract.node import ContractNode
+from sojourn_contract.topics import topic
 from sojourn_mechanics.sensors import suite
 from sojourn_sensors.motion import ImuMotion
 
@@ -76,7 +78,7 @@ class SensorsNode(ContractNode):
             bus_temperature=np.array([temperature]),
         )
         self.state, measured = suite.step(self.params, self.state, truth, dt)
-        if electrical is not None:
+        if electrical is not None and is_due(topic("/bus/state"), stamp // stamps.CONTROL_PERIOD_NS):
             self.publish(
                 "/bus/state",
                 battery_state(

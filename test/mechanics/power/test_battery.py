@@ -106,7 +106,7 @@ def test_chemical_energy_out_is_terminal_energy_and_heat_and_what_is_stored(
     throughput = 1.0
     for current in currents:
         after = battery.step(PACK, state, current, dt)
-        assert after.energy_heat >= state.energy_heat
+        assert after.energy_heat >= state.energy_heat - 1e-9  # J, the rounding of 1.7 MJ
         throughput += abs(after.energy_terminal - state.energy_terminal)
         state = after
     balance = (

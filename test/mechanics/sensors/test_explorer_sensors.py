@@ -1,6 +1,7 @@
 """The explorer's sensor set: complete for its joints, and of the published quality."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,8 +10,14 @@ import yaml
 from sojourn_mechanics.sensors import suite
 from sojourn_mechanics.sensors.params import SensorSuiteParams
 
-FILE = Path(__file__).parents[3] / "config" / "sensors" / "explorer_sensors.yaml"
-PARAMS = SensorSuiteParams(**yaml.safe_load(FILE.read_text(encoding="utf-8")))
+CONFIG = Path(__file__).parents[3] / "config"
+
+
+def read(name: str) -> Any:
+    return yaml.safe_load((CONFIG / name).read_text(encoding="utf-8"))
+
+
+PARAMS = SensorSuiteParams(**read("sensors/explorer_sensors.yaml"))
 
 
 def test_every_joint_of_the_machine_is_measured_once() -> None:
@@ -35,6 +42,20 @@ def test_encoders_are_within_the_published_bits_and_fine_enough_to_work_with() -
         assert 12 <= group.encoder.bits <= 20
         rate_step = group.encoder.resolution / (group.encoder.rate_window * 0.02)
         assert rate_step < (0.01 if name == "suspension" else 1e-3)
+
+
+def test_encoders_on_motors_count_with_the_gears_of_the_rover() -> None:
+    ratios = {
+        joint: drive["gear"]["ratio"]
+        for drive in read("rovers/explorer.yaml")["drives"]
+        for joint in drive["joints"]
+    }
+    compared = 0
+    for group in PARAMS.joint_groups.values():
+        if group.encoder.side == "motor":
+            assert {ratios[joint] for joint in group.joints} == {group.encoder.gear_ratio}
+            compared += len(group.joints)
+    assert compared == len(ratios) == 15
 
 
 def test_a_rover_at_rest_reads_as_at_rest() -> None:

@@ -8,15 +8,16 @@ Servo at the output:  rate mode      τ* = P (ω* - ω) + I ∫(ω* - ω) dt
                       position mode  τ* = P (q* - q) + D (q'* - q') + τ_ff + I ∫(q* - q) dt
 limited by its own largest torque, by the current that the power manager allows, and by the bus voltage.
 
-Friction of gear and bearings is of Dahl's kind (Dahl 1968, Aerospace Report TOR-0158), so that a held joint rests at a
-fixed point:  dz/dt = q' - |q'| z/z_c,  τ_f = F z/z_c + b q',  F = F_0 + (1 - η)|τ|:
+Friction of gear and bearings is of Dahl's kind (Dahl 1968, Aerospace Report TOR-0158), so that a held joint
+rests at a fixed point:  dz/dt = q' - |q'| z/z_c,  τ_f = F z/z_c + b q',  F = F_0 + (1 - η)|τ|:
 with F_0 the friction without load, η the gear's efficiency, in both directions of power.
 
 A joint driven into its limit meets a stiff, damped stop.
 
-All torques are taken as linear in the rate at the end of the step, τ(q' + a dt) = τ_0 - B a dt. B dt is added to
-the joint's inertia before the machine is solved, which makes the stiff terms (back-EMF, servo, friction) implicit. After
-the solution `settle_joints` finds the torques that were really applied, and books the energy with them.
+All torques are taken as linear in the rate at the end of the step, τ(q' + a dt) = τ_0 - B a dt. B dt is added
+to the joint's inertia before the machine is solved, which makes the stiff terms (back-EMF, servo, friction)
+implicit. After the solution `settle_joints` finds the torques that were really applied, and books the energy
+with them.
 """
 
 import math
@@ -64,13 +65,14 @@ def joint_torques(
     """Torques at the present rate and their slopes.
 
     Args:
-        parameters: (joints, JOINT_COLUMNS). kinds: (joints,). columns: (joints,) index into `velocity`. loads: (joints,)
-            index into `limits`.
+        parameters: (joints, JOINT_COLUMNS). kinds: (joints,). columns: (joints,) index into `velocity`.
+            loads: (joints,) index into `limits`.
         velocity: (nv,) [rad/s]. states: (3, joints), servo integral advanced in place.
         command: (3, joints): position [rad], rate [rad/s], feed-forward torque [N m].
         lead: time since the command's stamp [s]: a position reference moves on at its rate.
         limits: (loads,) fraction of the current that each load may draw; 0 is switched off.
-        bus_voltage: [V]. work: (6, joints), written. generalised_force, armature: (nv,), written at `columns`.
+        bus_voltage: [V]. work: (6, joints), written. generalised_force, armature: (nv,), written at
+            `columns`.
     """
     for i in range(kinds.shape[0]):
         p = parameters[i]
@@ -108,7 +110,8 @@ def joint_torques(
                 if torque > high or torque < low:
                     torque = high if torque > high else low
                     slope = gain * gain / p[RESISTANCE]
-                    if abs(torque) > largest:  # driven backwards beyond no-load speed: the amplifier's limit holds
+                    # driven backwards beyond no-load speed: the amplifier's limit holds
+                    if abs(torque) > largest:
                         torque = math.copysign(largest, torque)
                         slope = 0.0
                 elif slope != 0.0 or torque * error < 0.0:
@@ -193,5 +196,3 @@ def settle_joints(
         energy[0] += power * dt
         energy[1] += heat * dt
     return total
-
-

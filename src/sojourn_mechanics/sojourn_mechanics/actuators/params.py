@@ -11,7 +11,9 @@ class MotorParams(Params):
     """Permanent-magnet DC motor (or brushless with its amplifier, as seen from the supply)."""
 
     resistance: float = Field(gt=0.0, le=1e4, description="winding resistance [ohm]")
-    torque_constant: float = Field(gt=0.0, le=10.0, description="torque constant, equal to the back-EMF constant [N m/A]")
+    torque_constant: float = Field(
+        gt=0.0, le=10.0, description="torque constant, equal to the back-EMF constant [N m/A]"
+    )
     rotor_inertia: float = Field(gt=0.0, le=1.0, description="rotor inertia, brake and encoder included [kg m^2]")
     no_load_current: float = Field(ge=0.0, le=10.0, description="current at no load, from friction in the motor [A]")
     max_current: float = Field(gt=0.0, le=500.0, description="largest current that the amplifier gives [A]")
@@ -38,10 +40,15 @@ class ServoParams(Params):
 
     mode: Literal["rate", "position"] = Field(description="what it holds: the commanded rate, or position and rate")
     proportional: float = Field(
-        ge=0.0, le=1e7, description="rate: torque for a rate error [N m s/rad]; position: for a position error [N m/rad]"
+        ge=0.0,
+        le=1e7,
+        description="rate: torque for a rate error [N m s/rad]; position: for a position error [N m/rad]",
     )
     integral: float = Field(
-        default=0.0, ge=0.0, le=1e7, description="rate: torque for an angle error [N m/rad]; position: [N m/(rad s)]"
+        default=0.0,
+        ge=0.0,
+        le=1e7,
+        description="rate: torque for an angle error [N m/rad]; position: [N m/(rad s)]",
     )
     derivative: float = Field(default=0.0, ge=0.0, le=1e6, description="position: torque for a rate error [N m s/rad]")
     max_torque: float = Field(gt=0.0, le=1e5, description="largest torque that it asks for at the output [N m]")
@@ -52,7 +59,8 @@ class DriveParams(Params):
 
     Args:
         joints: joints of the URDF that have one of these.
-        load: name of the electrical load that feeds it; the power manager switches and limits it by this name.
+        load: name of the electrical load that feeds it; the power manager switches and limits it by this
+            name.
     """
 
     joints: tuple[str, ...] = Field(min_length=1, description="joints of the URDF with this drive")

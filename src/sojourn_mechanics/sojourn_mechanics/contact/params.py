@@ -29,5 +29,3 @@ class PadParams(Params):
     link: str = Field(min_length=1, description="link of the URDF that carries it")
     position: tuple[float, float, float] = Field(description="centre of the pad in the link's frame, shape (3,) [m]")
     radius: float = Field(gt=0.0, le=2.0, description="radius of the pad [m]")
-
-

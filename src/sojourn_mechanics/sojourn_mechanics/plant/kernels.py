@@ -1,4 +1,7 @@
-"""The two compiled halves of a physics step; Pinocchio's terms and the solution stand between them (see `step`)."""
+"""The two compiled halves of a physics step.
+
+Pinocchio's terms and the solution stand between them (see `step`).
+"""
 
 import numpy as np
 from numba import njit
@@ -46,22 +49,27 @@ def applied_forces(
     contact_force: FloatArray,
     force: FloatArray,
     armature: FloatArray,
+    mass_matrix: FloatArray,
 ) -> bool:
-    """Generalised force of contacts and joints, and the joints' inertia with their implicit slopes.
+    """Generalised force of contacts and joints; the joints' rotor inertia and implicit slopes go onto the
+    mass matrix.
 
-    Arguments as in `contact_forces` and `joint_torques`; `contact_force` and `force`, both (nv,), are written: that of the
-    contacts alone, and all. Returns whether all contacts are on the map.
+    Arguments as in `contact_forces` and `joint_torques`; `contact_force` and `force`, both (nv,), are
+    written: that of the contacts alone, and all. `mass_matrix`, (nv, nv), is that of the links; its diagonal
+        is added to. Returns whether all contacts are on the map.
     """
     contact_force[:] = 0.0
-    on_map = contact_forces(
-        shapes, bodies, supports, offsets, wheel_count, placements, jacobian, velocity, heights, soil_index, grid,
-        soils, quadrature, rim, dt, contact_states, report, contact_force,
+    on_map: bool = contact_forces(
+        shapes, bodies, supports, offsets, wheel_count, placements, jacobian, velocity, heights, soil_index,
+        grid, soils, quadrature, rim, dt, contact_states, report, contact_force,
     )  # fmt: skip
     force[:] = contact_force
     joint_torques(
-        joint_parameters, kinds, columns, loads, velocity, joint_states, reference, lead, limits, bus_voltage, dt,
-        work, force, armature,
+        joint_parameters, kinds, columns, loads, velocity, joint_states, reference, lead, limits, bus_voltage,
+        dt, work, force, armature,
     )  # fmt: skip
+    for column in columns:
+        mass_matrix[column, column] += armature[column]
     return on_map
 
 
@@ -82,12 +90,14 @@ def advance_velocity(
     efforts: FloatArray,
     currents: FloatArray,
     load_power: FloatArray,
+    load_energy: FloatArray,
     energy: FloatArray,
 ) -> FloatArray:
     """New velocity, (nv,), from the free acceleration and the couplings; books the joints' part of the step.
 
     Args:
-        acceleration: (nv,) without couplings. coupling: A, (couplings, nv). coupling_response: A M⁻¹, (couplings, nv).
+        acceleration: (nv,) without couplings. coupling: A, (couplings, nv). coupling_response: A M⁻¹,
+            (couplings, nv).
     """
     new_velocity = velocity + dt * acceleration
     count = coupling.shape[0]
@@ -101,15 +111,19 @@ def advance_velocity(
             for k in range(new_velocity.shape[0]):
                 rate += coupling[i, k] * new_velocity[k]
             error[i] = rate + COUPLING_DRIFT_GAIN * drift / dt
-        impulse = np.linalg.solve(coupling @ coupling_response.T, error)
+        gram = coupling @ coupling_response.T
+        if not (np.isfinite(error).all() and np.isfinite(gram).all()):
+            return np.full_like(new_velocity, np.nan)  # the step says what has happened
+        impulse = np.linalg.solve(gram, error)
         for i in range(count):
             for k in range(new_velocity.shape[0]):
                 new_velocity[k] -= coupling_response[i, k] * impulse[i]
     for k in range(new_velocity.shape[0]):
         energy[SOIL_WORK] -= contact_force[k] * 0.5 * (velocity[k] + new_velocity[k]) * dt
     settle_joints(
-        joint_parameters, kinds, columns, loads, velocity, new_velocity, dt, work, joint_states, efforts, currents,
-        load_power, energy,
+        joint_parameters, kinds, columns, loads, velocity, new_velocity, dt, work, joint_states, efforts,
+        currents, load_power, energy,
     )  # fmt: skip
+    for i in range(load_power.shape[0]):
+        load_energy[i] += load_power[i] * dt
     return new_velocity
-

@@ -1,13 +1,14 @@
 """A machine on its ground, ready to be stepped: multibody, tables for the kernels, working memory.
 
-Rigid-body dynamics by Pinocchio (Carpentier et al. 2019, IEEE/SICE SII) on a free-flying base. Couplings between joints
-(rocker differential) are linear constraints on the rates, solved with multipliers:
+Rigid-body dynamics by Pinocchio (Carpentier et al. 2019, IEEE/SICE SII) on a free-flying base. Couplings
+between joints (rocker differential) are linear constraints on the rates, solved with multipliers:
 
     [M + dt B   Aᵀ] [ q̈ ]   [τ - h + τ_contact]
     [A          0 ] [-λ ] = [ -A q̇/dt - 0.1 A q/dt² ]
 
 (Featherstone 2008, Rigid Body Dynamics Algorithms, ch. 8). The right side of the constraint brings both the
-rate and the drift of the closed loop back to zero. B holds the slopes of the joint torques (see `joint_drive`).
+rate and the drift of the closed loop back to zero. B holds the slopes of the joint torques (see
+`joint_drive`).
 """
 
 from collections.abc import Sequence
@@ -17,7 +18,7 @@ import numpy as np
 import pinocchio as pin
 
 from sojourn_mechanics.actuators import joint_drive
-from sojourn_mechanics.contact import contact_set, wheel_on_soil
+from sojourn_mechanics.contact import contact_set, ground_plane, wheel_on_soil
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, IntArray
 from sojourn_mechanics.plant.params import MachineParams, SimulationParams
@@ -67,8 +68,8 @@ class PlantModel:
         simulation: steps.
 
     Raises:
-        InvalidValueError: a joint or link that the URDF does not have, a drive whose load the bus does not have, a soil
-            that is missing.
+        InvalidValueError: a joint or link that the URDF does not have, a drive whose load the bus does not
+            have, a soil that is missing.
     """
 
     def __init__(
@@ -102,7 +103,7 @@ class PlantModel:
         self.soils = kernel_table([by_name[name] for name in terrain.soil_names])
         self.grid = np.array([terrain.origin_x, terrain.origin_y, terrain.resolution])
         self.quadrature = np.stack([wheel_on_soil.NODES, wheel_on_soil.WEIGHTS])
-        self.rim = np.stack([contact_set.RIM_SIN, contact_set.RIM_COS])
+        self.rim = np.stack([ground_plane.RIM_SIN, ground_plane.RIM_COS])
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
         self._make_workspace()
 
@@ -112,7 +113,11 @@ class PlantModel:
         return self.contacts.names[: self.contacts.wheel_count]
 
     def reference_rows(self, names: Sequence[str]) -> IntArray:
-        """Columns of a command's reference for joints by name. Raises InvalidValueError for an unknown name."""
+        """Columns of a command's reference for joints by name.
+
+        Raises:
+            InvalidValueError: an unknown name.
+        """
         return np.array([self._index_of(name) for name in names], dtype=np.int64)
 
     def _index_of(self, joint: str) -> int:
@@ -192,7 +197,7 @@ class PlantModel:
         supports = np.full((len(bodies), max(map(len, chains)) + 1), -1, dtype=np.int64)
         for i, chain in enumerate(chains):
             supports[i, : len(chain)] = chain
-        names = tuple(contact.name for contact in (*machine.wheels, *machine.pads))
+        names = (*(wheel.name for wheel in machine.wheels), *(pad.name for pad in machine.pads))
         return ContactTables(
             names,
             len(machine.wheels),
@@ -225,10 +230,9 @@ class PlantModel:
         self.data = model.createData()
         self.jacobian: FloatArray = self.data.J
         self.bias: FloatArray = self.data.nle
-        self.armature: FloatArray = model.armature
-        self.armature[:] = self.joints.armature
-        # The placements lie one after another in memory: rotation (by columns) and position, 12 numbers each. Read
-        # one by one through the binding they would cost as much as the dynamics.
+        self.mass_matrix: FloatArray = self.data.M
+        # The placements lie one after another in memory: rotation (by columns) and position, 12 numbers each.
+        # Read one by one through the binding they would cost as much as the dynamics.
         first = self.data.oMi[0].rotation.__array_interface__["data"][0]
         second = self.data.oMi[1].rotation.__array_interface__["data"][0]
         if second - first != PLACEMENT_SIZE * 8:
@@ -241,5 +245,6 @@ class PlantModel:
         self.efforts = np.zeros(len(self.joints.names))
         self.currents = np.zeros(len(self.joints.names))
         self.load_power = np.zeros(len(self.bus.loads))
+        self.armature = np.zeros(model.nv)
         self.force = np.zeros(model.nv)
         self.contact_force = np.zeros(model.nv)

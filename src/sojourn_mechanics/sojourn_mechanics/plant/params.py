@@ -18,7 +18,8 @@ class CouplingParams(Params):
 
 
 class MachineParams(Params):
-    """A rover: wheels, pads, drives and couplings. Kinematics, masses, inertias and joint limits are in its URDF.
+    """A rover: wheels, pads, drives and couplings. Kinematics, masses, inertias and joint limits are in its
+    URDF.
 
     Joints that no drive names are passive: they have `passive_joint` friction.
     """
@@ -43,7 +44,7 @@ class MachineParams(Params):
         for wheel in self.wheels:
             if wheel.steer_joint is not None and wheel.steer_joint not in joints:
                 raise ValueError(f"wheels: steer_joint {wheel.steer_joint} of wheel {wheel.name} has no drive")
-        names = [contact.name for contact in (*self.wheels, *self.pads)]
+        names = [wheel.name for wheel in self.wheels] + [pad.name for pad in self.pads]
         for name in names:
             if names.count(name) > 1:
                 raise ValueError(f"wheels, pads: name {name} is used {names.count(name)} times, allowed is once")
@@ -55,7 +56,18 @@ class SimulationParams(Params):
 
     physics_step: float = Field(default=0.001, gt=0.0, le=0.005, description="step of the integrator [s]")
     control_period: float = Field(default=0.02, gt=0.0, le=1.0, description="time between two commands [s]")
-    settle_time: float = Field(default=30.0, ge=0.0, le=1000.0, description="longest rest on the ground before the run [s]")
+    settle_time: float = Field(
+        default=30.0, ge=0.0, le=1000.0, description="longest rest on the ground before the run [s]"
+    )
+
+    @model_validator(mode="after")
+    def _periods_are_whole_steps(self) -> Self:
+        if self.substeps < 1 or abs(self.substeps * self.physics_step - self.control_period) > 1e-9:
+            raise ValueError(
+                f"control_period = {self.control_period:g}: allowed is a whole multiple of "
+                f"physics_step = {self.physics_step:g} s"
+            )
+        return self
 
     @property
     def substeps(self) -> int:

@@ -1,4 +1,7 @@
-"""State, command and energy account of the plant. All of them are plain values: copy one and you have a branch."""
+"""State, command and energy account of the plant.
+
+All of them are plain values: copy one and you have a branch.
+"""
 
 from dataclasses import dataclass, field, replace
 
@@ -13,8 +16,8 @@ from sojourn_mechanics.power.loads import BusState
 class EnergyAccount:
     """Energies since the start of the run [J].
 
-    electrical in = work on the machine + winding heat; work = change of kinetic and potential energy + friction heat
-    + stop heat + work done on the soil.
+    electrical in = work on the machine + winding heat; work = change of kinetic and potential energy +
+    friction heat + stop heat + work done on the soil.
     """
 
     electrical: float = 0.0
@@ -30,7 +33,7 @@ class EnergyAccount:
 
     def balance_error(self, start: "EnergyAccount") -> float:
         """Energy that is missing since `start`, as a fraction of the largest of its terms [-]."""
-        terms = [getattr(self, name) - getattr(start, name) for name in self.__dataclass_fields__]
+        terms: list[float] = [getattr(self, name) - getattr(start, name) for name in self.__dataclass_fields__]
         missing = terms[0] - sum(terms[1:])
         return abs(missing) / max(*(abs(term) for term in terms), 1e-12)
 
@@ -39,8 +42,8 @@ class EnergyAccount:
 class PlantState:
     """Everything that changes.
 
-    Shapes: nq, nv of the multibody; joints are those with one degree of freedom, in the model's order; contacts are the
-    wheels, then the pads.
+    Shapes: nq, nv of the multibody; joints are those with one degree of freedom, in the model's order;
+    contacts are the wheels, then the pads.
     """
 
     tick: int
@@ -94,7 +97,7 @@ class PlantOutput:
     """What can be seen of the period that has passed, beyond the state."""
 
     contacts: FloatArray
-    """(contacts, 11): x y z [m], sinkage [m], slip ratio, slip angle [rad], force x y z in map [N], torque [N m], soil."""
+    """(contacts, 11): see `contact_set.REPORT_COLUMNS`."""
     efforts: FloatArray
     """(joints,) torque at each joint, gear friction included [N m]."""
     currents: FloatArray

@@ -1,16 +1,16 @@
 """One control period of the plant: the recipe of a step.
 
-Semi-implicit Euler at the physics step (velocity first, then configuration with the new velocity), implicit in the joints'
-stiff terms. For each physics step:
+Semi-implicit Euler at the physics step (velocity first, then configuration with the new velocity), implicit
+in the joints' stiff terms. For each physics step:
 
-    1  placements and Jacobian of the machine                    (Pinocchio)
+    1  placements, Jacobian and mass matrix of the machine       (Pinocchio)
     2  contact forces, joint torques and their slopes            (`kernels.applied_forces`)
-    3  mass matrix with the slopes, bias forces, factorisation   (Pinocchio)
+    3  bias forces, factorisation of the mass matrix             (Pinocchio)
     4  acceleration, couplings, new velocity, energy             (`kernels.advance_velocity`)
     5  configuration on the group                                (Pinocchio)
 
-The battery and the bus take one step a control period, with the mean power of the motors; the bus voltage holds for the
-next period.
+The battery and the bus take one step a control period, with the mean power of the motors; the bus voltage
+holds for the next period.
 """
 
 from dataclasses import replace
@@ -52,42 +52,42 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
         InvalidValueError: a command of another shape or not finite; a state that has become infinite.
     """
     _check_command(model, command)
-    dt = model.simulation.physics_step
-    substeps = model.simulation.substeps
     new = state.copy()
-    configuration, joints, contacts = new.configuration, new.joints, new.contacts
-    velocity = new.velocity
-    multibody, data = model.multibody, model.data
-    tables, contact_tables, terrain = model.joints, model.contacts, model.terrain
-    limits = command.load_fractions * state.served
+    configuration, velocity = new.configuration, new.velocity
+    dt = model.simulation.physics_step
     sums = np.zeros(ENERGY_SUMS)
     load_energy = np.zeros(len(model.bus.loads))
     response = np.zeros_like(model.coupling)
+    couplings = list(zip(response, model.coupling, strict=True))
+    multibody, data = model.multibody, model.data
+    joints, contacts, terrain = model.joints, model.contacts, model.terrain
+    # Bound to locals: twenty times through here is most of what the plant costs outside its kernels.
+    joint_tables = (joints.parameters, joints.kinds, joints.columns, joints.loads)
+    ground = (terrain.heights, terrain.soil_index, model.grid, model.soils, model.quadrature, model.rim)
+    contact_tables = (
+        contacts.shapes, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count,
+    )  # fmt: skip
+    memory = (new.joints, new.contacts, command.reference, command.load_fractions * state.served)
+    outputs = (model.report, model.work, model.contact_force, model.force, model.armature, model.mass_matrix)
+    efforts, currents, load_power = model.efforts, model.currents, model.load_power
     on_map = True
-    for i in range(substeps):
-        pin.computeJointJacobians(multibody, data, configuration)
+    for i in range(model.simulation.substeps):
+        pin.crba(multibody, data, configuration, pin.Convention.WORLD)
         all_on_map = applied_forces(
-            tables.parameters, tables.kinds, tables.columns, tables.loads,
-            contact_tables.shapes, contact_tables.bodies, contact_tables.supports, contact_tables.offsets,
-            contact_tables.wheel_count, model.placements, model.jacobian, velocity,
-            terrain.heights, terrain.soil_index, model.grid, model.soils, model.quadrature, model.rim,
-            joints, contacts, command.reference, limits, (i + 1) * dt, state.bus_voltage, dt,
-            model.report, model.work, model.contact_force, model.force, model.armature,
+            *joint_tables, *contact_tables, model.placements, model.jacobian, velocity, *ground, *memory,
+            (i + 1) * dt, state.bus_voltage, dt, *outputs,
         )  # fmt: skip
         on_map = on_map and all_on_map
-        pin.crba(multibody, data, configuration)
         pin.nonLinearEffects(multibody, data, configuration, velocity)
         pin.cholesky.decompose(multibody, data)
         acceleration = pin.cholesky.solve(multibody, data, model.force - model.bias)
-        for row, coupling in zip(response, model.coupling, strict=True):
+        for row, coupling in couplings:
             row[:] = pin.cholesky.solve(multibody, data, coupling)
         velocity = advance_velocity(
-            tables.parameters, tables.kinds, tables.columns, tables.loads, velocity, acceleration,
-            model.coupling, response, model.contact_force, dt, model.work, joints, model.efforts, model.currents,
-            model.load_power, sums,
+            *joint_tables, velocity, acceleration, model.coupling, response, model.contact_force, dt,
+            model.work, new.joints, efforts, currents, load_power, load_energy, sums,
         )  # fmt: skip
         configuration = pin.integrate(multibody, configuration, velocity * dt)
-        load_energy += model.load_power * dt
     if not (np.isfinite(configuration).all() and np.isfinite(velocity).all()):
         raise InvalidValueError("state of the plant", f"infinite at tick {state.tick + 1}", "finite numbers")
     return _close_period(model, new, configuration, velocity, command, sums, load_energy, on_map)
@@ -97,7 +97,9 @@ def _check_command(model: PlantModel, command: PlantCommand) -> None:
     shape = (3, len(model.joints.names))
     if command.reference.shape != shape or command.load_fractions.shape != (len(model.bus.loads),):
         raise InvalidValueError(
-            "shapes of the command", (command.reference.shape, command.load_fractions.shape), f"{shape} and one a load"
+            "shapes of the command",
+            (command.reference.shape, command.load_fractions.shape),
+            f"{shape} and one a load",
         )
     if not (np.isfinite(command.reference).all() and np.isfinite(command.load_fractions).all()):
         raise InvalidValueError("command", "NaN or infinity", "finite numbers")
@@ -158,7 +160,6 @@ def _close_period(
 def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: FloatArray) -> float:
     """Kinetic energy, turning rotors included, and potential energy over z = 0 [J]."""
     multibody, data = model.multibody, model.data
-    model.armature[:] = 0.0
     kinetic = pin.computeKineticEnergy(multibody, data, configuration, velocity)
     rotors = 0.5 * float(np.dot(model.joints.armature, velocity * velocity))
     return float(kinetic + rotors + pin.computePotentialEnergy(multibody, data, configuration))
@@ -169,8 +170,8 @@ def initial_state(
 ) -> PlantState:
     """The machine at rest on the ground, settled on its soil.
 
-    A machine put down on uneven ground slides a little until it rests; it is put down again with that offset taken off,
-    until it rests where it was asked for.
+    A machine put down on uneven ground slides a little until it rests; it is put down again with that offset
+    taken off, until it rests where it was asked for.
 
     Args:
         x, y: of the base in map [m]. yaw: [rad]. soc: state of charge [0..1].
@@ -203,9 +204,7 @@ def initial_state(
     return state
 
 
-def _settled(
-    model: PlantModel, posture: FloatArray, command: PlantCommand, aim: FloatArray, soc: float
-) -> PlantState:
+def _settled(model: PlantModel, posture: FloatArray, command: PlantCommand, aim: FloatArray, soc: float) -> PlantState:
     """Put down at aim = (x, y, yaw) in this posture, and left alone until it rests."""
     x, y, yaw = aim
     height, slope_x, slope_y = _ground(model, x, y)
@@ -263,5 +262,3 @@ def _standing_height(model: PlantModel, configuration: FloatArray) -> float:
     tables = model.contacts
     wheels = range(tables.wheel_count)
     return max(float(tables.shapes[i, 0] - model.data.oMi[int(tables.bodies[i])].translation[2]) for i in wheels)
-
-

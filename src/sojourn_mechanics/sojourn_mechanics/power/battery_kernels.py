@@ -94,7 +94,7 @@ def step_kernel(
         chemical = charge_capacity * (
             table_integral(soc_table, ocv_table, soc) - table_integral(soc_table, ocv_table, soc_new)
         )
-        overflow = -current * dt - stored / efficiency
+        overflow = max(-current * dt - stored / efficiency, 0.0)
         source = chemical / efficiency - overflow * table_extrapolated(soc_table, ocv_table, soc_new)
     side_heat = chemical - source
 

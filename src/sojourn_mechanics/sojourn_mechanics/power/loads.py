@@ -204,7 +204,9 @@ def _operate(
     # A load that is off takes nothing, and gives nothing back either.
     wanted = np.where(index.resistive | (on <= 0.0), 0.0, wanted)
     conductances = np.where(index.resistive, on * index.rated / index.nominal_squared, 0.0)
-    voltage, served = solve_bus(source, resistance, float(wanted.sum()), float(conductances.sum()), 0.0)
+    voltage, served = solve_bus(
+        float(source), float(resistance), float(wanted.sum()), float(conductances.sum()), 0.0
+    )
     if served < 1.0:
         # What motors return goes to the others whole; only what is asked is cut.
         asked_power = float(np.maximum(wanted, 0.0).sum())

@@ -165,10 +165,13 @@ def step(
     root = sqrt(dt)
     gyro_sigma = params.gyro_random_walk / root
     force_sigma = params.accelerometer_random_walk / root
-    rate = measure(state.gyro_matrix, angular_velocity, state.gyro_bias, gyro_sigma, noise[:3])
-    force = measure(
-        state.accelerometer_matrix, specific_force, state.accelerometer_bias, force_sigma, noise[3:]
+    # Fresh arrays: a read-only or strided one would make the compiler start in the middle of a run.
+    true_rate, true_force = (
+        np.array(angular_velocity, dtype=np.float64),
+        np.array(specific_force, dtype=np.float64),
     )
+    rate = measure(state.gyro_matrix, true_rate, state.gyro_bias, gyro_sigma, noise[:3])
+    force = measure(state.accelerometer_matrix, true_force, state.accelerometer_bias, force_sigma, noise[3:])
     if state.orientation is None:
         orientation = attitude_from_specific_force(force, state.heading)
     else:

@@ -1,0 +1,21 @@
+"""Fixtures of the start-up tests: a ROS domain of each test's own, on this machine only."""
+
+import itertools
+import os
+
+import pytest
+
+from sojourn_bringup.environment import ros_variables
+
+FIRST_DOMAIN, DOMAINS = 60, 50
+_number = itertools.count()
+
+
+@pytest.fixture(autouse=True)
+def domain(monkeypatch: pytest.MonkeyPatch) -> int:
+    """A domain that no other test uses at the same time, and the field checks of rclpy."""
+    number = FIRST_DOMAIN + (os.getpid() * 7 + next(_number)) % DOMAINS
+    for name, value in ros_variables(number).items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", "1")
+    return number

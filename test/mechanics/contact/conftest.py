@@ -1,0 +1,122 @@
+"""One wheel, or one pad, on a plane: what the tests of the contact set share."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from sojourn_mechanics.contact.contact_set import REPORT_COLUMNS, contact_forces
+from sojourn_mechanics.contact.ground_plane import RIM_COS, RIM_SIN
+from sojourn_mechanics.contact.wheel_on_soil import NODES, WEIGHTS
+from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.soil.params import SoilColumn, SoilParams, kernel_table
+
+SOIL_FOLDER = Path(__file__).resolve().parents[3] / "config" / "soils"
+QUADRATURE = np.stack([NODES, WEIGHTS])
+RIM = np.stack([RIM_SIN, RIM_COS])
+
+
+def soil_table(*names: str, damping: float | None = None) -> FloatArray:
+    """Kernel rows of soils of `config/soils`."""
+    texts = [(SOIL_FOLDER / f"{name}.yaml").read_text(encoding="utf-8") for name in names]
+    table = kernel_table([SoilParams.model_validate(yaml.safe_load(text)) for text in texts])
+    if damping is not None:
+        table[:, SoilColumn.CONTACT_DAMPING] = damping
+    return table
+
+
+@dataclass
+class Rig:
+    """A wheel (or a pad) that is held and moved by hand over a height field of 20 x 20 m.
+
+    slope_x, slope_y: gradient of the plane. step: rise of the ground where x > 0 [m].
+    """
+
+    soils: FloatArray
+    slope_x: float = 0.0
+    slope_y: float = 0.0
+    step: float = 0.0
+    soil_where_positive_x: int = 0
+    wheel: bool = True
+    radius: float = 0.125
+    shear_radius: float = 0.131
+    width: float = 0.16
+    dt: float = 0.001
+    state: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
+    report: FloatArray = field(default_factory=lambda: np.zeros((1, REPORT_COLUMNS)))
+    on_map: bool = True
+
+    def __post_init__(self) -> None:
+        self.grid = np.array([-10.0, -10.0, 0.05])
+        axis = -10.0 + 0.05 * np.arange(401)
+        x, y = np.meshgrid(axis, axis)
+        self.heights: FloatArray = self.slope_x * x + self.slope_y * y + np.where(x > 1e-9, self.step, 0.0)
+        self.soil_index: IntArray = np.where(x > 1e-9, self.soil_where_positive_x, 0).astype(np.int64)
+
+    @property
+    def normal(self) -> FloatArray:
+        """Unit normal of the plane."""
+        normal = np.array([-self.slope_x, -self.slope_y, 1.0])
+        return normal / np.linalg.norm(normal)
+
+    def push(
+        self, centre: FloatArray, rotation: FloatArray, velocity: FloatArray, angular: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """One step with this motion: force at the centre and moment about it, both in map.
+
+        rotation: from the wheel's frame (x ahead, y along the axle) to map. velocity: of the centre.
+        """
+        placement = np.concatenate([rotation.T.reshape(-1), centre])[np.newaxis, :]
+        twist = np.concatenate([velocity - np.cross(angular, centre), angular])
+        force = np.zeros(6)
+        self.on_map = contact_forces(
+            np.array([[self.radius, self.shear_radius, self.width]]), np.zeros(1, dtype=np.int64),
+            np.array([[0, 1, 2, 3, 4, 5, -1]]), np.zeros((1, 3)), 1 if self.wheel else 0,
+            np.ascontiguousarray(placement), np.eye(6), twist, self.heights, self.soil_index, self.grid, self.soils,
+            QUADRATURE, RIM, self.dt, self.state, self.report, force,
+        )  # fmt: skip
+        return force[:3], force[3:] - np.cross(centre, force[:3])
+
+    def hold(
+        self,
+        centre: FloatArray,
+        rotation: FloatArray,
+        velocity: FloatArray,
+        angular: FloatArray,
+        steps: int = 4000,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Force and moment after so many steps of one motion, the centre held where it is (the ground is a plane)."""
+        for _ in range(steps):
+            result = self.push(centre, rotation, velocity, angular)
+        return result
+
+
+def turned(axis: str, angle: float) -> FloatArray:
+    """Rotation matrix about x, y or z."""
+    c, s = math.cos(angle), math.sin(angle)
+    rows = {
+        "x": [[1, 0, 0], [0, c, -s], [0, s, c]],
+        "y": [[c, 0, s], [0, 1, 0], [-s, 0, c]],
+        "z": [[c, -s, 0], [s, c, 0], [0, 0, 1]],
+    }
+    return np.array(rows[axis], dtype=np.float64)
+
+
+@pytest.fixture(scope="session")
+def rig() -> Callable[..., Rig]:
+    """Maker of rigs: `rig("lunar_nominal", slope_x=0.1)`; `damping=0` switches the soils' normal damping off."""
+
+    def make(*soils: str, damping: float | None = None, **options: float) -> Rig:
+        return Rig(soil_table(*soils, damping=damping), **options)  # type: ignore[arg-type]
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def rotation() -> Callable[[str, float], FloatArray]:
+    """Maker of rotation matrices."""
+    return turned

@@ -1,0 +1,248 @@
+"""The wheel's stress integrals against adaptive quadrature written anew here, and their limits."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from sojourn_mechanics.contact.wheel_on_soil import (
+    MAX_ENTRY_ANGLE,
+    NODES,
+    WEIGHTS,
+    contact_angles,
+    pressure_modulus,
+    rim_forces,
+)
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.soil.params import SoilColumn, SoilParams, kernel_row
+
+RADIUS, SHEAR_RADIUS, WIDTH = 0.125, 0.131, 0.16
+SAND = {"n": 1.0, "k_c": 1400.0, "k_phi": 820e3, "cohesion": 170.0, "friction_angle_deg": 35.0}
+
+
+def make_soil(**changes: float | str) -> FloatArray:
+    values: dict[str, object] = {
+        "name": "sand",
+        "citation": "test",
+        **SAND,
+        "shear_modulus": 0.0178,
+        "shear_modulus_lateral": 0.0178,
+        "density": 1500.0,
+        "theta_m_c1": 0.4,
+        "theta_m_c2": 0.2,
+        "contact_damping": 0.0,
+    }
+    return kernel_row(SoilParams.model_validate({**values, **changes}))
+
+
+@st.composite
+def soils(draw: st.DrawFn) -> FloatArray:
+    """Soils from fluffy snow to stiff clay, in both forms of the pressure law."""
+    n = draw(st.floats(0.2, 1.8))
+    form = draw(st.sampled_from(["bekker", "reece"]))
+    stiffness = draw(st.floats(1e3, 3e4)) / 0.01**n  # pressure of 1 to 30 kPa at 1 cm
+    return make_soil(
+        n=n,
+        form=form,
+        k_c=0.0,
+        k_phi=stiffness if form == "bekker" else stiffness * WIDTH ** (n - 1.0),
+        cohesion=draw(st.floats(0.0, 3e3)),
+        friction_angle_deg=draw(st.floats(5.0, 45.0)),
+        shear_modulus=draw(st.floats(0.008, 0.05)),
+        shear_modulus_lateral=draw(st.floats(0.008, 0.05)),
+        shear_modulus_per_slip_angle=draw(st.sampled_from([0.0, 0.04])),
+        shear_modulus_lateral_per_slip_angle=draw(st.sampled_from([0.0, 0.02])),
+        theta_m_c1=draw(st.floats(0.1, 0.5)),
+        theta_m_c2=draw(st.floats(0.0, 0.4)),
+        exit_angle=draw(st.sampled_from(["zero", "lambda:0.3", "lambda:0.9", "lambda:1.2"])),
+    )
+
+
+slips = st.floats(-1.0, 1.0)
+side_slips = st.floats(-0.6, 0.6)
+sinkages = st.floats(0.001, 0.06)
+rollings = st.sampled_from([0.0, 0.3, 1.0])
+
+
+def rim(
+    soil: FloatArray, sinkage: float, slip: float, side_slip: float = 0.0, rolling: float = 1.0
+) -> tuple[float, ...]:
+    return rim_forces(RADIUS, SHEAR_RADIUS, WIDTH, sinkage, slip, side_slip, rolling, soil, NODES, WEIGHTS)
+
+
+def integrated(soil: FloatArray, sinkage: float, slip: float, side_slip: float, rolling: float) -> tuple[float, ...]:
+    """F_x, F_y, F_z, T, M_x, M_z by adaptive quadrature of the stresses of the module's equations."""
+    column = SoilColumn
+    n, tan_phi, cohesion = soil[column.N], soil[column.TAN_PHI], soil[column.COHESION]
+    if soil[column.FORM] == 0.0:
+        modulus = soil[column.K_C] / WIDTH + soil[column.K_PHI]
+    else:
+        modulus = (soil[column.K_C] + WIDTH * soil[column.K_PHI]) / WIDTH**n
+    theta_1 = math.acos(1.0 - sinkage / RADIUS)
+    ratio = soil[column.EXIT_LAMBDA]
+    behind = 0.0 if ratio < 0.0 else math.acos(1.0 - ratio * sinkage / RADIUS)
+    theta_2 = -rolling * behind - (1.0 - rolling) * theta_1
+    theta_m = rolling * max(soil[column.THETA_M_C1] + soil[column.THETA_M_C2] * slip, 0.0) * theta_1
+    slip_angle = math.atan2(abs(side_slip), max(1.0 - rolling * max(slip, 0.0), 1e-3))
+    k_x = soil[column.SHEAR_MODULUS_LONGITUDINAL]
+    k_x += soil[column.SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE] * slip_angle
+    k_y = soil[column.SHEAR_MODULUS_LATERAL]
+    k_y += soil[column.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE] * slip_angle
+    length = 2.0 * RADIUS * math.sin(theta_1)
+
+    def stresses(theta: float) -> tuple[float, float, float]:
+        front = theta
+        if theta < theta_m:
+            front = theta_1 - (theta - theta_2) * (theta_1 - theta_m) / (theta_m - theta_2)
+        sigma = modulus * max(RADIUS * (math.cos(front) - math.cos(theta_1)), 0.0) ** n
+        if slip >= 0.0:  # Wong and Reece: r [θ1 - θ - (1 - s)(sin θ1 - sin θ)]
+            rolled = theta_1 - theta - (1.0 - slip) * (math.sin(theta_1) - math.sin(theta))
+        else:
+            rolled = (1.0 + slip) * (theta_1 - theta) - (math.sin(theta_1) - math.sin(theta))
+        x = (rolling * SHEAR_RADIUS * rolled + (1.0 - rolling) * slip * length) / k_x
+        y = side_slip * (rolling * SHEAR_RADIUS * (theta_1 - theta) + (1.0 - rolling) * length) / k_y
+        j = math.hypot(x, y)
+        if j == 0.0:
+            return sigma, 0.0, 0.0
+        tau = (cohesion + sigma * tan_phi) * (1.0 - math.exp(-j))
+        return sigma, tau * x / j, tau * y / j
+
+    r, b, q = RADIUS, WIDTH, SHEAR_RADIUS
+
+    def total(term: object) -> float:
+        assert callable(term)
+        options = {"epsabs": 1e-9, "epsrel": 1e-10, "limit": 200}
+        parts = [quad(lambda t: term(t, *stresses(t)), low, high, **options)[0] for low, high in spans]
+        return float(sum(parts))
+
+    spans = [(theta_2, theta_m), (theta_m, theta_1)]
+    return (
+        total(lambda t, s, x, y: b * (q * x * math.cos(t) - r * s * math.sin(t))),
+        total(lambda t, s, x, y: b * q * y),
+        max(total(lambda t, s, x, y: b * (q * x * math.sin(t) + r * s * math.cos(t))), 0.0),
+        total(lambda t, s, x, y: b * q * q * x),
+        total(lambda t, s, x, y: b * q * q * y * math.cos(t)),
+        total(lambda t, s, x, y: b * q * q * y * math.sin(t)),
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(soils(), sinkages, slips, side_slips, rollings)
+def test_forces_are_the_integrals_of_the_stresses(
+    soil: FloatArray, sinkage: float, slip: float, side_slip: float, rolling: float
+) -> None:
+    expected = integrated(soil, sinkage, slip, side_slip, rolling)
+    found = rim(soil, sinkage, slip, side_slip, rolling)
+    scale = math.hypot(*expected[:3]) + 1e-3
+    assert np.allclose(found[:3], expected[:3], rtol=0.0, atol=2e-4 * scale)
+    assert np.allclose(found[3:6], expected[3:6], rtol=0.0, atol=2e-4 * scale * RADIUS)
+
+
+@settings(max_examples=60, deadline=None)
+@given(soils(), sinkages, slips, side_slips, rollings)
+def test_quadrature_error_of_the_few_points(
+    soil: FloatArray, sinkage: float, slip: float, side_slip: float, rolling: float
+) -> None:
+    points, weights = np.polynomial.legendre.leggauss(1000)
+    arguments = (RADIUS, SHEAR_RADIUS, WIDTH, sinkage, slip, side_slip, rolling, soil)
+    fine = rim_forces(*arguments, 0.5 * (points + 1.0), 0.5 * weights)
+    coarse = rim_forces(*arguments, NODES, WEIGHTS)
+    scale = math.hypot(*fine[:3]) + 1e-3
+    assert np.allclose(coarse[:3], fine[:3], rtol=0.0, atol=2e-4 * scale)
+
+
+def test_quadrature_error_on_lunar_soil() -> None:
+    points, weights = np.polynomial.legendre.leggauss(1000)
+    for slip in (-0.5, 0.0, 0.2, 0.8):
+        arguments = (RADIUS, SHEAR_RADIUS, WIDTH, 0.015, slip, 0.1, 1.0, make_soil())
+        fine = rim_forces(*arguments, 0.5 * (points + 1.0), 0.5 * weights)
+        coarse = rim_forces(*arguments, NODES, WEIGHTS)
+        assert np.allclose(coarse[:3], fine[:3], rtol=0.0, atol=2e-5 * math.hypot(*fine[:3]))
+
+
+@settings(max_examples=150, deadline=None)
+@given(soils(), st.floats(-1.0, 10.0), slips, st.floats(-1.0, 1.0), st.floats(0.0, 1.0))
+def test_finite_and_never_pulled_down(
+    soil: FloatArray, sinkage: float, slip: float, side_slip: float, rolling: float
+) -> None:
+    forces = rim(soil, sinkage, slip, side_slip, rolling)
+    assert all(math.isfinite(value) for value in forces)
+    assert forces[2] >= 0.0
+    if sinkage <= 0.0:
+        assert forces == (0.0,) * 7
+
+
+@settings(max_examples=100, deadline=None)
+@given(soils(), sinkages, st.floats(1.01, 1.5), rollings)
+def test_a_driven_wheel_bears_more_the_deeper_it_sinks(
+    soil: FloatArray, sinkage: float, factor: float, rolling: float
+) -> None:
+    for slip in (0.0, 0.1, 0.4):
+        assert rim(soil, sinkage * factor, slip, 0.0, rolling)[2] > rim(soil, sinkage, slip, 0.0, rolling)[2]
+
+
+def test_bears_more_and_more_beyond_the_last_entry_angle() -> None:
+    last = RADIUS * (1.0 - math.cos(MAX_ENTRY_ANGLE))
+    loads = [rim(make_soil(), last * factor, 0.1)[2] for factor in (0.99, 1.0, 1.01, 1.5, 3.0)]
+    assert loads == sorted(loads)
+    assert loads[2] - loads[1] < 0.05 * loads[1]
+
+
+@settings(max_examples=100, deadline=None)
+@given(soils(), sinkages, st.floats(0.0, 1.0), st.floats(-1e-7, 1e-7), side_slips)
+def test_continuous_through_zero_slip(
+    soil: FloatArray, sinkage: float, rolling: float, small: float, side_slip: float
+) -> None:
+    here = np.array(rim(soil, sinkage, 0.0, side_slip, rolling))
+    there = np.array(rim(soil, sinkage, small, side_slip, rolling))
+    assert np.allclose(here, there, rtol=0.0, atol=2e-5 * (np.abs(here).max() + 1.0))
+
+
+@settings(max_examples=100, deadline=None)
+@given(soils(), sinkages, slips, side_slips)
+def test_pressed_straight_down_has_no_sense_of_travel(
+    soil: FloatArray, sinkage: float, slip: float, side_slip: float
+) -> None:
+    """At D = 0 the sense of travel turns over: slip s ahead has to be -s in the mirror, in every force."""
+    ahead = np.array(rim(soil, sinkage, slip, side_slip, 0.0))
+    mirrored = np.array(rim(soil, sinkage, -slip, side_slip, 0.0)) * [-1, 1, 1, -1, 1, -1, 1]
+    assert np.allclose(ahead, mirrored, rtol=0.0, atol=1e-9 * np.abs(ahead).max() + 1e-12)
+
+
+@settings(max_examples=60, deadline=None)
+@given(soils(), sinkages, slips, side_slips, rollings)
+def test_shear_never_exceeds_the_strength_of_the_soil(
+    soil: FloatArray, sinkage: float, slip: float, side_slip: float, rolling: float
+) -> None:
+    """Shear along and across the rim, together, stays under that of a rim sheared to its limit everywhere."""
+    found = rim(soil, sinkage, slip, side_slip, rolling)
+    ceiling = strength(soil, sinkage, slip, rolling)
+    assert math.hypot(found[3] / SHEAR_RADIUS, found[1]) <= ceiling / SHEAR_RADIUS * (1.0 + 1e-3)
+
+
+def strength(soil: FloatArray, sinkage: float, slip: float, rolling: float) -> float:
+    """b r_s² ∫ (c + σ tan φ) dθ, by the mean value of many points."""
+    theta_1, theta_2, theta_m = contact_angles(RADIUS, sinkage, slip, rolling, soil)
+    theta = np.linspace(theta_2, theta_1, 20001)
+    front = theta_1 - (theta - theta_2) * (theta_1 - theta_m) / max(theta_m - theta_2, 1e-12)
+    mapped = np.where(theta < theta_m, front, theta)
+    depth = np.maximum(RADIUS * (np.cos(mapped) - math.cos(theta_1)), 0.0)
+    sigma = pressure_modulus(soil, WIDTH) * depth ** soil[SoilColumn.N]
+    tau = soil[SoilColumn.COHESION] + sigma * soil[SoilColumn.TAN_PHI]
+    return float(WIDTH * SHEAR_RADIUS**2 * np.trapezoid(tau, theta))
+
+
+def test_locked_wheel_on_snow_is_not_pulled_down() -> None:
+    """Cohesion ahead of a locked wheel on soft soil outweighs the pressure, by the integrals alone."""
+    snow = make_soil(n=1.6, k_c=4370.0, k_phi=196.72e3, cohesion=1030.0, friction_angle_deg=19.7)
+    assert rim(snow, 1e-3, -1.0)[2] == 0.0
+    assert rim(snow, 0.05, -1.0)[2] > 0.0
+
+
+@pytest.mark.parametrize("width", [0.01, 0.0123, 0.02])
+def test_negative_cohesive_modulus_never_makes_a_negative_pressure(width: float) -> None:
+    soil = make_soil(n=1.2594, k_c=-44.06e3, k_phi=3581.8e3)
+    assert pressure_modulus(soil, width) == pytest.approx(max(3581.8e3 - 44.06e3 / width, 0.0))

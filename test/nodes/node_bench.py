@@ -1,0 +1,206 @@
+"""A bench for nodes: they run in this process on a domain of their own, and a peer speaks for everybody else."""
+
+import math
+import time
+import xml.etree.ElementTree as ElementTree
+from collections import defaultdict
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from nav_msgs.msg import Odometry
+from rclpy.context import Context
+from rclpy.experimental import EventsExecutor
+from sensor_msgs.msg import BatteryState, Imu, JointState
+from std_msgs.msg import Header
+
+from sojourn_contract import qos, stamps
+from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats, status_values
+from sojourn_contract.messages import battery_state, fill_joint_state, joint_state
+from sojourn_contract.topics import TOPICS, topic
+from sojourn_contract.types import message_class
+
+PATIENCE_S = 20.0
+"""Wall time after which a test gives up; nothing is measured by it."""
+SCENARIO = "flat_drive"
+URDF = Path(__file__).parents[2] / "urdf" / "explorer.urdf"
+JOINTS = tuple(
+    joint.attrib["name"] for joint in ElementTree.parse(URDF).iter("joint") if joint.attrib.get("type") != "fixed"
+)
+WHEELS = tuple(name for name in JOINTS if name.startswith("wheel_"))
+STEERS = tuple(name for name in JOINTS if name.startswith("steer_"))
+ARM = tuple(name for name in JOINTS if name.startswith("arm_"))
+
+
+def stamp_of(message: Any) -> int:
+    """Stamp [ns] of any message of the contract."""
+    if hasattr(message, "clock"):
+        return stamps.from_message(message.clock)
+    return stamps.from_message(message.stamp if hasattr(message, "stamp") else message.header.stamp)
+
+
+def at(period: int) -> int:
+    """Stamp [ns] of a control period."""
+    return period * stamps.CONTROL_PERIOD_NS
+
+
+class Bench:
+    """See the module. `received`: messages by topic, in order of arrival."""
+
+    def __init__(self, domain: int) -> None:
+        self.context = Context()
+        rclpy.init(args=[], context=self.context, domain_id=domain)
+        self.executor = EventsExecutor(context=self.context)
+        self.peer = rclpy.create_node(
+            "peer", context=self.context, enable_rosout=False, start_parameter_services=False
+        )
+        self.executor.add_node(self.peer)
+        self.nodes: list[Any] = []
+        self.received: dict[str, list[Any]] = defaultdict(list)
+        self._senders: dict[str, Any] = {}
+        self._polled_at = 0.0
+
+    def start(self, node_class: Any, *participants: str, namespace: str | None = None, **parameters: Any) -> Any:
+        """Make a node that runs with these participants; lock-step unless told otherwise."""
+        values = {"scenario": SCENARIO, "lockstep": True, "participants": list(participants), **parameters}
+        node = node_class(context=self.context, overrides=values, namespace=namespace)
+        self.executor.add_node(node)
+        self.nodes.append(node)
+        return node
+
+    def listen(self, *names: str, namespace: str = "", lockstep: bool = True) -> None:
+        """Keep what comes on these topics, under their names in the table."""
+        for name in names:
+            row = topic(name)
+            self.peer.create_subscription(
+                message_class(row.type), namespace + name, self.received[name].append, qos.profile(row, lockstep, "recorder")
+            )
+
+    def speak(self, *names: str, lockstep: bool = True) -> None:
+        """Get ready to publish on these topics."""
+        for name in names:
+            row = topic(name)
+            self._senders[name] = self.peer.create_publisher(
+                message_class(row.type), name, qos.profile(row, lockstep)
+            )
+
+    def connect(self, node: Any, lockstep: bool = True) -> None:
+        """Listen to all that a node publishes and speak on all that it listens to; wait until both have met."""
+        self.listen(*node._outputs, lockstep=lockstep)
+        self.speak(*node._readers, lockstep=lockstep)
+        self.met()
+
+    def met(self) -> None:
+        """Wait until every publisher of the peer has a listener, and it hears somebody on every topic."""
+        self.until(
+            lambda: all(sender.get_subscription_count() for sender in self._senders.values())
+            and all(reader.get_publisher_count() for reader in self.peer.subscriptions),
+            "endpoints have met",
+        )
+
+    def send(self, name: str, message: Any) -> None:
+        """Publish."""
+        self._senders[name].publish(message)
+
+    def spin(self, seconds: float = 0.0) -> None:
+        """Run the executor for a while, and the nodes' wall-clock chores."""
+        end = time.monotonic() + seconds
+        while True:
+            self.executor.spin_once(timeout_sec=0.005)
+            now = time.monotonic()
+            if now - self._polled_at > 0.02:
+                self._polled_at = now
+                for node in self.nodes:
+                    node.poll()
+            if now >= end:
+                return
+
+    def until(self, condition: Callable[[], Any], what: str) -> None:
+        """Run until something is so. Fails the test, saying what is missing, when patience is over."""
+        end = time.monotonic() + PATIENCE_S
+        while not condition():
+            self.spin()
+            if time.monotonic() > end:
+                refusals = {node.role: node.counters.last_refusal for node in self.nodes}
+                raise AssertionError(f"not so after {PATIENCE_S} s: {what}; last refusals: {refusals}")
+
+    def answer(self, name: str, period: int) -> Any:
+        """The message on a topic that is stamped with a period, as soon as it comes."""
+        found: list[Any] = []
+
+        def has_come() -> bool:
+            found[:] = [message for message in self.received[name] if stamp_of(message) == at(period)]
+            return bool(found)
+
+        self.until(has_come, f"{name} stamped {period} periods")
+        assert len(found) == 1, f"{name} came {len(found)} times for one stamp"
+        return found[0]
+
+    def status(self, name: str, period: int) -> dict[str, str]:
+        """Keys and values of a status topic at a period."""
+        return status_values(self.answer(name, period))
+
+    def say_ready(self, *roles: str) -> None:
+        """Heartbeats of roles that the peer speaks for."""
+        for role in roles:
+            self.send("/diagnostics", heartbeat_message(role, READY, 0, Counters()))
+
+    def heartbeats(self, role: str) -> list[Any]:
+        """Heartbeats of a role so far."""
+        beats = [beat for message in self.received["/diagnostics"] for beat in read_heartbeats(message)]
+        return [beat for beat in beats if beat.role == role]
+
+    def close(self) -> None:
+        """Take everything down."""
+        for node in (*self.nodes, self.peer):
+            self.executor.remove_node(node)
+            node.destroy_node()
+        rclpy.try_shutdown(context=self.context)
+
+
+def joints(period: int, angles: dict[str, float] | None = None, rates: dict[str, float] | None = None) -> JointState:
+    """Measured (or true) joints; zero where nothing is said."""
+    message = joint_state(JOINTS)
+    position = [(angles or {}).get(name, 0.0) for name in JOINTS]
+    velocity = [(rates or {}).get(name, 0.0) for name in JOINTS]
+    return fill_joint_state(message, at(period), position, velocity, [0.0] * len(JOINTS))
+
+
+def imu(period: int, yaw: float = 0.0, yaw_rate: float = 0.0) -> Imu:
+    """A level machine that turns."""
+    message = Imu()
+    message.header.stamp = stamps.to_message(at(period))
+    message.header.frame_id = "imu_link"
+    message.orientation.z, message.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    message.angular_velocity.z = yaw_rate
+    message.linear_acceleration.z = 1.625
+    return message
+
+
+def odometry(period: int) -> Odometry:
+    """A machine at rest at the origin of map."""
+    message = Odometry(child_frame_id="base_link")
+    message.header.stamp = stamps.to_message(at(period))
+    message.header.frame_id = "map"
+    message.pose.pose.orientation.w = 1.0
+    return message
+
+
+def battery(period: int, voltage: float = 29.0, current: float = 2.0) -> BatteryState:
+    """Telemetry of the bus; `current` out of the battery."""
+    return battery_state(at(period), voltage, current, 293.15, math.nan, math.nan, math.nan)
+
+
+def tick(period: int, text: str = "") -> Header:
+    """A tick of the operator or the recorder."""
+    return Header(stamp=stamps.to_message(at(period)), frame_id=text)
+
+
+def command(names: tuple[str, ...], period: int, rate: float = 0.0, angle: float = 0.0) -> JointState:
+    """A command of these joints, all alike."""
+    count = len(names)
+    return fill_joint_state(joint_state(names), at(period), [angle] * count, [rate] * count, [0.0] * count)
+
+
+ALL_TOPICS = tuple(row.name for row in TOPICS)

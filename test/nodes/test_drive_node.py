@@ -1,0 +1,257 @@
+"""The node of the drive, alone: goals, velocity commands, measurements that cannot be used, a start in mid-run."""
+
+import math
+from typing import Any
+
+import pytest
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from nav_msgs.msg import Path
+from node_bench import JOINTS, STEERS, WHEELS, Bench, at, imu, joints, stamp_of, tick
+
+from sojourn_contract import stamps
+from sojourn_contract.events import format_tick
+from sojourn_contract.heartbeat import status_message
+from sojourn_drive.node import DriveNode
+
+START_X = -1.0
+"""Where the scenario puts the rover."""
+
+
+@pytest.fixture
+def drive(bench: Bench) -> DriveNode:
+    node = bench.start(DriveNode, "sensors", "drive")
+    bench.connect(node)
+    return node
+
+
+def step(bench: Bench, *periods: int) -> Any:
+    """Measurements at rest for these periods; the last wheel command."""
+    for period in periods:
+        bench.send("/joint_states", joints(period))
+        bench.send("/imu/data", imu(period))
+        bench.answer("/odom", period)
+        command = bench.answer("/wheel_command", period)
+    return command
+
+
+def pose(x: float, y: float, frame: str = "map", stamp: int = 0) -> PoseStamped:
+    message = PoseStamped()
+    message.header.frame_id = frame
+    message.header.stamp = stamps.to_message(stamp)
+    message.pose.position.x, message.pose.position.y = x, y
+    message.pose.orientation.w = 0.0  # any heading
+    return message
+
+
+def twist(x: float, stamp: int = 0) -> TwistStamped:
+    message = TwistStamped()
+    message.header.stamp = stamps.to_message(stamp)
+    message.twist.linear.x = x
+    return message
+
+
+def rates(command: Any) -> list[float]:
+    by_name = dict(zip(command.name, command.velocity, strict=True))
+    return [by_name[name] for name in WHEELS]
+
+
+def send_event(bench: Bench, node: DriveNode, name: str, message: Any) -> None:
+    """Send a goal and wait until it is there, so that it takes effect in the next period."""
+    before = node.events.received.get(name, 0)
+    bench.send(name, message)
+    bench.until(lambda: node.events.received.get(name, 0) > before, f"{name} has arrived")
+
+
+def test_a_goal_makes_it_move(bench: Bench, drive: DriveNode) -> None:
+    command = step(bench, 1)
+    assert set(command.name) == set((*WHEELS, *STEERS)) and rates(command) == [0.0] * 6
+    send_event(bench, drive, "/goal_pose", pose(2.0, 0.0, stamp=at(4)))
+    step(bench, 2, 3)
+    assert rates(bench.answer("/wheel_command", 3)) == [0.0] * 6, "its stamp has not come yet"
+    command = step(bench, *range(4, 51))
+    assert min(rates(command)) > 0.1
+    status = bench.status("/drive/status", 50)
+    assert (status["state"], status["goal_stamp"]) == ("moving", str(at(4)))
+    assert float(status["distance_to_go"]) == pytest.approx(3.0, abs=0.05)
+    assert [stamp_of(message) for message in bench.received["/drive/status"]] == [at(50)]
+
+
+def test_goals_in_the_frame_of_the_machine(bench: Bench, drive: DriveNode) -> None:
+    step(bench, 1)
+    send_event(bench, drive, "/goal_pose", pose(2.0, 0.0, "base_link"))
+    step(bench, 2)
+    assert drive.state.follower is not None
+    assert drive.state.follower.goal.points[-1] == pytest.approx((START_X + 2.0, 0.0), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "goal,reason",
+    [
+        (pose(1.0, 0.0, "moon"), "header.frame_id = 'moon': allowed is one of map, odom, base_link"),
+        (pose(100.0, 0.0), "on the terrain, -10.00 to 10.00 m"),
+        (pose(0.0, -10.5, "odom"), "pose.position.y = -10.50 m in map"),
+        (pose(11.5, 0.0, "base_link"), "on the terrain"),
+    ],
+    ids=["frame", "east of the terrain", "south of it", "ahead of it"],
+)
+def test_goals_that_cannot_be_are_refused_with_the_reason(
+    bench: Bench, drive: DriveNode, goal: PoseStamped, reason: str
+) -> None:
+    step(bench, *range(1, 48))
+    send_event(bench, drive, "/goal_pose", goal)
+    command = step(bench, 48, 49, 50)
+    status = bench.status("/drive/status", 50)
+    assert status["state"] == "refused" and reason in status["reason"]
+    assert bench.received["/drive/status"][-1].status[0].level == b"\x01"
+    assert drive.counters.refused == {"/goal_pose": 1} and reason in drive.counters.last_refusal
+    assert rates(command) == [0.0] * 6
+
+
+def test_a_path_without_points_is_refused(bench: Bench, drive: DriveNode) -> None:
+    path = Path()
+    path.header.frame_id = "map"
+    send_event(bench, drive, "/waypoints", path)
+    step(bench, *range(1, 51))
+    status = bench.status("/drive/status", 50)
+    assert status["state"] == "refused" and "at least one pose" in status["reason"]
+
+
+def test_a_goal_that_is_no_number_does_not_stop_the_lock_step(bench: Bench) -> None:
+    """The tick announces one goal; that it is refused must not be waited for for ever."""
+    node = bench.start(DriveNode, "sensors", "drive", "operator")
+    bench.connect(node)
+    bench.send("/operator/tick", tick(5, format_tick({"/goal_pose": 1, "/arm/goal_pose": 3}, False)))
+    step(bench, *range(1, 10))
+    bench.send("/joint_states", joints(10))
+    bench.send("/imu/data", imu(10))
+    bench.until(lambda: not node.barrier.missing(), "all but the goal is in")
+    bench.spin(0.05)
+    assert node.now == at(9), "it waits for the goal that the tick has announced"
+    assert node._waits_for() == ("operator", "the goals that its tick announces")
+    bench.send("/goal_pose", pose(math.nan, 0.0))
+    bench.answer("/wheel_command", 10)
+    assert node.counters.refused == {"/goal_pose": 1}
+
+
+def test_a_tick_in_other_words_is_refused(bench: Bench) -> None:
+    node = bench.start(DriveNode, "sensors", "drive", "operator")
+    bench.connect(node)
+    bench.send("/operator/tick", tick(5, "start please"))
+    step(bench, *range(1, 11))
+    assert node.counters.refused == {"/operator/tick": 1}
+
+
+def test_velocity_commands_and_their_age(bench: Bench, drive: DriveNode) -> None:
+    step(bench, 1)
+    send_event(bench, drive, "/cmd_vel", twist(0.03, at(2)))
+    assert min(rates(step(bench, *range(2, 20)))) > 0.05
+    command = step(bench, *range(20, 52))
+    assert rates(command) == [0.0] * 6, "a velocity command older than half a second is lost"
+    send_event(bench, drive, "/cmd_vel", twist(0.03, at(51) - 500_000_001))
+    step(bench, 52)
+    assert drive.counters.refused == {"/cmd_vel": 1}
+    assert "/cmd_vel.header.stamp" in drive.counters.last_refusal
+
+
+def test_a_velocity_command_ends_a_goal_that_has_not_begun(bench: Bench, drive: DriveNode) -> None:
+    step(bench, *range(1, 49))
+    send_event(bench, drive, "/goal_pose", pose(2.0, 0.0, stamp=at(49)))
+    send_event(bench, drive, "/cmd_vel", twist(0.0, at(49)))
+    step(bench, 49, 50)
+    status = bench.status("/drive/status", 50)
+    assert (status["state"], status["reason"]) == ("stopped", "pre-empted by /cmd_vel")
+    assert drive.state.follower is None
+
+
+def test_two_goals_with_one_stamp_are_two_goals(bench: Bench, drive: DriveNode) -> None:
+    """The end of the first is not the end of the second: both are stamped zero, as people send them."""
+    send_event(bench, drive, "/goal_pose", pose(2.0, 0.0))
+    step(bench, *range(1, 49))
+    send_event(bench, drive, "/goal_pose", pose(3.0, 0.0))
+    step(bench, 49, 50)
+    assert bench.status("/drive/status", 50)["state"] == "moving"
+
+
+def test_measurements_that_cannot_be_used_stop_the_wheels(bench: Bench, drive: DriveNode) -> None:
+    """For longer than a second, then it goes on; every period is answered, and a goal that came meanwhile counts."""
+    send_event(bench, drive, "/goal_pose", pose(2.0, 0.0, stamp=at(1)))
+    assert min(rates(step(bench, *range(1, 40)))) > 0.1
+    for period in range(40, 101):
+        bad = joints(period)
+        bad.position[3] = math.nan
+        bench.send("/joint_states", bad)
+        bench.send("/imu/data", imu(period))
+        assert rates(bench.answer("/wheel_command", period)) == [0.0] * 6
+        bench.answer("/odom", period)
+        if period == 60:
+            send_event(bench, drive, "/goal_pose", pose(0.0, 0.0, stamp=at(61)))
+    assert drive.counters.refused == {"/joint_states": 61}
+    assert f"/joint_states.position[3] = nan" in drive.counters.last_refusal
+    (beat,) = [beat for beat in bench.heartbeats("drive") if beat.stamp == at(100)]
+    assert beat.refused == {"/joint_states": 61}
+    assert beat.values["last refusal"] == drive.counters.last_refusal
+    command = step(bench, *range(101, 151))
+    assert drive.counters.refused == {"/joint_states": 61}
+    status = bench.status("/drive/status", 150)
+    assert (status["state"], status["goal_stamp"]) == ("moving", str(at(61)))
+    assert min(rates(command)) > 0.1
+
+
+@pytest.mark.parametrize("what", ["names", "rates"])
+def test_joint_states_that_lack_something_are_refused(bench: Bench, drive: DriveNode, what: str) -> None:
+    step(bench, 1)
+    bad = joints(2)
+    if what == "names":
+        bad.name = ["somebody_elses_joint"] * len(JOINTS)
+    else:
+        bad.velocity = []
+    bench.send("/joint_states", bad)
+    bench.send("/imu/data", imu(2))
+    assert rates(bench.answer("/wheel_command", 2)) == [0.0] * 6
+    step(bench, 3)
+    assert drive.counters.refused == {"/joint_states": 1}
+
+
+def test_switches_limit_the_drive(bench: Bench) -> None:
+    node = bench.start(DriveNode, "sensors", "drive", "power")
+    bench.connect(node)
+    send_event(bench, node, "/goal_pose", pose(2.0, 0.0))
+    step(bench, *range(1, 5))
+    bench.send("/power/switches", status_message(at(5), "switches", {"drive": "0.25", "steer": "on"}))
+    step(bench, 5)
+    assert node._power_limit == 0.25
+    bench.send("/power/switches", status_message(at(10), "switches", {"drive": "nonsense"}))
+    step(bench, *range(6, 11))
+    assert node._power_limit == 0.25 and node.counters.refused == {"/power/switches": 1}
+    bench.send("/power/switches", status_message(at(15), "switches", {"drive": "off"}))
+    step(bench, *range(11, 16))
+    assert node._power_limit == 0.0
+
+
+def test_started_in_the_middle_of_a_run_in_real_time(bench: Bench) -> None:
+    """Stamps are far from zero at once, and the first input may be any of the two."""
+    node = bench.start(DriveNode, "sensors", "drive", lockstep=False)
+    bench.connect(node, lockstep=False)
+    assert not bench.heartbeats("drive") or bench.heartbeats("drive")[-1].stamp == 0
+    bench.send("/imu/data", imu(5000))
+    assert rates(bench.answer("/wheel_command", 5000)) == [0.0] * 6
+    step(bench, 5001, 5002)
+    send_event(bench, node, "/cmd_vel", twist(0.03))
+    command = step(bench, *range(5003, 5020))
+    assert min(rates(command)) > 0.05
+    assert node.counters.refused == {}
+
+
+def test_in_real_time_an_old_measurement_is_lost(bench: Bench) -> None:
+    node = bench.start(DriveNode, "sensors", "drive", lockstep=False)
+    bench.connect(node, lockstep=False)
+    step(bench, 1)
+    send_event(bench, node, "/cmd_vel", twist(0.03))
+    assert min(rates(step(bench, *range(2, 12)))) > 0.0
+    for period in range(12, 18):  # the encoders are silent, the IMU is not
+        bench.send("/imu/data", imu(period))
+        command = bench.answer("/wheel_command", period)
+    assert rates(command) == [0.0] * 6
+    bench.send("/imu/data", imu(3))
+    bench.until(lambda: node.counters.refused, "a stamp from the past is refused")
+    assert node.counters.refused == {"/imu/data": 1} and "header.stamp" in node.counters.last_refusal

@@ -1,0 +1,100 @@
+"""The node of the sensors, alone: truth in, measurements out."""
+
+import math
+
+import numpy as np
+import pytest
+from node_bench import ARM, JOINTS, STEERS, WHEELS, Bench, at, battery, imu, joints, odometry, stamp_of
+
+from sojourn_sensors.node import SensorsNode
+
+TRUTH = ("/truth/odom", "/truth/joint_states", "/truth/electrical")
+
+
+def feed(bench: Bench, period: int, angle: float = 0.0, first: str = "/truth/odom") -> None:
+    """The truth of one period, in one of two orders."""
+    messages = {"/truth/odom": odometry(period), "/truth/joint_states": joints(period, dict.fromkeys(JOINTS, angle))}
+    if period % 5 == 0:
+        messages["/truth/electrical"] = battery(period)
+    for name in sorted(messages, key=lambda name: name != first):
+        bench.send(name, messages[name])
+
+
+def test_answers_each_period_once_with_its_stamp(bench: Bench) -> None:
+    node = bench.start(SensorsNode, "plant", "sensors")
+    bench.connect(node)
+    for period in range(1, 13):
+        feed(bench, period, first="/truth/joint_states" if period % 2 else "/truth/odom")
+        bench.answer("/joint_states", period)
+        bench.answer("/imu/data", period)
+    assert [stamp_of(message) for message in bench.received["/joint_states"]] == [at(p) for p in range(1, 13)]
+    assert [stamp_of(message) for message in bench.received["/imu/data"]] == [at(p) for p in range(1, 13)]
+    assert [stamp_of(message) for message in bench.received["/bus/state"]] == [at(5), at(10)]
+    bus = bench.received["/bus/state"][0]
+    assert (bus.voltage, bus.current) == pytest.approx((29.0, -2.0), abs=0.5)
+    assert math.isnan(bus.percentage), "the charge is not measured"
+    assert not node.counters.refused
+
+
+def test_encoders_are_as_good_as_their_resolution(bench: Bench) -> None:
+    node = bench.start(SensorsNode, "plant", "sensors")
+    bench.connect(node)
+    for period in range(1, 8):
+        feed(bench, period, angle=0.1234 * period)
+        measured = bench.answer("/joint_states", period)
+        assert set((*WHEELS, *STEERS, *ARM)) <= set(measured.name) <= set(JOINTS)
+        position = dict(zip(measured.name, measured.position, strict=True))
+        for group in node.params.joint_groups.values():
+            encoder = group.encoder
+            step = 2 * math.pi / 2**encoder.bits / (encoder.gear_ratio if encoder.side == "motor" else 1.0)
+            for name in group.joints:
+                assert position[name] == pytest.approx(0.1234 * period, abs=step)
+    true_rate = 0.1234 / 0.02
+    rates = dict(zip(measured.name, measured.velocity, strict=True))
+    assert rates["wheel_front_left_joint"] == pytest.approx(true_rate, rel=0.01)
+
+
+def test_imu_at_rest_feels_gravity(bench: Bench) -> None:
+    bench.connect(bench.start(SensorsNode, "plant", "sensors"))
+    felt = []
+    for period in range(1, 21):
+        feed(bench, period)
+        reading = bench.answer("/imu/data", period)
+        felt.append(np.array([getattr(reading.linear_acceleration, axis) for axis in "xyz"]))
+        assert reading.header.frame_id == "imu_link"
+        assert reading.orientation_covariance[0] > 0.0
+    assert np.linalg.norm(np.mean(felt, axis=0)) == pytest.approx(1.625, abs=0.05)
+
+
+def test_truth_that_is_none_is_refused(bench: Bench) -> None:
+    """The sensors have nothing to measure, and say why."""
+    node = bench.start(SensorsNode, "plant", "sensors")
+    bench.connect(node)
+    feed(bench, 1)
+    bench.answer("/joint_states", 1)
+    bad = odometry(2)
+    bad.pose.pose.position.x = math.nan
+    bench.send("/truth/odom", bad)
+    bench.send("/truth/joint_states", joints(2))
+    bench.until(lambda: node.counters.refused, "the truth is refused")
+    feed(bench, 3)
+    bench.answer("/joint_states", 3)
+    assert node.counters.refused == {"/truth/odom": 1}
+    assert "/truth/odom.pose.pose.position.x = nan" in node.counters.last_refusal
+    assert at(2) not in [stamp_of(message) for message in bench.received["/joint_states"]]
+
+
+def test_a_foreign_topic_is_not_read(bench: Bench) -> None:
+    node = bench.start(SensorsNode, "plant", "sensors")
+    assert set(node._readers) == set(TRUTH)
+    assert imu(1).header.frame_id == "imu_link"
+
+
+def test_in_real_time_the_bus_is_read_at_its_own_rate(bench: Bench) -> None:
+    node = bench.start(SensorsNode, "plant", "sensors", lockstep=False)
+    bench.connect(node, lockstep=False)
+    for period in range(1001, 1013):
+        feed(bench, period)
+        bench.answer("/joint_states", period)
+    bench.answer("/bus/state", 1010)
+    assert [stamp_of(message) for message in bench.received["/bus/state"]] == [at(1005), at(1010)]

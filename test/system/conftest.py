@@ -1,0 +1,33 @@
+"""Fixtures of the system tests: domains of their own, and programs that end with the test."""
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from programs import Program, next_domain
+
+
+@pytest.fixture
+def domain() -> int:
+    """A domain of this test's own."""
+    return next_domain()
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Callable[..., Program]]:
+    """Starts programs, `start("start", "flat_drive", "--domain", "7")`, and ends those that still run after the test."""
+    programs: list[Program] = []
+
+    def begin(module: str, *arguments: str | Path | int) -> Program:
+        words = [str(argument) for argument in arguments]
+        program = Program(module, words, tmp_path / f"{len(programs)}_{module}.log")
+        programs.append(program)
+        return program
+
+    yield begin
+    for program in programs:
+        program.end()

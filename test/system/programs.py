@@ -1,0 +1,112 @@
+"""Programs as users start them, each with what it prints, what it starts, and what it must not leave behind."""
+
+import itertools
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import uuid
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+SHORT_RUN = HERE / "short_run.yaml"
+FIRST_DOMAIN = 180
+DOMAINS = 50
+LONGEST_S = 90.0
+MARK = "SOJOURN_TEST_MARK"
+"""Variable by which a program's descendants are found, whatever group or parent they have."""
+_domains = itertools.count()
+
+
+def next_domain() -> int:
+    """A ROS domain that no other test of this session uses, and hardly one of another session."""
+    return FIRST_DOMAIN + (os.getpid() * 11 + next(_domains)) % DOMAINS
+
+
+def environment(mark: str) -> dict[str, str]:
+    """Variables of the programs under test; ROS checks the fields of every message."""
+    return {**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1", "PYTHONUNBUFFERED": "1", MARK: mark}
+
+
+class Program:
+    """A program of sojourn_bringup in a session of its own, its output in a file.
+
+    Args:
+        module: module that it runs. arguments: its options. log: file for what it prints.
+    """
+
+    def __init__(self, module: str, arguments: Sequence[str], log: Path) -> None:
+        self.log = log
+        self.mark = uuid.uuid4().hex
+        with log.open("wb") as output:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", f"sojourn_bringup.{module}", *arguments],
+                env=environment(self.mark),
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+
+    @property
+    def text(self) -> str:
+        """What it has printed so far."""
+        return self.log.read_text(encoding="utf-8")
+
+    def processes(self) -> list[int]:
+        """Numbers of it and of all that it has started, as far as they still run."""
+        found = []
+        for entry in Path("/proc").glob("[0-9]*"):
+            try:
+                variables = (entry / "environ").read_bytes().split(b"\0")
+                state = (entry / "stat").read_text().rpartition(")")[2].split()[0]
+            except OSError:
+                continue
+            if f"{MARK}={self.mark}".encode() in variables and state != "Z":
+                found.append(int(entry.name))
+        return sorted(found)
+
+    def process_of(self, role: str) -> int:
+        """Number of the latest process of a role, from what it has printed."""
+        found = re.findall(rf"^{role} \(process (\d+)\)", self.text, re.MULTILINE)
+        found += re.findall(rf"^{role} .*started again as process (\d+)", self.text, re.MULTILINE)
+        return int(found[-1])
+
+    def send(self, number: signal.Signals) -> None:
+        """Send a signal to it alone."""
+        self.process.send_signal(number)
+
+    def wait(self, seconds: float = LONGEST_S) -> int:
+        """Its exit status, once it has ended."""
+        try:
+            return self.process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            pytest.fail(f"still runs after {seconds:g} s; it printed:\n{self.text}")
+
+    def wait_until(self, holds: Callable[[str], bool], what: str, seconds: float = LONGEST_S) -> None:
+        """Wait until what it has printed fulfils a condition."""
+        end = time.monotonic() + seconds
+        while not holds(self.text):
+            if time.monotonic() > end or self.process.poll() is not None:
+                pytest.fail(f"{what}: not seen; it printed:\n{self.text}")
+            time.sleep(0.02)
+
+    def end(self) -> None:
+        """End it if it still runs."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+            try:
+                self.process.wait(20.0)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
+
+
+def shared_memory_files() -> set[str]:
+    """Names of the shared-memory files of ROS and of its tracing that there are now."""
+    return {path.name for path in Path("/dev/shm").iterdir() if path.name.startswith(("fastrtps", "lttng-ust"))}
