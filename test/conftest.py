@@ -5,7 +5,5 @@ from pathlib import Path
 
 # rclpy looks at it once, when the first message class is imported: without it wrong types corrupt in silence.
 os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
-os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(
-    Path(__file__).parents[1] / "config" / "nodes" / "fastdds.xml"
-)
+os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(__file__).parents[1] / "config" / "nodes" / "fastdds.xml")
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SYSTEM_DEFAULT"

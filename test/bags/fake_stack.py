@@ -60,9 +60,7 @@ def content(row: Topic, stamp: int) -> Any:
     seconds = stamps.seconds(stamp)
     kind = message_class(row.type)
     if kind is DiagnosticArray:
-        return status_message(
-            stamp, row.publisher, {"state": "idle", "goal_stamp": "0", "soc": f"{seconds:.2f}"}
-        )
+        return status_message(stamp, row.publisher, {"state": "idle", "goal_stamp": "0", "soc": f"{seconds:.2f}"})
     if kind is Header:
         return Header(stamp=stamps.to_message(stamp))
     message = contacts(stamp) if kind is PointCloud2 else kind()
@@ -143,9 +141,7 @@ class FakePlant(FakeNode):
         """The first period when all are ready; in real time each period by the wall clock."""
         super().poll()
         now = time.monotonic()
-        if self._ready >= set(self.participants) and (
-            self._period == 0 or (not self.lockstep and now > self._next_at)
-        ):
+        if self._ready >= set(self.participants) and (self._period == 0 or (not self.lockstep and now > self._next_at)):
             self._next_at = now + 0.01
             self.step()
 

@@ -69,9 +69,7 @@ class SyntheticRun:
             message.header.stamp = stamps.to_message(stamp)
         self.writer.write(CHANNELS[name], stamp if log_time is None else log_time, stamp, cdr(message))
 
-    def close(
-        self, last_stamp: int, participants: str = "plant,sensors,drive,arm,power,operator,recorder"
-    ) -> None:
+    def close(self, last_stamp: int, participants: str = "plant,sensors,drive,arm,power,operator,recorder") -> None:
         """Finish with an account in which everything is there."""
         recorded = self.writer.recorded()
         completeness = account(TOPICS, recorded, recorded, last_stamp)
@@ -89,26 +87,20 @@ class SyntheticRun:
         state = JointState(name=list(joints))
         state.position = array.array("d", joints.values())
         state.velocity = array.array("d", [0.0] * len(joints))
-        state.effort = array.array(
-            "d", [effort * math.cos(index + stamp * 2e-11) for index in range(len(joints))]
-        )
+        state.effort = array.array("d", [effort * math.cos(index + stamp * 2e-11) for index in range(len(joints))])
         self.write("/truth/joint_states", stamp, state)
 
     def contacts(self, stamp: int, points: np.ndarray) -> None:
         """Contacts of shape (points, 11)."""
         cloud = PointCloud2(height=1, width=len(points), point_step=4 * len(FIELDS), is_dense=True)
         cloud.row_step = cloud.point_step * cloud.width
-        cloud.fields = [
-            PointField(name=name, offset=4 * i, datatype=7, count=1) for i, name in enumerate(FIELDS)
-        ]
+        cloud.fields = [PointField(name=name, offset=4 * i, datatype=7, count=1) for i, name in enumerate(FIELDS)]
         cloud.data = array.array("B", points.astype("<f4").tobytes())
         self.write("/truth/contacts", stamp, cloud)
 
     def electrical(self, stamp: int, power: float, charge: float) -> None:
         """Battery at 28 V."""
-        self.write(
-            "/truth/electrical", stamp, BatteryState(voltage=28.0, current=-power / 28.0, percentage=charge)
-        )
+        self.write("/truth/electrical", stamp, BatteryState(voltage=28.0, current=-power / 28.0, percentage=charge))
 
     def status(self, name: str, stamp: int, state: str, goal_stamp: int, reason: str = "") -> None:
         """Status of drive or arm."""
@@ -116,9 +108,7 @@ class SyntheticRun:
         message: DiagnosticArray = status_message(stamp, topic(name).publisher, values)
         self.write(name, stamp, message)
 
-    def goal(
-        self, name: str, stamp: int, points: list[tuple[float, float, float]], frame: str = "map"
-    ) -> None:
+    def goal(self, name: str, stamp: int, points: list[tuple[float, float, float]], frame: str = "map") -> None:
         """A goal pose, or waypoints where there are several points."""
         poses = []
         for point in points:

@@ -150,9 +150,7 @@ def test_gap_is_found_against_published_and_against_due() -> None:
 
 
 def test_loss_that_quality_of_service_allows_is_counted_but_no_failure() -> None:
-    clouds = Topic(
-        "/cloud", "sensor_msgs/PointCloud2", "sensors", (), 5, 1.0, "", reliability=Reliability.BEST_EFFORT
-    )
+    clouds = Topic("/cloud", "sensor_msgs/PointCloud2", "sensors", (), 5, 1.0, "", reliability=Reliability.BEST_EFFORT)
     found = account([clouds, topic("/clock")], {"/cloud": 8, "/clock": 9}, {"/cloud": 10, "/clock": 10}, None)
     assert not found.gaps
     assert found.counts["/cloud"].lost == 2 and found.counts["/clock"].lost == 1

@@ -44,17 +44,13 @@ def messages(draw: Any) -> Any:
         return Odometry(header=header, child_frame_id=draw(texts))
     if kind == 2:
         cells = array.array("f", draw(st.lists(st.floats(width=32), max_size=3)))
-        return BatteryState(
-            header=header, voltage=3.5, cell_voltage=cells, location=draw(texts), present=True
-        )
+        return BatteryState(header=header, voltage=3.5, cell_voltage=cells, location=draw(texts), present=True)
     if kind == 3:
         fields = [PointField(name=name, offset=4 * i, datatype=7, count=1) for i, name in enumerate(names)]
         return PointCloud2(header=header, fields=fields, data=array.array("B", draw(st.binary(max_size=9))))
     if kind == 4:
         values = [KeyValue(key=name, value=draw(texts)) for name in names]
-        return DiagnosticArray(
-            header=header, status=[DiagnosticStatus(level=b"\2", name=draw(texts), values=values)]
-        )
+        return DiagnosticArray(header=header, status=[DiagnosticStatus(level=b"\2", name=draw(texts), values=values)])
     if kind == 5:
         return Route(header=header, poses=[PoseStamped(header=Header(frame_id=name)) for name in names])
     if kind == 6:
@@ -80,9 +76,7 @@ def test_layout_finds_what_the_decoder_finds(message: Any) -> None:
     rows = np.frombuffer(data, dtype=np.uint8)[np.newaxis]
     for path in layout.numbers:
         found = layout.column(rows, path)[0]
-        assert np.array_equal(
-            found, attribute(decoded, path), equal_nan=np.asarray(found).dtype.kind == "f"
-        ), path
+        assert np.array_equal(found, attribute(decoded, path), equal_nan=np.asarray(found).dtype.kind == "f"), path
     for path, text in layout.texts.items():
         assert data[text.offset : text.offset + text.length].decode() == attribute(decoded, path), path
 
@@ -104,9 +98,7 @@ def topic_of(*contents: Any) -> Messages:
 
 
 def test_joints_are_found_by_name_whatever_their_order() -> None:
-    first = JointState(
-        name=["aa", "bb"], position=array.array("d", [1.0, 2.0]), velocity=array.array("d", [3.0, 4.0])
-    )
+    first = JointState(name=["aa", "bb"], position=array.array("d", [1.0, 2.0]), velocity=array.array("d", [3.0, 4.0]))
     turned = JointState(name=["bb", "aa"], position=array.array("d", [5.0, 6.0]))
     longer = JointState(name=["aa", "bb", "cc"], position=array.array("d", [7.0, 8.0, 9.0]))
     joints = topic_of(first, turned, first, longer).joints()
@@ -131,9 +123,7 @@ def test_points_are_read_by_their_fields_whatever_their_width() -> None:
 
 
 def test_fields_that_some_messages_lack_are_nan() -> None:
-    messages = topic_of(
-        BatteryState(voltage=28.0), BatteryState(voltage=27.0, cell_voltage=array.array("f", [3.0]))
-    )
+    messages = topic_of(BatteryState(voltage=28.0), BatteryState(voltage=27.0, cell_voltage=array.array("f", [3.0])))
     np.testing.assert_array_equal(messages.column("voltage"), [28.0, 27.0])
     np.testing.assert_array_equal(messages.column("cell_voltage"), [[np.nan], [3.0]])
     with pytest.raises(UnknownTopicInBagError, match=r"/topic\.volts is not in the bag: there are .*voltage"):

@@ -49,9 +49,7 @@ def test_product_and_inverse_are_those_of_rigid_motion(first: Transform, second:
 
 @settings(max_examples=30, deadline=None)
 @given(transforms(), transforms(), st.text("abcdefgh/", max_size=9), st.integers(1, 10**12))
-def test_base_link_stands_in_map_at_the_truth(
-    truth: Transform, belief: Transform, frame: str, stamp: int
-) -> None:
+def test_base_link_stands_in_map_at_the_truth(truth: Transform, belief: Transform, frame: str, stamp: int) -> None:
     assert pose_of_odometry(odometry(truth, frame)) == truth
     data = TransformSource().message(stamp, odometry(truth, frame), odometry(belief, "odom"))
     assert data is not None

@@ -47,9 +47,7 @@ def due(every: int, periods: int) -> int:
 def values(bag: Bag) -> list[tuple[int, str, str]]:
     """Sequence of (log time, topic, field values) of a whole bag, in the order of the file."""
     with bag.path.open("rb") as stream:
-        decoded = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages(
-            log_time_order=False
-        )
+        decoded = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages(log_time_order=False)
         return [(message.log_time, channel.topic, str(content)) for _, channel, message, content in decoded]
 
 
@@ -64,8 +62,7 @@ def test_bag_is_whole_and_others_open_it(tmp_path: Path) -> None:
         summary = reader.get_summary()
         assert summary is not None and summary.statistics is not None
         counts = {
-            summary.channels[number].topic: count
-            for number, count in summary.statistics.channel_message_counts.items()
+            summary.channels[number].topic: count for number, count in summary.statistics.channel_message_counts.items()
         }
         assert {schema.encoding for schema in summary.schemas.values()} == {"ros2msg"}
         for channel in summary.channels.values():
@@ -158,9 +155,7 @@ def test_without_a_drive_node_base_link_hangs_under_map(tmp_path: Path) -> None:
 
 def test_killed_recorder_leaves_a_bag_that_opens(tmp_path: Path) -> None:
     folder = tmp_path / "killed"
-    process = subprocess.Popen(
-        [sys.executable, str(HERE / "fake_stack.py"), str(folder), "1000000"], env=os.environ
-    )
+    process = subprocess.Popen([sys.executable, str(HERE / "fake_stack.py"), str(folder), "1000000"], env=os.environ)
     try:
         path = folder / "killed_0.mcap"
         deadline = time.monotonic() + 30.0
@@ -175,9 +170,7 @@ def test_killed_recorder_leaves_a_bag_that_opens(tmp_path: Path) -> None:
     assert len(bag["/truth/odom"]) > 50
     assert bag["/truth/odom"].times[0] == 0.02
     assert Run.of_bag(bag).name == SCENARIO
-    assert (
-        yaml.safe_load((folder / "metadata.yaml").read_text())["rosbag2_bagfile_information"]["version"] == 9
-    )
+    assert yaml.safe_load((folder / "metadata.yaml").read_text())["rosbag2_bagfile_information"]["version"] == 9
 
 
 def _plain(path: Path) -> bytes:
@@ -195,9 +188,7 @@ def test_folder_that_cannot_be_written_is_an_error_at_the_start(tmp_path: Path) 
     (tmp_path / "file").write_text("no folder")
     found = start_recorder(str(tmp_path / "file" / "bag"))
     assert found.returncode == 1
-    assert found.stderr.splitlines()[-1].startswith(
-        f"recorder: the bag {tmp_path / 'file' / 'bag'} cannot be written"
-    )
+    assert found.stderr.splitlines()[-1].startswith(f"recorder: the bag {tmp_path / 'file' / 'bag'} cannot be written")
     assert "Traceback" not in found.stderr
 
 

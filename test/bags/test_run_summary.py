@@ -122,9 +122,7 @@ def test_numbers_of_a_good_run(good: Bag, tmp_path: Path) -> None:
     assert found["max_tilt_deg"] == pytest.approx(0.0, abs=1e-5)
     assert [goal["outcome"] for goal in found["goals"]] == ["reached"] * 4
     assert found["messages"]["/truth/odom"] == {"published": PERIODS, "recorded": PERIODS}
-    assert found["verdict"].startswith(
-        "Every goal was met: the rover drove 9.0 m and stopped 0.20 m from the goal"
-    )
+    assert found["verdict"].startswith("Every goal was met: the rover drove 9.0 m and stopped 0.20 m from the goal")
     write_summary(found, tmp_path / "summary.json")
     assert json.loads((tmp_path / "summary.json").read_text()) == found
 
@@ -177,9 +175,7 @@ def test_report_draws_the_run(good: Bag, tmp_path: Path) -> None:
     ink = picture[..., :3].min(axis=2) < 0.9
     for row in range(4):
         for column in range(2):
-            panel = ink[
-                row * rows // 4 : (row + 1) * rows // 4, column * columns // 2 : (column + 1) * columns // 2
-            ]
+            panel = ink[row * rows // 4 : (row + 1) * rows // 4, column * columns // 2 : (column + 1) * columns // 2]
             assert panel.mean() > 0.01
 
 

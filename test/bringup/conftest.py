@@ -2,6 +2,8 @@
 
 import itertools
 import os
+import signal
+from collections.abc import Iterator
 
 import pytest
 
@@ -19,3 +21,12 @@ def domain(monkeypatch: pytest.MonkeyPatch) -> int:
         monkeypatch.setenv(name, value)
     monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", "1")
     return number
+
+
+@pytest.fixture(autouse=True)
+def signals() -> Iterator[None]:
+    """Programs that a test runs in this process catch signals: give them back."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)

@@ -1,7 +1,7 @@
 """A node of any role that keeps the contract with empty messages: python fake_role.py ROLE [MANNER] --ros-args ...
 
-Manners: `good`; `never` ends with an error before it is a node; `stubborn` does not heed SIGINT; `parent` has a child of
-its own; `brief` (the plant) ends the run after a second of simulation.
+Manners: `good`; `never` ends with an error before it is a node; `stubborn` does not heed SIGINT; `parent` has a
+child of its own; `brief` (the plant) ends the run after a second of simulation.
 """
 
 import signal
@@ -44,13 +44,13 @@ class FakeRole(ContractNode):
         self._ready |= {beat.role for beat in read_heartbeats(message) if beat.state == READY}
 
     def poll(self) -> None:
-        """The plant begins when all are ready; in real time it goes by the wall clock."""
+        """The plant begins when all are ready; in real time, or unanswered, it goes by the wall clock."""
         super().poll()
         if self.role != "plant" or not self._ready >= set(self.participants):
             return
         if self._sent == 0:
             self._send(1)
-        elif not self.lockstep and time.monotonic() > self._next_at:
+        elif (not self.lockstep or not self._awaited) and time.monotonic() > self._next_at:
             self.act(self._sent * PERIOD, {})
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
@@ -65,8 +65,6 @@ class FakeRole(ContractNode):
     def _send(self, period: int) -> None:
         self._sent = period
         self._next_at = time.monotonic() + stamps.CONTROL_PERIOD_S
-        if self.role == "plant" and self.lockstep:
-            time.sleep(0.002)  # so that a test has the time to look at the run
         for row in self._owed:
             if period % row.every == 0:
                 message = message_class(row.type)()

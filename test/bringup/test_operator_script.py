@@ -143,9 +143,7 @@ _actions = st.sampled_from([DRIVE, ARM, ArmTo(1.0, 0.0, 0.0), Wait(0.3)])
 
 @settings(max_examples=60, deadline=None)
 @given(steps=st.lists(_actions, max_size=5), answers=st.lists(_states, min_size=1, max_size=60))
-def test_whatever_is_answered_goals_are_in_order_and_the_script_ends(
-    steps: list[Action], answers: list[str]
-) -> None:
+def test_whatever_is_answered_goals_are_in_order_and_the_script_ends(steps: list[Action], answers: list[str]) -> None:
     """Never two goals at once, every goal later than the last, nothing after the end, at most one bad result."""
     operator = OperatorScript([(step, 2.0) for step in steps], 30.0)
     reports: dict[str, Report] = {}

@@ -35,7 +35,7 @@ def test_every_row_names_a_node_that_is_there(row) -> None:
 
 
 def test_an_unknown_role_is_answered_with_the_valid_names() -> None:
-    with pytest.raises(UsageError, match="'wheels'.*allowed is one of plant, operator, sensors"):
+    with pytest.raises(UsageError, match=r"'wheels'.*allowed is one of plant, operator, sensors"):
         process("wheels")
     with pytest.raises(UsageError, match="--without"):
         check_roles(["drive", "dirve"], "--without")
@@ -67,7 +67,9 @@ def test_every_set_of_roles_that_is_allowed_could_go_on() -> None:
 def _goes_on(present: tuple[str, ...], periods: int = 160) -> bool:
     """Whether the plant reaches the last period."""
     barriers = {
-        role: Barrier(awaited_inputs(role, present), role == "plant") for role in present if awaited_inputs(role, present)
+        role: Barrier(awaited_inputs(role, present), role == "plant")
+        for role in present
+        if awaited_inputs(role, present)
     }
     owed = {role: [row for row in outputs_of(role) if row.publisher == role and row.every] for role in present}
 

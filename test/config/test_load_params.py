@@ -117,8 +117,7 @@ def test_missing_key_says_what_belongs_there() -> None:
 def test_out_of_range_reads_as_a_sentence() -> None:
     (found,) = problems("name: a\nradius: 125\n")
     assert str(found) == (
-        "config/sample/x.yaml:2: radius = 125: "
-        "allowed is a number above 0, at most 5 (radius of the wheel [m])"
+        "config/sample/x.yaml:2: radius = 125: allowed is a number above 0, at most 5 (radius of the wheel [m])"
     )
 
 
@@ -218,9 +217,7 @@ def test_overrides_set_values_and_leave_the_rest() -> None:
     assert data == {"a": 1, "b": {"c": [1, {"d": 2}]}}
 
 
-@pytest.mark.parametrize(
-    "text", ["a", "=3", "a..b=1", "a[x]=1", "a.c=1", "b.c[7]=1", "b.c.d=1", "b[0]=1", "a=[1", ""]
-)
+@pytest.mark.parametrize("text", ["a", "=3", "a..b=1", "a[x]=1", "a.c=1", "b.c[7]=1", "b.c.d=1", "b[0]=1", "a=[1", ""])
 def test_overrides_that_cannot_be(text: str) -> None:
     data = parse_yaml("a: 1\nb: {c: [1, {d: 2}]}\n", "x").data
     with pytest.raises(ConfigError, match="--set"):

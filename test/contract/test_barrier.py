@@ -52,9 +52,7 @@ def test_order_of_arrival_does_not_matter(role: str, data: st.DataObject) -> Non
     stride = taken[0][0]
     assert [period for period, _ in taken] == list(range(stride, PERIODS + 1, stride))
     for period, inputs in taken:
-        assert inputs == {
-            row.name: f"{row.name}@{stamp_due(row, period)}" for row in awaited if is_due(row, period)
-        }
+        assert inputs == {row.name: f"{row.name}@{stamp_due(row, period)}" for row in awaited if is_due(row, period)}
     assert stride == (5 if role == "power" else 1)
 
 
@@ -74,7 +72,7 @@ def test_rows_with_a_lag_are_waited_for_later() -> None:
 def test_a_message_with_a_lag_is_taken_from_its_first_stamp_on() -> None:
     tick = topic("/operator/tick")
     barrier: Barrier[str] = Barrier((tick,), every_period=True)
-    assert OPERATOR_LAG == tick.lag
+    assert tick.lag == OPERATOR_LAG
     assert barrier.refusal(tick, 0) is not None, "the first period is stamped one period, not zero"
     assert barrier.refusal(tick, -stamped(5)) is not None
     assert barrier.refusal(tick, stamped(5)) is None

@@ -49,9 +49,7 @@ def test_level_says_how_bad_it_is() -> None:
 
 def test_foreign_diagnostics_are_passed_over() -> None:
     foreign = DiagnosticStatus(name="cpu", values=[KeyValue(key="load", value="0.5")])
-    odd = DiagnosticStatus(
-        name="odd", values=[KeyValue(key="state", value="?"), KeyValue(key="refused /x", value="²")]
-    )
+    odd = DiagnosticStatus(name="odd", values=[KeyValue(key="state", value="?"), KeyValue(key="refused /x", value="²")])
     beats = read_heartbeats(DiagnosticArray(status=[foreign, odd]))
     assert [beat.role for beat in beats] == ["odd"] and beats[0].refused == {}
     assert read_heartbeats(DiagnosticArray()) == []

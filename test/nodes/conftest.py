@@ -11,7 +11,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from node_bench import Bench  # noqa: E402
+from node_bench import Bench
 
 LAST_DOMAIN = 100  # above it the ports of DDS lie where the system takes its own
 _next = itertools.count(os.getpid())

@@ -52,9 +52,7 @@ class Bench:
         self.context = Context()
         rclpy.init(args=[], context=self.context, domain_id=domain)
         self.executor = EventsExecutor(context=self.context)
-        self.peer = rclpy.create_node(
-            "peer", context=self.context, enable_rosout=False, start_parameter_services=False
-        )
+        self.peer = rclpy.create_node("peer", context=self.context, enable_rosout=False, start_parameter_services=False)
         self.executor.add_node(self.peer)
         self.nodes: list[Any] = []
         self.received: dict[str, list[Any]] = defaultdict(list)
@@ -74,16 +72,17 @@ class Bench:
         for name in names:
             row = topic(name)
             self.peer.create_subscription(
-                message_class(row.type), namespace + name, self.received[name].append, qos.profile(row, lockstep, "recorder")
+                message_class(row.type),
+                namespace + name,
+                self.received[name].append,
+                qos.profile(row, lockstep, "recorder"),
             )
 
     def speak(self, *names: str, lockstep: bool = True) -> None:
         """Get ready to publish on these topics."""
         for name in names:
             row = topic(name)
-            self._senders[name] = self.peer.create_publisher(
-                message_class(row.type), name, qos.profile(row, lockstep)
-            )
+            self._senders[name] = self.peer.create_publisher(message_class(row.type), name, qos.profile(row, lockstep))
 
     def connect(self, node: Any, lockstep: bool = True) -> None:
         """Listen to all that a node publishes and speak on all that it listens to; wait until both have met."""
@@ -94,8 +93,10 @@ class Bench:
     def met(self) -> None:
         """Wait until every publisher of the peer has a listener, and it hears somebody on every topic."""
         self.until(
-            lambda: all(sender.get_subscription_count() for sender in self._senders.values())
-            and all(reader.get_publisher_count() for reader in self.peer.subscriptions),
+            lambda: (
+                all(sender.get_subscription_count() for sender in self._senders.values())
+                and all(reader.get_publisher_count() for reader in self.peer.subscriptions)
+            ),
             "endpoints have met",
         )
 

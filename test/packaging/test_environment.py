@@ -18,16 +18,12 @@ def environment_after(tmp_path: Path, rclpy: bool = False, **variables: str) -> 
     python.write_text(f"#!/bin/sh\nexit {0 if rclpy else 1}\n", encoding="utf-8")
     python.chmod(0o755)
     start = {"PATH": f"{python.parent}:{os.environ['PATH']}", "HOME": str(tmp_path)} | variables
-    done = subprocess.run(
-        ["bash", "-c", SHOW], cwd=ROOT, env=start, capture_output=True, text=True, check=True
-    )
+    done = subprocess.run(["bash", "-c", SHOW], cwd=ROOT, env=start, capture_output=True, text=True, check=True)
     return dict(line.split("=", 1) for line in done.stdout.splitlines() if "=" in line), done.stderr
 
 
 def test_wheels_where_no_ros_is_sourced(tmp_path: Path) -> None:
-    after, told = environment_after(
-        tmp_path, PYTHONPATH="/elsewhere", RMW_IMPLEMENTATION="rmw_cyclonedds_cpp"
-    )
+    after, told = environment_after(tmp_path, PYTHONPATH="/elsewhere", RMW_IMPLEMENTATION="rmw_cyclonedds_cpp")
     assert (after["ros"], after["venv"]) == ("wheels", ".venv")
     assert "PYTHONPATH" not in after
     assert after["RMW_IMPLEMENTATION"] == "rmw_fastrtps_cpp"
@@ -73,9 +69,7 @@ def test_another_distribution_stays_out_and_is_kept_for_others(tmp_path: Path) -
         "_ROS_WHEELS_BOOTSTRAP_COMPLETE",
     }
     assert after["LD_LIBRARY_PATH"] == "/opt/cuda/lib"
-    outer = {
-        name: after[f"SOJOURN_OUTER_{name}"] for name in after["SOJOURN_OUTER"].split() if name in sourced
-    }
+    outer = {name: after[f"SOJOURN_OUTER_{name}"] for name in after["SOJOURN_OUTER"].split() if name in sourced}
     assert outer == sourced
 
 

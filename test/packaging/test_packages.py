@@ -109,9 +109,7 @@ def test_one_version() -> None:
 def test_dependencies_are_the_imports(package: str) -> None:
     modules = imported_modules(package)
     unknown = modules - DEPENDENCY_OF_MODULE.keys()
-    assert not unknown, (
-        f"{package} imports {sorted(unknown)}: add to DEPENDENCY_OF_MODULE and to pyproject.toml"
-    )
+    assert not unknown, f"{package} imports {sorted(unknown)}: add to DEPENDENCY_OF_MODULE and to pyproject.toml"
     needed = {DEPENDENCY_OF_MODULE[module] for module in modules} - {None}
     declared = {depend.text for depend in manifest(package).iter("exec_depend")}
     assert declared == needed, f"missing {sorted(needed - declared)}, superfluous {sorted(declared - needed)}"
@@ -168,19 +166,13 @@ def test_colcon_meta_names_packages_and_tests_that_exist() -> None:
 def test_direct_dependencies_are_locked_with_hashes() -> None:
     groups = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["dependency-groups"]
     locks = {path: path.read_text(encoding="utf-8") for path in ROOT.glob("requirements*.lock")}
-    pinned = {
-        line.split()[0].lower() for text in locks.values() for line in text.splitlines() if "==" in line
-    }
+    pinned = {line.split()[0].lower() for text in locks.values() for line in text.splitlines() if "==" in line}
     for group, requirements in groups.items():
         for requirement in requirements:
-            assert requirement.lower() in pinned, (
-                f"{group}: {requirement} is not in a lock file; run scripts/lock"
-            )
+            assert requirement.lower() in pinned, f"{group}: {requirement} is not in a lock file; run scripts/lock"
     for path, text in locks.items():
         entries = [entry for entry in text.split("\n") if entry and entry[0] not in "# "]
-        assert entries and all(entry.endswith("\\") for entry in entries), (
-            f"{path.name}: an entry without a hash"
-        )
+        assert entries and all(entry.endswith("\\") for entry in entries), f"{path.name}: an entry without a hash"
         assert "://" not in text and "-url" not in text, f"{path.name} names a host"
 
 

@@ -19,7 +19,7 @@ def domain() -> int:
 
 @pytest.fixture
 def start(tmp_path: Path) -> Iterator[Callable[..., Program]]:
-    """Starts programs, `start("start", "flat_drive", "--domain", "7")`, and ends those that still run after the test."""
+    """Starts programs, as `start("start", "flat_drive", "--domain", 7)`, and ends those that still run afterwards."""
     programs: list[Program] = []
 
     def begin(module: str, *arguments: str | Path | int) -> Program:

@@ -71,6 +71,13 @@ class Program:
                 found.append(int(entry.name))
         return sorted(found)
 
+    def leaves_processes(self, seconds: float = 5.0) -> list[int]:
+        """What of it still runs after so long; empty as soon as nothing does."""
+        end = time.monotonic() + seconds
+        while (left := self.processes()) and time.monotonic() < end:
+            time.sleep(0.05)
+        return left
+
     def process_of(self, role: str) -> int:
         """Number of the latest process of a role, from what it has printed."""
         found = re.findall(rf"^{role} \(process (\d+)\)", self.text, re.MULTILINE)
@@ -108,5 +115,12 @@ class Program:
 
 
 def shared_memory_files() -> set[str]:
-    """Names of the shared-memory files of ROS and of its tracing that there are now."""
-    return {path.name for path in Path("/dev/shm").iterdir() if path.name.startswith(("fastrtps", "lttng-ust"))}
+    """Shared-memory files of ROS and of its tracing that no process uses: what a run would have left behind."""
+    files = {str(path) for path in Path("/dev/shm").iterdir() if re.search("fastrtps|lttng-ust", path.name)}
+    used = set()
+    for maps in Path("/proc").glob("[0-9]*/maps"):
+        try:
+            used |= {line.split()[-1] for line in maps.read_text(errors="replace").splitlines() if "/dev/shm/" in line}
+        except OSError:
+            continue
+    return files - used

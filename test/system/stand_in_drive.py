@@ -12,8 +12,8 @@ from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Odometry
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from nav_msgs.msg import Odometry, Path
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -38,7 +38,9 @@ def stamp_of(message: Any) -> int:
 
 
 def status(name: str, stamp: int, **values: object) -> DiagnosticArray:
-    pairs = [KeyValue(key=key.replace("__", " ").replace("_of_", "/"), value=str(value)) for key, value in values.items()]
+    pairs = [
+        KeyValue(key=key.replace("__", " ").replace("_of_", "/"), value=str(value)) for key, value in values.items()
+    ]
     message = DiagnosticArray(status=[DiagnosticStatus(name=name, message="stand-in", values=pairs)])
     message.header.stamp = Time(nanoseconds=stamp).to_msg()
     return message
@@ -61,6 +63,11 @@ class StandInDrive(Node):
             for name, (kind, _, _) in INPUTS.items()
         ]
         self.goal_reader = self.create_subscription(PoseStamped, "goal_pose", self.receive_goal, 10)
+        # what it takes as well and does not act on
+        self.deaf = [
+            self.create_subscription(kind, name, lambda message: None, 10)
+            for name, kind in (("cmd_vel", TwistStamped), ("waypoints", Path))
+        ]
         self.readiness = self.create_timer(0.1, self.say_ready)
 
     def say_ready(self) -> None:

@@ -43,9 +43,7 @@ def composed(runs: dict[str, Path]) -> list[Record]:
 
 
 @pytest.mark.parametrize("other", ["again", "processes"])
-def test_every_field_of_every_message_is_the_same(
-    runs: dict[str, Path], composed: list[Record], other: str
-) -> None:
+def test_every_field_of_every_message_is_the_same(runs: dict[str, Path], composed: list[Record], other: str) -> None:
     assert not first_difference(composed, records(runs[other]))
 
 
@@ -75,7 +73,9 @@ def test_the_bag_opens_with_rosbags(runs: dict[str, Path], composed: list[Record
         assert reader.message_count == len(composed)
         transforms = [connection for connection in reader.connections if connection.topic == "/tf"]
         _, _, data = next(reader.messages(connections=transforms))
-        frames = {transform.child_frame_id for transform in reader.deserialize(data, "tf2_msgs/msg/TFMessage").transforms}
+        frames = {
+            transform.child_frame_id for transform in reader.deserialize(data, "tf2_msgs/msg/TFMessage").transforms
+        }
     assert {"base_link", "odom"} <= frames
 
 

@@ -115,9 +115,7 @@ class ArmNode(ContractNode):
             names = list(joints.name)
             for joint in self.params.joint_names:
                 if joint not in names:
-                    raise RefusedMessageError(
-                        "/joint_states", "name", ", ".join(names), f"{joint} among them"
-                    )
+                    raise RefusedMessageError("/joint_states", "name", ", ".join(names), f"{joint} among them")
             self._places = (names, [names.index(joint) for joint in self.params.joint_names])
         places = self._places[1]
         return np.array(joints.position)[places], np.array(joints.velocity)[places]

@@ -24,9 +24,7 @@ class BagExistsError(BagsError):
     """There is a bag in the folder already. Bags are never written over."""
 
     def __init__(self, folder: Path) -> None:
-        super().__init__(
-            f"there is a bag in {folder} already, and bags are never written over: name another folder"
-        )
+        super().__init__(f"there is a bag in {folder} already, and bags are never written over: name another folder")
         self.folder = folder
 
 

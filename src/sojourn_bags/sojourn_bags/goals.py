@@ -94,9 +94,7 @@ class _Status:
     reason: str
 
 
-def judge_goals(
-    bag: Bag, machine: TrueMachine | None, tip_link: str, limits: Limits, end_s: float
-) -> list[GoalResult]:
+def judge_goals(bag: Bag, machine: TrueMachine | None, tip_link: str, limits: Limits, end_s: float) -> list[GoalResult]:
     """Results of all goals of a bag, in the order in which they took effect.
 
     Args:
@@ -107,9 +105,7 @@ def judge_goals(
     statuses = {topic: _statuses(bag, topic) for topic in set(STATUS_OF.values())}
     results = []
     for number, goal in enumerate(goals):
-        following = [
-            later for later in goals[number + 1 :] if STATUS_OF[later.topic] == STATUS_OF[goal.topic]
-        ]
+        following = [later for later in goals[number + 1 :] if STATUS_OF[later.topic] == STATUS_OF[goal.topic]]
         until = following[0].effect_s if following else None
         outcome, reason, ended_s = _outcome(goal, statuses[STATUS_OF[goal.topic]], until, end_s)
         error = _error(goal, machine, tip_link, ended_s)
@@ -170,9 +166,7 @@ def _statuses(bag: Bag, topic: str) -> list[_Status]:
     messages = bag[topic]
     found = []
     for time_s, values in zip(messages.times, messages.statuses(), strict=True):
-        found.append(
-            _Status(float(time_s), values.get("state", ""), _integer(values), values.get("reason", ""))
-        )
+        found.append(_Status(float(time_s), values.get("state", ""), _integer(values), values.get("reason", "")))
     return found
 
 
@@ -181,18 +175,12 @@ def _integer(values: Mapping[str, str]) -> int:
     return int(text) if text.lstrip("-").isdigit() else 0
 
 
-def _outcome(
-    goal: SentGoal, statuses: list[_Status], until: float | None, end_s: float
-) -> tuple[str, str, float]:
+def _outcome(goal: SentGoal, statuses: list[_Status], until: float | None, end_s: float) -> tuple[str, str, float]:
     """Outcome, reason and time of the end."""
     for status in statuses:
         if goal.stamp == 0 and until is not None and status.time_s >= until:
             break
-        if (
-            status.time_s >= goal.effect_s
-            and status.goal_stamp == goal.stamp
-            and status.state in FINAL_STATES
-        ):
+        if status.time_s >= goal.effect_s and status.goal_stamp == goal.stamp and status.state in FINAL_STATES:
             return status.state, status.reason, status.time_s
     return (UNFINISHED, "", end_s) if until is None else (REPLACED, "", until)
 

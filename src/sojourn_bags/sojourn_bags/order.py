@@ -122,9 +122,7 @@ class PeriodOrder:
         """Rows that the period in progress waits for."""
         period = self.collected + 1
         arrived = self._arrived.get(period, 0)
-        return [
-            row for channel, row in self._awaited if is_due(row, period) and not arrived & self._bits[channel]
-        ]
+        return [row for channel, row in self._awaited if is_due(row, period) and not arrived & self._bits[channel]]
 
     def _due(self, period: int) -> int:
         """Bits of the rows that are due. The pattern repeats, because no row lags for the recorder."""

@@ -19,10 +19,7 @@ RUN_RECORD = "sojourn_run"
 """Name of the metadata record that describes the run."""
 VERSIONS_NAME = "versions.json"
 PACKAGES = (
-    *(
-        f"sojourn_{part}"
-        for part in ("mechanics", "config", "contract", "plant", "sensors", "drive", "arm", "power")
-    ),
+    *(f"sojourn_{part}" for part in ("mechanics", "config", "contract", "plant", "sensors", "drive", "arm", "power")),
     "sojourn_bags",
     "sojourn_bringup",
     "numpy",

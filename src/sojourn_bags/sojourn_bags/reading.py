@@ -122,9 +122,7 @@ class Messages:
         Raises UnknownTopicInBagError if none has it.
         """
         parts = [
-            (group, group.layout.column(group.rows, path))
-            for group in self.groups
-            if path in group.layout.numbers
+            (group, group.layout.column(group.rows, path)) for group in self.groups if path in group.layout.numbers
         ]
         if not parts:
             raise UnknownTopicInBagError(f"{self.topic}.{path}", self.fields())
@@ -150,13 +148,9 @@ class Messages:
             for group in self.groups
             for part in group.split(group.layout.parts["name"], group.layout.parts["position"])
         ]
-        named = [
-            [group.text(path) for path in group.layout.texts if path.startswith("name[")] for group in groups
-        ]
+        named = [[group.text(path) for path in group.layout.texts if path.startswith("name[")] for group in groups]
         names = tuple(dict.fromkeys(name for group_names in named for name in group_names))
-        arrays = {
-            key: np.full((len(self.data), len(names)), np.nan) for key in ("position", "velocity", "effort")
-        }
+        arrays = {key: np.full((len(self.data), len(names)), np.nan) for key in ("position", "velocity", "effort")}
         for group, group_names in zip(groups, named, strict=True):
             targets = np.array([names.index(name) for name in group_names], dtype=np.int64)
             for key, array in arrays.items():
@@ -175,16 +169,12 @@ class Messages:
             layout = group.layout
             step, count = self._first(group, "point_step"), self._point_count(group)
             order = ">" if self._first(group, "is_bigendian") else "<"
-            raw = layout.column(group.rows, "data")[:, : step * count].reshape(
-                len(group.indices), count, step
-            )
+            raw = layout.column(group.rows, "data")[:, : step * count].reshape(len(group.indices), count, step)
             for path in [path for path in layout.texts if path.startswith("fields[")]:
                 prefix = path.removesuffix("name")
                 dtype = np.dtype(order + _POINT_CODES[self._first(group, prefix + "datatype")])
                 offset = self._first(group, prefix + "offset")
-                values = np.ascontiguousarray(raw[:, :, offset : offset + dtype.itemsize]).view(dtype)[
-                    :, :, 0
-                ]
+                values = np.ascontiguousarray(raw[:, :, offset : offset + dtype.itemsize]).view(dtype)[:, :, 0]
                 array = found.setdefault(group.text(path), np.full((len(self.data), most), np.nan))
                 array[np.ix_(group.indices, np.arange(count))] = values
         return found

@@ -96,8 +96,7 @@ class RecorderNode(ContractNode):
             raise BagsError("parameter 'bag' is empty: give the folder to write the bag into")
         rows = inputs_of("recorder")
         channels = [
-            ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, self.lockstep, row.publisher)))
-            for row in rows
+            ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, self.lockstep, row.publisher))) for row in rows
         ]
         described = attachments(self.scenario_name, self.scenario_overrides)
         writer = BagWriter(Path(folder), [*channels, transform_channel()], described)

@@ -58,9 +58,7 @@ def write_report(
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06)  # type: ignore[union-attr, call-arg]
     figure.suptitle(_title(summary), fontsize=13, x=0.01, ha="left")
     grid = figure.add_gridspec(4, 2, width_ratios=(1.12, 1.0))
-    draw_map(
-        figure, figure.add_subplot(grid[0:2, 0]), bag, TrueMachine(bag, run.urdf), terrain or run.terrain()
-    )
+    draw_map(figure, figure.add_subplot(grid[0:2, 0]), bag, TrueMachine(bag, run.urdf), terrain or run.terrain())
 
     charge_axes = figure.add_subplot(grid[2, 0])
     arm_axes = figure.add_subplot(grid[3, 0], sharex=charge_axes)
@@ -69,9 +67,7 @@ def write_report(
     _draw_joints(arm_axes, bag, run.resolved["arm"]["joint_names"], "Torque of the arm joints")
     _draw_contacts(wheel_axes[0], bag, run, "sinkage", 1000.0, "Sinkage of each wheel", "sinkage [mm]")
     _draw_contacts(wheel_axes[1], bag, run, "slip_ratio", 1.0, "Slip of each wheel", "slip ratio [-]")
-    _draw_joints(
-        wheel_axes[2], bag, [wheel.joint for wheel in run.rover.wheels], "Torque of the wheel drives"
-    )
+    _draw_joints(wheel_axes[2], bag, [wheel.joint for wheel in run.rover.wheels], "Torque of the wheel drives")
     steered = [wheel.steer_joint for wheel in run.rover.wheels if wheel.steer_joint]
     _draw_joints(wheel_axes[3], bag, steered, "Torque of the steering joints")
     times = (charge_axes, arm_axes, *wheel_axes)
@@ -127,9 +123,7 @@ def _draw_power(axes: Axes, bag: Bag) -> None:
     power = -store.column("voltage") * store.column("current")
     _draw_curves(axes, store.times, power[:, np.newaxis], ["power out of the battery"])
     axes.set(title="Power and charge", ylabel="power [W]")
-    axes.set_ylim(
-        bottom=min(0.0, 1.1 * float(np.nanmin(power))), top=max(1.0, 1.15 * float(np.nanmax(power)))
-    )
+    axes.set_ylim(bottom=min(0.0, 1.1 * float(np.nanmin(power))), top=max(1.0, 1.15 * float(np.nanmax(power))))
     charge = axes.twinx()
     percent = 100.0 * store.column("percentage")
     charge.plot(store.times, percent, color=COLORS[1], linewidth=1.6, label="charge")
@@ -138,9 +132,7 @@ def _draw_power(axes: Axes, bag: Bag) -> None:
     charge.set_ylabel("charge [%]", color=COLORS[1])
     axes.yaxis.label.set_color(COLORS[0])
     lines = [axes.get_lines()[-1], *charge.get_lines()]
-    axes.legend(
-        lines, [str(line.get_label()) for line in lines], fontsize=8, loc="upper right", framealpha=0.85
-    )
+    axes.legend(lines, [str(line.get_label()) for line in lines], fontsize=8, loc="upper right", framealpha=0.85)
 
 
 def _draw_curves(axes: Axes, times: FloatArray, values: FloatArray, names: Sequence[str]) -> None:

@@ -35,15 +35,11 @@ def draw_map(figure: Figure, axes: Axes, bag: Bag, machine: TrueMachine, terrain
     axes.plot(path[:, 0], path[:, 1], color=TRACK, linewidth=2.0, label="true track")
     if "/odom" in bag:
         belief = poses_of(bag, "/odom")
-        axes.plot(
-            belief[:, 0], belief[:, 1], color=BELIEF, linewidth=1.4, linestyle=(0, (4, 3)), label="odometry"
-        )
+        axes.plot(belief[:, 0], belief[:, 1], color=BELIEF, linewidth=1.4, linestyle=(0, (4, 3)), label="odometry")
     style: dict[str, Any] = {"linestyle": "", "markeredgecolor": "white", "markeredgewidth": 1.0}
     axes.plot(*path[0, :2], "o", color=TRACK, markersize=8, label="start", **style)
     if len(drive_goals):
-        axes.plot(
-            drive_goals[:, 0], drive_goals[:, 1], "X", color=GOAL, markersize=15, label="drive goal", **style
-        )
+        axes.plot(drive_goals[:, 0], drive_goals[:, 1], "X", color=GOAL, markersize=15, label="drive goal", **style)
     if len(arm_targets):
         axes.plot(
             arm_targets[:, 0],
@@ -58,9 +54,7 @@ def draw_map(figure: Figure, axes: Axes, bag: Bag, machine: TrueMachine, terrain
     axes.set(xlabel="x, east [m]", ylabel="y, north [m]", xlim=window[:2], ylim=window[2:])
     axes.set_title("Track on the terrain (brown: rocks)")
     axes.set_aspect("equal")
-    axes.legend(
-        loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=6, fontsize=8, frameon=False, columnspacing=1.2
-    )
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=6, fontsize=8, frameon=False, columnspacing=1.2)
 
 
 def _places(bag: Bag, machine: TrueMachine) -> tuple[FloatArray, FloatArray]:
@@ -89,14 +83,10 @@ def _window(points: FloatArray, terrain: HeightField) -> tuple[float, float, flo
     return sides[0], sides[1], sides[2], sides[3]
 
 
-def _draw_ground(
-    figure: Figure, axes: Axes, terrain: HeightField, window: tuple[float, float, float, float]
-) -> None:
+def _draw_ground(figure: Figure, axes: Axes, terrain: HeightField, window: tuple[float, float, float, float]) -> None:
     """Heights as colours with the shade of a low sun, and rocks in brown."""
     resolution = terrain.resolution
-    first_column, last_column = _span(
-        window[0], window[1], terrain.origin_x, resolution, terrain.heights.shape[1]
-    )
+    first_column, last_column = _span(window[0], window[1], terrain.origin_x, resolution, terrain.heights.shape[1])
     first_row, last_row = _span(window[2], window[3], terrain.origin_y, resolution, terrain.heights.shape[0])
     stride = max(1, math.ceil(max(last_column - first_column, last_row - first_row) / MOST_NODES))
     cut = (slice(first_row, last_row, stride), slice(first_column, last_column, stride))
@@ -107,12 +97,8 @@ def _draw_ground(
     extent = (x_start, x_start + heights.shape[1] * cell, y_start, y_start + heights.shape[0] * cell)
     # hillshade takes the first row for the northern one; here it is the southern one.
     shade = LIGHT.hillshade(heights, vert_exag=EXAGGERATION, dx=cell, dy=-cell)
-    axes.imshow(
-        shade, extent=extent, origin="lower", cmap="gray", vmin=0.0, vmax=1.0, interpolation="bilinear"
-    )
-    colors = axes.imshow(
-        heights, extent=extent, origin="lower", cmap="cividis", alpha=0.35, interpolation="bilinear"
-    )
+    axes.imshow(shade, extent=extent, origin="lower", cmap="gray", vmin=0.0, vmax=1.0, interpolation="bilinear")
+    colors = axes.imshow(heights, extent=extent, origin="lower", cmap="cividis", alpha=0.35, interpolation="bilinear")
     rocks = np.ma.masked_where(soils == 0, np.ones_like(soils))
     axes.imshow(rocks, extent=extent, origin="lower", cmap=ROCK, alpha=0.75, interpolation="nearest")
     figure.colorbar(colors, cax=axes.inset_axes((1.02, 0.0, 0.025, 1.0)), label="height [m]")

@@ -47,9 +47,7 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     machine = TrueMachine(bag, run.urdf) if has_truth and "/truth/joint_states" in bag else None
     end_s = sim_time(bag)
     accept = run.scenario.accept
-    results = judge_goals(
-        bag, machine, run.resolved["arm"]["tip_link"], Limits(accept.drive_m, accept.arm_m), end_s
-    )
+    results = judge_goals(bag, machine, run.resolved["arm"]["tip_link"], Limits(accept.drive_m, accept.arm_m), end_s)
     operated = "operator" in bag.records.get(RUN_RECORD, {}).get("participants", "operator").split(",")
     kinds = [step.kind for step in run.scenario.steps] if operated else []
     not_sent = missing_steps(kinds, [result.goal for result in results])
@@ -85,8 +83,7 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     }
     summary["verdict"] = _verdict(summary, results)
     return {
-        key: None if isinstance(value, float) and not np.isfinite(value) else value
-        for key, value in summary.items()
+        key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in summary.items()
     }
 
 
@@ -128,7 +125,7 @@ def max_sinkage(bag: Bag, wheels: int) -> float | None:
     """Deepest that a wheel has sunk [m]; the wheels are the first contacts."""
     if "/truth/contacts" not in bag:
         return None
-    sinkage = bag["/truth/contacts"].points()["sinkage"][:, :wheels]
+    sinkage = bag["/truth/contacts"].points().get("sinkage", np.empty((0, 0)))[:, :wheels]
     return float(np.nanmax(sinkage)) if np.isfinite(sinkage).any() else None
 
 
@@ -155,9 +152,7 @@ def _verdict(summary: dict[str, Any], results: list[GoalResult]) -> str:
         first = unmet[0]
         why = f" ({first.reason})" if first.reason else ""
         error = "" if first.error_m is None else f", {_length(first.error_m)} off"
-        parts.append(
-            f"{len(unmet)} of {len(results)} goals not met: {first.goal.what}: {first.outcome}{why}{error}."
-        )
+        parts.append(f"{len(unmet)} of {len(results)} goals not met: {first.goal.what}: {first.outcome}{why}{error}.")
     if summary["steps_not_sent"]:
         parts.append(f"{summary['steps_not_sent']} steps of the scenario were never sent.")
     if summary["all_met"]:

@@ -126,13 +126,9 @@ class TransformTemplate:
             )
             for number, ((parent, child), mark) in enumerate(zip(links, marks, strict=True))
         ]
-        self._data = bytearray(
-            typestore().serialize_cdr(message(transforms=transforms), "tf2_msgs/msg/TFMessage")
-        )
+        self._data = bytearray(typestore().serialize_cdr(message(transforms=transforms), "tf2_msgs/msg/TFMessage"))
         self._numbers = [self._data.index(_SEVEN.pack(*mark)) for mark in marks]
-        self._stamps = [
-            self._data.index(_STAMP.pack(-1 - number, 0xFFFFFFF0 + number)) for number in range(len(links))
-        ]
+        self._stamps = [self._data.index(_STAMP.pack(-1 - number, 0xFFFFFFF0 + number)) for number in range(len(links))]
 
     def fill(self, stamp: int, transforms: tuple[Transform, ...]) -> bytes:
         """The message stamped `stamp` [ns], one transform a link."""

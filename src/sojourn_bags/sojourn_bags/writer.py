@@ -47,9 +47,7 @@ class BagWriter:
         BagExistsError: there is a bag in the folder. UnwritableBagError: it cannot be made or written.
     """
 
-    def __init__(
-        self, folder: Path, channels: Sequence[ChannelSpec], attachments: Sequence[Attachment] = ()
-    ) -> None:
+    def __init__(self, folder: Path, channels: Sequence[ChannelSpec], attachments: Sequence[Attachment] = ()) -> None:
         self.folder = folder.absolute()
         self.path = self.folder / f"{self.folder.name}_0.mcap"
         self.closed = False

@@ -1,7 +1,7 @@
 """Becomes a command that dies with the process that started it: python -I -S child_process.py PARENT_PID COMMAND ...
 
-Linux sends SIGKILL to the command if its parent ends in any way (prctl(2), PR_SET_PDEATHSIG; kept over execve). A program
-of its own and not a function between fork and exec, which is not safe in a process with threads.
+Linux sends SIGKILL to the command if its parent ends in any way (prctl(2), PR_SET_PDEATHSIG; kept over execve). A
+program of its own and not a function between fork and exec, which is not safe in a process with threads.
 """
 
 import ctypes

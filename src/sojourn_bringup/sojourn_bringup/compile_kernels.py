@@ -1,7 +1,5 @@
 """Has every kernel compiled and kept, so that no run waits for the compiler: one step of each model of a scenario."""
 
-import sys
-
 import numpy as np
 
 from sojourn_config.scenario import LoadedScenario, load_scenario
@@ -65,4 +63,4 @@ def _step_drive(scenario: LoadedScenario) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

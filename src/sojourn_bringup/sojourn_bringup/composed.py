@@ -9,6 +9,7 @@ from typing import Any
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
+from sojourn_bags.errors import BagsError
 from sojourn_bringup.environment import ros_variables
 from sojourn_bringup.errors import BringupError
 from sojourn_bringup.health import Health, Progress
@@ -16,7 +17,6 @@ from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, Sto
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_table import process
 from sojourn_bringup.screen import Screen
-from sojourn_bags.errors import BagsError
 from sojourn_config.errors import ConfigError
 from sojourn_contract import process as node_process
 from sojourn_contract.errors import ContractError

@@ -1,15 +1,12 @@
-"""The demonstration: scripts/demo runs a scenario to its end, then says in words how it went, with summary and picture."""
+"""The demonstration: scripts/demo runs a scenario to its end, then says how it went in words, numbers and a picture."""
 
 import argparse
 from collections.abc import Sequence
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress as Bar, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as Bar
 
-from sojourn_bags.errors import BagsError
-from sojourn_bags.reading import read_bag
-from sojourn_bags.report import write_report
-from sojourn_bags.summary import summarise, write_summary
 from sojourn_bringup import options, start
 from sojourn_bringup.errors import BringupError
 from sojourn_bringup.health import Health, Progress
@@ -21,29 +18,48 @@ DEFAULT_SCENARIO = "lunar_sample"
 
 
 class BarScreen(Screen):
-    """A progress bar over the steps of the operator, with simulation time, speed and distance to go."""
+    """A progress bar over the steps of the operator, with simulation time, speed and distance to go.
+
+    Within a drive the bar moves on with the distance.
+    """
 
     def __init__(self, console: Console | None = None) -> None:
         super().__init__(console)
         self._bar = Bar(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.completed:.0f} of {task.total:.0f} steps"),
+            BarColumn(bar_width=20),
+            TextColumn("{task.fields[steps]}"),
             TimeElapsedColumn(),
+            TextColumn("{task.description}"),
             TextColumn("{task.fields[where]}"),
             console=self.console,
         )
-        self._task = self._bar.add_task("starting", total=1, where="")
+        self._task = self._bar.add_task("starting", total=1, where="", steps="")
+        self._farthest = (0, 0.0)
+        """Step, and the largest distance to go seen in it [m]."""
 
     def show(self, nodes: Sequence[Health], progress: Progress) -> None:
         """Draw the bar again."""
-        where = f"{progress.time_s:.0f} s simulated, {progress.speed:.1f} times real time"
+        where = f"{progress.time_s:.0f} s simulated, {progress.speed:.1f}x" if progress.speed else ""
         if progress.to_go_m is not None:
             where += f", {progress.to_go_m:.1f} m to go"
-        words = progress.step.partition(": ")[2] or ("running" if progress.stamp else "starting")
+        words = (progress.step.partition(": ")[2] or progress.step) if progress.stamp else "starting"
         self._bar.update(
-            self._task, completed=progress.steps_done, total=max(progress.steps, 1), description=words, where=where
+            self._task,
+            completed=progress.steps_done + self._part_of_step(progress),
+            total=max(progress.steps, 1),
+            description=words,
+            where=where,
+            steps=f"{progress.steps_done} of {progress.steps} steps" if progress.steps else "",
         )
+
+    def _part_of_step(self, progress: Progress) -> float:
+        """How much of the present step is done, 0 to 1, as far as the drive tells."""
+        if progress.to_go_m is None:
+            return 0.0
+        step, farthest = self._farthest
+        farthest = max(farthest, progress.to_go_m) if step == progress.steps_done else progress.to_go_m
+        self._farthest = (progress.steps_done, farthest)
+        return 1.0 - progress.to_go_m / farthest if farthest else 0.0
 
     def __enter__(self) -> "BarScreen":
         self._bar.start()
@@ -85,7 +101,24 @@ def start_arguments(given: argparse.Namespace) -> list[str]:
 
 
 def evaluate(plan: RunPlan, outcome: Outcome, screen: Screen) -> bool:
-    """Write summary.json and report.png into the run's folder and print the verdict. Returns whether all goals were met."""
+    """Write summary.json and report.png into the run's folder and print the verdict.
+
+    Returns whether all goals were met and the record is complete. Raises BringupError if the bag cannot be judged.
+    """
+    # here and not above: with its plots it takes a second to load, and nobody waits for it at the end
+    from sojourn_bags.errors import BagsError
+
+    try:
+        return _judge(plan, outcome, screen)
+    except BagsError as error:
+        raise BringupError(str(error)) from error
+
+
+def _judge(plan: RunPlan, outcome: Outcome, screen: Screen) -> bool:
+    from sojourn_bags.reading import read_bag
+    from sojourn_bags.report import write_report
+    from sojourn_bags.summary import summarise, write_summary
+
     bag = read_bag(plan.bag())
     summary = summarise(bag, wall_time_s=outcome.wall_time_s or None)
     write_summary(summary, plan.run_dir / "summary.json")
@@ -113,10 +146,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         screen.say(outcome.message)
     if outcome.status == INTERRUPTED or not plan.bag().exists():
         return outcome.status
-    try:
-        met = evaluate(plan, outcome, screen)
-    except BagsError as error:
-        raise BringupError(str(error)) from error
+    met = evaluate(plan, outcome, screen)
     return SUCCEEDED if met and outcome.status == SUCCEEDED else FAILED
 
 

@@ -140,7 +140,7 @@ class GoalClient:
         return "not finished", f"within {timeout_s:g} s of wall time; the goal goes on"
 
     def _is_heard(self, sender: Any) -> bool:
-        """Whether somebody who acts on it, and everybody else who wants it, gets what is sent. The recorder does not act."""
+        """Whether somebody who acts on it gets what is sent, and all others who want it. The recorder does not act."""
         listeners = self._node.get_subscriptions_info_by_topic(sender.topic_name)
         acting = [listener for listener in listeners if listener.node_name not in ("recorder", UNKNOWN_NODE)]
         return bool(acting) and sender.get_subscription_count() >= len(listeners)
@@ -152,9 +152,7 @@ class GoalClient:
 
     def _sender(self, name: str) -> Any:
         row = topic(name)
-        return self._node.create_publisher(
-            message_class(row.type), name.lstrip("/"), qos.profile(row, lockstep=True)
-        )
+        return self._node.create_publisher(message_class(row.type), name.lstrip("/"), qos.profile(row, lockstep=True))
 
     def _nobody(self, who: str, what: str) -> str:
         place = f"domain {self.domain}" + (f", namespace {self.namespace}" if self.namespace else "")

@@ -1,8 +1,8 @@
 """One process a role, domain and namespace on this machine: who starts a role first holds it.
 
-An abstract Unix socket (unix(7)) is the token: Linux gives a name to one process only, takes it back however that process
-ends, leaves no file, and tells the number of the process that holds it. A second plant on a domain would drive the same
-machine twice; with this it is refused at once, before a node of it disturbs the run that goes on.
+An abstract Unix socket (unix(7)) is the token: Linux gives a name to one process only, takes it back however that
+process ends, leaves no file, and tells the number of the process that holds it. A second plant on a domain would drive
+the same machine twice; with this it is refused at once, before a node of it disturbs the run that goes on.
 """
 
 import os

@@ -32,8 +32,8 @@ from sojourn_config.scenario import load_scenario
 from sojourn_contract import process, stamps
 from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import status_values
-from sojourn_contract.node import ContractNode
 from sojourn_contract.messages import quaternion, xyz
+from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
 
 _STATUSES = {"/drive/status": "drive", "/arm/status": "arm"}
@@ -59,10 +59,9 @@ class OperatorNode(ContractNode):
         )
         self._result_file: str = self.declare_parameter("result_file", "").value
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
-        self.script = OperatorScript(
-            script_steps(scenario), scenario.config.duration_limit_s, self._earlier_results()
-        )
-        self._terrain = scenario.height_field()
+        self.script = OperatorScript(script_steps(scenario), scenario.config.duration_limit_s, self._earlier_results())
+        needs_ground = any(isinstance(action, ArmGround) for action, _ in self.script.steps)
+        self._terrain = scenario.height_field() if needs_ground else None
         self._truth = b""
         self._reports: dict[str, Report] = {}
         self._sent: dict[str, int] = {}

@@ -10,6 +10,7 @@ from typing import NoReturn
 from sojourn_bringup.environment import HIGHEST_DOMAIN, default_domain
 from sojourn_bringup.errors import BringupError, UsageError
 from sojourn_bringup.process_table import check_roles
+from sojourn_bringup.shared_memory import remove_tracing_files
 from sojourn_config.errors import ConfigError
 
 _NAMESPACE = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+")
@@ -102,3 +103,5 @@ def run_script(main: Callable[[Sequence[str] | None], int], arguments: Sequence[
         sys.exit(UsageError.exit_status)
     except KeyboardInterrupt:
         sys.exit(130)
+    finally:
+        remove_tracing_files()

@@ -54,7 +54,7 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
         default=[],
         dest="overrides",
         metavar="KEY=VALUE",
-        help="set a value of the scenario or of a file that it names, as battery_soc=0.5 or soil.k_c=1400; again for more",
+        help="set a value of the scenario or of a file that it names: battery_soc=0.5, soil.k_c=1400; again for more",
     )
     result.add_argument(
         "--lockstep-timeout",
@@ -167,7 +167,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for result in outcome.results:
         reason = f" ({result.reason})" if result.reason else ""
         screen.say(f"{result.start_s:8.2f} s  {result.step}: {result.outcome}{reason}")
-    screen.say(f"{outcome.message} after {outcome.sim_time_s:.2f} s of simulation, {outcome.wall_time_s:.1f} s of wall time")
+    screen.say(
+        f"{outcome.message} after {outcome.sim_time_s:.2f} s of simulation, {outcome.wall_time_s:.1f} s of wall time"
+    )
     return outcome.status
 
 

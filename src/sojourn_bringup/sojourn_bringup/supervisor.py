@@ -5,6 +5,7 @@ import os
 import signal
 import time
 from collections import deque
+from dataclasses import replace
 
 from sojourn_bringup.child import Child, command_of, environment_of
 from sojourn_bringup.environment import ros_variables
@@ -119,12 +120,16 @@ class Supervisor:
             node.state, node.detail = DEAD, how
             words = f"{role} (process {child.pid}) {how}"
             if role == "plant":
+                if not self._monitor.progress.stamp and (unready := self._unready()):
+                    words += f"; not ready: {unready}"
                 return self._outcome(FAILED, words)
             if not node.heard_at:
                 return self._outcome(FAILED, f"{words}; it had never sent a heartbeat (log: {child.log})")
             if not self.plan.realtime:
                 at = seconds(self._monitor.progress.stamp)
-                return self._outcome(FAILED, f"{words} after {at:.0f} s of simulation: lock-step cannot go on without it")
+                return self._outcome(
+                    FAILED, f"{words} after {at:.0f} s of simulation: lock-step cannot go on without it"
+                )
             if not process(role).restartable or self._restarts_too_often(role):
                 return self._outcome(FAILED, f"{words}, and is not started again")
             node.begin_again()
@@ -140,14 +145,15 @@ class Supervisor:
         return len(deaths) > MAX_RESTARTS
 
     def _why_not_started(self) -> str:
-        unready = [node for node in self.nodes.values() if not node.is_ready]
-        words = ", ".join(f"{node.role} ({node.detail or node.state})" for node in unready) or "plant"
-        return f"not ready within {self.plan.start_timeout_s:g} s: {words}"
+        return f"not ready within {self.plan.start_timeout_s:g} s: {self._unready() or 'plant'}"
+
+    def _unready(self) -> str:
+        """Nodes that are not ready and why, in words."""
+        waiting = [node for node in self.nodes.values() if not node.is_ready and node.state != DEAD]
+        return ", ".join(f"{node.role} ({node.detail or node.state})" for node in waiting)
 
     def _outcome(self, status: int, message: str) -> Outcome:
-        return Outcome(
-            status, message, sim_time_s=self._monitor.progress.time_s, wall_time_s=self.stopwatch.wall_s
-        )
+        return Outcome(status, message, sim_time_s=self._monitor.progress.time_s, wall_time_s=self.stopwatch.wall_s)
 
     def _stop_all(self, stop: StopFlag) -> None:
         """The plant first, the recorder last; a second Ctrl-C kills at once."""
@@ -172,6 +178,8 @@ class Supervisor:
 
     def _after_the_end(self, outcome: Outcome) -> Outcome:
         """Judge by the operator's results and by the recorder's proof that nothing is missing."""
+        # the last heartbeats, which come while the nodes stop, know the time of the end
+        outcome = replace(outcome, sim_time_s=self._monitor.progress.time_s)
         outcome = outcome.judged(self._operator_results(), self._monitor.progress.steps)
         recorder = self.children.get("recorder")
         if outcome.status == SUCCEEDED and recorder is not None and recorder.status:

@@ -66,9 +66,7 @@ def place_of(model: type[BaseModel], path: KeyPath) -> Place | None:
     return place
 
 
-def _unknown_key(
-    detail: ErrorDetails, model: type[BaseModel], document: YamlDocument, listed: set[KeyPath]
-) -> Problem:
+def _unknown_key(detail: ErrorDetails, model: type[BaseModel], document: YamlDocument, listed: set[KeyPath]) -> Problem:
     """An unknown key. The valid keys of a table are listed once, with the first one."""
     path, value = _path_in_data(detail, document.data)
     parent = place_of(model, path[:-1])

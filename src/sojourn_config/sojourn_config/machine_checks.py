@@ -106,9 +106,7 @@ def _wheel_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocumen
                 yield document.problem((*path, "steer_joint"), wheel.steer_joint, allowed)
 
 
-def _drive_problems(
-    rover: RoverConfig, urdf: UrdfSummary, bus: BusParams, document: YamlDocument
-) -> Iterator[Problem]:
+def _drive_problems(rover: RoverConfig, urdf: UrdfSummary, bus: BusParams, document: YamlDocument) -> Iterator[Problem]:
     loads = {load.name: load for load in bus.loads}
     commanded = [load.name for load in bus.loads if load.kind == "commanded"]
     for index, drive in enumerate(rover.drives):
@@ -141,9 +139,7 @@ def _reference_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDoc
         yield document.problem(("urdf",), rover.urdf, f"has no link {BASE_LINK}")
 
 
-def _sensor_problems(
-    sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument
-) -> Iterator[Problem]:
+def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
     for group, params in sensors.joint_groups.items():
         for number, name in enumerate(params.joints):
             problem = _joint_problem(document, ("joint_groups", group, "joints", number), name, urdf)
@@ -151,9 +147,7 @@ def _sensor_problems(
                 yield problem
 
 
-def _arm_problems(
-    arm: ArmParams, rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument
-) -> Iterator[Problem]:
+def _arm_problems(arm: ArmParams, rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
     driven = {joint for drive in rover.drives for joint in drive.joints}
     for index, name in enumerate(arm.joint_names):
         problem = _joint_problem(document, ("joint_names", index), name, urdf)

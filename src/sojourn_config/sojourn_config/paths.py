@@ -68,9 +68,7 @@ def display(path: Path) -> str:
     return str(path)
 
 
-def resolve(
-    kind: str, name: str, asked_by: tuple[str, str] | None = None, folder: Path | None = None
-) -> Path:
+def resolve(kind: str, name: str, asked_by: tuple[str, str] | None = None, folder: Path | None = None) -> Path:
     """The file of a parameter set.
 
     Args:

@@ -18,7 +18,6 @@ from sojourn_config.yaml_file import read_yaml
 from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.params import Params
 from sojourn_mechanics.plant.params import SimulationParams
-from sojourn_mechanics.terrain.generate import generate
 from sojourn_mechanics.terrain.height_field import HeightField
 from sojourn_mechanics.terrain.params import TerrainParams
 
@@ -94,6 +93,9 @@ class LoadedScenario(Bundle):
         Raises:
             ConfigError: the ground cannot be made with these parameters.
         """
+        # here and not above: it loads scipy, which most nodes do not need, and each of them starts so much sooner
+        from sojourn_mechanics.terrain.generate import generate
+
         try:
             return generate(self.terrain, *self.soil_names, self.config.seed)
         except MechanicsError as error:

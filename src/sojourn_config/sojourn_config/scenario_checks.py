@@ -16,9 +16,7 @@ EDGE = 2.0
 """Drive goals and the start keep this far from the edge of the map [m]."""
 
 
-def scenario_problems(
-    config: "ScenarioConfig", bundle: Bundle | None, document: YamlDocument
-) -> Iterator[Problem]:
+def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document: YamlDocument) -> Iterator[Problem]:
     """All that does not fit. Without a bundle (its files have problems) only the goals are looked at."""
     places: list[tuple[KeyPath, float, float]] = [(("start",), config.start.x, config.start.y)]
     for index, step in enumerate(config.steps):

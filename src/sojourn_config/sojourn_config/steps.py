@@ -82,9 +82,7 @@ class ArmJointsStep(Params):
         return self
 
 
-StepAction: TypeAlias = (
-    DriveGoalStep | DriveRouteStep | ArmPoseStep | ArmGroundStep | ArmJointsStep | float
-)
+StepAction: TypeAlias = DriveGoalStep | DriveRouteStep | ArmPoseStep | ArmGroundStep | ArmJointsStep | float
 ACTIONS = ("drive_to", "drive_route", "arm_to", "arm_to_ground", "arm_joints", "wait_s")
 
 

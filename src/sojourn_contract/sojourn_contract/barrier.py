@@ -52,9 +52,7 @@ class Barrier(Generic[Message]):
     _messages: dict[str, dict[int, Message]] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
-        self.stride = (
-            1 if self.every_period or not self.awaited else gcd(*(row.every for row in self.awaited))
-        )
+        self.stride = 1 if self.every_period or not self.awaited else gcd(*(row.every for row in self.awaited))
         self.period = self.stride
         self._messages = {row.name: {} for row in self.awaited}
 
@@ -91,9 +89,12 @@ class Barrier(Generic[Message]):
         """
         period = self.period
         for row in self.awaited:
-            if period % row.every == 0 and period > row.lag:
-                if (period - row.lag) * CONTROL_PERIOD_NS not in self._messages[row.name]:
-                    return False
+            if (
+                period % row.every == 0
+                and period > row.lag
+                and (period - row.lag) * CONTROL_PERIOD_NS not in self._messages[row.name]
+            ):
+                return False
         return True
 
     def missing(self) -> list[Topic]:

@@ -43,9 +43,7 @@ def check_complete(topic: str, message: Any) -> None:
     for field in ("position", "velocity"):
         count = len(getattr(message, field))
         if count != len(message.name):
-            raise RefusedMessageError(
-                topic, field, f"{count} numbers", f"one for each of {len(message.name)} names"
-            )
+            raise RefusedMessageError(topic, field, f"{count} numbers", f"one for each of {len(message.name)} names")
 
 
 def check_ranges(row: Topic, message: Any) -> None:
@@ -81,9 +79,7 @@ def _check_joint_state(topic: str, message: Any) -> None:
     for field in ("position", "velocity", "effort"):
         values = getattr(message, field)
         if len(values) not in (0, count):
-            raise RefusedMessageError(
-                topic, field, f"{len(values)} numbers", f"none, or one for each of {count} names"
-            )
+            raise RefusedMessageError(topic, field, f"{len(values)} numbers", f"none, or one for each of {count} names")
         check_finite(topic, field, values)
 
 
@@ -94,9 +90,7 @@ def _check_trajectory(topic: str, message: Any) -> None:
             values = getattr(point, field)
             where = f"points[{index}].{field}"
             if len(values) not in ((count,) if field == "positions" else (0, count)):
-                raise RefusedMessageError(
-                    topic, where, f"{len(values)} numbers", f"one for each of {count} joints"
-                )
+                raise RefusedMessageError(topic, where, f"{len(values)} numbers", f"one for each of {count} joints")
             check_finite(topic, where, values)
 
 

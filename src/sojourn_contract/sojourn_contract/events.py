@@ -81,7 +81,5 @@ def parse_tick(text: str) -> tuple[dict[str, int], bool]:
         elif equals and count.isdecimal():
             counts[name] = int(count)
         else:
-            raise RefusedMessageError(
-                "/operator/tick", "frame_id", text, "'end' and TOPIC=COUNT, separated by ';'"
-            )
+            raise RefusedMessageError("/operator/tick", "frame_id", text, "'end' and TOPIC=COUNT, separated by ';'")
     return counts, end

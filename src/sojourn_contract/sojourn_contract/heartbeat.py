@@ -56,9 +56,7 @@ class Heartbeat:
     values: dict[str, str]
 
 
-def status_message(
-    stamp: int, name: str, values: dict[str, str], message: str = "", level: int = 0
-) -> DiagnosticArray:
+def status_message(stamp: int, name: str, values: dict[str, str], message: str = "", level: int = 0) -> DiagnosticArray:
     """One DiagnosticStatus in an array, stamped: the form of every status topic and of the heartbeat.
 
     Args:

@@ -39,6 +39,8 @@ SWITCHES = "/power/switches"
 MEASURED_BY = ("plant", "sensors")
 """Publishers whose joint states are measurements: complete, or refused."""
 HEARTBEAT_PERIODS = 50
+REFUSAL_LOG_S = 1.0
+"""Wall time between two lines of the log on refused messages of one topic; the heartbeat counts them all."""
 READY_REPEAT_S = 0.2
 """Wall time between heartbeats before the run."""
 
@@ -85,6 +87,7 @@ class ContractNode(Node):
         overrides_given = self.declare_parameter("overrides", [""]).value
         self.scenario_overrides = tuple(text for text in overrides_given if text)
         self.counters = Counters()
+        self._warned: dict[str, float] = {}
         self.events = EventQueue()
         self.finished = False
         self.exit_status = 0
@@ -161,9 +164,7 @@ class ContractNode(Node):
             whom, what = self._waits_for()
             if whom:
                 self._last_progress = now
-                self._send_heartbeat(
-                    STALLED, self.now, f"waiting for {what} from {whom}", {WAITING_FOR: whom}
-                )
+                self._send_heartbeat(STALLED, self.now, f"waiting for {what} from {whom}", {WAITING_FOR: whom})
 
     def is_drained(self) -> bool:
         """Whether nothing that it must still take is on its way; the recorder waits here."""
@@ -195,9 +196,7 @@ class ContractNode(Node):
         missing = self.barrier.missing()
         if missing:
             return missing[0].publisher, missing[0].name
-        return (
-            ("", "") if self._goals_are_in() else (topic(TICK).publisher, "the goals that its tick announces")
-        )
+        return ("", "") if self._goals_are_in() else (topic(TICK).publisher, "the goals that its tick announces")
 
     def _inputs(self) -> list[Topic]:
         """Rows to subscribe: in lock-step what is awaited, in real time whoever may publish it; goals
@@ -206,10 +205,7 @@ class ContractNode(Node):
         return [
             row
             for row in inputs_of(self.role)
-            if row.is_event
-            or row.publisher == "all"
-            or not self.lockstep
-            or row.name in self._awaited_by_name
+            if row.is_event or row.publisher == "all" or not self.lockstep or row.name in self._awaited_by_name
         ]
 
     def _listeners(self, row: Topic) -> list[str]:
@@ -265,9 +261,12 @@ class ContractNode(Node):
         """A message on /diagnostics; only the plant and the recorder listen."""
 
     def refuse(self, topic: str, refusal: Exception) -> None:
-        """Count a refused message and log it."""
+        """Count a refused message and log it; of a topic that goes on like that, one line a second."""
         self.counters.count_refused(topic, str(refusal))
-        self.get_logger().warning(f"refused: {refusal}")
+        now = time.monotonic()
+        if now - self._warned.get(topic, -REFUSAL_LOG_S) >= REFUSAL_LOG_S:
+            self._warned[topic] = now
+            self.get_logger().warning(f"refused: {refusal}")
 
     def _receive_event(self, row: Topic, stamp: int, message: Any) -> None:
         self.events.count(row)
@@ -356,9 +355,7 @@ class ContractNode(Node):
         if stamp // beat != previous // beat:
             self._send_heartbeat(RUNNING, stamp)
 
-    def _send_heartbeat(
-        self, state: str, stamp: int, detail: str = "", extra: dict[str, str] | None = None
-    ) -> None:
+    def _send_heartbeat(self, state: str, stamp: int, detail: str = "", extra: dict[str, str] | None = None) -> None:
         values = self.heartbeat_values() | (extra or {})
         if stamp:  # those before the run are as many as the start-up took, and no part of the record
             self.counters.count_published("/diagnostics")

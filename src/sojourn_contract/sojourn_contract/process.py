@@ -97,9 +97,7 @@ def drain(executor: EventsExecutor, nodes: list[ContractNode]) -> None:
 def run(factory: Callable[[], ContractNode], arguments: list[str] | None = None) -> int:
     """Main of a node's process: start rclpy, make the node, spin, clean up. Returns the exit status."""
     stop = StopFlag().install()
-    rclpy.init(
-        args=arguments if arguments is not None else sys.argv, signal_handler_options=SignalHandlerOptions.NO
-    )
+    rclpy.init(args=arguments if arguments is not None else sys.argv, signal_handler_options=SignalHandlerOptions.NO)
     node: ContractNode | None = None
     try:
         node = factory()

@@ -24,6 +24,4 @@ def check_switches(topic: str, values: Mapping[str, str], loads: Collection[str]
         if loads is not None and load not in loads:
             raise RefusedMessageError(topic, "status.values.key", load, "one of " + ", ".join(loads))
         if fraction_of(text) is None:
-            raise RefusedMessageError(
-                topic, f"status.values.{load}", text, "on, off, or a fraction from 0 to 1"
-            )
+            raise RefusedMessageError(topic, f"status.values.{load}", text, "on, off, or a fraction from 0 to 1")

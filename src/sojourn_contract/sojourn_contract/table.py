@@ -60,9 +60,7 @@ def _units(fields: Sequence[FieldRule]) -> str:
     """Unit and frame of each field, in brackets; neighbours with the same ones are told together."""
     told: list[tuple[str, list[str]]] = []
     for rule in fields:
-        words = " ".join(
-            part for part in (rule.unit, f"in {rule.frame}" if rule.frame else "") if part and part != "1"
-        )
+        words = " ".join(part for part in (rule.unit, f"in {rule.frame}" if rule.frame else "") if part and part != "1")
         if not words:
             continue
         if told and told[-1][0] == words:
@@ -76,9 +74,7 @@ def _units(fields: Sequence[FieldRule]) -> str:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table, or renew it in a file. Returns the exit status."""
     parser = argparse.ArgumentParser(prog="python -m sojourn_contract.table", description=__doc__)
-    parser.add_argument(
-        "--into", type=Path, metavar="FILE", help="renew the table between its markers in this file"
-    )
+    parser.add_argument("--into", type=Path, metavar="FILE", help="renew the table between its markers in this file")
     file: Path | None = parser.parse_args(arguments).into
     if file is None:
         print(markdown_table())

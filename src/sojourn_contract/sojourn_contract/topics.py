@@ -6,7 +6,7 @@ unit, its frame and its plausible range. Rows stand in the order in which data f
 period, from the plant's truth to the commands that go back to it.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from sojourn_contract.errors import UnknownRoleError, UnknownTopicError
@@ -96,6 +96,7 @@ _GOAL = (
     FieldRule("pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),
     FieldRule("pose.orientation", "", low=-1.0, high=1.0),
 )
+_ARM_GOAL = tuple(replace(rule, frame=rule.frame and "base_link") for rule in _GOAL)
 _BATTERY = (
     FieldRule("voltage", "V", low=0.0, high=100.0),
     FieldRule("current", "A, negative while discharging", low=-500.0, high=500.0),
@@ -105,9 +106,7 @@ _BATTERY = (
 )
 
 TOPICS: tuple[Topic, ...] = (
-    Topic(
-        "/clock", "rosgraph_msgs/Clock", "plant", (), 1, 0.1, "simulation time", (FieldRule("clock", "s"),)
-    ),
+    Topic("/clock", "rosgraph_msgs/Clock", "plant", (), 1, 0.1, "simulation time", (FieldRule("clock", "s"),)),
     Topic(
         "/truth/odom",
         "nav_msgs/Odometry",
@@ -125,8 +124,7 @@ TOPICS: tuple[Topic, ...] = (
         (),
         1,
         0.1,
-        "one point a wheel or pad: x y z, sinkage, slip_ratio, slip_angle, force_x force_y force_z, torque, "
-        "soil",
+        "one point a wheel or pad: x y z, sinkage, slip_ratio, slip_angle, force_x force_y force_z, torque, soil",
         (
             FieldRule("x y z", "m", frame="map", low=-1e5, high=1e5),
             FieldRule("sinkage", "m", low=-1.0, high=1.0),
@@ -309,8 +307,8 @@ TOPICS: tuple[Topic, ...] = (
         ("arm",),
         0,
         10.0,
-        "place the arm's tip there; a non-zero orientation asks for the direction of its z axis",
-        _GOAL,
+        "place the arm's tip there; an orientation other than identity or zero asks for the direction of its z axis",
+        _ARM_GOAL,
     ),
     Topic(
         "/arm/joint_goal",

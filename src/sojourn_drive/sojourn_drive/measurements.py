@@ -90,9 +90,7 @@ class WheelMeasurements:
             names = list(joints.name)
             for joint in (*self._drive_joints, *self._steer_joints):
                 if joint not in names:
-                    raise RefusedMessageError(
-                        "/joint_states", "name", ", ".join(names), f"{joint} among them"
-                    )
+                    raise RefusedMessageError("/joint_states", "name", ", ".join(names), f"{joint} among them")
             self._columns = (
                 names,
                 [names.index(joint) for joint in self._drive_joints],

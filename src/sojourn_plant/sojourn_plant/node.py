@@ -15,24 +15,21 @@ from rclpy.context import Context
 
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import process, stamps
-from sojourn_contract.errors import DomainInUseError, NotReadyError, SilentNodeError
+from sojourn_contract.errors import DomainInUseError, SilentNodeError
 from sojourn_contract.events import parse_tick
-from sojourn_contract.heartbeat import READY, WAITING_FOR, WAITING_TO_MATCH, Heartbeat, read_heartbeats
+from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import Topic
 from sojourn_mechanics.plant.state import PlantState
 from sojourn_mechanics.plant.step import step
 from sojourn_plant.commands import COMMANDS, CommandBuffer
+from sojourn_plant.roster import Roster
 from sojourn_plant.start import build_plant
 from sojourn_plant.truth import TruthMessages
 
 DISCOVERY_S = 0.5
 """Wall time after its creation before which a plant does not begin: another one on its domain may not be
 seen yet.
-"""
-REPORT_LIFE = 0.75
-"""Part of the time-out for which it counts what a node says of whom it waits for; it says so again every
-half of it.
 """
 AHEAD_S = 1.0
 """In real time a command stamped further ahead of the plant's own clock than this is refused: it would
@@ -53,18 +50,14 @@ class PlantNode(ContractNode):
         namespace: str | None = None,
     ) -> None:
         self._created = time.monotonic()
-        super().__init__(
-            "plant", context=context, overrides=overrides, namespace=namespace, every_period=True
-        )
+        super().__init__("plant", context=context, overrides=overrides, namespace=namespace, every_period=True)
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         self.model, self.state = build_plant(scenario)
         self.ends_the_run = True
         self._commands = CommandBuffer(self.model)
         self._commands.hold(self.state.joints[0])
         self._truth = TruthMessages(self.model)
-        self._ready: set[str] = set()
-        self._heard: dict[str, Heartbeat] = {}
-        self._heard_at: dict[str, float] = {}
+        self.roster = Roster(self.role, self.participants, self.timeout_s)
         self._begun = False
         self._waiting_since = time.monotonic()
         self._trigger = ""
@@ -73,13 +66,7 @@ class PlantNode(ContractNode):
 
     def on_heartbeat(self, message: Any) -> None:
         """Keep who is ready, and who says that it waits for whom."""
-        for beat in read_heartbeats(message):
-            self._heard[beat.role] = beat
-            self._heard_at[beat.role] = time.monotonic()
-            if beat.state == READY:
-                self._ready.add(beat.role)
-            elif beat.state == WAITING_TO_MATCH:
-                self._ready.discard(beat.role)
+        self.roster.hear(read_heartbeats(message))
 
     def poll(self) -> None:
         """Begin the run when everybody is ready; say who is silent when somebody is."""
@@ -123,16 +110,13 @@ class PlantNode(ContractNode):
 
     def _begin_when_ready(self) -> None:
         if self.count_publishers(self._senders["/clock"].topic_name) > 1:
-            self._fail(
-                DomainInUseError(str(self.context.get_domain_id()), self._senders["/clock"].topic_name)
-            )
+            self._fail(DomainInUseError(str(self.context.get_domain_id()), self._senders["/clock"].topic_name))
             return
         waited = time.monotonic() - self._waiting_since
         unmatched = self.unmatched()
-        missing = [role for role in self.participants if role not in self._ready and role != self.role]
-        if unmatched or missing:
+        if unmatched or self.roster.missing():
             if waited > 3 * self.timeout_s:
-                self._fail(self._not_ready(missing, unmatched, waited))
+                self._fail(self.roster.not_ready(unmatched, waited))
             return
         if time.monotonic() - self._created < DISCOVERY_S:
             return
@@ -150,28 +134,8 @@ class PlantNode(ContractNode):
     def _stop_for_silence(self) -> None:
         """Name the node at the root: the one that is missing and does not say that it waits for another."""
         row = self.barrier.missing()[0]
-        role, seen = row.publisher, {self.role}
-        while (whom := self._waits_now(role)) and whom not in seen:
-            seen.add(role)
-            role = whom
+        role = self.roster.root_of_silence(row.publisher)
         self._fail(SilentNodeError(role, row.name, stamps.seconds(self.barrier.stamp), self.timeout_s))
-
-    def _waits_now(self, role: str) -> str:
-        """Whom a node says that it waits for; empty where it says nothing, or has not said it again of
-        late.
-        """
-        if time.monotonic() - self._heard_at.get(role, 0.0) > REPORT_LIFE * self.timeout_s:
-            return ""
-        return self._heard[role].values.get(WAITING_FOR, "")
-
-    def _not_ready(self, missing: list[str], unmatched: list[str], waited_s: float) -> NotReadyError:
-        """Name a node that has not been heard at all before those that wait for it."""
-        for role in missing:
-            if role not in self._heard:
-                return NotReadyError(role, "no heartbeat has come from it", waited_s)
-        if missing:
-            return NotReadyError(missing[0], self._heard[missing[0]].detail, waited_s)
-        return NotReadyError(self.role, "; ".join(unmatched), waited_s)
 
     def _refusal_realtime(self, row: Topic, stamp: int) -> str | None:
         latest = self.now + int(AHEAD_S * stamps.NANOSECONDS)

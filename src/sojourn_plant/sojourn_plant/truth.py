@@ -89,10 +89,7 @@ class TruthMessages:
         return messages
 
     def _load_message(self, stamp: int, state: PlantState, output: PlantOutput) -> Any:
-        values = {
-            f"power {name}": f"{power:.6g}"
-            for name, power in zip(self._loads, output.load_power, strict=True)
-        }
+        values = {f"power {name}": f"{power:.6g}" for name, power in zip(self._loads, output.load_power, strict=True)}
         for name in state.energy.__dataclass_fields__:
             values[f"energy {name}"] = f"{getattr(state.energy, name):.9g}"
         return status_message(stamp, "loads", values)

@@ -75,11 +75,7 @@ class PowerNode(ContractNode):
     def _status(self, stamp: int, output: manager.PowerManagerOutput) -> Any:
         shed = [switch for switch in output.switches if switch.mode == "off"]
         values = {
-            "state": "shedding"
-            if output.shed_level
-            else "limiting"
-            if output.drive_fraction < 1.0
-            else "normal",
+            "state": "shedding" if output.shed_level else "limiting" if output.drive_fraction < 1.0 else "normal",
             "soc": f"{output.soc:.4f}",
             "energy_remaining_wh": f"{output.energy_remaining_wh:.1f}",
             "time_to_empty_s": f"{output.time_to_empty:.0f}",
@@ -88,9 +84,7 @@ class PowerNode(ContractNode):
             "shed": ",".join(switch.name for switch in shed),
             "reason": "; ".join([*output.warnings, *(f"{switch.name}: {switch.reason}" for switch in shed)]),
         }
-        return status_message(
-            stamp, "power", values, values["reason"] or values["state"], 1 if values["reason"] else 0
-        )
+        return status_message(stamp, "power", values, values["reason"] or values["state"], 1 if values["reason"] else 0)
 
 
 def main() -> None:

@@ -63,13 +63,9 @@ _PARTS = [
         'effort="20" velocity="2"',
     ),
     _link("shoulder_link", 1.0, "0 0 0.03", _tube(0.04, 0.08, "0 0 0.04")),
-    _joint(
-        "shoulder_joint", "revolute", "base_link", "shoulder_link", "0.45 -0.1 0", "0 0 1", _limit(-2.5, 2.5)
-    ),
+    _joint("shoulder_joint", "revolute", "base_link", "shoulder_link", "0.45 -0.1 0", "0 0 1", _limit(-2.5, 2.5)),
     _link("upper_link", 1.5, "0.2 0 0.01", _tube(0.03, 0.4, "0.2 0 0", "0 1.5707963 0")),
-    _joint(
-        "upper_joint", "revolute", "shoulder_link", "upper_link", "0.05 0 0.05", "0 1 0", _limit(-1.8, 1.8)
-    ),
+    _joint("upper_joint", "revolute", "shoulder_link", "upper_link", "0.05 0 0.05", "0 1 0", _limit(-1.8, 1.8)),
     _link("fore_link", 1.2, "0.18 0.01 0", _tube(0.025, 0.36, "0.2 0 0", "0 1.5707963 0")),
     _joint("fore_joint", "revolute", "upper_link", "fore_link", "0.4 0 0", "0 1 0", _limit(-2.7, 2.7)),
     _link("hand_link", 0.6, "0.02 0 0", _box("0.08 0.05 0.05", "0.04 0 0")),

@@ -310,9 +310,7 @@ JOINTS = (
         (TrajectoryGoal((JOINTS[1],), (9.0,), ((9.0,),)), ["point 0: arm_elevation_joint = 9.0000"]),
     ],
 )
-def test_goals_that_cannot_be_met_are_refused_with_the_reason(
-    loop: Loop, goal: ArmGoal, texts: list[str]
-) -> None:
+def test_goals_that_cannot_be_met_are_refused_with_the_reason(loop: Loop, goal: ArmGoal, texts: list[str]) -> None:
     reason = _refusal(loop, goal)
     for text in texts:
         assert text in reason

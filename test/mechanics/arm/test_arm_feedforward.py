@@ -55,9 +55,7 @@ def test_gravity_effort_is_the_slope_of_the_potential_energy(small: Any, explore
 def test_power_of_the_efforts_is_the_growth_of_the_energy(explorer: Any, seed: int) -> None:
     generator = np.random.default_rng(seed)
     model, gravity = explorer.model, np.array([0.3, -0.2, -1.6])
-    path = point_to_point(
-        model, at_rest(explorer.random_posture(generator)), explorer.random_posture(generator)
-    )
+    path = point_to_point(model, at_rest(explorer.random_posture(generator)), explorer.random_posture(generator))
 
     def energy(t: float) -> float:
         q, qd, _ = path.sample(t)

@@ -52,9 +52,7 @@ def test_ignored_pairs_are_left_out(small_urdf: str, small_values: dict[str, Any
 
 def test_locked_positions_move_the_obstacles(small_urdf: str, small_values: dict[str, Any]) -> None:
     level = build_arm_model(small_urdf, ArmParams(**small_values))
-    raised = build_arm_model(
-        small_urdf, ArmParams(**{**small_values, "locked_positions": {"rocker_joint": -0.5}})
-    )
+    raised = build_arm_model(small_urdf, ArmParams(**{**small_values, "locked_positions": {"rocker_joint": -0.5}}))
     heights = []
     for model in (level, raised):
         shapes = model.geometry_model.geometryObjects
@@ -114,9 +112,7 @@ def test_joints_out_of_chain_order_are_refused(small_urdf: str, small_values: di
 
 def test_pose_and_speed_beyond_the_urdf_are_refused(small_urdf: str, small_values: dict[str, Any]) -> None:
     poses = {**small_values["named_poses"], "far": (2.6, 0.0, 0.0, 0.0, 0.0)}
-    with pytest.raises(
-        InvalidValueError, match=r"named_poses.far of shoulder_joint = 2.6.*-2.5000 to 2.5000"
-    ):
+    with pytest.raises(InvalidValueError, match=r"named_poses.far of shoulder_joint = 2.6.*-2.5000 to 2.5000"):
         build_arm_model(small_urdf, ArmParams(**{**small_values, "named_poses": poses}))
     with pytest.raises(InvalidValueError, match="max_velocity of shoulder_joint"):
         build_arm_model(small_urdf, ArmParams(**{**small_values, "max_velocity": (2.1, 0.5, 0.6, 0.8, 0.8)}))

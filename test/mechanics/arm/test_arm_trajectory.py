@@ -72,9 +72,7 @@ def _moving_state(arm: Any, generator: np.random.Generator) -> JointReference:
         (0.2, 1.0e4, 0.8944, 2e-4),
     ],
 )
-def test_published_durations(
-    small: Any, distance: float, jerk: float, duration: float, tolerance: float
-) -> None:
+def test_published_durations(small: Any, distance: float, jerk: float, duration: float, tolerance: float) -> None:
     model = _with_limits(small.model, 0.5, 1.0, jerk)
     path = point_to_point(model, at_rest(np.zeros(5)), np.array([distance, 0.0, 0.0, 0.0, 0.0]))
     assert path.duration == pytest.approx(duration, abs=tolerance)
@@ -191,9 +189,7 @@ def test_a_start_out_of_limits_may_come_back(small: Any) -> None:
 def test_swinging_past_a_limit_is_avoided_by_braking_first(small: Any) -> None:
     # Joint 0 runs at its limit of speed towards 2.5 rad and has 0.3 rad left; joint 1 has a long way, so that
     # a synchronised motion would take its time over turning round.
-    start = JointReference(
-        np.array([2.2, -1.7, 0.0, 0.0, 0.0]), np.array([0.5, 0.0, 0.0, 0.0, 0.0]), np.zeros(5)
-    )
+    start = JointReference(np.array([2.2, -1.7, 0.0, 0.0, 0.0]), np.array([0.5, 0.0, 0.0, 0.0, 0.0]), np.zeros(5))
     path = point_to_point(small.model, start, np.array([2.2, 1.7, 0.0, 0.0, 0.0]))
     _assert_within_limits(small.model, path)
 
@@ -246,9 +242,7 @@ def test_points_without_times_are_passed_in_order_without_stopping_on_a_line(sma
 def test_given_velocities_are_kept_at_the_points(small: Any) -> None:
     points = np.outer(np.array([0.3, 0.6]), np.ones(5))
     velocities = np.vstack([np.full(5, 0.15), np.zeros(5)])
-    path, stretched = through_points(
-        small.model, at_rest(np.zeros(5)), points, np.array([2.0, 4.5]), velocities
-    )
+    path, stretched = through_points(small.model, at_rest(np.zeros(5)), points, np.array([2.0, 4.5]), velocities)
     assert not stretched
     np.testing.assert_allclose(path.sample(2.0)[1], 0.15, atol=1e-5)
     with pytest.raises(TrajectoryError, match="last point"):

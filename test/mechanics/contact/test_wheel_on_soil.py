@@ -141,7 +141,7 @@ def test_forces_are_the_integrals_of_the_stresses(
     assert np.allclose(found[3:6], expected[3:6], rtol=0.0, atol=2e-4 * scale * RADIUS)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(soils(), sinkages, slips, side_slips, rollings)
 def test_quadrature_error_of_the_few_points(
     soil: FloatArray, sinkage: float, slip: float, side_slip: float, rolling: float

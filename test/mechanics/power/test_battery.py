@@ -109,9 +109,7 @@ def test_chemical_energy_out_is_terminal_energy_and_heat_and_what_is_stored(
         assert after.energy_heat >= state.energy_heat - 1e-9  # J, the rounding of 1.7 MJ
         throughput += abs(after.energy_terminal - state.energy_terminal)
         state = after
-    balance = (
-        chemical(PACK, start, state) - state.energy_terminal - state.energy_heat - capacitor(PACK, state)
-    )
+    balance = chemical(PACK, start, state) - state.energy_terminal - state.energy_heat - capacitor(PACK, state)
     assert abs(balance) < 1e-9 * (throughput + battery.stored_energy(PACK, 1.0))
     assert state.soc <= 1.0
 

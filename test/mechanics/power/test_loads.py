@@ -13,9 +13,7 @@ from sojourn_mechanics.power import loads
 from sojourn_mechanics.power.loads import BusParams, BusState, LoadParams, solve_bus
 
 LOADS = (
-    LoadParams(
-        name="computer", group="computer", kind="constant_power", power_w=30.0, essential=True, priority=9
-    ),
+    LoadParams(name="computer", group="computer", kind="constant_power", power_w=30.0, essential=True, priority=9),
     LoadParams(
         name="heater",
         group="heater",
@@ -67,9 +65,7 @@ def test_operating_point_is_the_upper_root_found_by_bisection(
 
 @settings(max_examples=80, deadline=None)
 @given(source=st.floats(1.0, 60.0), resistance=st.floats(1e-3, 2.0), over=st.floats(1.001, 50.0))
-def test_brown_out_serves_the_most_power_the_source_can_give(
-    source: float, resistance: float, over: float
-) -> None:
+def test_brown_out_serves_the_most_power_the_source_can_give(source: float, resistance: float, over: float) -> None:
     most = source**2 / (4.0 * resistance)
     voltage, served = solve_bus(source, resistance, over * most, 0.0, 0.0)
     assert served == pytest.approx(1.0 / over)
@@ -163,8 +159,6 @@ def test_bad_parameters_are_refused() -> None:
     with pytest.raises(ValidationError, match="lockout_reset_voltage"):
         BusParams(loads=LOADS, lockout_voltage=25.0, lockout_reset_voltage=25.0, lockout_reset_time=1.0)
     with pytest.raises(ValidationError, match="'drive' appears 2 times"):
-        BusParams(
-            loads=(*LOADS, LOADS[2]), lockout_voltage=21.0, lockout_reset_voltage=25.0, lockout_reset_time=1.0
-        )
+        BusParams(loads=(*LOADS, LOADS[2]), lockout_voltage=21.0, lockout_reset_voltage=25.0, lockout_reset_time=1.0)
     with pytest.raises(ValidationError, match="kind"):
         LoadParams.model_validate(LOADS[0].model_dump() | {"kind": "magic"})

@@ -37,14 +37,10 @@ PACK = BatteryParams(
     temperature_max=303.15,
 )
 LOADS = (
-    LoadParams(
-        name="computer", group="computer", kind="constant_power", power_w=30.0, essential=True, priority=0
-    ),
+    LoadParams(name="computer", group="computer", kind="constant_power", power_w=30.0, essential=True, priority=0),
     LoadParams(name="drive", group="drive", kind="commanded", power_w=200.0, essential=False, priority=50),
     LoadParams(name="arm", group="arm", kind="commanded", power_w=80.0, essential=False, priority=40),
-    LoadParams(
-        name="camera", group="instrument", kind="constant_power", power_w=9.0, essential=False, priority=40
-    ),
+    LoadParams(name="camera", group="instrument", kind="constant_power", power_w=9.0, essential=False, priority=40),
     LoadParams(name="heater", group="heater", kind="resistive", power_w=15.0, essential=False, priority=10),
 )
 LAW = PowerLawParams(
@@ -162,9 +158,7 @@ def test_what_is_shed_is_the_lowest_priorities_and_never_essential(
         assert by_name["computer"].mode == "on" and by_name["computer"].fraction == 1.0
         off = [load.priority for load in LOADS if by_name[load.name].reason.startswith("shed")]
         on = [
-            load.priority
-            for load in LOADS
-            if not load.essential and not by_name[load.name].reason.startswith("shed")
+            load.priority for load in LOADS if not load.essential and not by_name[load.name].reason.startswith("shed")
         ]
         assert not off or not on or max(off) < min(on)
         assert len(set(off)) == output.shed_level
@@ -173,9 +167,7 @@ def test_what_is_shed_is_the_lowest_priorities_and_never_essential(
 
 @settings(max_examples=80, deadline=None)
 @given(centre=st.floats(0.05, 0.4), wobble=st.lists(st.floats(-0.0199, 0.0199), min_size=2, max_size=40))
-def test_charge_noise_within_the_hysteresis_changes_a_level_once_at_most(
-    centre: float, wobble: list[float]
-) -> None:
+def test_charge_noise_within_the_hysteresis_changes_a_level_once_at_most(centre: float, wobble: list[float]) -> None:
     state, levels = manager.initial_state(PARAMS, 0.5), []
     for noise in wobble:
         state, output = manager.step(PARAMS, replace(state, soc=centre + noise), telemetry(), 1e-3)
@@ -236,16 +228,12 @@ def test_the_drive_follows_a_sag_and_recovers_along_a_ramp() -> None:
 
 def test_sag_and_limit_settle_together_on_a_weak_battery() -> None:
     """Manager and bus: the drive wants more than a cold pack gives; the limit finds a steady point."""
-    bus = loads.BusParams(
-        loads=LOADS, lockout_voltage=20.0, lockout_reset_voltage=24.0, lockout_reset_time=5.0
-    )
+    bus = loads.BusParams(loads=LOADS, lockout_voltage=20.0, lockout_reset_voltage=24.0, lockout_reset_time=5.0)
     state, bus_state = manager.initial_state(PARAMS, 0.9), loads.BusState()
     fractions: tuple[float, ...] = (1.0,) * 5
     voltages = []
     for _ in range(600):
-        bus_state, electrical = loads.step(
-            bus, bus_state, 28.6, 0.4, fractions, (0.0, 200.0, 0.0, 0.0, 0.0), 0.1
-        )
+        bus_state, electrical = loads.step(bus, bus_state, 28.6, 0.4, fractions, (0.0, 200.0, 0.0, 0.0, 0.0), 0.1)
         state, output = manager.step(PARAMS, state, telemetry(electrical.voltage, electrical.current), 0.1)
         fractions = output.fractions()
         voltages.append(electrical.voltage)

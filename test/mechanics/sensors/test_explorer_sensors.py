@@ -46,9 +46,7 @@ def test_encoders_are_within_the_published_bits_and_fine_enough_to_work_with() -
 
 def test_encoders_on_motors_count_with_the_gears_of_the_rover() -> None:
     ratios = {
-        joint: drive["gear"]["ratio"]
-        for drive in read("rovers/explorer.yaml")["drives"]
-        for joint in drive["joints"]
+        joint: drive["gear"]["ratio"] for drive in read("rovers/explorer.yaml")["drives"] for joint in drive["joints"]
     }
     compared = 0
     for group in PARAMS.joint_groups.values():

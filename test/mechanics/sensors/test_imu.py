@@ -59,9 +59,7 @@ def test_allan_deviation_gives_back_the_random_walks_of_the_data_sheet() -> None
         assert np.degrees(arw) * 60.0 == pytest.approx(0.07, rel=0.05)
         noise = np.sqrt((allan_deviation(force, dt, average) ** 2).mean()) * root
         assert noise / MICRO_G == pytest.approx(35.0, rel=0.05)
-    assert gyro.std(axis=0) ** 2 + gyro.mean(axis=0) ** 2 == pytest.approx(
-        reading.angular_velocity_variance, rel=0.1
-    )
+    assert gyro.std(axis=0) ** 2 + gyro.mean(axis=0) ** 2 == pytest.approx(reading.angular_velocity_variance, rel=0.1)
 
 
 def test_biases_over_seeds_have_the_deviation_of_the_data_sheet_and_no_mean() -> None:
@@ -102,9 +100,7 @@ def test_scale_factor_and_misalignment_are_drawn_with_their_size() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(roll=st.floats(-3.0, 3.0), pitch=st.floats(-1.4, 1.4), heading=st.floats(-pi, pi))
-def test_the_first_reading_levels_and_keeps_the_given_heading(
-    roll: float, pitch: float, heading: float
-) -> None:
+def test_the_first_reading_levels_and_keeps_the_given_heading(roll: float, pitch: float, heading: float) -> None:
     up = np.array([-sin(pitch), sin(roll) * cos(pitch), cos(roll) * cos(pitch)])
     state = imu.initial_state(PERFECT, 0, heading, 3.7)
     _, reading = imu.step(PERFECT, state, np.zeros(3), 3.7 * up, 0.02)

@@ -78,9 +78,7 @@ def numbers(out: SensorMeasurements) -> FloatArray:
     )
 
 
-def run(
-    params: SensorSuiteParams, state: SensorSuiteState, count: int
-) -> tuple[SensorSuiteState, FloatArray]:
+def run(params: SensorSuiteParams, state: SensorSuiteState, count: int) -> tuple[SensorSuiteState, FloatArray]:
     rows = []
     for k in range(count):
         state, out = suite.step(params, state, truth(k), 0.02)

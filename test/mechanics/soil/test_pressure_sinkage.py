@@ -45,9 +45,7 @@ def test_wheel_of_the_lunar_roving_vehicle() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(st.floats(0.2, 1.6), st.floats(0.02, 0.5), st.floats(1e-4, 0.3), st.sampled_from(["bekker", "reece"]))
-def test_pressure_is_the_formula_and_plate_sinkage_its_inverse(
-    n: float, width: float, z: float, form: str
-) -> None:
+def test_pressure_is_the_formula_and_plate_sinkage_its_inverse(n: float, width: float, z: float, form: str) -> None:
     ground = soil(n=n, form=form)
     stated = (
         (ground.k_c / width + ground.k_phi) * z**n
@@ -60,9 +58,7 @@ def test_pressure_is_the_formula_and_plate_sinkage_its_inverse(
 
 @settings(max_examples=40, deadline=None)
 @given(st.floats(0.3, 1.6), st.floats(0.03, 0.4), st.floats(0.001, 0.1), st.sampled_from(["bekker", "reece"]))
-def test_compaction_resistance_is_the_work_of_pressing_a_rut(
-    n: float, width: float, z: float, form: str
-) -> None:
+def test_compaction_resistance_is_the_work_of_pressing_a_rut(n: float, width: float, z: float, form: str) -> None:
     ground = soil(n=n, form=form)
     depths = (np.arange(400) + 0.5) / 400 * z
     work_per_metre = width * sum(pressure(ground, width, float(depth)) for depth in depths) * z / 400

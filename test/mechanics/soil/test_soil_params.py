@@ -106,9 +106,7 @@ def test_rock_is_stiff_enough_and_not_too_stiff_for_explicit_steps() -> None:
     low, high = 0.0, 2e-3
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (
-            (middle, high) if symmetric_force(rock.k_phi, 0.125, 0.16, middle) < 50.0 else (low, middle)
-        )
+        low, high = (middle, high) if symmetric_force(rock.k_phi, 0.125, 0.16, middle) < 50.0 else (low, middle)
     assert low == pytest.approx(0.45e-3, rel=0.05)  # as the file says
     step = 1e-7
     above = symmetric_force(rock.k_phi, 0.125, 0.16, low + step)

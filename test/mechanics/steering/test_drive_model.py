@@ -179,9 +179,7 @@ def test_steering_that_does_not_move_ends_the_goal_by_name(model: DriveModel, ma
     rover = machine(stuck_steering=True)
     _, output, outcome = until_idle(model, rover, model.initial_state(), Goal.at(-2.0, 0.0))
     assert outcome.kind == "stopped"
-    assert re.match(
-        r"steering of (front|rear)_\w+ does not reach its angle: -?0.000 rad measured", outcome.reason
-    )
+    assert re.match(r"steering of (front|rear)_\w+ does not reach its angle: -?0.000 rad measured", outcome.reason)
     assert not output.wheel_rates.any()
 
 
@@ -254,16 +252,12 @@ def test_bad_measurements_are_refused_by_name_and_change_nothing(
         ((0.0, 0.0, 0.0), math.nan, "cmd_vel age"),
     ],
 )
-def test_bad_twist_commands_cannot_be_made(
-    twist: tuple[float, float, float], age: float, message: str
-) -> None:
+def test_bad_twist_commands_cannot_be_made(twist: tuple[float, float, float], age: float, message: str) -> None:
     with pytest.raises(MechanicsError, match=message):
         TwistCommand(PlanarTwist(*twist), age)
 
 
-def test_a_copied_state_goes_on_identically_and_inputs_are_not_kept(
-    model: DriveModel, machine: Callable
-) -> None:
+def test_a_copied_state_goes_on_identically_and_inputs_are_not_kept(model: DriveModel, machine: Callable) -> None:
     rover = machine(slip=0.2, gyro_bias=1e-5)
     state, _ = rover.run(model.initial_state(), 4.0, goal=Goal.at(2.0, 1.0, 0.5))
     copied, rovers = copy.deepcopy(state), (rover, copy.deepcopy(rover))

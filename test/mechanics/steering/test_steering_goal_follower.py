@@ -180,9 +180,7 @@ def test_bad_goals_are_refused_with_the_reason(params: GoalFollowerParams, goal:
 
 
 @pytest.mark.parametrize(("slip", "turn_slip"), [(1.0, 0.0), (0.0, 1.0)])
-def test_a_rover_that_gets_nowhere_gives_up(
-    params: GoalFollowerParams, slip: float, turn_slip: float
-) -> None:
+def test_a_rover_that_gets_nowhere_gives_up(params: GoalFollowerParams, slip: float, turn_slip: float) -> None:
     outcome, _, states = go(params, Slipping(slip=slip, turn_slip=turn_slip), Goal.at(2.0, 2.0))
     assert outcome.kind == "stopped"
     assert "no progress" in outcome.reason

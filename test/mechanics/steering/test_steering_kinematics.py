@@ -121,9 +121,7 @@ def test_sideways_from_straight_ahead_rolls_forward() -> None:
 
 def test_point_turn_of_the_explorer_is_folded_into_the_limits(explorer: SteeringGeometryParams) -> None:
     wheels = wheels_from_twist(explorer.table(), PlanarTwist(0.0, 0.0, 0.1), np.zeros(6))
-    corner = math.atan2(
-        0.705, 0.53
-    )  # the left wheels go backwards: 127 deg becomes -53 deg with a negative rate
+    corner = math.atan2(0.705, 0.53)  # the left wheels go backwards: 127 deg becomes -53 deg with a negative rate
     np.testing.assert_allclose(wheels.steer_angles, [-corner, corner, 0.0, 0.0, corner, -corner])
     far, near = 0.1 * math.hypot(0.705, 0.53) / 0.125, 0.1 * 0.53 / 0.125
     np.testing.assert_allclose(wheels.wheel_rates, [-far, far, -near, near, -far, far])
@@ -149,9 +147,7 @@ def test_fixed_wheels_off_the_axis_report_what_they_scrub() -> None:
     assert back.yaw_rate == pytest.approx(0.16 / 0.41)
     assert back.residual > 0.1
     # With hardly any trust in "does not slide sideways", a skid-steered machine turns as its wheels say.
-    assert twist_from_wheels(table, wheels.wheel_rates, np.zeros(4), 1e-6).yaw_rate == pytest.approx(
-        1.0, abs=1e-5
-    )
+    assert twist_from_wheels(table, wheels.wheel_rates, np.zeros(4), 1e-6).yaw_rate == pytest.approx(1.0, abs=1e-5)
 
 
 def test_no_twist_keeps_the_angles(explorer: SteeringGeometryParams) -> None:

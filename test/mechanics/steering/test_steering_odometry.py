@@ -93,13 +93,9 @@ def test_crab_moves_sideways(params: OdometryParams) -> None:
     np.testing.assert_allclose((end.x, end.y, end.v_y), (-1.0, 0.0, 0.1), atol=1e-9)
 
 
-def test_gyro_rules_the_heading_when_wheels_slip(
-    params: OdometryParams, explorer: SteeringGeometryParams
-) -> None:
+def test_gyro_rules_the_heading_when_wheels_slip(params: OdometryParams, explorer: SteeringGeometryParams) -> None:
     # The wheels say 0.1 rad/s, the gyro sees 0.07: a point turn with 30 % slip.
-    end = drive(
-        params, explorer.table(), initial_odometry(params), PlanarTwist(0.0, 0.0, 0.1), 10.0, gyro_bias=-0.03
-    )
+    end = drive(params, explorer.table(), initial_odometry(params), PlanarTwist(0.0, 0.0, 0.1), 10.0, gyro_bias=-0.03)
     assert end.yaw == pytest.approx(0.7)
     assert end.yaw_rate_difference == pytest.approx(0.03)
     assert math.hypot(end.x, end.y) < 1e-9
@@ -120,9 +116,7 @@ def test_uphill_way_is_projected(params: OdometryParams, explorer: SteeringGeome
     np.testing.assert_allclose((state.x, state.y, state.z), (math.cos(0.2), 0.0, math.sin(0.2)), atol=1e-9)
 
 
-def test_circle_on_a_slope_is_the_rigid_body_motion(
-    params: OdometryParams, explorer: SteeringGeometryParams
-) -> None:
+def test_circle_on_a_slope_is_the_rigid_body_motion(params: OdometryParams, explorer: SteeringGeometryParams) -> None:
     table = explorer.table()
     slope = Rotation.from_euler("XYZ", [0.25, -0.15, 0.0])
     yaw_rate, speed, periods = 0.1, 0.1, 2500
@@ -133,9 +127,7 @@ def test_circle_on_a_slope_is_the_rigid_body_motion(
         turned = slope * Rotation.from_euler("z", yaw_rate * DT * (index + 0.5))
         _, pitch, roll = turned.as_euler("ZYX")
         position = wheels.wheel_rates * DT * (index + 1)
-        measured = OdometryInput(
-            position, wheels.wheel_rates, wheels.steer_angles, (0.0, 0.0, yaw_rate), (roll, pitch)
-        )
+        measured = OdometryInput(position, wheels.wheel_rates, wheels.steer_angles, (0.0, 0.0, yaw_rate), (roll, pitch))
         state = step_odometry(params, table, state, measured, DT)
     angle, radius = yaw_rate * DT * periods, speed / yaw_rate
     on_slope = np.array([radius * math.sin(angle), radius * (1.0 - math.cos(angle)), 0.0])
@@ -266,9 +258,7 @@ def test_standing_still_measures_the_gyro_bias_and_freezes_the_pose(
     assert np.linalg.eigvalsh(state.covariance).min() > 0.0
 
 
-def test_slow_creep_of_a_standing_rover_is_not_lost(
-    params: OdometryParams, explorer: SteeringGeometryParams
-) -> None:
+def test_slow_creep_of_a_standing_rover_is_not_lost(params: OdometryParams, explorer: SteeringGeometryParams) -> None:
     state, table = initial_odometry(params), explorer.table()
     for index in range(3000):
         position = np.full(6, -0.001 * DT * (index + 1) / 0.125)
@@ -277,9 +267,7 @@ def test_slow_creep_of_a_standing_rover_is_not_lost(
     assert state.x == pytest.approx(-0.06, abs=3e-4)
 
 
-def test_an_encoder_that_jumps_is_bridged_by_its_rate(
-    params: OdometryParams, explorer: SteeringGeometryParams
-) -> None:
+def test_an_encoder_that_jumps_is_bridged_by_its_rate(params: OdometryParams, explorer: SteeringGeometryParams) -> None:
     table = explorer.table()
     state = drive(params, table, initial_odometry(params), PlanarTwist(0.1, 0.0, 0.0), 1.0)
     rates = np.full(6, 0.8)
@@ -306,8 +294,6 @@ def test_a_rover_on_its_nose_has_no_heading(params: OdometryParams, explorer: St
         )
 
 
-@pytest.mark.parametrize(
-    ("angle", "wrapped"), [(3 * math.pi, math.pi), (-math.pi, math.pi), (7.0, 7.0 - 2 * math.pi)]
-)
+@pytest.mark.parametrize(("angle", "wrapped"), [(3 * math.pi, math.pi), (-math.pi, math.pi), (7.0, 7.0 - 2 * math.pi)])
 def test_wrapped_angles(angle: float, wrapped: float) -> None:
     assert wrap_angle(angle) == pytest.approx(wrapped)

@@ -36,9 +36,7 @@ def test_limits_are_never_exceeded_and_the_end_is_reached(
             turned = np.abs(new.steer_angles - state.steer_angles)
             assert turned.max() <= limits.max_steer_rate * DT + 1e-12
             assert np.abs(new.wheel_rates - state.wheel_rates).max() <= fastest_change + 1e-12
-            np.testing.assert_allclose(
-                result.steer_rates * DT, new.steer_angles - state.steer_angles, atol=1e-14
-            )
+            np.testing.assert_allclose(result.steer_rates * DT, new.steer_angles - state.steer_angles, atol=1e-14)
             assert 0.0 <= result.speed_factor <= 1.0
             rolling = np.abs(state.wheel_rates).max() * 0.125 > transition.rolling_speed
             if rolling and np.abs(wheels.steer_angles - state.steer_angles).max() >= transition.stop_error:
@@ -88,9 +86,7 @@ def test_from_driving_to_point_turn_is_stop_steer_go(
     drive_params: DriveParams, explorer: SteeringGeometryParams
 ) -> None:
     table = explorer.table()
-    straight = run(
-        drive_params, table, LimiterState(np.zeros(6), np.zeros(6)), PlanarTwist(0.1, 0.0, 0.0), 100
-    )
+    straight = run(drive_params, table, LimiterState(np.zeros(6), np.zeros(6)), PlanarTwist(0.1, 0.0, 0.0), 100)
     states = run(drive_params, table, straight[-1], PlanarTwist(0.0, 0.0, 0.1), 700)
     steering = [
         np.abs(after.steer_angles - before.steer_angles).max() > 0.0
@@ -130,13 +126,9 @@ def test_wheels_wait_for_a_steering_motor_that_does_not_follow(
     np.testing.assert_array_equal(result.state.wheel_rates, np.zeros(6))
 
 
-def test_nothing_wanted_turns_no_steering(
-    drive_params: DriveParams, explorer: SteeringGeometryParams
-) -> None:
+def test_nothing_wanted_turns_no_steering(drive_params: DriveParams, explorer: SteeringGeometryParams) -> None:
     angles = np.array([0.5, 0.3, 0.0, 0.0, -0.3, -0.5])
-    states = run(
-        drive_params, explorer.table(), LimiterState(angles, np.full(6, 0.4)), PlanarTwist(0.0, 0.0, 0.0), 100
-    )
+    states = run(drive_params, explorer.table(), LimiterState(angles, np.full(6, 0.4)), PlanarTwist(0.0, 0.0, 0.0), 100)
     np.testing.assert_array_equal(states[-1].steer_angles, angles)
     np.testing.assert_array_equal(states[-1].wheel_rates, np.zeros(6))
 

@@ -42,9 +42,7 @@ def test_size_frequency_follows_the_power_law(exponent: float) -> None:
 def test_craters_lie_evenly_and_from_oldest_to_youngest() -> None:
     craters = draw_craters(CraterLawParams(age_min=0.2), AREA, np.random.default_rng(1))
     x, y, age = (np.array([getattr(crater, name) for crater in craters]) for name in ("x", "y", "age"))
-    assert float(x.mean()) == pytest.approx(100.0, abs=3.0) and float(y.mean()) == pytest.approx(
-        75.0, abs=3.0
-    )
+    assert float(x.mean()) == pytest.approx(100.0, abs=3.0) and float(y.mean()) == pytest.approx(75.0, abs=3.0)
     assert float(x.std()) == pytest.approx(200.0 / math.sqrt(12.0), rel=0.03)
     assert bool((np.diff(age) <= 0.0).all()) and age.min() >= 0.2 and age.max() <= 1.0
     assert float(age.mean()) == pytest.approx(0.6, abs=0.02)

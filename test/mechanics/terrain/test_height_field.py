@@ -127,9 +127,7 @@ def test_soil_is_that_of_the_nearest_node(x: float, y: float) -> None:
 
 def test_soil_off_the_map_is_that_of_the_edge() -> None:
     soil_index = np.arange(SHAPE[0] * SHAPE[1], dtype=np.int64).reshape(SHAPE)
-    corners = [
-        sample_soil(soil_index, X_MIN, Y_MIN, RESOLUTION, x, y) for x in (-9.0, 9.0) for y in (-9.0, 9.0)
-    ]
+    corners = [sample_soil(soil_index, X_MIN, Y_MIN, RESOLUTION, x, y) for x in (-9.0, 9.0) for y in (-9.0, 9.0)]
     assert corners == [0, 8 * 13, 12, 8 * 13 + 12]
 
 

@@ -56,9 +56,7 @@ def test_stamped_nodes_cover_the_area_of_the_law() -> None:
     drawn = sum(math.pi / 4.0 * rock.diameter**2 for rock in rocks) / 3600.0
     # Rocks that overlap cover each other: a part 1 - exp(-F) is left of F.
     assert float(soil.mean()) == pytest.approx(1.0 - math.exp(-drawn), rel=0.03)
-    assert float(soil.mean()) == pytest.approx(
-        covered_fraction(0.05, 0.2) - covered_fraction(0.05, 1.5), rel=0.15
-    )
+    assert float(soil.mean()) == pytest.approx(covered_fraction(0.05, 0.2) - covered_fraction(0.05, 1.5), rel=0.15)
     assert bool(((heights > 0.0) == (soil == 1)).all())
 
 

@@ -35,9 +35,7 @@ def test_hurst_exponent_is_the_stated_one(hurst: float) -> None:
 
 def test_rms_slope_at_the_baseline_is_the_stated_one() -> None:
     heights = surface(0.8, 1)
-    rise = np.concatenate(
-        [(heights[:, 10:] - heights[:, :-10]).ravel(), (heights[10:] - heights[:-10]).ravel()]
-    )
+    rise = np.concatenate([(heights[:, 10:] - heights[:, :-10]).ravel(), (heights[10:] - heights[:-10]).ravel()])
     assert math.degrees(math.atan(float(np.sqrt(np.mean(rise**2))) / 0.5)) == pytest.approx(3.0, rel=1e-6)
     assert float(heights.mean()) == pytest.approx(0.0, abs=1e-12)
 
@@ -52,9 +50,7 @@ def test_both_directions_are_equally_rough() -> None:
     ratios = []
     for seed in range(6):
         heights = surface(0.6, seed)
-        ratios.append(
-            np.mean((heights[:, 10:] - heights[:, :-10]) ** 2) / np.mean((heights[10:] - heights[:-10]) ** 2)
-        )
+        ratios.append(np.mean((heights[:, 10:] - heights[:, :-10]) ** 2) / np.mean((heights[10:] - heights[:-10]) ** 2))
     assert float(np.exp(np.mean(np.log(ratios)))) == pytest.approx(1.0, abs=0.1)
 
 
@@ -73,7 +69,5 @@ def test_no_slope_is_a_flat_surface() -> None:
 
 def test_long_narrow_and_tiny_maps_work() -> None:
     for shape in ((2, 2), (2, 500), (301, 3)):
-        heights = rough_surface(
-            RoughnessParams(rms_slope_deg=3.0), shape, RESOLUTION, np.random.default_rng(0)
-        )
+        heights = rough_surface(RoughnessParams(rms_slope_deg=3.0), shape, RESOLUTION, np.random.default_rng(0))
         assert heights.shape == shape and bool(np.isfinite(heights).all())

@@ -31,9 +31,7 @@ def make(seed: int = 0, **values: Any) -> HeightField:
 @settings(max_examples=30, deadline=None)
 @given(st.floats(0.5, 35.0), st.floats(-180.0, 180.0), st.floats(-4.9, 4.9), st.floats(-4.9, 4.9))
 def test_slope_is_an_exact_plane_through_the_origin(steep: float, towards: float, x: float, y: float) -> None:
-    ground = make(
-        kind="slope", size_x=10.0, size_y=10.0, resolution=0.1, slope_deg=steep, slope_direction_deg=towards
-    )
+    ground = make(kind="slope", size_x=10.0, size_y=10.0, resolution=0.1, slope_deg=steep, slope_direction_deg=towards)
     rise, direction = math.tan(math.radians(steep)), math.radians(towards)
     gradient = (rise * math.cos(direction), rise * math.sin(direction))
     assert ground.height(x, y) == pytest.approx(gradient[0] * x + gradient[1] * y, abs=1e-12)

@@ -40,9 +40,7 @@ class GroundPlane:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.height) and abs(math.hypot(*self.normal) - 1.0) < 1e-3):
-            raise InvalidValueError(
-                "ground plane", (self.height, self.normal), "a finite height and a unit normal"
-            )
+            raise InvalidValueError("ground plane", (self.height, self.normal), "a finite height and a unit normal")
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,9 +73,7 @@ def check_posture(
     return check_samples(params, model, positions[None, :], ground, allow_start=False)
 
 
-def check_path(
-    params: ArmParams, model: ArmModel, path: JointPath, ground: GroundPlane | None
-) -> Collision | None:
+def check_path(params: ArmParams, model: ArmModel, path: JointPath, ground: GroundPlane | None) -> Collision | None:
     """The first collision along `path`, or None."""
     return check_samples(params, model, path_samples(path, params.collision_step), ground, allow_start=True)
 
@@ -138,9 +134,7 @@ def check_samples(
     return None
 
 
-def _near_pairs(
-    model: ArmModel, due: NDArray[np.int64], slack: FloatArray, clearance: FloatArray
-) -> list[int]:
+def _near_pairs(model: ArmModel, due: NDArray[np.int64], slack: FloatArray, clearance: FloatArray) -> list[int]:
     """Those of the `due` pairs whose enclosing spheres are too near; the slack of the others is set here."""
     if due.size == 0:
         return []

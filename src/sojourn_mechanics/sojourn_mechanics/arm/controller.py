@@ -82,9 +82,7 @@ def _check_input(model: ArmModel, inputs: ArmInput, dt: float) -> None:
         raise InvalidValueError("dt", dt, "above 0, at most 1 s")
 
 
-def _hold(
-    model: ArmModel, state: ArmState, positions: FloatArray, status: ArmStatus, reason: str
-) -> ArmState:
+def _hold(model: ArmModel, state: ArmState, positions: FloatArray, status: ArmStatus, reason: str) -> ArmState:
     """Stand still at `positions`, without trim."""
     return replace(
         state,
@@ -257,9 +255,7 @@ def _settle(
     settled_for = state.settled_for + dt if within else 0.0
     settling_for = state.settling_for + dt
     if settled_for >= params.settle_time - 1e-9:
-        return replace(
-            state, settling=False, settled_for=settled_for, settling_for=settling_for, status="reached"
-        )
+        return replace(state, settling=False, settled_for=settled_for, settling_for=settling_for, status="reached")
     if settling_for >= params.settle_timeout:
         speed = float(np.max(np.abs(inputs.velocities)))
         reason = (

@@ -107,9 +107,7 @@ def pose_target(goal: PoseGoal) -> tuple[FloatArray, FloatArray | None]:
     direction = _finite("goal direction", goal.direction, 3)
     length = float(np.linalg.norm(direction))
     if length < 1e-6:
-        raise GoalRefusedError(
-            f"goal direction = {direction.tolist()}: allowed is a vector that has a length"
-        )
+        raise GoalRefusedError(f"goal direction = {direction.tolist()}: allowed is a vector that has a length")
     return point, direction / length
 
 
@@ -170,9 +168,7 @@ def check_position_limits(model: ArmModel, values: FloatArray, columns: list[int
 def _columns(model: ArmModel, names: Sequence[str]) -> list[int]:
     unknown = [name for name in names if name not in model.joint_names]
     if unknown:
-        raise GoalRefusedError(
-            f"unknown joint {', '.join(unknown)}: this arm has {', '.join(model.joint_names)}"
-        )
+        raise GoalRefusedError(f"unknown joint {', '.join(unknown)}: this arm has {', '.join(model.joint_names)}")
     if not names or len(set(names)) != len(names):
         raise GoalRefusedError(f"joint names {list(names)}: allowed are one or more, each once")
     return [model.joint_names.index(name) for name in names]

@@ -85,9 +85,7 @@ def join(parts: list[JointPath]) -> JointPath:
     """One path that runs `parts` (at least one) one after the other."""
     offsets = np.concatenate([[0.0], np.cumsum([part.duration for part in parts])])
     return JointPath(
-        starts=np.concatenate(
-            [part.starts + offset for part, offset in zip(parts, offsets[:-1], strict=True)], axis=1
-        ),
+        starts=np.concatenate([part.starts + offset for part, offset in zip(parts, offsets[:-1], strict=True)], axis=1),
         position=np.concatenate([part.position for part in parts], axis=1),
         velocity=np.concatenate([part.velocity for part in parts], axis=1),
         acceleration=np.concatenate([part.acceleration for part in parts], axis=1),
@@ -112,9 +110,7 @@ def sample_into(
     for i in range(starts.shape[0]):
         k = max(int(np.searchsorted(starts[i], t, side="right")) - 1, 0)
         u = t - starts[i, k]
-        out[0, i] = position[i, k] + u * (
-            velocity[i, k] + u * (acceleration[i, k] / 2.0 + u * jerk[i, k] / 6.0)
-        )
+        out[0, i] = position[i, k] + u * (velocity[i, k] + u * (acceleration[i, k] / 2.0 + u * jerk[i, k] / 6.0))
         out[1, i] = velocity[i, k] + u * (acceleration[i, k] + u * jerk[i, k] / 2.0)
         out[2, i] = acceleration[i, k] + u * jerk[i, k]
 

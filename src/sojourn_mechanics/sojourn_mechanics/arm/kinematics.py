@@ -74,9 +74,7 @@ def direction_from_quaternion(params: ArmParams, quaternion_xyzw: FloatArray) ->
         return None
     length = float(np.linalg.norm(quaternion))
     if abs(length - 1.0) > 0.01:
-        raise InvalidValueError(
-            "orientation", quaternion.tolist(), "a unit quaternion, or all zero for free pointing"
-        )
+        raise InvalidValueError("orientation", quaternion.tolist(), "a unit quaternion, or all zero for free pointing")
     vector, scalar = quaternion[:3] / length, float(quaternion[3]) / length
     if float(np.max(np.abs(vector))) < 1e-9:
         return None
@@ -110,9 +108,7 @@ def inverse_kinematics(
     for k, guess in enumerate(_starts(params, model, start)):
         if solutions and (k >= enough or len(solutions) >= params.inverse_kinematics.solutions):
             break
-        q, distance, angle = search(
-            model.chain, guess, model.lower, model.upper, position, wanted, weight, settings
-        )
+        q, distance, angle = search(model.chain, guess, model.lower, model.upper, position, wanted, weight, settings)
         cost = distance * distance + (weight * angle) ** 2
         if cost < nearest_cost:
             nearest, nearest_angle, nearest_cost = distance, angle, cost
@@ -133,9 +129,7 @@ def nearby_solution(
     settings = _settings(params)
     weight = 0.0 if direction is None else params.inverse_kinematics.characteristic_length
     wanted = np.zeros(3) if direction is None else direction
-    q, distance, angle = search(
-        model.chain, start, model.lower, model.upper, position, wanted, weight, settings
-    )
+    q, distance, angle = search(model.chain, start, model.lower, model.upper, position, wanted, weight, settings)
     return q if distance < settings[0] and angle < settings[1] else None
 
 
@@ -163,9 +157,7 @@ def _explain(
     wide_upper = np.where(model.chain.revolute > 0.5, 50.0, model.upper)
     best_excess, best_text = math.inf, ""
     for guess in _starts(params, model, start)[: max(8, params.inverse_kinematics.starts_when_solved)]:
-        q, distance, turn = search(
-            model.chain, guess, wide_lower, wide_upper, position, wanted, weight, settings
-        )
+        q, distance, turn = search(model.chain, guess, wide_lower, wide_upper, position, wanted, weight, settings)
         if distance < settings[0] and turn < settings[1]:
             middle = 0.5 * (model.lower + model.upper)
             wrapped = middle + np.remainder(q - middle + math.pi, 2.0 * math.pi) - math.pi
@@ -174,8 +166,7 @@ def _explain(
             if float(np.max(excess)) < best_excess:
                 best_excess = float(np.max(excess))
                 best_text = ", ".join(
-                    f"{model.joint_names[i]} would be {q[i]:.3f} "
-                    f"(limits {model.lower[i]:.3f} to {model.upper[i]:.3f})"
+                    f"{model.joint_names[i]} would be {q[i]:.3f} (limits {model.lower[i]:.3f} to {model.upper[i]:.3f})"
                     for i in np.flatnonzero(excess > 0.0)
                 )
     if best_text:
@@ -190,9 +181,7 @@ def _where(position: FloatArray) -> str:
 
 def _settings(params: ArmParams) -> FloatArray:
     s = params.inverse_kinematics
-    return np.array(
-        [s.position_tolerance, s.pointing_tolerance, s.damping_bias, s.max_step, float(s.max_iterations)]
-    )
+    return np.array([s.position_tolerance, s.pointing_tolerance, s.damping_bias, s.max_step, float(s.max_iterations)])
 
 
 def _starts(params: ArmParams, model: ArmModel, start: FloatArray) -> list[FloatArray]:

@@ -73,9 +73,7 @@ def build_arm_model(urdf_xml: str, params: ArmParams) -> ArmModel:
     full, geometry = _parse(urdf_xml)
     for name in params.joint_names:
         if not full.existJointName(name):
-            raise ArmModelError(
-                f"joint_names: '{name}' is not a joint of the URDF; there are {list(full.names)[1:]}"
-            )
+            raise ArmModelError(f"joint_names: '{name}' is not a joint of the URDF; there are {list(full.names)[1:]}")
     reference = pinocchio.neutral(full)
     for name, value in params.locked_positions.items():
         if not full.existJointName(name) or full.joints[full.getJointId(name)].nq != 1:
@@ -107,19 +105,13 @@ def build_arm_model(urdf_xml: str, params: ArmParams) -> ArmModel:
         data=model.createData(),
         geometry_model=shapes,
         geometry_data=shapes.createData(),
-        pairs=tuple(
-            (_link(model, objects[p.first]), _link(model, objects[p.second])) for p in shapes.collisionPairs
-        ),
-        pair_shapes=np.array([(p.first, p.second) for p in shapes.collisionPairs], dtype=np.int64).reshape(
-            -1, 2
-        ),
+        pairs=tuple((_link(model, objects[p.first]), _link(model, objects[p.second])) for p in shapes.collisionPairs),
+        pair_shapes=np.array([(p.first, p.second) for p in shapes.collisionPairs], dtype=np.int64).reshape(-1, 2),
         shape_centres=np.array([g.placement.translation for g in objects]).reshape(-1, 3),
         shape_radii=np.array([_radius(g) for g in objects]),
         arm_shapes=tuple((i, _link(model, g)) for i, g in enumerate(objects) if g.parentJoint > 0),
         pair_reach=_pair_reach(shapes, reach),
-        shape_reach=np.array([reach[i] for i, g in enumerate(objects) if g.parentJoint > 0]).reshape(
-            -1, len(reach.T)
-        ),
+        shape_reach=np.array([reach[i] for i, g in enumerate(objects) if g.parentJoint > 0]).reshape(-1, len(reach.T)),
     )
     _check_limits(arm, params, np.array(model.upperVelocityLimit))
     return arm
@@ -141,9 +133,7 @@ def _check_chain(model: Any, params: ArmParams) -> None:
         )
     for i in range(1, model.njoints):
         if model.parents[i] != i - 1:
-            raise ArmModelError(
-                f"'{model.names[i]}' does not follow '{model.names[i - 1]}': the arm must be one chain"
-            )
+            raise ArmModelError(f"'{model.names[i]}' does not follow '{model.names[i - 1]}': the arm must be one chain")
         if model.joints[i].nq != 1:
             raise ArmModelError(f"'{model.names[i]}' is continuous: an arm joint needs position limits")
     if model.frames[model.getFrameId(params.base_link)].parentJoint != 0:
@@ -155,17 +145,13 @@ def _check_chain(model: Any, params: ArmParams) -> None:
 def _check_links(model: Any, params: ArmParams) -> None:
     for name in [n for pair in params.ignored_link_pairs for n in pair] + list(params.ground_contact_links):
         if not model.existFrame(name):
-            raise ArmModelError(
-                f"ignored_link_pairs or ground_contact_links: '{name}' is not a link of the URDF"
-            )
+            raise ArmModelError(f"ignored_link_pairs or ground_contact_links: '{name}' is not a link of the URDF")
 
 
 def _check_limits(arm: ArmModel, params: ArmParams, urdf_velocity: FloatArray) -> None:
     for i, name in enumerate(arm.joint_names):
         if not (np.isfinite(arm.lower[i]) and np.isfinite(arm.upper[i]) and arm.lower[i] < arm.upper[i]):
-            raise InvalidValueError(
-                f"limits of {name}", (arm.lower[i], arm.upper[i]), "finite, lower below upper"
-            )
+            raise InvalidValueError(f"limits of {name}", (arm.lower[i], arm.upper[i]), "finite, lower below upper")
         if arm.max_velocity[i] > urdf_velocity[i] * (1.0 + 1e-9):
             raise InvalidValueError(
                 f"max_velocity of {name}", arm.max_velocity[i], f"at most the URDF's {urdf_velocity[i]:.4g}"
@@ -205,9 +191,7 @@ def _add_pairs(model: Any, shapes: Any, params: ArmParams) -> None:
             continue
         for j, other in enumerate(objects):
             link, other_link = _link(model, moving), _link(model, other)
-            if other.parentJoint > 0 and (
-                j < i or abs(int(moving.parentJoint) - int(other.parentJoint)) <= 1
-            ):
+            if other.parentJoint > 0 and (j < i or abs(int(moving.parentJoint) - int(other.parentJoint)) <= 1):
                 continue
             adjacent_to_mount = moving.parentJoint == 1 and other_link == mount
             if other.parentJoint == 0 and adjacent_to_mount:
@@ -244,8 +228,7 @@ def _reach(model: Any, shapes: Any) -> FloatArray:
     """
     count = model.njoints - 1
     prismatic = [
-        np.linalg.norm(np.array(model.joints[i].createData().S).reshape(6)[3:]) < 0.5
-        for i in range(1, count + 1)
+        np.linalg.norm(np.array(model.joints[i].createData().S).reshape(6)[3:]) < 0.5 for i in range(1, count + 1)
     ]
     hop = np.zeros(count)
     for i in range(count):

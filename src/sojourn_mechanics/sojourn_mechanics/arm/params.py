@@ -50,9 +50,7 @@ class InverseKinematicsParams(Params):
     starts_when_solved: int = Field(
         default=20, ge=1, le=1000, description="starts after which one solution is enough [-]"
     )
-    solutions: int = Field(
-        default=6, ge=1, le=64, description="distinct solutions after which the search ends [-]"
-    )
+    solutions: int = Field(default=6, ge=1, le=64, description="distinct solutions after which the search ends [-]")
 
 
 class TrimParams(Params):
@@ -71,25 +69,17 @@ class TrimParams(Params):
         le=0.05,
         description="error that is left alone, above one encoder step [rad or m]",
     )
-    max_rate: float = Field(
-        default=0.01, gt=0.0, le=1.0, description="largest rate of the trim [rad/s or m/s]"
-    )
+    max_rate: float = Field(default=0.01, gt=0.0, le=1.0, description="largest rate of the trim [rad/s or m/s]")
 
 
 class ArmParams(Params):
     """One arm: see the module header. Tuples are per joint, in the order of `joint_names`."""
 
-    joint_names: tuple[str, ...] = Field(
-        ..., min_length=1, max_length=16, description="joints from base to tip"
-    )
-    base_link: str = Field(
-        default="base_link", min_length=1, description="link of the frame in which goals are given"
-    )
+    joint_names: tuple[str, ...] = Field(..., min_length=1, max_length=16, description="joints from base to tip")
+    base_link: str = Field(default="base_link", min_length=1, description="link of the frame in which goals are given")
     tip_link: str = Field(..., min_length=1, description="link whose frame is the tip")
     max_velocity: tuple[PositiveRate, ...] = Field(..., description="speed limit per joint [rad/s or m/s]")
-    max_acceleration: tuple[PositiveRate, ...] = Field(
-        ..., description="acceleration limit per joint [rad/s2]"
-    )
+    max_acceleration: tuple[PositiveRate, ...] = Field(..., description="acceleration limit per joint [rad/s2]")
     max_jerk: tuple[PositiveRate, ...] = Field(..., description="jerk limit per joint [rad/s3]")
     reflected_inertia: tuple[NonNegative, ...] = Field(
         default=(),
@@ -136,9 +126,7 @@ class ArmParams(Params):
         le=0.2,
         description="measured against reference at rest, to count as reached [rad or m]",
     )
-    planning_attempts: int = Field(
-        default=8, ge=1, le=100, description="most ways that are tried for one goal [-]"
-    )
+    planning_attempts: int = Field(default=8, ge=1, le=100, description="most ways that are tried for one goal [-]")
     settle_velocity: float = Field(
         default=0.05,
         gt=0.0,
@@ -152,9 +140,7 @@ class ArmParams(Params):
         description="measured against reference, above which the reference starts anew where the arm is "
         "when motion is allowed again [rad or m]",
     )
-    settle_time: float = Field(
-        default=0.2, ge=0.0, le=60.0, description="time within tolerance before 'reached' [s]"
-    )
+    settle_time: float = Field(default=0.2, ge=0.0, le=60.0, description="time within tolerance before 'reached' [s]")
     settle_timeout: float = Field(
         default=6.0, gt=0.0, le=600.0, description="time allowed to settle after the motion [s]"
     )
@@ -173,9 +159,7 @@ class ArmParams(Params):
     collision_step: float = Field(
         default=0.02, gt=0.0, le=0.2, description="largest joint step between two checks [rad or m]"
     )
-    ground_clearance: float = Field(
-        default=0.02, ge=-0.5, le=1.0, description="links to ground plane, at least [m]"
-    )
+    ground_clearance: float = Field(default=0.02, ge=-0.5, le=1.0, description="links to ground plane, at least [m]")
     ground_contact_links: tuple[str, ...] = Field(
         default=(), description="links that may touch the ground: they keep ground_contact_depth instead"
     )
@@ -205,9 +189,7 @@ class ArmParams(Params):
             raise ValueError(f"joint_names = {self.joint_names}: a name is there twice")
         for name in ("max_velocity", "max_acceleration", "max_jerk"):
             if len(getattr(self, name)) != count:
-                raise ValueError(
-                    f"{name} has {len(getattr(self, name))} values: allowed is {count}, one per joint"
-                )
+                raise ValueError(f"{name} has {len(getattr(self, name))} values: allowed is {count}, one per joint")
         for name in ("reflected_inertia", "coulomb_friction", "viscous_friction"):
             if len(getattr(self, name)) not in (0, count):
                 raise ValueError(f"{name} has {len(getattr(self, name))} values: allowed is none or {count}")
@@ -216,17 +198,11 @@ class ArmParams(Params):
                 raise ValueError(f"named_poses lacks '{required}': there are {sorted(self.named_poses)}")
         for pose, values in self.named_poses.items():
             if len(values) != count:
-                raise ValueError(
-                    f"named_poses.{pose} has {len(values)} values: allowed is {count}, one per joint"
-                )
+                raise ValueError(f"named_poses.{pose} has {len(values)} values: allowed is {count}, one per joint")
         for name in self.via_poses:
             if name not in self.named_poses:
-                raise ValueError(
-                    f"via_poses: '{name}' is not a named pose; there are {sorted(self.named_poses)}"
-                )
+                raise ValueError(f"via_poses: '{name}' is not a named pose; there are {sorted(self.named_poses)}")
         for name, axis in (("tool_axis", self.tool_axis), ("preferred_direction", self.preferred_direction)):
             if axis is not None and abs(math.hypot(*axis) - 1.0) > 1.0e-6:
-                raise ValueError(
-                    f"{name} = {axis} has length {math.hypot(*axis):.6g}: allowed is a unit vector"
-                )
+                raise ValueError(f"{name} = {axis} has length {math.hypot(*axis):.6g}: allowed is a unit vector")
         return self

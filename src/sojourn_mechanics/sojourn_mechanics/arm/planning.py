@@ -122,9 +122,7 @@ def plan_goal(
         target = joint_target(model, goal, present)
     elif isinstance(goal, NamedGoal):
         if goal.name not in params.named_poses:
-            raise GoalRefusedError(
-                f"unknown pose '{goal.name}': there are {', '.join(sorted(params.named_poses))}"
-            )
+            raise GoalRefusedError(f"unknown pose '{goal.name}': there are {', '.join(sorted(params.named_poses))}")
         target = np.array(params.named_poses[goal.name])
     else:
         path = stop(model, reference)
@@ -199,9 +197,7 @@ def _plan_trajectory(
     if collision is not None:
         raise GoalRefusedError(collision.text())
     asked = 0.0 if times is None else times[-1]
-    note = (
-        f"retimed from {asked:.2f} s to {path.duration:.2f} s to keep the joint limits" if stretched else ""
-    )
+    note = f"retimed from {asked:.2f} s to {path.duration:.2f} s to keep the joint limits" if stretched else ""
     return Plan(path, points[-1], forward_kinematics(model, points[-1]).position, None, 0.0, None, 0.0, note)
 
 

@@ -103,15 +103,11 @@ def through_points(
         TrajectoryError: limits broken and `retime` is false, or points out of limits.
     """
     if velocities is not None and np.any(velocities[-1] != 0.0):
-        raise TrajectoryError(
-            f"velocity at the last point = {velocities[-1].tolist()} rad/s: allowed is zero"
-        )
+        raise TrajectoryError(f"velocity at the last point = {velocities[-1].tolist()} rad/s: allowed is zero")
     best: JointPath | None = None
     reason = ""
     for factor in (1.0, 0.6, 0.3, 0.0):
-        passing = factor * (
-            _passing_velocities(model, start, points, times) if velocities is None else velocities
-        )
+        passing = factor * (_passing_velocities(model, start, points, times) if velocities is None else velocities)
         try:
             path = _chain_of_pieces(model, start, points, times, passing)
             check_limits(model, path, start.position)
@@ -159,8 +155,7 @@ def check_limits(model: ArmModel, path: JointPath, start: FloatArray | None = No
         worst = int(np.argmax(excess))
         if excess[worst] > 0.0:
             raise TrajectoryError(
-                f"{model.joint_names[worst]}: {what} would be {values[worst]:.4f}, "
-                f"the limit is {limits[worst]:.4f}"
+                f"{model.joint_names[worst]}: {what} would be {values[worst]:.4f}, the limit is {limits[worst]:.4f}"
             )
 
 

@@ -82,31 +82,19 @@ class BatteryParams(Params):
     resistance_polarisation: tuple[float, ...] = Field(
         min_length=1, description="polarisation resistance R1 of a cell at resistance_temperatures [ohm]"
     )
-    capacitance_polarisation: float = Field(
-        gt=0.0, le=1e7, description="polarisation capacitance C1 of a cell [F]"
-    )
-    coulombic_efficiency: float = Field(
-        gt=0.5, le=1.0, description="part of the charging current that is stored [1]"
-    )
+    capacitance_polarisation: float = Field(gt=0.0, le=1e7, description="polarisation capacitance C1 of a cell [F]")
+    coulombic_efficiency: float = Field(gt=0.5, le=1.0, description="part of the charging current that is stored [1]")
     charge_current_limit: float = Field(ge=0.0, le=1e4, description="largest charging current of a cell [A]")
-    discharge_current_limit: float = Field(
-        gt=0.0, le=1e4, description="largest discharging current of a cell [A]"
-    )
-    heat_capacity: float = Field(
-        gt=0.0, le=1e6, description="heat capacity of a cell with its share of housing [J/K]"
-    )
+    discharge_current_limit: float = Field(gt=0.0, le=1e4, description="largest discharging current of a cell [A]")
+    heat_capacity: float = Field(gt=0.0, le=1e6, description="heat capacity of a cell with its share of housing [J/K]")
     thermal_conductance: float = Field(
         ge=0.0, le=100.0, description="conductance from the whole pack to its surroundings [W/K]"
     )
     temperature_surroundings: float = Field(
         gt=20.0, lt=1000.0, description="temperature of the surroundings unless the caller gives one [K]"
     )
-    temperature_discharge_min: float = Field(
-        gt=20.0, lt=1000.0, description="coldest temperature to discharge at [K]"
-    )
-    temperature_charge_min: float = Field(
-        gt=20.0, lt=1000.0, description="coldest temperature to charge at [K]"
-    )
+    temperature_discharge_min: float = Field(gt=20.0, lt=1000.0, description="coldest temperature to discharge at [K]")
+    temperature_charge_min: float = Field(gt=20.0, lt=1000.0, description="coldest temperature to charge at [K]")
     temperature_max: float = Field(gt=20.0, lt=1000.0, description="hottest temperature to operate at [K]")
 
     @model_validator(mode="after")
@@ -134,8 +122,7 @@ class BatteryParams(Params):
                 raise ValueError(f"{name}: allowed is above 0 ohm everywhere")
         if not self.temperature_discharge_min <= self.temperature_charge_min < self.temperature_max:
             raise ValueError(
-                "temperature limits: allowed is "
-                "temperature_discharge_min <= temperature_charge_min < temperature_max"
+                "temperature limits: allowed is temperature_discharge_min <= temperature_charge_min < temperature_max"
             )
         return self
 
@@ -321,9 +308,7 @@ def limits_exceeded(params: BatteryParams, state: BatteryState, current: float) 
 def _require_rising(name: str, values: tuple[float, ...]) -> None:
     for i in range(1, len(values)):
         if not values[i] > values[i - 1]:
-            raise ValueError(
-                f"{name}[{i}] = {values[i]}: allowed is above {values[i - 1]}, the value before it"
-            )
+            raise ValueError(f"{name}[{i}] = {values[i]}: allowed is above {values[i - 1]}, the value before it")
 
 
 def _require_temperature(params: BatteryParams, temperature: float) -> None:

@@ -29,9 +29,7 @@ from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, Params
 
 BoolArray: TypeAlias = NDArray[np.bool_]
-LoadGroup: TypeAlias = Literal[
-    "computer", "communication", "heater", "instrument", "drive", "steer", "arm", "other"
-]
+LoadGroup: TypeAlias = Literal["computer", "communication", "heater", "instrument", "drive", "steer", "arm", "other"]
 LoadKind: TypeAlias = Literal["constant_power", "resistive", "commanded"]
 
 
@@ -204,9 +202,7 @@ def _operate(
     # A load that is off takes nothing, and gives nothing back either.
     wanted = np.where(index.resistive | (on <= 0.0), 0.0, wanted)
     conductances = np.where(index.resistive, on * index.rated / index.nominal_squared, 0.0)
-    voltage, served = solve_bus(
-        float(source), float(resistance), float(wanted.sum()), float(conductances.sum()), 0.0
-    )
+    voltage, served = solve_bus(float(source), float(resistance), float(wanted.sum()), float(conductances.sum()), 0.0)
     if served < 1.0:
         # What motors return goes to the others whole; only what is asked is cut.
         asked_power = float(np.maximum(wanted, 0.0).sum())

@@ -137,9 +137,7 @@ def step(
     state = _filter(params, replace(state, wanted=wanted), inputs, dt)
     state, correcting = _estimate_charge(params, state, inputs, dt)
     state = _shed(params, state, dt)
-    state = replace(
-        state, drive_fraction=_drive_fraction(params.law, state.drive_fraction, inputs.voltage, dt)
-    )
+    state = replace(state, drive_fraction=_drive_fraction(params.law, state.drive_fraction, inputs.voltage, dt))
     return state, _output(params, state, inputs, correcting)
 
 
@@ -210,9 +208,7 @@ def _shed(params: PowerManagerParams, state: PowerManagerState, dt: float) -> Po
         by_voltage, low = max(by_voltage, min(by_charge, len(thresholds) - 1)) + 1, 0.0
     if high > law.restore_interval and by_voltage > 0:
         by_voltage, high = by_voltage - 1, 0.0
-    return replace(
-        state, level_by_charge=by_charge, level_by_voltage=by_voltage, low_elapsed=low, high_elapsed=high
-    )
+    return replace(state, level_by_charge=by_charge, level_by_voltage=by_voltage, low_elapsed=low, high_elapsed=high)
 
 
 def _output(
@@ -236,8 +232,7 @@ def _output(
         shed_level=level,
         drive_fraction=state.drive_fraction,
         switches=tuple(
-            _switch(params, state, load, wanted, shed)
-            for load, wanted in zip(params.loads, state.wanted, strict=True)
+            _switch(params, state, load, wanted, shed) for load, wanted in zip(params.loads, state.wanted, strict=True)
         ),
         warnings=tuple(warnings),
     )
@@ -288,9 +283,7 @@ def _apply_requests(
             raise InvalidValueError("load", name, "one of " + ", ".join(names))
         if not on and params.loads[names.index(name)].essential:
             switchable = ", ".join(load.name for load in params.loads if not load.essential)
-            raise InvalidValueError(
-                f"switch of essential load {name}", "off", f"on; may be off: {switchable}"
-            )
+            raise InvalidValueError(f"switch of essential load {name}", "off", f"on; may be off: {switchable}")
     return tuple(requests.get(name, old) for name, old in zip(names, wanted, strict=True))
 
 

@@ -20,23 +20,15 @@ class PowerLawParams(Params):
     filter_time_constant: float = Field(
         gt=0.0, le=1e3, description="low-pass of voltage and current for correction and shedding [s]"
     )
-    shed_soc_first: float = Field(
-        ge=0.0, le=1.0, description="charge below which the first level is shed [1]"
-    )
+    shed_soc_first: float = Field(ge=0.0, le=1.0, description="charge below which the first level is shed [1]")
     shed_soc_last: float = Field(ge=0.0, le=1.0, description="charge below which the last level is shed [1]")
     shed_soc_hysteresis: float = Field(gt=0.0, le=0.5, description="charge above a threshold to restore [1]")
-    shed_voltage: float = Field(
-        gt=0.0, le=1e4, description="filtered bus voltage below which loads are shed [V]"
-    )
+    shed_voltage: float = Field(gt=0.0, le=1e4, description="filtered bus voltage below which loads are shed [V]")
     shed_voltage_hysteresis: float = Field(gt=0.0, le=1e3, description="voltage above it to restore [V]")
     shed_interval: float = Field(gt=0.0, le=1e4, description="time below between two levels shed [s]")
     restore_interval: float = Field(gt=0.0, le=1e5, description="time above between two levels restored [s]")
-    derate_start_voltage: float = Field(
-        gt=0.0, le=1e4, description="bus voltage at which drive is first limited [V]"
-    )
-    derate_stop_voltage: float = Field(
-        gt=0.0, le=1e4, description="bus voltage at which drive has no power [V]"
-    )
+    derate_start_voltage: float = Field(gt=0.0, le=1e4, description="bus voltage at which drive is first limited [V]")
+    derate_stop_voltage: float = Field(gt=0.0, le=1e4, description="bus voltage at which drive has no power [V]")
     derate_time_constant: float = Field(
         gt=0.0, le=100.0, description="time constant with which the drive fraction follows the voltage [s]"
     )
@@ -55,9 +47,7 @@ class PowerLawParams(Params):
             if high < low or (high == low and not equal_allowed):
                 raise ValueError(f"{upper} = {high}: allowed is above {lower}, {low}")
         if self.shed_soc_first + self.shed_soc_hysteresis > 1.0:
-            raise ValueError(
-                "shed_soc_first + shed_soc_hysteresis: allowed is 1 at most, or nothing is restored"
-            )
+            raise ValueError("shed_soc_first + shed_soc_hysteresis: allowed is 1 at most, or nothing is restored")
         return self
 
 
@@ -65,9 +55,7 @@ class PowerManagerParams(Params):
     """What the manager believes about battery and loads, and its law."""
 
     battery: BatteryParams
-    loads: tuple[LoadParams, ...] = Field(
-        min_length=1, description="the switched loads, in the order of the switches"
-    )
+    loads: tuple[LoadParams, ...] = Field(min_length=1, description="the switched loads, in the order of the switches")
     law: PowerLawParams
 
     @model_validator(mode="after")

@@ -25,9 +25,7 @@ class ChannelParams(Params):
 
     resolution: float = Field(gt=0.0, le=1e3, description="step of the converter [unit of the channel]")
     noise: float = Field(ge=0.0, le=1e3, description="standard deviation of the noise [unit of the channel]")
-    offset: float = Field(
-        ge=0.0, le=1e3, description="standard deviation of the offset [unit of the channel]"
-    )
+    offset: float = Field(ge=0.0, le=1e3, description="standard deviation of the offset [unit of the channel]")
     minimum: float = Field(ge=-1e6, le=1e6, description="least reading [unit of the channel]")
     maximum: float = Field(ge=-1e6, le=1e6, description="largest reading [unit of the channel]")
 
@@ -92,7 +90,5 @@ def step(state: BusState, truth: FloatArray) -> tuple[BusState, FloatArray]:
         streams.append(after)
         reading[store] = quantise(truth[store], state.offset[store], state.noise, noise, state.resolution)
     reading = np.minimum(np.maximum(reading, state.minimum), state.maximum)
-    after_state = BusState(
-        state.offset, state.noise, state.resolution, state.minimum, state.maximum, tuple(streams)
-    )
+    after_state = BusState(state.offset, state.noise, state.resolution, state.minimum, state.maximum, tuple(streams))
     return after_state, reading

@@ -27,9 +27,7 @@ from sojourn_mechanics.params import FloatArray, IntArray, Params
 class EncoderParams(Params):
     """One encoder."""
 
-    bits: int = Field(
-        ge=4, le=32, description="counts of a turn of the encoder's shaft, as a power of two [1]"
-    )
+    bits: int = Field(ge=4, le=32, description="counts of a turn of the encoder's shaft, as a power of two [1]")
     side: Literal["motor", "output"] = Field(description="shaft that carries the encoder")
     gear_ratio: float = Field(
         default=1.0, ge=1.0, le=1e5, description="turns of the encoder's shaft for one turn of the joint [1]"
@@ -39,9 +37,7 @@ class EncoderParams(Params):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.side == "output" and self.gear_ratio != 1.0:
-            raise ValueError(
-                f"gear_ratio = {self.gear_ratio}: allowed is 1 for an encoder on the output side"
-            )
+            raise ValueError(f"gear_ratio = {self.gear_ratio}: allowed is 1 for an encoder on the output side")
         return self
 
     @property

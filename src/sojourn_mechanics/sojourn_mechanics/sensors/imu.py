@@ -39,13 +39,9 @@ STANDARD_GRAVITY = 9.80665
 class ImuParams(Params):
     """Error budget of the IMU (one standard deviation each) and gain of its attitude filter."""
 
-    gyro_arw_deg_per_sqrt_hour: float = Field(
-        ge=0.0, le=10.0, description="angular random walk [deg/sqrt(h)]"
-    )
+    gyro_arw_deg_per_sqrt_hour: float = Field(ge=0.0, le=10.0, description="angular random walk [deg/sqrt(h)]")
     gyro_bias_deg_per_hour: float = Field(ge=0.0, le=1e4, description="bias of a gyro [deg/h]")
-    gyro_scale_factor_ppm: float = Field(
-        default=0.0, ge=0.0, le=1e5, description="scale factor of a gyro [1e-6]"
-    )
+    gyro_scale_factor_ppm: float = Field(default=0.0, ge=0.0, le=1e5, description="scale factor of a gyro [1e-6]")
     accelerometer_noise_micro_g_per_sqrt_hz: float = Field(
         ge=0.0, le=1e5, description="noise density of an accelerometer [1e-6 g/sqrt(Hz)]"
     )
@@ -121,9 +117,7 @@ class ImuReading:
     """About x, y, z of the world, shape (3,) [rad^2]."""
 
 
-def initial_state(
-    params: ImuParams, seed: int, heading: float, gravity: float, name: str = "imu"
-) -> ImuState:
+def initial_state(params: ImuParams, seed: int, heading: float, gravity: float, name: str = "imu") -> ImuState:
     """Errors drawn from the stream of `name`; `heading` [rad], about the vertical from x of the world.
 
     Raises:
@@ -135,9 +129,7 @@ def initial_state(
         raise InvalidValueError("gravity [m/s^2]", gravity, "a finite number above 0")
     _, row = draw(initial_stream(seed, f"{name}.reset", 24))
     return ImuState(
-        gyro_matrix=_error_matrix(
-            row[0:3] * params.gyro_scale_factor_ppm * 1e-6, row[3:9] * params.misalignment
-        ),
+        gyro_matrix=_error_matrix(row[0:3] * params.gyro_scale_factor_ppm * 1e-6, row[3:9] * params.misalignment),
         gyro_bias=row[9:12] * params.gyro_bias,
         accelerometer_matrix=_error_matrix(
             row[12:15] * params.accelerometer_scale_factor_ppm * 1e-6, row[15:21] * params.misalignment

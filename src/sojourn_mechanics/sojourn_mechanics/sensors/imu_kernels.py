@@ -7,9 +7,7 @@ from sojourn_mechanics.params import FloatArray
 
 
 @njit(cache=True)
-def measure(
-    matrix: FloatArray, truth: FloatArray, bias: FloatArray, sigma: float, noise: FloatArray
-) -> FloatArray:
+def measure(matrix: FloatArray, truth: FloatArray, bias: FloatArray, sigma: float, noise: FloatArray) -> FloatArray:
     """matrix truth + bias + sigma noise, for a triad: shapes (3, 3) and (3,)."""
     reading = np.empty(3)
     for i in range(3):

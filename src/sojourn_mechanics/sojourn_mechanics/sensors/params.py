@@ -32,8 +32,6 @@ class SensorSuiteParams(Params):
         for name, group in self.joint_groups.items():
             for joint in group.joints:
                 if joint in seen:
-                    raise ValueError(
-                        f"joint {joint!r} is in {seen[joint]!r} and {name!r}: allowed is one group"
-                    )
+                    raise ValueError(f"joint {joint!r} is in {seen[joint]!r} and {name!r}: allowed is one group")
                 seen[joint] = name
         return self

@@ -115,9 +115,7 @@ def initial_state(
     for name, group in groups:
         for joint in group.joints:
             if joint not in joint_names:
-                raise InvalidValueError(
-                    f"joint of sensor group {name}", joint, "one of " + ", ".join(joint_names)
-                )
+                raise InvalidValueError(f"joint of sensor group {name}", joint, "one of " + ", ".join(joint_names))
     _require_shape("joint_position", joint_position, (len(joint_names),))
     _require_shape("orientation_imu_in_world", orientation_imu_in_world, (4,))
     group_of = {joint: group for _, group in groups for joint in group.joints}
@@ -139,9 +137,7 @@ def initial_state(
     return SensorSuiteState(
         layout=layout,
         encoders=encoder.initial_state(layout.encoders, joint_position[measured]),
-        effort_streams=tuple(
-            initial_stream(seed, f"effort.{name}", len(group.joints)) for name, group in groups
-        ),
+        effort_streams=tuple(initial_stream(seed, f"effort.{name}", len(group.joints)) for name, group in groups),
         imu=imu.initial_state(params.imu, seed, imu.heading_of(orientation_imu_in_world), gravity),
         bus=bus.initial_state(params.bus, seed, tuple(stores)),
     )

@@ -86,9 +86,7 @@ def _measured_array(model: DriveModel, name: str, values: FloatArray) -> FloatAr
     """A copy of a measurement as the kernels want it."""
     array = np.array(values, dtype=np.float64)
     if array.shape != (model.table.shape[0],):
-        raise InvalidValueError(
-            f"shape of {name}", array.shape, f"({model.table.shape[0]},), one for each wheel"
-        )
+        raise InvalidValueError(f"shape of {name}", array.shape, f"({model.table.shape[0]},), one for each wheel")
     bad = _first_bad(array)
     if bad >= 0:
         wheel = model.geometry.wheels[bad].name
@@ -193,9 +191,7 @@ def _follow(
     return PlanarTwist(v_x, 0.0, yaw_rate)
 
 
-def step(
-    model: DriveModel, state: DriveState, inputs: DriveInput, dt: float
-) -> tuple[DriveState, DriveOutput]:
+def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) -> tuple[DriveState, DriveOutput]:
     """One control period.
 
     Args:
@@ -279,9 +275,7 @@ def step(
         pose_covariance,
         twist_covariance,
         tuple(arbiter.outcomes),
-        _status(
-            new_state, inputs, cut, limited.speed_factor, limited.steer_error, float(np.abs(residual).max())
-        ),
+        _status(new_state, inputs, cut, limited.speed_factor, limited.steer_error, float(np.abs(residual).max())),
     )
     return new_state, output
 

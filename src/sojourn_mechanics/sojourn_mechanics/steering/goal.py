@@ -31,9 +31,7 @@ class Goal:
     @classmethod
     def along(cls, points: Sequence[Point], yaw: float | None = None, name: str = "") -> "Goal":
         """A path [m] with an optional heading at its end [rad]."""
-        return cls(
-            points=tuple((float(x), float(y)) for x, y in points), yaw=yaw, kind="waypoints", name=name
-        )
+        return cls(points=tuple((float(x), float(y)) for x, y in points), yaw=yaw, kind="waypoints", name=name)
 
 
 @dataclass(frozen=True, slots=True)

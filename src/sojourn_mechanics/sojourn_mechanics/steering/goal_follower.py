@@ -208,9 +208,7 @@ def _finish(
         reason = f"{distance:.3f} m from the goal{heading}"
         return state, GoalOutcome("reached", reason, goal, distance)
     if state.attempts + 1 >= params.settle_attempts:
-        reason = (
-            f"not within tolerance after {params.settle_attempts} approaches, {distance:.3f} m from the goal"
-        )
+        reason = f"not within tolerance after {params.settle_attempts} approaches, {distance:.3f} m from the goal"
         return state, stop(state, reason)
     next_phase = Phase.DRIVE if distance > params.position_tolerance else Phase.FINAL_ALIGN
     return _enter(replace(state, attempts=state.attempts + 1), next_phase), None

@@ -174,9 +174,7 @@ def velocity_kernel(
 
 
 @njit(cache=True)
-def _misfit(
-    table: FloatArray, rates: FloatArray, angles: FloatArray, v_x: float, v_y: float, yaw_rate: float
-) -> float:
+def _misfit(table: FloatArray, rates: FloatArray, angles: FloatArray, v_x: float, v_y: float, yaw_rate: float) -> float:
     """Root mean square over the wheels of the velocity between a wheel's contact and its rolling [m/s]."""
     total = 0.0
     for i in range(table.shape[0]):
@@ -239,9 +237,7 @@ def wheels_from_twist(table: FloatArray, twist: PlanarTwist, present_angles: Flo
         if not math.isfinite(value):
             raise InvalidValueError(f"twist {name}", value, "a finite number")
     angles, rates, residual = np.empty_like(present), np.empty_like(present), np.empty_like(present)
-    wheels_kernel(
-        table, float(twist.v_x), float(twist.v_y), float(twist.yaw_rate), present, angles, rates, residual
-    )
+    wheels_kernel(table, float(twist.v_x), float(twist.v_y), float(twist.yaw_rate), present, angles, rates, residual)
     return WheelSetpoints(angles, rates, residual)
 
 

@@ -6,8 +6,9 @@ bias, or from the wheels where there is no gyro. The displacement in the body pl
 
     t = w dt,  s = sin t / t,  c = (1 - cos t) / t,   d = dt (1 - s) [s v_x - c v_y, c v_x + s v_y],
 
-with the slip s = mean_slip + slip_per_grade g that the soil is expected to give on the grade g = -sin pitch (forwards) and
-a drift downhill of side_slip_per_grade sin roll on side slopes (measured for a machine and a soil; zero where unknown),
+with the slip s = mean_slip + slip_per_grade g that the soil is expected to give on the grade g = -sin pitch
+(forwards) and a drift downhill of side_slip_per_grade sin roll on side slopes (measured for a machine and a soil;
+zero where unknown),
 turned into the odom frame by Rz(yaw) Ry(pitch) Rx(roll), with the tilt from the IMU. The Euler rate of yaw is
 (w_y sin roll + w_z cos roll) / cos pitch.
 
@@ -113,9 +114,7 @@ class OdometryState:
     """Times a wheel position moved farther than it can; its rate was used instead [-]."""
 
 
-def initial_odometry(
-    params: OdometryParams, x: float = 0.0, y: float = 0.0, yaw: float = 0.0
-) -> OdometryState:
+def initial_odometry(params: OdometryParams, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> OdometryState:
     """State at a known start pose in odom [m, rad]."""
     variances = (
         START_POSITION_VARIANCE,
@@ -279,9 +278,7 @@ def step_odometry(
     )
 
 
-def message_covariances(
-    params: OdometryParams, state: OdometryState, dt: float
-) -> tuple[FloatArray, FloatArray]:
+def message_covariances(params: OdometryParams, state: OdometryState, dt: float) -> tuple[FloatArray, FloatArray]:
     """Covariances as nav_msgs/Odometry orders them, both positive definite and of shape (6, 6).
 
     Returns:

@@ -36,8 +36,7 @@ class WheelGeometry(Params):
     def _limits_fit(self) -> Self:
         if self.steered and not self.steer_min < self.steer_max:
             raise ValueError(
-                f"wheel {self.name}: steer_min = {self.steer_min}, "
-                f"allowed is less than steer_max = {self.steer_max}"
+                f"wheel {self.name}: steer_min = {self.steer_min}, allowed is less than steer_max = {self.steer_max}"
             )
         if not self.steered and (self.steer_min != 0.0 or self.steer_max != 0.0):
             raise ValueError(f"wheel {self.name}: steer limits of a fixed wheel must both be 0")
@@ -47,9 +46,7 @@ class WheelGeometry(Params):
 class SteeringGeometryParams(Params):
     """The wheels of a machine. Their order is the order of every array of wheels in this chapter."""
 
-    wheels: tuple[WheelGeometry, ...] = Field(
-        ..., min_length=2, max_length=64, description="wheels, two or more"
-    )
+    wheels: tuple[WheelGeometry, ...] = Field(..., min_length=2, max_length=64, description="wheels, two or more")
 
     @model_validator(mode="after")
     def _wheels_differ(self) -> Self:
@@ -126,23 +123,15 @@ class MotionLimits(Params):
     max_yaw_rate: float = Field(..., gt=0.0, le=5.0, description="fastest turn [rad/s]")
     max_wheel_rate: float = Field(..., gt=0.0, le=500.0, description="fastest wheel rotation [rad/s]")
     max_steer_rate: float = Field(..., gt=0.0, le=20.0, description="fastest steering rotation [rad/s]")
-    max_acceleration: float = Field(
-        ..., gt=0.0, le=20.0, description="speeding up of a wheel at its rim [m/s^2]"
-    )
-    max_deceleration: float = Field(
-        ..., gt=0.0, le=20.0, description="slowing down of a wheel at its rim [m/s^2]"
-    )
+    max_acceleration: float = Field(..., gt=0.0, le=20.0, description="speeding up of a wheel at its rim [m/s^2]")
+    max_deceleration: float = Field(..., gt=0.0, le=20.0, description="slowing down of a wheel at its rim [m/s^2]")
 
 
 class SteeringTransitionParams(Params):
     """How the wheels slow down while the steering is not where it should be."""
 
-    full_speed_error: float = Field(
-        ..., ge=0.0, le=1.0, description="steer error up to which wheels roll freely [rad]"
-    )
-    stop_error: float = Field(
-        ..., gt=0.0, le=3.2, description="steer error from which wheels stand still [rad]"
-    )
+    full_speed_error: float = Field(..., ge=0.0, le=1.0, description="steer error up to which wheels roll freely [rad]")
+    stop_error: float = Field(..., gt=0.0, le=3.2, description="steer error from which wheels stand still [rad]")
     rolling_speed: float = Field(
         ...,
         gt=0.0,
@@ -157,8 +146,7 @@ class SteeringTransitionParams(Params):
     def _ordered(self) -> Self:
         if not self.full_speed_error < self.stop_error:
             raise ValueError(
-                f"full_speed_error = {self.full_speed_error}: "
-                f"allowed is less than stop_error = {self.stop_error}"
+                f"full_speed_error = {self.full_speed_error}: allowed is less than stop_error = {self.stop_error}"
             )
         return self
 
@@ -204,20 +192,12 @@ class OdometryParams(Params):
         le=5.0,
         description="random yaw error without a gyro, per square root of metre [rad/m^0.5]",
     )
-    gyro_random_walk: float = Field(
-        ..., gt=0.0, le=0.1, description="angle random walk of the gyro [rad/s^0.5]"
-    )
-    gyro_bias_sigma: float = Field(
-        ..., gt=0.0, le=0.1, description="bias of the gyro before it is estimated [rad/s]"
-    )
+    gyro_random_walk: float = Field(..., gt=0.0, le=0.1, description="angle random walk of the gyro [rad/s^0.5]")
+    gyro_bias_sigma: float = Field(..., gt=0.0, le=0.1, description="bias of the gyro before it is estimated [rad/s]")
     gyro_bias_walk: float = Field(..., gt=0.0, le=1e-3, description="random walk of the bias [rad/s/s^0.5]")
     tilt_sigma: float = Field(..., gt=0.0, le=0.5, description="error of roll and pitch [rad]")
-    standing_speed: float = Field(
-        ..., gt=0.0, le=0.1, description="rim speed below which a wheel stands [m/s]"
-    )
-    standing_yaw_rate: float = Field(
-        ..., gt=0.0, le=0.5, description="gyro rate below which the body stands [rad/s]"
-    )
+    standing_speed: float = Field(..., gt=0.0, le=0.1, description="rim speed below which a wheel stands [m/s]")
+    standing_yaw_rate: float = Field(..., gt=0.0, le=0.5, description="gyro rate below which the body stands [rad/s]")
     standing_time: float = Field(
         ..., gt=0.0, le=60.0, description="time of standing after which the gyro bias is estimated [s]"
     )
@@ -226,44 +206,24 @@ class OdometryParams(Params):
 class GoalFollowerParams(Params):
     """How goals are approached and when they are met."""
 
-    position_tolerance: float = Field(
-        ..., gt=0.0, le=10.0, description="a goal is met within this distance [m]"
-    )
-    yaw_tolerance: float = Field(
-        ..., gt=0.0, le=3.2, description="a goal heading is met within this angle [rad]"
-    )
+    position_tolerance: float = Field(..., gt=0.0, le=10.0, description="a goal is met within this distance [m]")
+    yaw_tolerance: float = Field(..., gt=0.0, le=3.2, description="a goal heading is met within this angle [rad]")
     arrive_fraction: float = Field(
         ..., gt=0.0, le=1.0, description="driving ends at this fraction of the position tolerance [-]"
     )
-    pass_radius: float = Field(
-        ..., gt=0.0, le=50.0, description="a waypoint is passed within this distance [m]"
-    )
-    lookahead: float = Field(
-        ..., gt=0.0, le=100.0, description="distance of the pursued point along the path [m]"
-    )
+    pass_radius: float = Field(..., gt=0.0, le=50.0, description="a waypoint is passed within this distance [m]")
+    lookahead: float = Field(..., gt=0.0, le=100.0, description="distance of the pursued point along the path [m]")
     max_curvature: float = Field(..., gt=0.0, le=20.0, description="sharpest curve while driving [1/m]")
-    align_tolerance: float = Field(
-        ..., gt=0.0, le=0.5, description="a point turn ends within this angle [rad]"
-    )
-    realign_angle: float = Field(
-        ..., gt=0.0, le=1.5, description="bearing from which a point turn is made [rad]"
-    )
-    yaw_gain: float = Field(
-        ..., gt=0.0, le=10.0, description="turn rate per heading error in a point turn [1/s]"
-    )
+    align_tolerance: float = Field(..., gt=0.0, le=0.5, description="a point turn ends within this angle [rad]")
+    realign_angle: float = Field(..., gt=0.0, le=1.5, description="bearing from which a point turn is made [rad]")
+    yaw_gain: float = Field(..., gt=0.0, le=10.0, description="turn rate per heading error in a point turn [1/s]")
     distance_gain: float = Field(..., gt=0.0, le=10.0, description="speed per distance near a stop [1/s]")
     approach_speed: float = Field(..., gt=0.0, le=1.0, description="slowest speed of an approach [m/s]")
     progress_distance: float = Field(..., gt=0.0, le=10.0, description="gain that counts as progress [m]")
     progress_angle: float = Field(..., gt=0.0, le=1.0, description="turn that counts as progress [rad]")
-    progress_timeout: float = Field(
-        ..., gt=0.0, le=86400.0, description="time without progress that ends a goal [s]"
-    )
-    settle_timeout: float = Field(
-        ..., gt=0.0, le=600.0, description="longest wait for standing still at the goal [s]"
-    )
-    settle_attempts: int = Field(
-        ..., ge=1, le=100, description="approaches after which a goal is given up [-]"
-    )
+    progress_timeout: float = Field(..., gt=0.0, le=86400.0, description="time without progress that ends a goal [s]")
+    settle_timeout: float = Field(..., gt=0.0, le=600.0, description="longest wait for standing still at the goal [s]")
+    settle_attempts: int = Field(..., ge=1, le=100, description="approaches after which a goal is given up [-]")
     max_range: float = Field(..., gt=0.0, le=1e5, description="longest path to a goal [m]")
     max_waypoints: int = Field(..., ge=1, le=100_000, description="most points of a path [-]")
 
@@ -271,8 +231,7 @@ class GoalFollowerParams(Params):
     def _ordered(self) -> Self:
         if not self.align_tolerance < self.realign_angle:
             raise ValueError(
-                f"align_tolerance = {self.align_tolerance}: "
-                f"allowed is less than realign_angle = {self.realign_angle}"
+                f"align_tolerance = {self.align_tolerance}: allowed is less than realign_angle = {self.realign_angle}"
             )
         return self
 
@@ -280,9 +239,7 @@ class GoalFollowerParams(Params):
 class DriveParams(Params):
     """Everything the drive node's model needs besides the wheels' geometry."""
 
-    cmd_vel_timeout: float = Field(
-        ..., gt=0.0, le=10.0, description="age at which a twist command is dropped [s]"
-    )
+    cmd_vel_timeout: float = Field(..., gt=0.0, le=10.0, description="age at which a twist command is dropped [s]")
     limits: MotionLimits = Field(..., description="what the machine may be asked to do")
     transition: SteeringTransitionParams = Field(..., description="slowing down while steering")
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")

@@ -146,9 +146,7 @@ def profile(age: float) -> FloatArray:
     return np.asarray((1.0 - share) * table[:, index] + share * table[:, index + 1])
 
 
-def stamp_craters(
-    heights: FloatArray, origin: tuple[float, float], resolution: float, craters: list[Crater]
-) -> None:
+def stamp_craters(heights: FloatArray, origin: tuple[float, float], resolution: float, craters: list[Crater]) -> None:
     """Add the craters to heights, shape (ny, nx) [m], in place, in the order given."""
     for crater in craters:
         bowl, rim = profile(crater.age)

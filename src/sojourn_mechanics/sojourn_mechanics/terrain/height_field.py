@@ -232,7 +232,5 @@ class HeightField:
 
     def _call_kernel(self, x: float, y: float) -> tuple[float, float, float, bool]:
         origin = (self.origin_x, self.origin_y)
-        height, dh_dx, dh_dy, inside = sample_height(
-            self.heights, *origin, self.resolution, float(x), float(y)
-        )
+        height, dh_dx, dh_dy, inside = sample_height(self.heights, *origin, self.resolution, float(x), float(y))
         return float(height), float(dh_dx), float(dh_dy), bool(inside)

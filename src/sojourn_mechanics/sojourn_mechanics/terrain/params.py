@@ -19,9 +19,7 @@ class RoughnessParams(Params):
     """Fractal roughness: see `terrain/roughness.py`."""
 
     hurst: float = Field(default=0.8, gt=0.0, lt=1.0, description="Hurst exponent [-]")
-    rms_slope_deg: float = Field(
-        ge=0.0, le=30.0, description="RMS slope between points one baseline apart [degree]"
-    )
+    rms_slope_deg: float = Field(ge=0.0, le=30.0, description="RMS slope between points one baseline apart [degree]")
     baseline: float = Field(default=0.5, gt=0.0, le=100.0, description="distance at which that holds [m]")
 
 
@@ -40,12 +38,8 @@ class CraterLawParams(Params):
         le=0.3,
         description="depth of a new crater, from the old surface, over its diameter [-]",
     )
-    rim_ratio: float = Field(
-        default=0.036, ge=0.0, le=0.1, description="rim height over diameter of a new crater [-]"
-    )
-    age_min: float = Field(
-        default=0.0, ge=0.0, le=1.0, description="age of the freshest: 0 is new, 1 nearly gone [-]"
-    )
+    rim_ratio: float = Field(default=0.036, ge=0.0, le=0.1, description="rim height over diameter of a new crater [-]")
+    age_min: float = Field(default=0.0, ge=0.0, le=1.0, description="age of the freshest: 0 is new, 1 nearly gone [-]")
 
     @model_validator(mode="after")
     def _range_is_ordered(self) -> Self:
@@ -58,9 +52,7 @@ class CraterLawParams(Params):
 class RockLawParams(Params):
     """Rocks drawn at random: see `terrain/rocks.py`."""
 
-    area_fraction: float = Field(
-        ge=0.0, le=0.5, description="k: part of the ground that rocks of all sizes cover [-]"
-    )
+    area_fraction: float = Field(ge=0.0, le=0.5, description="k: part of the ground that rocks of all sizes cover [-]")
     diameter_min: float = Field(default=0.15, gt=0.0, le=50.0, description="smallest diameter [m]")
     diameter_max: float = Field(default=0.5, gt=0.0, le=50.0, description="largest diameter [m]")
     height_ratio: float = Field(

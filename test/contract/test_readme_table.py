@@ -1,0 +1,109 @@
+"""The manuals against the code: topic table, examples, links."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from sojourn_contract.table import BEGIN, END, MarkersError, main, markdown_table, with_table
+from sojourn_contract.topics import TOPICS, inputs_of, outputs_of
+
+ROOT = Path(__file__).resolve().parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+MANUALS = sorted([ROOT / "README.md", *ROOT.glob("src/*/README.md")])
+LINK = re.compile(r"\[[^\]]*\]\(([^)#]+)(?:#[^)]*)?\)")
+
+
+def blocks(text: str, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+
+
+def table_rows(text: str) -> dict[str, list[str]]:
+    lines = text.partition(BEGIN)[2].partition(END)[0].strip().splitlines()[2:]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    return {row[0].strip("`"): row for row in rows}
+
+
+def example_tables() -> dict[str, list[str]]:
+    """Keys of INPUTS and OUTPUTS in the README's flight node."""
+    source = next(code for code in blocks(README, "python") if "class MyDrive" in code)
+    found = {}
+    for statement in ast.parse(source).body:
+        if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Dict):
+            target = statement.targets[0]
+            assert isinstance(target, ast.Name)
+            found[target.id] = [ast.literal_eval(key) for key in statement.value.keys if key is not None]
+    return found
+
+
+def test_readme_holds_the_table_of_the_code() -> None:
+    assert with_table(README) == README, "renew it: python -m sojourn_contract.table --into README.md"
+
+
+def test_every_topic_has_its_row() -> None:
+    rows = table_rows(README)
+    assert list(rows) == [row.name for row in TOPICS]
+    for row in TOPICS:
+        _, kind, between, rate, *_ = rows[row.name]
+        publisher, _, subscribers = between.partition(" → ")
+        assert (kind, publisher) == (row.type, row.publisher)
+        assert set(row.subscribers) <= set(subscribers.split(", "))
+        assert (rate == "event") == row.is_event
+
+
+@pytest.mark.parametrize(
+    ("name", "rate", "age"),
+    [("/odom", "50 Hz", "0.1 s"), ("/bus/state", "10 Hz", "0.5 s"), ("/diagnostics", "1 Hz", "3 s")],
+)
+def test_rates_and_ages(name: str, rate: str, age: str) -> None:
+    assert table_rows(README)[name][3:5] == [rate, age]
+
+
+@pytest.mark.parametrize("text", ["", BEGIN, END + BEGIN, BEGIN + BEGIN + END])
+def test_a_text_without_markers_is_refused(text: str) -> None:
+    with pytest.raises(MarkersError):
+        with_table(text)
+
+
+def test_only_what_is_between_the_markers_changes(tmp_path: Path) -> None:
+    file = tmp_path / "page.md"
+    file.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n", encoding="utf-8")
+    assert main(["--into", str(file)]) == 0
+    assert file.read_text(encoding="utf-8") == f"before\n{BEGIN}\n{markdown_table()}\n{END}\nafter\n"
+
+
+def test_a_file_without_markers_is_an_error_and_stays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "page.md"
+    file.write_text("nothing here\n", encoding="utf-8")
+    assert main(["--into", str(file)]) == 1
+    assert "must hold" in capsys.readouterr().err
+    assert file.read_text(encoding="utf-8") == "nothing here\n"
+
+
+def test_the_example_node_has_the_topics_of_its_role() -> None:
+    tables = example_tables()
+    periodic_or_goal = {row.name.lstrip("/") for row in inputs_of("drive")}
+    assert set(tables["INPUTS"]) == periodic_or_goal
+    assert set(tables["OUTPUTS"]) == {row.name.lstrip("/") for row in outputs_of("drive")}
+    assert set(tables["LISTENERS"]) == set(tables["OUTPUTS"])
+
+
+def test_the_example_scenario_is_valid(tmp_path: Path) -> None:
+    from sojourn_config.scenario import load_scenario
+
+    (text,) = blocks(README, "yaml")
+    file = tmp_path / "mine.yaml"
+    file.write_text(text, encoding="utf-8")
+    assert len(load_scenario(str(file)).config.steps) == len(yaml.safe_load(text)["steps"])
+
+
+@pytest.mark.parametrize("manual", MANUALS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_links_lead_to_files_and_examples_are_python(manual: Path) -> None:
+    text = manual.read_text(encoding="utf-8")
+    for target in LINK.findall(text):
+        if "://" not in target:
+            assert (manual.parent / target).exists(), target
+    for code in blocks(text, "python"):
+        compile(code, str(manual), "exec")

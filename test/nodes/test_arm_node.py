@@ -1,0 +1,218 @@
+"""The node of the arm, alone: goals of every kind, refusals with their reasons, measurements that cannot be used."""
+
+import math
+from typing import Any
+
+import pytest
+from geometry_msgs.msg import PoseStamped
+from node_bench import ARM, Bench, at, imu, joints, stamp_of
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from sojourn_arm.node import ArmNode
+from sojourn_contract import stamps
+from sojourn_contract.heartbeat import status_message
+
+
+class ArmBench:
+    """An arm that is where it was told to be one period before."""
+
+    def __init__(self, bench: Bench) -> None:
+        self.bench = bench
+        self.node = bench.start(ArmNode, "sensors", "arm", "power")
+        bench.connect(self.node)
+        self.period = 0
+        self.angles = dict(zip(ARM, self.node.params.named_poses["unfold"], strict=True))
+
+    def step(self, periods: int = 1, spoil: str = "", switch: str = "on") -> JointState:
+        """Go on; the last command."""
+        for _ in range(periods):
+            self.period += 1
+            message = joints(self.period, self.angles)
+            if spoil == "NaN":
+                message.position[0] = math.nan
+            elif spoil == "names":
+                message.name = [f"other_{name}" for name in message.name]
+            if self.period % 5 == 0:
+                switches = status_message(at(self.period), "switches", {"arm": switch})
+                self.bench.send("/power/switches", switches)
+            self.bench.send("/joint_states", message)
+            self.bench.send("/imu/data", imu(self.period))
+            command = self.bench.answer("/arm_command", self.period)
+            if command.name:
+                self.angles = dict(zip(command.name, command.position, strict=True))
+        return command
+
+    def goal(self, name: str, message: Any) -> dict[str, str]:
+        """Send a goal; the status at the end of the second in which it takes effect."""
+        before = self.node.events.received.get(name, 0)
+        self.bench.send(name, message)
+        self.bench.until(lambda: self.node.events.received.get(name, 0) > before, f"{name} has arrived")
+        return self.status()
+
+    def status(self) -> dict[str, str]:
+        """The next status."""
+        self.step(50 - self.period % 50)
+        return self.bench.status("/arm/status", self.period)
+
+
+@pytest.fixture
+def arm(bench: Bench) -> ArmBench:
+    return ArmBench(bench)
+
+
+def joint_goal(names: tuple[str, ...], positions: list[float], pose: str = "") -> JointState:
+    message = JointState(name=list(names), position=positions)
+    message.header.frame_id = pose
+    return message
+
+
+def pose_goal(x: float, y: float, z: float, frame: str = "base_link") -> PoseStamped:
+    message = PoseStamped()
+    message.header.frame_id = frame
+    message.header.stamp = stamps.to_message(at(1))
+    message.pose.position.x, message.pose.position.y, message.pose.position.z = x, y, z
+    return message
+
+
+def test_holds_where_it_is_and_answers_every_period(arm: ArmBench) -> None:
+    start = dict(arm.angles)
+    command = arm.step(50)
+    assert tuple(command.name) == ARM
+    assert list(command.position) == pytest.approx(list(start.values()), abs=1e-6)
+    assert list(command.velocity) == [0.0] * 5
+    assert abs(command.effort[1]) > 1.0, "feed-forward carries the arm's weight"
+    assert [stamp_of(message) for message in arm.bench.received["/arm_command"]] == [at(p) for p in range(1, 51)]
+    status = arm.bench.status("/arm/status", 50)
+    assert (status["state"], status["goal_stamp"]) == ("idle", "0")
+
+
+def test_a_joint_goal_is_reached(arm: ArmBench) -> None:
+    arm.step()
+    target = arm.angles["arm_azimuth_joint"] + 0.1
+    status = arm.goal("/arm/joint_goal", joint_goal(("arm_azimuth_joint",), [target]))
+    assert status["state"] in ("moving", "reached")
+    for _ in range(8):
+        if status["state"] == "reached":
+            break
+        status = arm.status()
+    assert status["state"] == "reached" and status["goals_accepted"] == "1"
+    assert arm.angles["arm_azimuth_joint"] == pytest.approx(target, abs=1e-3)
+
+
+def test_named_pose_and_stop(arm: ArmBench) -> None:
+    arm.step()
+    assert arm.goal("/arm/joint_goal", joint_goal((), [], "stow"))["state"] == "moving"
+    moving = arm.step()
+    assert max(map(abs, moving.velocity)) > 0.0
+    status = arm.goal("/arm/stop", Header())
+    while status["state"] == "moving":
+        status = arm.status()
+    assert status["state"] == "stopped"
+    assert list(arm.step().velocity) == [0.0] * 5
+
+
+def test_a_pose_goal_starts_a_motion(arm: ArmBench) -> None:
+    arm.step()
+    tip = [float(value) for value in arm.status()["tip_in_base_m"].split()]
+    status = arm.goal("/arm/goal_pose", pose_goal(tip[0], tip[1] + 0.03, tip[2]))
+    assert status["state"] in ("moving", "reached"), status["reason"]
+    assert status["goal_stamp"] == str(at(1))
+
+
+def trajectory(names: tuple[str, ...], *points: list[float]) -> JointTrajectory:
+    return JointTrajectory(joint_names=list(names), points=[JointTrajectoryPoint(positions=point) for point in points])
+
+
+REFUSED = {
+    "unreachable": ("/arm/goal_pose", pose_goal(4.0, 0.0, 0.0), r"reach"),
+    "wrong frame": ("/arm/goal_pose", pose_goal(1.0, 0.0, 0.0, "map"), "header.frame_id = 'map': allowed is base_link"),
+    "unknown joint": (
+        "/arm/joint_goal",
+        joint_goal(("elbow",), [0.0]),
+        "unknown joint elbow: this arm has arm_azimuth",
+    ),
+    "out of limits": ("/arm/joint_goal", joint_goal(("arm_elbow_joint",), [9.0]), "arm_elbow_joint = 9.0000 is out of"),
+    "no positions": ("/arm/joint_goal", joint_goal(ARM, []), "0 values, needed are 5"),
+    "unknown pose": ("/arm/joint_goal", joint_goal((), [], "wave"), "wave"),
+    "no points": ("/arm/joint_trajectory", trajectory(ARM), "at least one"),
+}
+
+
+@pytest.mark.parametrize("topic,message,reason", REFUSED.values(), ids=REFUSED.keys())
+def test_goals_that_cannot_be_are_refused_with_the_reason(arm: ArmBench, topic: str, message: Any, reason: str) -> None:
+    arm.step()
+    before = list(arm.step().position)
+    status = arm.goal(topic, message)
+    assert status["state"] == "refused"
+    assert reason in status["reason"]
+    assert list(arm.step().position) == before
+    assert arm.bench.received["/arm/status"][-1].status[0].level == b"\x01"
+
+
+@pytest.mark.parametrize(
+    "topic,message,field",
+    [
+        ("/arm/joint_goal", joint_goal(ARM, [0.0]), "position = 1 numbers"),
+        ("/arm/joint_goal", joint_goal(ARM[:1], [math.nan]), "position[0] = nan"),
+        ("/arm/goal_pose", pose_goal(math.inf, 0.0, 0.0), "pose.position.x = inf"),
+        ("/arm/joint_trajectory", trajectory(ARM, [0.0] * 4), "points[0].positions = 4 numbers"),
+    ],
+    ids=["wrong length", "no number", "infinite", "trajectory of wrong length"],
+)
+def test_goals_with_bad_numbers_are_refused_and_counted(arm: ArmBench, topic: str, message: Any, field: str) -> None:
+    arm.step()
+    arm.goal(topic, message)
+    assert arm.node.counters.refused == {topic: 1}
+    assert f"{topic}.{field}" in arm.node.counters.last_refusal
+    arm.bench.until(lambda: arm.bench.heartbeats("arm")[-1].stamp == at(50), "the heartbeat of the first second")
+    assert arm.bench.heartbeats("arm")[-1].refused == {topic: 1}
+
+
+@pytest.mark.parametrize("spoil", ["NaN", "names"])
+def test_measurements_that_cannot_be_used_hold_the_arm(arm: ArmBench, spoil: str) -> None:
+    """Every period is answered all the same, and the goal that came meanwhile is not forgotten."""
+    arm.step(2)
+    assert arm.goal("/arm/joint_goal", joint_goal((), [], "stow"))["state"] == "moving"
+    last = list(arm.step().position)
+    for _ in range(10):
+        command = arm.step(spoil=spoil)
+        assert list(command.position) == last and list(command.velocity) == [0.0] * 5
+    assert arm.node.counters.refused == {"/joint_states": 10}
+    before = arm.node.events.received["/arm/joint_goal"]
+    arm.bench.send("/arm/joint_goal", joint_goal((), [], "unfold"))
+    arm.bench.until(lambda: arm.node.events.received["/arm/joint_goal"] > before, "the goal has arrived")
+    arm.step(spoil=spoil)
+    arm.step()
+    assert arm.status()["goals_accepted"] == "2"
+
+
+def test_before_anything_is_measured_it_commands_nothing(arm: ArmBench) -> None:
+    command = arm.step(50, spoil="NaN")
+    assert list(command.name) == [] and list(command.position) == []
+    assert arm.bench.status("/arm/status", 50)["state"] == "idle"
+    assert tuple(arm.step().name) == ARM
+
+
+@pytest.mark.parametrize("text", ["off", "0.0"])
+def test_without_power_a_goal_is_refused(arm: ArmBench, text: str) -> None:
+    arm.step(5, switch=text)
+    before = arm.node.events.received.get("/arm/joint_goal", 0)
+    arm.bench.send("/arm/joint_goal", joint_goal((), [], "stow"))
+    arm.bench.until(lambda: arm.node.events.received.get("/arm/joint_goal", 0) > before, "the goal has arrived")
+    arm.step(45, switch=text)
+    status = arm.bench.status("/arm/status", 50)
+    assert status["state"] == "refused" and "power manager has switched the arm off" in status["reason"]
+
+
+def test_in_real_time_any_input_may_come_first(bench: Bench) -> None:
+    node = bench.start(ArmNode, "sensors", "arm", lockstep=False)
+    bench.connect(node, lockstep=False)
+    bench.send("/imu/data", imu(3000))
+    assert list(bench.answer("/arm_command", 3000).name) == []
+    for period in (3001, 3002):
+        bench.send("/joint_states", joints(period))
+        bench.until(lambda period=period: node._latest.get("/joint_states", (0,))[0] == at(period), "joints are there")
+        bench.send("/imu/data", imu(period))
+    assert tuple(bench.answer("/arm_command", 3002).name) == ARM

@@ -1,0 +1,136 @@
+"""A stack that runs at the pace of the wall: goals from another terminal, nodes that die, a second start beside it."""
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+import rclpy
+from programs import SHORT_RUN, Program, next_domain
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import qos_profile_sensor_data
+from rosgraph_msgs.msg import Clock
+
+from sojourn_bags.reading import read_bag
+from sojourn_config.paths import config_folder
+
+PACE_S = 6.0
+NOTICE_S = 1.0
+"""Wall time within which a dead node must be noticed, by the issue that asked for it."""
+
+
+class Stack:
+    """A running stack: its program, its domain and its folder."""
+
+    def __init__(self, base: Path) -> None:
+        self.domain = next_domain()
+        self.run_dir = base / "run"
+        options = ["--realtime", "--set", "steps=[]", "--domain", str(self.domain), "--run-dir", str(self.run_dir)]
+        self.program = Program("start", [str(SHORT_RUN), *options], base / "start.log")
+
+    def wait_until_running(self, role: str = "plant", times: int = 1) -> None:
+        def runs(text: str) -> bool:
+            return sum(": running" in line for line in text.splitlines() if line.startswith(f"{role} ")) >= times
+
+        self.program.wait_until(runs, f"{role} runs")
+
+
+@pytest.fixture(scope="module")
+def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
+    running = Stack(tmp_path_factory.mktemp("realtime"))
+    try:
+        running.wait_until_running()
+        yield running
+    finally:
+        running.program.end()
+
+
+def test_simulation_time_keeps_the_pace_of_the_wall(stack: Stack, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(config_folder() / "nodes" / "fastdds.xml"))
+    context = rclpy.Context()
+    context.init(args=[], domain_id=stack.domain)
+    node = rclpy.create_node("listener", context=context, enable_rosout=False)
+    ticks: list[tuple[float, float]] = []
+
+    def note(message: Clock) -> None:
+        ticks.append((time.monotonic(), message.clock.sec + 1e-9 * message.clock.nanosec))
+
+    node.create_subscription(Clock, "clock", note, qos_profile_sensor_data)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    try:
+        end = time.monotonic() + 20.0
+        while time.monotonic() < end and (not ticks or ticks[-1][0] - ticks[0][0] < PACE_S):
+            executor.spin_once(timeout_sec=0.1)
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        context.try_shutdown()
+    assert ticks
+    (wall_begin, sim_begin), (wall_end, sim_end) = ticks[0], ticks[-1]
+    assert (sim_end - sim_begin) / (wall_end - wall_begin) == pytest.approx(1.0, rel=0.2)
+
+
+def test_a_goal_is_followed_to_its_end(stack: Stack, start: Callable[..., Program]) -> None:
+    goal = start("goal_client", "drive", "0.12", "0.0", "--frame", "base_link", "--domain", stack.domain)
+    assert goal.wait() == 0, goal.text
+    assert "m to go" in goal.text
+    assert goal.text.splitlines()[-1].startswith("reached")
+
+
+def test_a_goal_off_the_terrain_is_refused_with_the_reason(stack: Stack, start: Callable[..., Program]) -> None:
+    goal = start("goal_client", "drive", "900", "0", "--domain", stack.domain)
+    assert goal.wait() == 1
+    assert "refused" in goal.text and "on the terrain" in goal.text
+
+
+def test_stop_stops(stack: Stack, start: Callable[..., Program]) -> None:
+    goal = start("goal_client", "drive", "3", "0", "--frame", "base_link", "--domain", stack.domain)
+    goal.wait_until(lambda text: "m to go" in text, "the rover drives")
+    stop = start("goal_client", "stop", "--domain", stack.domain)
+    assert stop.wait() == 0, stop.text
+    assert goal.wait() == 1
+    assert goal.text.splitlines()[-1].startswith("stopped")
+
+
+def test_a_second_start_is_refused_and_the_first_goes_on(
+    stack: Stack, start: Callable[..., Program], tmp_path: Path
+) -> None:
+    second = start("start", SHORT_RUN, "--domain", stack.domain, "--run-dir", tmp_path / "second")
+    assert second.wait() == 1
+    (line,) = second.text.splitlines()
+    assert f"domain {stack.domain} is in use" in line and str(stack.program.process.pid) in line
+    assert not (tmp_path / "second").exists()
+    assert stack.program.process.poll() is None
+
+
+def test_a_killed_node_is_noticed_and_started_again(stack: Stack, start: Callable[..., Program]) -> None:
+    killed = stack.program.process_of("drive")
+    noticed: list[float] = []
+
+    def watch() -> None:
+        stack.program.wait_until(lambda text: f"drive (process {killed}) was killed by SIGKILL" in text, "noticed")
+        noticed.append(time.monotonic())
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    os.kill(killed, signal.SIGKILL)
+    at = time.monotonic()
+    watcher.join()
+    assert noticed and noticed[0] - at < NOTICE_S
+    stack.wait_until_running("drive", times=2)
+    goal = start("goal_client", "drive", "0.06", "0.0", "--frame", "base_link", "--domain", stack.domain)
+    assert goal.wait() == 0, goal.text
+
+
+def test_a_killed_recorder_leaves_a_bag_that_opens(stack: Stack) -> None:
+    first = stack.run_dir / "bag"
+    os.kill(stack.program.process_of("recorder"), signal.SIGKILL)
+    stack.wait_until_running("recorder", times=2)
+    bag = read_bag(first)
+    assert not bag.whole
+    assert len(bag["/truth/odom"]) > 10
+    assert (stack.run_dir / "bag_2").is_dir()
