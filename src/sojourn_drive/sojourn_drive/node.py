@@ -62,10 +62,10 @@ class DriveNode(ContractNode):
         self._take_goals(goals)
         output = self._step(stamp, inputs["/joint_states"], inputs["/imu/data"])
         self._goals.note(output.outcomes)
+        self.publish("/wheel_command", self._measurements.command(stamp, output))  # first: the plant waits for it
         self.publish("/odom", self._odometry_message(stamp, output))
         if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
             self.publish("/drive/status", self._status(stamp, output))
-        self.publish("/wheel_command", self._measurements.command(stamp, output))
 
     def _step(self, stamp: int, joints: Any, imu: Any) -> DriveOutput:
         """The drive's answer to this period. Where a measurement cannot be used the wheels stop and the

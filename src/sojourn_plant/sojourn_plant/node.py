@@ -8,7 +8,7 @@ time), steps the machine, and publishes the truth of the next.
 
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rclpy.context import Context
@@ -162,7 +162,7 @@ class PlantNode(ContractNode):
                 self._reported.add(flag)
                 self.get_logger().error(f"{text} at {stamps.seconds(self.now):.2f} s")
 
-    def _publish(self, messages: list[tuple[str, Any]]) -> None:
+    def _publish(self, messages: Iterable[tuple[str, Any]]) -> None:
         for topic, message in messages:
             self.publish(topic, message)
 

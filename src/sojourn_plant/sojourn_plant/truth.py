@@ -1,5 +1,6 @@
 """The plant's state as messages of the contract."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ class TruthMessages:
         self._odometry.header.frame_id = "map"
         self._loads = tuple(load.name for load in model.bus.loads)
 
-    def first(self, stamp: int, state: PlantState) -> list[tuple[str, Any]]:
+    def first(self, stamp: int, state: PlantState) -> Iterator[tuple[str, Any]]:
         """Truth before the first step, with the forces of the settled machine as they were last seen."""
         model = self._model
         output = PlantOutput(
@@ -46,8 +47,10 @@ class TruthMessages:
         )
         return self.messages(stamp, state, output)
 
-    def messages(self, stamp: int, state: PlantState, output: PlantOutput) -> list[tuple[str, Any]]:
-        """Messages of one period as (topic, message), in the order of the table."""
+    def messages(self, stamp: int, state: PlantState, output: PlantOutput) -> Iterator[tuple[str, Any]]:
+        """Messages of one period as (topic, message): first those that the sensors wait for, so that they work
+        while the others are made.
+        """
         period = stamp // stamps.CONTROL_PERIOD_NS
         time = stamps.to_message(stamp)
         odometry = self._odometry
@@ -57,36 +60,28 @@ class TruthMessages:
         set_xyz(odometry.twist.twist.linear, state.velocity[:3])
         set_xyz(odometry.twist.twist.angular, state.velocity[3:6])
         rates = state.velocity[self._model.joints.columns]
-        messages: list[tuple[str, Any]] = [
-            ("/clock", Clock(clock=time)),
-            ("/truth/odom", odometry),
-            ("/truth/contacts", fill_contact_cloud(self._contacts, stamp, output.contacts)),
-        ]
-        if is_due(topic("/truth/electrical"), period):
+        seldom = is_due(topic("/truth/electrical"), period)
+        if seldom:
             battery = self._model.battery
             supply = state.battery
-            messages.append(
-                (
-                    "/truth/electrical",
-                    battery_state(
-                        stamp,
-                        state.bus_voltage,
-                        output.battery_current,
-                        supply.temperature,
-                        supply.soc,
-                        supply.soc * battery.charge_capacity,
-                        battery.charge_capacity,
-                    ),
-                )
+            yield (
+                "/truth/electrical",
+                battery_state(
+                    stamp,
+                    state.bus_voltage,
+                    output.battery_current,
+                    supply.temperature,
+                    supply.soc,
+                    supply.soc * battery.charge_capacity,
+                    battery.charge_capacity,
+                ),
             )
-            messages.append(("/truth/loads", self._load_message(stamp, state, output)))
-        messages.append(
-            (
-                "/truth/joint_states",
-                fill_joint_state(self._joints, stamp, state.joints[0], rates, output.efforts),
-            )
-        )
-        return messages
+        yield "/truth/odom", odometry
+        yield "/truth/joint_states", fill_joint_state(self._joints, stamp, state.joints[0], rates, output.efforts)
+        yield "/clock", Clock(clock=time)
+        yield "/truth/contacts", fill_contact_cloud(self._contacts, stamp, output.contacts)
+        if seldom:
+            yield "/truth/loads", self._load_message(stamp, state, output)
 
     def _load_message(self, stamp: int, state: PlantState, output: PlantOutput) -> Any:
         values = {f"power {name}": f"{power:.6g}" for name, power in zip(self._loads, output.load_power, strict=True)}
