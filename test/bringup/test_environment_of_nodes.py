@@ -24,13 +24,13 @@ def test_a_foreign_program_gets_the_outer_values_back() -> None:
         "LD_LIBRARY_PATH": f"{PREFIX}/lib/ros_rcl.libs",
         "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
         "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1",
-        "HOME": "/home/me",
+        "HOME": "/elsewhere/me",
     }
     environment = foreign_environment(base, ROS, PREFIX)
     assert environment["LD_LIBRARY_PATH"] == "/opt/ros/jazzy/lib"
     assert "RMW_IMPLEMENTATION" not in environment and "_ROS_WHEELS_BOOTSTRAP_COMPLETE" not in environment
     assert not [name for name in environment if name.startswith("SOJOURN_OUTER")]
-    assert environment["HOME"] == "/home/me" and environment["ROS_DOMAIN_ID"] == "7"
+    assert environment["HOME"] == "/elsewhere/me" and environment["ROS_DOMAIN_ID"] == "7"
 
 
 def test_without_outer_values_what_points_into_our_environment_goes() -> None:
@@ -50,8 +50,8 @@ def test_a_folder_that_only_begins_like_ours_is_kept() -> None:
 
 
 def test_our_nodes_get_all_and_one_thread_unless_told_otherwise() -> None:
-    environment = own_environment({"HOME": "/home/me", "OMP_NUM_THREADS": "3"}, ROS)
-    assert environment["HOME"] == "/home/me" and environment["ROS_DOMAIN_ID"] == "7"
+    environment = own_environment({"HOME": "/elsewhere/me", "OMP_NUM_THREADS": "3"}, ROS)
+    assert environment["HOME"] == "/elsewhere/me" and environment["ROS_DOMAIN_ID"] == "7"
     assert environment["OMP_NUM_THREADS"] == "3" and environment["OPENBLAS_NUM_THREADS"] == "1"
 
 

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from programs import SHORT_RUN, Program, shared_memory_files
+from programs import PATIENT, SHORT_RUN, Program, shared_memory_files
 from run_files import records
 
-LONG = ("--set", "steps=[{wait_s: 1000.0}]", "--set", "duration_limit_s=2000.0")
+LONG = (*PATIENT, "--set", "steps=[{wait_s: 1000.0}]", "--set", "duration_limit_s=2000.0")
 
 
 def is_running(text: str) -> bool:
@@ -24,7 +24,7 @@ def test_interrupted(number: signal.Signals, start: Callable[..., Program], tmp_
     program.wait_until(is_running, "the run has begun")
     assert len(program.processes()) == (1 if kind else 8)
     program.send(number)
-    assert program.wait(20.0) == 130
+    assert program.wait() == 130
     assert "interrupted" in program.text.splitlines()[-1]
     assert not program.processes()
     assert not shared_memory_files() - before
@@ -35,7 +35,7 @@ def test_killed_node_stops_a_lockstep_run(start: Callable[..., Program], tmp_pat
     program = start("start", SHORT_RUN, *LONG, "--domain", domain, "--run-dir", tmp_path / "run")
     program.wait_until(is_running, "the run has begun")
     os.kill(program.process_of("power"), signal.SIGKILL)
-    assert program.wait(20.0) == 1
+    assert program.wait() == 1
     assert "power" in program.text.splitlines()[-1] and "was killed by SIGKILL" in program.text.splitlines()[-1]
     assert not program.processes()
     assert len(records(tmp_path / "run"))
@@ -43,11 +43,11 @@ def test_killed_node_stops_a_lockstep_run(start: Callable[..., Program], tmp_pat
 
 def test_silent_node_stops_a_lockstep_run(start: Callable[..., Program], tmp_path: Path, domain: int) -> None:
     program = start(
-        "start", SHORT_RUN, *LONG, "--lockstep-timeout", "2", "--domain", domain, "--run-dir", tmp_path / "run"
+        "start", SHORT_RUN, *LONG, "--lockstep-timeout", "4", "--domain", domain, "--run-dir", tmp_path / "run"
     )  # fmt: skip
     program.wait_until(is_running, "the run has begun")
     os.kill(program.process_of("arm"), signal.SIGSTOP)
-    assert program.wait(30.0) == 1
+    assert program.wait() == 1
     assert "node 'arm' did not answer" in program.text.splitlines()[-1]
     assert not program.processes()
 
@@ -56,13 +56,13 @@ def test_killed_supervisor_takes_its_nodes_with_it(start: Callable[..., Program]
     program = start("start", SHORT_RUN, *LONG, "--domain", domain, "--run-dir", tmp_path / "run")
     program.wait_until(lambda text: "plant (process" in text, "the nodes have been started")
     program.send(signal.SIGKILL)
-    program.wait(5.0)
+    program.wait()
     assert not program.leaves_processes()
 
 
 def test_two_namespaces_share_a_domain(start: Callable[..., Program], tmp_path: Path, domain: int) -> None:
     runs = {name: tmp_path / name for name in ("one", "two")}
-    short = ("--composed", "--set", "steps=[{wait_s: 1.0}]", "--domain", domain)
+    short = (*PATIENT, "--composed", "--set", "steps=[{wait_s: 1.0}]", "--domain", domain)
     programs = [start("start", SHORT_RUN, *short, "--namespace", name, "--run-dir", run) for name, run in runs.items()]
     for program in programs:
         assert program.wait() == 0, program.text

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import rclpy
-from programs import SHORT_RUN, Program, next_domain
+from programs import PATIENT, SHORT_RUN, Program, next_domain
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
@@ -28,7 +28,16 @@ class Stack:
     def __init__(self, base: Path) -> None:
         self.domain = next_domain()
         self.run_dir = base / "run"
-        options = ["--realtime", "--set", "steps=[]", "--domain", str(self.domain), "--run-dir", str(self.run_dir)]
+        options = [
+            *PATIENT,
+            "--realtime",
+            "--set",
+            "steps=[]",
+            "--domain",
+            str(self.domain),
+            "--run-dir",
+            str(self.run_dir),
+        ]
         self.program = Program("start", [str(SHORT_RUN), *options], base / "start.log")
 
     def wait_until_running(self, role: str = "plant", times: int = 1) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
-from programs import SHORT_RUN, Program, next_domain
+from programs import PATIENT, SHORT_RUN, Program, next_domain
 from rosbags.highlevel import AnyReader
 from run_files import Record, first_difference, records
 
@@ -26,7 +26,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Path]]:
     programs: dict[str, Program] = {}
     try:
         for name, options in KINDS.items():
-            arguments = [str(SHORT_RUN), "--seed", SEED, "--domain", str(next_domain()), *options]
+            arguments = [str(SHORT_RUN), *PATIENT, "--seed", SEED, "--domain", str(next_domain()), *options]
             programs[name] = Program("start", [*arguments, "--run-dir", str(base / name)], base / f"{name}.log")
         for program in programs.values():
             assert program.wait() == 0, program.text
@@ -61,7 +61,7 @@ def test_another_seed_gives_another_record(
     tmp_path: Path, composed: list[Record], start: Callable[..., Program], domain: int
 ) -> None:
     run = tmp_path / "run"
-    short = ["--composed", "--seed", "8", "--set", "steps=[{wait_s: 1.0}]", "--domain", domain]
+    short = [*PATIENT, "--composed", "--seed", "8", "--set", "steps=[{wait_s: 1.0}]", "--domain", domain]
     assert start("start", SHORT_RUN, *short, "--run-dir", run).wait() == 0
     ours = [record for record in records(run) if record[0] == "/imu/data"]
     theirs = [record for record in composed if record[0] == "/imu/data"]
@@ -97,9 +97,8 @@ def test_a_drive_of_somebody_else_takes_the_place_of_ours(
 ) -> None:
     program = Path(__file__).parent / "stand_in_drive.py"
     run = tmp_path / "run"
-    replaced = start(
-        "start", SHORT_RUN, "--replace", f"drive={sys.executable} {program}", "--domain", domain, "--run-dir", run
-    )  # fmt: skip
+    command = f"drive={sys.executable} {program}"
+    replaced = start("start", SHORT_RUN, *PATIENT, "--replace", command, "--domain", domain, "--run-dir", run)
     assert replaced.wait() == 0, replaced.text
     record = records(run)
     status = [str(values) for topic, _, values in record if topic == "/drive/status"]

@@ -135,8 +135,8 @@ class RecorderNode(ContractNode):
         )
         if completeness.gaps:
             self.exit_status = 1
-            folder = recording.writer.folder
-            self.get_logger().error(f"the bag {folder} is not complete: {completeness.explain()}")
+            self.failure = f"the bag {recording.writer.folder} is not complete: {completeness.explain()}"
+            self.get_logger().error(self.failure)
 
 
 def main() -> None:

@@ -20,8 +20,8 @@ class Health:
     Args:
         role: its role. pid: process number, 0 if it is not a process of ours. state: word of its last heartbeat, or
             one of ours. detail: in words. stamp: simulation time of its last heartbeat [ns]. refused: messages that it
-            has refused. restarts: how often it has been started again. memory_mb, peak_memory_mb: [MB]. heard_at: wall time of its last
-            heartbeat [s].
+            has refused. restarts: how often it has been started again. memory_mb, peak_memory_mb: [MB].
+        heard_at: wall time of its last heartbeat [s].
     """
 
     role: str

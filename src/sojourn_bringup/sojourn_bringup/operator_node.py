@@ -114,7 +114,7 @@ class OperatorNode(ContractNode):
         The ground is looked up in the scenario's terrain from the true pose, as a person would pick a target in the
         picture of the stereo cameras.
         """
-        if not isinstance(action, ArmGround):
+        if not isinstance(action, ArmGround) or self._terrain is None:
             return action
         here = deserialize_message(self._truth, Odometry).pose.pose
         x, y, z = ground_point(self._terrain, xyz(here.position), quaternion(here.orientation), action)

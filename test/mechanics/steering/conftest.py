@@ -24,8 +24,10 @@ DRIVE_YAML = Path(__file__).parents[3] / "config" / "nodes" / "drive.yaml"
 
 @pytest.fixture(scope="session")
 def drive_params() -> DriveParams:
-    """What the drive node ships with."""
-    return DriveParams.model_validate(yaml.safe_load(DRIVE_YAML.read_text(encoding="utf-8")))
+    """What the drive node ships with, for ground on which no slip is expected."""
+    shipped = DriveParams.model_validate(yaml.safe_load(DRIVE_YAML.read_text(encoding="utf-8")))
+    firm = {"mean_slip": 0.0, "slip_per_grade": 0.0, "side_slip_per_grade": 0.0}
+    return shipped.model_copy(update={"odometry": shipped.odometry.model_copy(update=firm)})
 
 
 @pytest.fixture(scope="session")

@@ -107,6 +107,37 @@ def test_mean_slip_shortens_the_way(params: OdometryParams, explorer: SteeringGe
     assert end.x == pytest.approx(0.85)
 
 
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_slip_grows_with_the_grade_that_is_climbed(
+    params: OdometryParams, explorer: SteeringGeometryParams, sense: float
+) -> None:
+    graded = params.model_copy(update={"mean_slip": 0.1, "slip_per_grade": 1.5})
+    state, table = initial_odometry(graded), explorer.table()
+    for index in range(500):  # nose up by 0.1 rad: uphill forwards, downhill backwards
+        position = np.full(6, sense * (index + 1) * 0.1 * DT / 0.125)
+        measured = OdometryInput(position, np.full(6, sense * 0.8), np.zeros(6), (0.0, 0.0, 0.0), (0.0, -0.1))
+        state = step_odometry(graded, table, state, measured, DT)
+    along = 1.0 - (0.1 + sense * 1.5 * math.sin(0.1))
+    np.testing.assert_allclose((state.x, state.y), (sense * along * math.cos(0.1), 0.0), atol=1e-9)
+
+
+@pytest.mark.parametrize(("roll", "sense"), [(0.1, 1.0), (-0.1, 1.0), (0.1, -1.0)])
+def test_drift_is_downhill_whichever_way_it_drives(
+    params: OdometryParams, explorer: SteeringGeometryParams, roll: float, sense: float
+) -> None:
+    drifting = params.model_copy(update={"side_slip_per_grade": 1.2})
+    state, table = initial_odometry(drifting), explorer.table()
+    for index in range(500):
+        position = np.full(6, sense * (index + 1) * 0.1 * DT / 0.125)
+        measured = OdometryInput(position, np.full(6, sense * 0.8), np.zeros(6), (0.0, 0.0, 0.0), (roll, 0.0))
+        state = step_odometry(drifting, table, state, measured, DT)
+    # a positive roll lifts the left side: downhill is to the right, -y
+    drift = -1.2 * math.sin(roll)
+    np.testing.assert_allclose((state.x, state.y), (sense, drift * math.cos(roll)), atol=1e-9)
+    assert state.z == pytest.approx(drift * math.sin(roll))
+    assert state.z < 0.0
+
+
 def test_uphill_way_is_projected(params: OdometryParams, explorer: SteeringGeometryParams) -> None:
     state, table = initial_odometry(params), explorer.table()
     for index in range(500):
