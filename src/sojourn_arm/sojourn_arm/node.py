@@ -24,6 +24,7 @@ from sojourn_mechanics.arm import controller
 from sojourn_mechanics.arm.goals import ArmGoal
 from sojourn_mechanics.arm.model import build_arm_model
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
 
 ARM_LOAD = "arm"
 
@@ -53,7 +54,7 @@ class ArmNode(ContractNode):
         self._command = joint_state(())
         """Empty until the first measurement says where the arm is: a command of no joint."""
         self._places: tuple[list[str], list[int]] = ([], [])
-        self._imu_to_base = _imu_to_base(scenario.urdf_xml)
+        self._imu_to_base = mounting(scenario.urdf_xml, IMU_LINK)[0]
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """One step of the arm's control, with the measurements of this period."""
@@ -124,14 +125,6 @@ class ArmNode(ContractNode):
         imu = pin.Quaternion(orientation.w, orientation.x, orientation.y, orientation.z).toRotationMatrix()
         gravity: FloatArray = self._imu_to_base @ (imu.T @ self._gravity)
         return gravity
-
-
-def _imu_to_base(urdf_xml: str) -> FloatArray:
-    """Rotation from the IMU's frame to base_link, (3, 3)."""
-    model = pin.buildModelFromXML(urdf_xml, pin.JointModelFreeFlyer())
-    data = model.createData()
-    pin.framesForwardKinematics(model, data, pin.neutral(model))
-    return np.array(data.oMf[model.getFrameId("imu_link")].rotation)
 
 
 def main() -> None:

@@ -13,6 +13,7 @@ from sojourn_contract.messages import fill_joint_state, joint_state, quaternion,
 from sojourn_contract.switches import fraction_of
 from sojourn_mechanics.contact.params import WheelParams
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, TwistCommand
 from sojourn_mechanics.steering.goal import Goal
 from sojourn_mechanics.steering.odometry import OdometryState
@@ -34,10 +35,7 @@ class WheelMeasurements:
         self._steer_joints = [wheel.steer_joint for wheel in wheels if wheel.steer_joint is not None]
         self._columns: tuple[list[str], list[int], list[int]] | None = None
         self._message = joint_state([*self._drive_joints, *self._steer_joints])
-        model = pin.buildModelFromXML(urdf_xml, pin.JointModelFreeFlyer())
-        data = model.createData()
-        pin.framesForwardKinematics(model, data, pin.neutral(model))
-        self._imu_to_base: FloatArray = np.array(data.oMf[model.getFrameId("imu_link")].rotation)
+        self._imu_to_base, _ = mounting(urdf_xml, IMU_LINK)
 
     def drive_input(
         self, joints: JointState, imu: Any, twist: TwistCommand | None, goal: Goal | None, power_limit: float

@@ -10,8 +10,7 @@ import pinocchio as pin
 
 from sojourn_contract.messages import quaternion, xyz
 from sojourn_mechanics.params import FloatArray
-
-IMU_FRAME = "imu_link"
+from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,13 +34,7 @@ class ImuMotion:
     """
 
     def __init__(self, urdf_xml: str, gravity: float) -> None:
-        model = pin.buildModelFromXML(urdf_xml, pin.JointModelFreeFlyer())
-        data = model.createData()
-        level = pin.neutral(model)
-        pin.framesForwardKinematics(model, data, level)
-        placement = data.oMf[model.getFrameId(IMU_FRAME)]
-        self._lever: FloatArray = np.array(placement.translation)
-        self._rotation_imu_to_base: FloatArray = np.array(placement.rotation)
+        self._rotation_imu_to_base, self._lever = mounting(urdf_xml, IMU_LINK)
         self._gravity = np.array([0.0, 0.0, -gravity])
         self._velocity: FloatArray | None = None
 
