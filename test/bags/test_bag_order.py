@@ -132,7 +132,9 @@ def test_counters_of_a_node_that_starts_again_add_up() -> None:
     counts.hear(heartbeat("drive", RUNNING, {"/odom": 50}))
     counts.hear(heartbeat("drive", RUNNING, {"/odom": 100}))
     counts.hear(heartbeat("drive", RUNNING, {"/odom": 20}))
-    counts.hear(heartbeat("arm", ENDED, {"/arm/status": 3, "/diagnostics": 4}))
+    counts.hear(heartbeat("arm", RUNNING, {"/arm/status": 2, "/diagnostics": 4}))
+    # some nodes count their farewell and some do not: it is no part of the record
+    counts.hear(heartbeat("arm", ENDED, {"/arm/status": 3, "/diagnostics": 5}))
     counts.hear(heartbeat("drive", RUNNING, {"/odom": 30, "/diagnostics": 5}))
     assert counts.totals() == {"/odom": 130, "/arm/status": 3, "/diagnostics": 9}
     assert counts.has_ended(["arm"]) and not counts.has_ended(["arm", "drive"])

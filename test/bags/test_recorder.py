@@ -111,8 +111,8 @@ def test_bag_tells_where_it_is_from_and_what_it_holds(tmp_path: Path) -> None:
     assert account["complete"] == "true"
     topics = json.loads(account["topics"])
     assert topics["/wheel_command"] == {"published": 60, "recorded": 60, "due": 60}
-    # six nodes a heartbeat each second and a farewell, the recorder its heartbeat
-    assert topics["/diagnostics"]["published"] == topics["/diagnostics"]["recorded"] == 13
+    # seven nodes a heartbeat in the one full second; their farewells are no part of the record
+    assert topics["/diagnostics"]["published"] == topics["/diagnostics"]["recorded"] == 7
     metadata = yaml.safe_load((tmp_path / "bag" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
     assert metadata["version"] == 9
     assert json.loads(metadata["custom_data"][RECORD]) == account

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Header
 
-from sojourn_bags.completeness import RECORD, Completeness, PublishedCounts, account
+from sojourn_bags.completeness import OUTSIDE_THE_RECORD, RECORD, Completeness, PublishedCounts, account
 from sojourn_bags.order import TICK, Entry, PeriodOrder, WindowOrder
 from sojourn_bags.provenance import RUN_RECORD
 from sojourn_bags.transforms import TransformSource
@@ -130,13 +130,19 @@ class Recording:
         return completeness
 
     def _hear(self, stamp: int, message: bytes) -> int | None:
-        """Read a heartbeat. Returns its sender's rank, None where it is from before the run: no record."""
+        """Read a heartbeat. Returns its sender's rank, or None where it is no part of the record.
+
+        The record has the heartbeats of the run. Those from before it, a word of waiting and the farewell come when
+        the wall clock has them come, and would make two records of the same run differ.
+        """
         array = deserialize_message(message, message_class("diagnostic_msgs/DiagnosticArray"))
         heartbeats = read_heartbeats(array)
         if stamp <= 0 and heartbeats:
             return None
         for heartbeat in heartbeats:
             self._published.hear(heartbeat)
+        if heartbeats and all(heartbeat.state in OUTSIDE_THE_RECORD for heartbeat in heartbeats):
+            return None
         role = heartbeats[0].role if heartbeats else ""
         return ROLES.index(role) if role in ROLES else len(ROLES)
 

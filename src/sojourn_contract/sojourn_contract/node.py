@@ -357,7 +357,7 @@ class ContractNode(Node):
 
     def _send_heartbeat(self, state: str, stamp: int, detail: str = "", extra: dict[str, str] | None = None) -> None:
         values = self.heartbeat_values() | (extra or {})
-        if stamp:  # those before the run are as many as the start-up took, and no part of the record
+        if state == RUNNING:  # the others depend on wall time, and are no part of the record
             self.counters.count_published("/diagnostics")
         message = heartbeat_message(self.role, state, stamp, self.counters, detail, values)
         self._senders["/diagnostics"].publish(message)
