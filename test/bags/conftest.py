@@ -20,7 +20,7 @@ def domain(monkeypatch: pytest.MonkeyPatch) -> int:
     """A ROS domain of this test's own, on this machine only, with the field checks of rclpy."""
     number = FIRST_DOMAIN + (os.getpid() * 7 + next(_domains)) % 60
     monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SYSTEM_DEFAULT")  # LOCALHOST adds shared memory
     monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", "1")
     profiles = Path(__file__).parents[2] / "config" / "nodes" / "fastdds.xml"
     monkeypatch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(profiles))
