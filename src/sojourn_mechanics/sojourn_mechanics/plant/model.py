@@ -27,7 +27,6 @@ from sojourn_mechanics.power.loads import BusParams
 from sojourn_mechanics.soil.params import SoilParams, kernel_table
 from sojourn_mechanics.terrain.height_field import HeightField
 
-BASE_COLUMNS = 6
 PLACEMENT_SIZE = 12
 
 
