@@ -1,7 +1,6 @@
 """One scenario and seed gives one record: run after run, in one process and in many, on a busy machine too."""
 
 import json
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -90,17 +89,3 @@ def test_the_bag_opens_with_mcap_and_is_complete(runs: dict[str, Path], composed
     counts = Counter(topic for topic, _, _ in composed)
     for topic, count in json.loads(proof["topics"]).items():
         assert counts[topic] == count["recorded"] == count["published"], topic
-
-
-def test_a_drive_of_somebody_else_takes_the_place_of_ours(
-    tmp_path: Path, start: Callable[..., Program], domain: int
-) -> None:
-    program = Path(__file__).parent / "stand_in_drive.py"
-    run = tmp_path / "run"
-    command = f"drive={sys.executable} {program}"
-    replaced = start("start", SHORT_RUN, *PATIENT, "--replace", command, "--domain", domain, "--run-dir", run)
-    assert replaced.wait() == 0, replaced.text
-    record = records(run)
-    status = [str(values) for topic, _, values in record if topic == "/drive/status"]
-    assert "stand-in" in status[-1]
-    assert not replaced.processes()
