@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 import yaml
 
+from sojourn_mechanics.contact.contact_law import STATE_COLUMNS, WHEEL_COLUMNS, ContactModel, WheelColumn
 from sojourn_mechanics.contact.contact_set import REPORT_COLUMNS, contact_forces
 from sojourn_mechanics.contact.ground_plane import RIM_COS, RIM_SIN
-from sojourn_mechanics.contact.wheel_on_soil import NODES, WEIGHTS
 from sojourn_mechanics.params import FloatArray, IntArray
 from sojourn_mechanics.soil.params import SoilColumn, SoilParams, kernel_table
 
 SOIL_FOLDER = Path(__file__).resolve().parents[3] / "config" / "soils"
-QUADRATURE = np.stack([NODES, WEIGHTS])
 RIM = np.stack([RIM_SIN, RIM_COS])
 
 
@@ -46,7 +45,7 @@ class Rig:
     shear_radius: float = 0.131
     width: float = 0.16
     dt: float = 0.001
-    state: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
+    state: FloatArray = field(default_factory=lambda: np.zeros((1, STATE_COLUMNS)))
     report: FloatArray = field(default_factory=lambda: np.zeros((1, REPORT_COLUMNS)))
     on_map: bool = True
 
@@ -56,6 +55,12 @@ class Rig:
         x, y = np.meshgrid(axis, axis)
         self.heights: FloatArray = self.slope_x * x + self.slope_y * y + np.where(x > 1e-9, self.step, 0.0)
         self.soil_index: IntArray = np.where(x > 1e-9, self.soil_where_positive_x, 0).astype(np.int64)
+
+        self.row: FloatArray = np.zeros(WHEEL_COLUMNS)
+        self.row[WheelColumn.RADIUS] = self.radius
+        self.row[WheelColumn.SHEAR_RADIUS] = self.shear_radius
+        self.row[WheelColumn.WIDTH] = self.width
+        self.row[WheelColumn.MODEL] = ContactModel.RIGID_WHEEL_ON_SOIL
 
     @property
     def normal(self) -> FloatArray:
@@ -74,10 +79,10 @@ class Rig:
         twist = np.concatenate([velocity - np.cross(angular, centre), angular])
         force = np.zeros(6)
         self.on_map = contact_forces(
-            np.array([[self.radius, self.shear_radius, self.width]]), np.zeros(1, dtype=np.int64),
+            self.row[np.newaxis, :], np.zeros(1, dtype=np.int64),
             np.array([[0, 1, 2, 3, 4, 5, -1]]), np.zeros((1, 3)), 1 if self.wheel else 0,
             np.ascontiguousarray(placement), np.eye(6), twist, self.heights, self.soil_index, self.grid, self.soils,
-            QUADRATURE, RIM, self.dt, self.state, self.report, force,
+            RIM, self.dt, self.state, self.report, force,
         )  # fmt: skip
         return force[:3], force[3:] - np.cross(centre, force[:3])
 
