@@ -13,8 +13,9 @@ steady rolling u/λ is the theoretical slip, and k λ the slip stiffness; at res
 that what is parked stays parked. Beyond full sliding, |ξ| = 1, bristles slip and are not bent further: only
 what they store can come back.
 
-Near rest the rate leads the displacement by `lead` (see `shear_memory`), which damps and is gone at driving
-speed. With k_x = k_y the force is the gradient of a convex potential of u: no motion takes energy out of it.
+Near rest the rate of bending leads the displacement (as in `shear_memory`), which damps the swing of a parked
+machine; in steady rolling nothing bends, and it adds nothing. With k_x = k_y the force is the gradient of a
+convex potential of u: no motion takes energy out of it.
 """
 
 import math
@@ -78,11 +79,11 @@ def bristle_forces(
     bent = math.sqrt((scale_x * u_x) ** 2 + scale_y * scale_y * (u_y * u_y + (arm * twist) ** 2))
     if bent > 1.0:
         u_x, u_y, twist = u_x / bent, u_y / bent, twist / bent
+    ahead = bristle_lead(speed) / dt
+    xi_x = scale_x * (u_x + ahead * (u_x - state[_U_X]))
+    xi_y = scale_y * (u_y + ahead * (u_y - state[_U_Y]))
+    xi_z = scale_y * arm * (twist + ahead * (twist - state[_TWIST]))
     state[_U_X], state[_U_Y], state[_TWIST] = u_x, u_y, twist
-    lead = bristle_lead(speed)
-    xi_x = scale_x * (u_x + lead * slip_x)
-    xi_y = scale_y * (u_y + lead * slip_y)
-    xi_z = scale_y * arm * (twist - lead * yaw_rate)
     x = math.sqrt(xi_x * xi_x + xi_y * xi_y + xi_z * xi_z)
     gain = limit * (3.0 - 3.0 * x + x * x) if x < 1.0 else limit / x
     return gain * xi_x, gain * xi_y, gain * xi_z * arm, min(x, 1.0)

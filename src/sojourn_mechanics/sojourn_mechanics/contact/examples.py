@@ -66,7 +66,8 @@ def example_row(model: ContactModel, gravity: float = 1.62) -> FloatArray:
     """Row of the example of a law: (WHEEL_COLUMNS,)."""
     if model in WHEELS:
         wheel = WheelParams.model_validate({"name": "example", "joint": "joint", **WHEELS[model]})
-        return kernel_rows([wheel], [], gravity)[0]
+        rows = kernel_rows([wheel], [], gravity)
+        return rows.reshape(-1)
     row = np.zeros(WHEEL_COLUMNS)
     law: ContactLawParams = TRACK if model is ContactModel.TRACK else FootPadParams(model="foot_pad")
     row[WheelColumn.RADIUS] = FOOT_RADIUS if model is ContactModel.FOOT_PAD else TRACK_SIZE["radius"]

@@ -18,8 +18,9 @@ Relaxation (Pacejka 2012, sec. 7.2): u along and across follow the slip velocity
 CRAWL_LIMIT times the slip of the peak (as Pacejka 2012, eq. 7.25 does): else a locked wheel that
 turns back would give energy.
 
-Camber thrust and aligning moment could take energy out of steady motion. Camber thrust acts as far as the
-wheel rolls and is paid for by a torque on the axle; the aligning moment is held to what the slip pays for.
+So that no steady motion takes energy out of the ground, the lateral force acts a trail t = -M_z/F_y behind the
+centre, with the slip of that point. What camber adds to force and moment acts as far as the wheel rolls, and is
+paid for by a torque on the axle.
 
 Range of validity: loads of 1 to 8 kN of the measured tyre, slip angle to 30 degrees; outside the load at
 which D is greatest the force goes on with that D; E is held to 1 at most (beyond, the force would turn its sign).
@@ -47,9 +48,13 @@ from sojourn_mechanics.params import FloatArray
 CRAWL = 0.2
 """Below about this speed along the wheel the displacements are limited [m/s]."""
 CRAWL_LIMIT = 3.0
+ROLLING_SPEED = 0.01
+"""Camber counts by half at this speed [m/s]."""
+TRAIL_FORCE = 1e-3
+"""Side force, over the load, below which no trail can be told."""
 MAX_SLIP = 1e3
 """Largest longitudinal slip that is looked up [-]."""
-SMALL = 1e-9
+SMALL = 1e-12
 LATERAL_FORM = 0
 EXPONENTIAL_FORM = 1
 
@@ -202,34 +207,49 @@ def _hold_slips(wheel: FloatArray, load: float, speed: float, state: FloatArray)
 
 
 @njit(cache=True)
+def _trail(wheel: FloatArray, load: float, state: FloatArray, half: float) -> float:
+    """-M_z/F_y of pure and combined slip without camber [m], at most half the contact's length; 0 at no slip."""
+    slip, angle = state[_U_X] / wheel[_RELAX_X], math.atan(state[_U_Y] / wheel[_RELAX_Y])
+    _, force_y, moment = magic_forces(wheel, load, slip, angle, 0.0, 0.0)
+    small = TRAIL_FORCE * load
+    return min(max(-moment * force_y / (force_y * force_y + small * small + SMALL), -half), half)
+
+
+@njit(cache=True)
 def magic_formula(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:
     """The law; arguments as in `contact_law`."""
     load = firm_load(wheel, soil, motion, out)
-    slip_x, slip_y, rim_speed, rolling, loaded = firm_slip(wheel, motion, out)
+    slip_x, slip_y, rim_speed, rolling_radius, loaded = firm_slip(wheel, motion, out)
     length = 2.0 * half_length(wheel[_RADIUS], motion[_PENETRATION])
     relax_x, relax_y = wheel[_RELAX_X], wheel[_RELAX_Y]
     speed = abs(motion[_V_ALONG])
-    state[_U_X] = (state[_U_X] + dt * slip_x) / (1.0 + dt * speed / relax_x)
-    state[_U_Y] = (state[_U_Y] + dt * slip_y) / (1.0 + dt * speed / relax_y)
-    _hold_slips(wheel, load, speed, state)
     moved = dt * rim_speed / length
     state[_TRAVEL] = (state[_TRAVEL] + moved) / (1.0 + abs(moved))
-
-    lead = bristle_lead(max(speed, abs(rim_speed)))
-    slip = (state[_U_X] + lead * slip_x) / relax_x
-    angle = math.atan((state[_U_Y] + lead * slip_y) / relax_y)
-    transport = max(abs(rim_speed), speed, abs(slip_y), SMALL)
-    # a wheel that leans to the left has its axle's left end down
-    camber = -math.asin(min(max(motion[_CAMBER], -1.0), 1.0))
-    force_x, force_y, moment = magic_forces(wheel, load, slip, angle, camber, abs(rim_speed) / transport)
-    moment *= state[_TRAVEL]
     yaw_rate = motion[_YAW_RATE]
-    paid = force_x * slip_x + force_y * slip_y
-    if moment * yaw_rate > max(paid, 0.0):
-        moment = max(paid, 0.0) / yaw_rate
-    finish_firm(wheel, motion, force_x, force_y, moment, rim_speed, rolling, loaded, length, dt, state, out)
-    owed = moment * yaw_rate - paid
-    if owed > 0.0 and abs(rim_speed) > SMALL:
-        out[_TORQUE] += owed * rolling / rim_speed
+    trail = state[_TRAVEL] * _trail(wheel, load, state, 0.5 * length)
+    slip_there = slip_y + trail * yaw_rate  # where the force acts
+    before_x, before_y = state[_U_X], state[_U_Y]
+    state[_U_X] = (state[_U_X] + dt * slip_x) / (1.0 + dt * speed / relax_x)
+    state[_U_Y] = (state[_U_Y] + dt * slip_there) / (1.0 + dt * speed / relax_y)
+    _hold_slips(wheel, load, speed, state)
+
+    ahead = bristle_lead(max(speed, abs(rim_speed))) / dt
+    slip = (state[_U_X] + ahead * (state[_U_X] - before_x)) / relax_x
+    angle = math.atan((state[_U_Y] + ahead * (state[_U_Y] - before_y)) / relax_y)
+    force_x, force_y, upright = magic_forces(wheel, load, slip, angle, 0.0, 0.0)
+    moment = -trail * force_y
+    owed = 0.0
+    if motion[_CAMBER] != 0.0:
+        # a wheel that leans to the left has its axle's left end down
+        camber = -math.asin(min(max(motion[_CAMBER], -1.0), 1.0))
+        swept = max(speed, abs(slip_y), abs(rim_speed), abs(yaw_rate) * length)
+        rolling = rim_speed * rim_speed / (swept * swept + ROLLING_SPEED * ROLLING_SPEED)
+        force_x, leaning, leaning_moment = magic_forces(wheel, load, slip, angle, camber, rolling)
+        more, more_moment = leaning - force_y, (leaning_moment - upright) * state[_TRAVEL]
+        owed = max(more_moment * yaw_rate - more * slip_y, 0.0)
+        force_y, moment = leaning, moment + more_moment
+    finish_firm(wheel, motion, force_x, force_y, moment, rim_speed, rolling_radius, loaded, length, dt, state, out)
+    if owed > 0.0 and rim_speed != 0.0:
+        out[_TORQUE] += owed * rolling_radius / rim_speed
