@@ -136,8 +136,8 @@ def _floor_calls(model: PlantModel, state: PlantState) -> dict[str, Callable[[],
 
     def contact() -> None:
         contact_forces(
-            contacts.shapes, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count, placements,
-            jacobian, v, terrain.heights, terrain.soil_index, model.grid, model.soils, model.quadrature, model.rim,
+            contacts.wheels, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count, placements,
+            jacobian, v, terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim,
             model.simulation.physics_step, memory, report, force,
         )  # fmt: skip
 

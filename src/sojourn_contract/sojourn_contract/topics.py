@@ -124,7 +124,8 @@ TOPICS: tuple[Topic, ...] = (
         (),
         1,
         0.1,
-        "one point a wheel or pad: x y z, sinkage, slip_ratio, slip_angle, force_x force_y force_z, torque, soil",
+        "one point a wheel or pad: x y z, sinkage, slip_ratio, slip_angle, force_x force_y force_z, torque, soil, "
+        "deflection, rolling_resistance, compaction_resistance, bulldozing_resistance, power",
         (
             FieldRule("x y z", "m", frame="map", low=-1e5, high=1e5),
             FieldRule("sinkage", "m", low=-1.0, high=1.0),
@@ -133,6 +134,9 @@ TOPICS: tuple[Topic, ...] = (
             FieldRule("force_x force_y force_z", "N", frame="map", low=-1e6, high=1e6),
             FieldRule("torque", "N m", low=-1e5, high=1e5),
             FieldRule("soil", "index", low=0.0, high=255.0),
+            FieldRule("deflection", "m", low=0.0, high=5.0),
+            FieldRule("rolling_resistance compaction_resistance bulldozing_resistance", "N", low=0.0, high=1e6),
+            FieldRule("power", "W", low=-1e6, high=1e6),
         ),
     ),
     Topic(

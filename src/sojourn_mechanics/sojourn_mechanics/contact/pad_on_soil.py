@@ -49,7 +49,8 @@ def pad_forces(
     Args:
         radius: of the pad [m]. centre, velocity: in map, (3,) [m], [m/s]. dt: [s].
         heights, soil_index, grid, soils: as in `contact_forces`.
-        state: (3,), displacement against the ground in map [m]. wrench: (6,), force and moment at the centre.
+        state: (STATE_COLUMNS,); its first three are the displacement against the ground in map [m].
+        wrench: (6,), force and moment at the centre.
         report: (REPORT_COLUMNS,), see `contact_set`.
     """
     wrench[:] = 0.0

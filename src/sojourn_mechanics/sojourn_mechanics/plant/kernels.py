@@ -23,7 +23,7 @@ def applied_forces(
     kinds: IntArray,
     columns: IntArray,
     loads: IntArray,
-    shapes: FloatArray,
+    wheels: FloatArray,
     bodies: IntArray,
     supports: IntArray,
     offsets: FloatArray,
@@ -35,7 +35,6 @@ def applied_forces(
     soil_index: IntArray,
     grid: FloatArray,
     soils: FloatArray,
-    quadrature: FloatArray,
     rim: FloatArray,
     joint_states: FloatArray,
     contact_states: FloatArray,
@@ -60,8 +59,8 @@ def applied_forces(
     """
     contact_force[:] = 0.0
     on_map: bool = contact_forces(
-        shapes, bodies, supports, offsets, wheel_count, placements, jacobian, velocity, heights, soil_index,
-        grid, soils, quadrature, rim, dt, contact_states, report, contact_force,
+        wheels, bodies, supports, offsets, wheel_count, placements, jacobian, velocity, heights, soil_index,
+        grid, soils, rim, dt, contact_states, report, contact_force,
     )  # fmt: skip
     force[:] = contact_force
     joint_torques(

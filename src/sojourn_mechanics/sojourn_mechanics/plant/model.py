@@ -18,7 +18,8 @@ import numpy as np
 import pinocchio as pin
 
 from sojourn_mechanics.actuators import joint_drive
-from sojourn_mechanics.contact import contact_set, ground_plane, wheel_on_soil
+from sojourn_mechanics.contact import contact_set, ground_plane
+from sojourn_mechanics.contact.params import kernel_rows
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, IntArray
 from sojourn_mechanics.plant.params import MachineParams, SimulationParams
@@ -49,7 +50,8 @@ class ContactTables:
 
     names: tuple[str, ...]
     wheel_count: int
-    shapes: FloatArray
+    wheels: FloatArray
+    """Rows of wheels and of pads, see `contact_law`."""
     bodies: IntArray
     supports: IntArray
     offsets: FloatArray
@@ -101,7 +103,6 @@ class PlantModel:
                 raise InvalidValueError("soil of the terrain", name, "one of " + ", ".join(sorted(by_name)))
         self.soils = kernel_table([by_name[name] for name in terrain.soil_names])
         self.grid = np.array([terrain.origin_x, terrain.origin_y, terrain.resolution])
-        self.quadrature = np.stack([wheel_on_soil.NODES, wheel_on_soil.WEIGHTS])
         self.rim = np.stack([ground_plane.RIM_SIN, ground_plane.RIM_COS])
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
         self._make_workspace()
@@ -178,20 +179,17 @@ class PlantModel:
         model = self.multibody
         bodies: list[int] = []
         offsets: list[FloatArray] = []
-        shapes: list[tuple[float, float, float]] = []
         for wheel in machine.wheels:
             for joint in filter(None, (wheel.joint, wheel.steer_joint)):
                 self._index_of(joint)
             bodies.append(model.getJointId(wheel.joint))
             offsets.append(np.zeros(3))
-            shapes.append((wheel.radius, wheel.shear_radius, wheel.width))
         for pad in machine.pads:
             if not model.existFrame(pad.link):
                 raise InvalidValueError(f"link of pad {pad.name}", pad.link, "a link of the URDF")
             frame = model.frames[model.getFrameId(pad.link)]
             bodies.append(frame.parentJoint)
             offsets.append(frame.placement.act(np.array(pad.position)))
-            shapes.append((pad.radius, 0.0, 0.0))
         chains = [self._support(body) for body in bodies]
         supports = np.full((len(bodies), max(map(len, chains)) + 1), -1, dtype=np.int64)
         for i, chain in enumerate(chains):
@@ -200,7 +198,7 @@ class PlantModel:
         return ContactTables(
             names,
             len(machine.wheels),
-            np.array(shapes),
+            kernel_rows(machine.wheels, machine.pads, self.gravity),
             np.array(bodies, dtype=np.int64),
             supports,
             np.ascontiguousarray(offsets),

@@ -55,7 +55,7 @@ class PlantState:
     joints: FloatArray
     """(3, joints): angle, not wrapped [rad]; servo integral; friction deflection [rad]."""
     contacts: FloatArray
-    """(contacts, 3): memory of each contact, see `contact_set`."""
+    """(contacts, STATE_COLUMNS): memory of each contact, see `contact_law`."""
     battery: BatteryState
     bus: BusState
     bus_voltage: float
@@ -97,7 +97,7 @@ class PlantOutput:
     """What can be seen of the period that has passed, beyond the state."""
 
     contacts: FloatArray
-    """(contacts, 11): see `contact_set.REPORT_COLUMNS`."""
+    """(contacts, REPORT_COLUMNS): see `contact_set.REPORT_COLUMNS`."""
     efforts: FloatArray
     """(joints,) torque at each joint, gear friction included [N m]."""
     currents: FloatArray
