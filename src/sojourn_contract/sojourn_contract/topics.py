@@ -128,7 +128,7 @@ _TWIST = (
         rate_tolerance=0.02,
     ),
 )
-_ESTIMATED_TWIST = (_TWIST[0], replace(_TWIST[1], rate_tolerance=0.2))  # roll and pitch are set anew, not integrated
+_ESTIMATED_TWIST = (_TWIST[0], replace(_TWIST[1], rate_tolerance=0.5))  # roll and pitch are set anew, not integrated
 _GOAL_FRAMES = ("map", "odom", "base_link")
 _GOAL = (
     FieldRule("pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),
@@ -246,7 +246,7 @@ TOPICS: tuple[Topic, ...] = (
                 low=-20.0,
                 high=20.0,
                 rate_of="orientation",
-                rate_tolerance=0.2,
+                rate_tolerance=0.5,
             ),
             FieldRule("linear_acceleration", "m/s^2", frame="imu_link", low=-500.0, high=500.0),
         ),

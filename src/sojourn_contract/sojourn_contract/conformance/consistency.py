@@ -38,10 +38,7 @@ class RateRule:
     def __init__(self, row: Topic) -> None:
         rules = [rule for rule in row.fields if rule.rate_of]
         make: Callable[[FieldRule], _Joints | _Linear | _Angular]
-        if row.type == "sensor_msgs/JointState":
-            make = _Joints
-        else:
-            make = _rate_of_body
+        make = _Joints if row.type == "sensor_msgs/JointState" else _rate_of_body
         self._pairs = [(rule, make(rule)) for rule in rules]
         self._last: tuple[int, list[tuple[Sequence[Any], Sequence[float]]]] | None = None
         self._names: list[str] = []

@@ -78,9 +78,7 @@ def counter_findings(
         previous = beat
 
 
-def _counter(
-    row: Topic, previous: Heartbeat, beat: Heartbeat, stamps: Mapping[str, Sequence[int]]
-) -> Finding | None:
+def _counter(row: Topic, previous: Heartbeat, beat: Heartbeat, stamps: Mapping[str, Sequence[int]]) -> Finding | None:
     field = f"status.values.published {row.name} of {beat.role}"
     before, now = previous.published.get(row.name, 0), beat.published.get(row.name, 0)
     if now < before:

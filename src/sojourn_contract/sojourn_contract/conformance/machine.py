@@ -45,9 +45,7 @@ class Machine:
             drive=tuple(wheel.joint for wheel in rover.wheels),
             steer=tuple(wheel.steer_joint for wheel in rover.wheels if wheel.steer_joint is not None),
             arm=tuple(arm_joints),
-            held=frozenset(
-                joint for drive in rover.drives if drive.servo.mode == "position" for joint in drive.joints
-            ),
+            held=frozenset(joint for drive in rover.drives if drive.servo.mode == "position" for joint in drive.joints),
             loads=tuple(loads),
             poses=tuple(poses),
             contacts=len(rover.wheels) + len(rover.pads),
