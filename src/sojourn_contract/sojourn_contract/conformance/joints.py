@@ -130,4 +130,5 @@ def _limits(name: str, joint: UrdfJoint | None) -> tuple[str, float, float, floa
 
 def _numbers(values: Any) -> Iterable[float]:
     """Plain numbers of an array; far quicker to look at than an array's own elements."""
-    return values.tolist() if hasattr(values, "tolist") else values
+    numbers: Iterable[float] = values.tolist() if hasattr(values, "tolist") else values
+    return numbers

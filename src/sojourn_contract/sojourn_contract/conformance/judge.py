@@ -181,11 +181,13 @@ def rules_of(row: Topic, machine: Machine, lockstep: bool) -> list[Rule]:
         rules.append(CloudRule(row, machine.contacts))
     if row.publisher == "all":
         rules.append(heartbeats.HeartbeatRule())
-    rules += {
-        "/drive/status": [GoalStatusRule()],
-        "/arm/status": [GoalStatusRule()],
-        "/power/switches": [SwitchRule(machine)],
-        "/operator/tick": [TickRule()],
-        "/truth/loads": [LoadRule()],
-    }.get(row.name, [])
+    special: dict[str, Rule] = {
+        "/drive/status": GoalStatusRule(),
+        "/arm/status": GoalStatusRule(),
+        "/power/switches": SwitchRule(machine),
+        "/operator/tick": TickRule(),
+        "/truth/loads": LoadRule(),
+    }
+    if row.name in special:
+        rules.append(special[row.name])
     return rules
