@@ -56,3 +56,15 @@ class UnknownTopicInBagError(BagsError):
 
 class IncompleteConfigError(BagsError):
     """The configuration lacks something that a summary or report needs."""
+
+
+class OtherContractError(BagsError):
+    """A bag that was recorded under another contract than ours.
+
+    Args:
+        path: the bag. reason: what is not ours.
+    """
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(f"{path} is a bag of another contract: {reason}")
+        self.path = path

@@ -77,7 +77,8 @@ class Messages:
     """Messages of one topic, in the order of the file.
 
     Attributes:
-        topic: name. type: "package/msg/Name". log_times: [ns]. data: CDR of each.
+        topic: name. type: "package/msg/Name". log_times: [ns]. data: CDR of each. places: number of each
+            in the file, over all topics; empty where the messages are from elsewhere.
         offered_qos: profiles of its publishers, YAML text as rosbag2 writes it.
     """
 
@@ -85,6 +86,7 @@ class Messages:
     type: str
     log_times: list[int] = field(default_factory=list)
     data: list[bytes] = field(default_factory=list)
+    places: list[int] = field(default_factory=list)
     offered_qos: str = ""
 
     def __len__(self) -> int:
@@ -166,19 +168,12 @@ class Messages:
         if self.type != "sensor_msgs/msg/PointCloud2":
             raise UnknownTopicInBagError(f"a point cloud on {self.topic}", [self.type])
         found: dict[str, FloatArray] = {}
-        most = max((self._point_count(group) for group in self.groups), default=0)
-        for group in self.groups:
-            layout = group.layout
-            step, count = self._first(group, "point_step"), self._point_count(group)
-            order = ">" if self._first(group, "is_bigendian") else "<"
-            raw = layout.column(group.rows, "data")[:, : step * count].reshape(len(group.indices), count, step)
-            for path in [path for path in layout.texts if path.startswith("fields[")]:
-                prefix = path.removesuffix("name")
-                dtype = np.dtype(order + _POINT_CODES[self._first(group, prefix + "datatype")])
-                offset = self._first(group, prefix + "offset")
-                values = np.ascontiguousarray(raw[:, :, offset : offset + dtype.itemsize]).view(dtype)[:, :, 0]
-                array = found.setdefault(group.text(path), np.full((len(self.data), most), np.nan))
-                array[np.ix_(group.indices, np.arange(count))] = values
+        parts = [(group, points_of(group)) for group in self.groups]
+        most = max((values.shape[1] for _, fields in parts for values in fields.values()), default=0)
+        for group, fields in parts:
+            for name, values in fields.items():
+                array = found.setdefault(name, np.full((len(self.data), most), np.nan))
+                array[np.ix_(group.indices, np.arange(values.shape[1]))] = values
         return found
 
     def decode(self, index: int) -> Any:
@@ -194,12 +189,25 @@ class Messages:
             found.append({"name": status[0].name, "message": status[0].message, **values} if status else {})
         return found
 
-    @staticmethod
-    def _first(group: Group, path: str) -> int:
-        return int(group.layout.column(group.rows[:1], path)[0])
 
-    def _point_count(self, group: Group) -> int:
-        return self._first(group, "width") * self._first(group, "height")
+def points_of(group: Group) -> dict[str, NDArray]:
+    """Points of PointCloud2 messages by their fields: each (messages, points), in its own number type."""
+    layout = group.layout
+
+    def first(path: str) -> int:
+        return int(layout.column(group.rows[:1], path)[0])
+
+    step, count = first("point_step"), first("width") * first("height")
+    order = ">" if first("is_bigendian") else "<"
+    raw = layout.column(group.rows, "data")[:, : step * count].reshape(len(group.indices), count, step)
+    found = {}
+    for path in (path for path in layout.texts if path.endswith("].name")):
+        prefix = path.removesuffix("name")
+        dtype = np.dtype(order + _POINT_CODES[first(prefix + "datatype")])
+        offset = first(prefix + "offset")
+        values = np.ascontiguousarray(raw[:, :, offset : offset + dtype.itemsize]).view(dtype)
+        found[group.text(path)] = values[:, :, 0]
+    return found
 
 
 @dataclass
@@ -248,6 +256,7 @@ def read_bag(path: Path | str) -> Bag:
     schemas: dict[int, str] = {}
     channels: dict[int, Messages] = {}
     profile = None
+    place = 0
     try:
         with bag.path.open("rb") as stream:
             for record in StreamReader(stream).records:
@@ -255,6 +264,8 @@ def read_bag(path: Path | str) -> Bag:
                     messages = channels[record.channel_id]
                     messages.log_times.append(record.log_time)
                     messages.data.append(record.data)
+                    messages.places.append(place)
+                    place += 1
                 elif isinstance(record, Header):
                     profile = record.profile
                     if profile != "ros2":

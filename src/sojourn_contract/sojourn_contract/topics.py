@@ -30,7 +30,9 @@ class FieldRule:
         unit: SI unit, or "" for text and flags.
         frame: frame the value is expressed in, "" where it has none.
         low, high: plausible range in that unit, both included.
-        tolerance: largest difference in a replay that still counts as the same answer.
+        tolerance: largest difference in a replay that still counts as the same answer. The default is far above
+            the rounding of float64 and below that of float32, which is a fault where the field is a float64. A
+            field without a rule has no tolerance at all; see `tolerance.py`.
         optional: a number may be NaN where it is not measured; an array may be empty.
         rate_of: field whose change over time this one is, "" for none.
         rate_tolerance: by how much it may differ from the change of that field over one period.
@@ -104,10 +106,18 @@ RECORDER_LAG = 25
 _RATE = FieldRule("velocity", "rad/s", low=-200.0, high=200.0)
 _MEASURED_RATE = replace(_RATE, rate_of="position", rate_tolerance=0.05)
 _ANGLE = FieldRule("position", "rad", low=-1e6, high=1e6)
+_TORQUE_TOLERANCE = 1e-7
+"""Of torques [N m], which are some hundred times larger than the angles that they follow from."""
+_FORCE_TOLERANCE = 1e-6
+_FLOAT32_TOLERANCE = 1e-5
+"""Of fields that the type declares as float32: above its spacing up to 128."""
+_EFFORT = FieldRule("effort", "N m", low=-1e4, high=1e4, tolerance=_TORQUE_TOLERANCE)
+_TEXTS = FieldRule("status.values", "")
 _POSE = (
     FieldRule("pose.pose.position", "m", low=-1e5, high=1e5),
     FieldRule("pose.pose.orientation", "", low=-1.0, high=1.0),
 )
+_COVARIANCE = (FieldRule("pose.covariance", ""), FieldRule("twist.covariance", ""))
 _TWIST = (
     FieldRule(
         "twist.twist.linear",
@@ -136,12 +146,12 @@ _GOAL = (
 )
 _ARM_GOAL = tuple(replace(rule, frame=rule.frame and "base_link") for rule in _GOAL)
 _BATTERY = (
-    FieldRule("voltage", "V", low=0.0, high=100.0),
-    FieldRule("current", "A, negative while discharging", low=-500.0, high=500.0),
-    FieldRule("temperature", "degree Celsius", low=-150.0, high=150.0),
-    FieldRule("charge", "Ah", low=0.0, high=1000.0, optional=True),
-    FieldRule("capacity", "Ah", low=0.0, high=1000.0, optional=True),
-    FieldRule("percentage", "1", low=0.0, high=1.0, optional=True),
+    FieldRule("voltage", "V", low=0.0, high=100.0, tolerance=_FLOAT32_TOLERANCE),
+    FieldRule("current", "A, negative while discharging", low=-500.0, high=500.0, tolerance=_FLOAT32_TOLERANCE),
+    FieldRule("temperature", "degree Celsius", low=-150.0, high=150.0, tolerance=_FLOAT32_TOLERANCE),
+    FieldRule("charge", "Ah", low=0.0, high=1000.0, tolerance=_FLOAT32_TOLERANCE, optional=True),
+    FieldRule("capacity", "Ah", low=0.0, high=1000.0, tolerance=_FLOAT32_TOLERANCE, optional=True),
+    FieldRule("percentage", "1", low=0.0, high=1.0, tolerance=1e-7, optional=True),
 )
 
 TOPICS: tuple[Topic, ...] = (
@@ -172,8 +182,8 @@ TOPICS: tuple[Topic, ...] = (
             FieldRule("sinkage", "m", low=-1.0, high=1.0),
             FieldRule("slip_ratio", "1", low=-1.0, high=1.0),
             FieldRule("slip_angle", "rad", low=-3.2, high=3.2),
-            FieldRule("force_x force_y force_z", "N", frame="map", low=-1e6, high=1e6),
-            FieldRule("torque", "N m", low=-1e5, high=1e5),
+            FieldRule("force_x force_y force_z", "N", frame="map", low=-1e6, high=1e6, tolerance=_FORCE_TOLERANCE),
+            FieldRule("torque", "N m", low=-1e5, high=1e5, tolerance=_TORQUE_TOLERANCE),
             FieldRule("soil", "index", low=0.0, high=255.0),
             FieldRule("deflection", "m", low=0.0, high=5.0),
             FieldRule("rolling_resistance compaction_resistance bulldozing_resistance", "N", low=0.0, high=1e6),
@@ -209,7 +219,7 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.1,
         "true position, rate and effort of every joint",
-        (_ANGLE, _MEASURED_RATE, FieldRule("effort", "N m", low=-1e4, high=1e4)),
+        (_ANGLE, _MEASURED_RATE, _EFFORT),
         joints="moving",
     ),
     Topic(
@@ -230,7 +240,7 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.1,
         "measured position and rate of every joint with an encoder",
-        (_ANGLE, _MEASURED_RATE, FieldRule("effort", "N m", low=-1e4, high=1e4, optional=True)),
+        (_ANGLE, _MEASURED_RATE, replace(_EFFORT, optional=True)),
         joints="measured",
     ),
     Topic(
@@ -264,7 +274,7 @@ TOPICS: tuple[Topic, ...] = (
         5,
         0.5,
         "for each load: on, off, or the fraction of its power that it may draw",
-        (FieldRule("status.values.limit", "1", low=0.0, high=1.0),),
+        (FieldRule("status.values", "1", low=0.0, high=1.0),),
     ),
     Topic(
         "/battery_state",
@@ -284,6 +294,7 @@ TOPICS: tuple[Topic, ...] = (
         50,
         3.0,
         "what the power manager does and why",
+        (_TEXTS,),
     ),
     Topic(
         "/odom",
@@ -293,7 +304,7 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.1,
         "estimated pose of base_link in odom with covariance, twist in base_link",
-        _POSE + _ESTIMATED_TWIST,
+        _POSE + _ESTIMATED_TWIST + _COVARIANCE,
         frames=("odom",),
         child_frame="base_link",
     ),
@@ -305,6 +316,7 @@ TOPICS: tuple[Topic, ...] = (
         50,
         3.0,
         "goal, state, distance to go and reason",
+        (_TEXTS,),
     ),
     Topic(
         "/wheel_command",
@@ -325,7 +337,7 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.2,
         "position, velocity and feed-forward effort of the arm's joints",
-        (_ANGLE, replace(_RATE, optional=True), FieldRule("effort", "N m", low=-1e4, high=1e4, optional=True)),
+        (_ANGLE, replace(_RATE, optional=True), replace(_EFFORT, optional=True)),
         joints="arm",
     ),
     Topic(
@@ -336,6 +348,7 @@ TOPICS: tuple[Topic, ...] = (
         50,
         3.0,
         "goal, state, progress and reason",
+        (_TEXTS,),
     ),
     Topic(
         "/cmd_vel",
