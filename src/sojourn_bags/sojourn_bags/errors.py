@@ -41,6 +41,14 @@ class UnreadableBagError(BagsError):
         self.path = path
 
 
+class NothingToRecoverError(BagsError):
+    """A bag that ends before its first message."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(f"{path} holds no whole message: there is nothing to recover")
+        self.path = path
+
+
 class UnknownTopicInBagError(BagsError):
     """A topic or field that the bag does not hold.
 

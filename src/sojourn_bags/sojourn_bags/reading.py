@@ -6,22 +6,19 @@ bag["/truth/joint_states"].joints().velocity           # shape (n, joints)
 bag["/truth/contacts"].points()["sinkage"]             # shape (n, points)
 """
 
-import struct
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mcap.exceptions import McapError
-from mcap.records import Attachment, Channel, Footer, Header, Message, Metadata, Schema
-from mcap.stream_reader import StreamReader
+from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from numpy.typing import NDArray
-from zstandard import ZstdError
 
 from sojourn_bags.definitions import typestore
 from sojourn_bags.errors import UnknownTopicInBagError, UnreadableBagError
 from sojourn_bags.layout import Layout, layout_of
+from sojourn_bags.salvage import Salvage
 
 FloatArray = NDArray[np.float64]
 _POINT_CODES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
@@ -251,43 +248,29 @@ def bag_file(path: Path) -> Path:
 
 
 def read_bag(path: Path | str) -> Bag:
-    """Read a bag into memory, as far as it goes. Raises UnreadableBagError for what is no ROS 2 bag."""
+    """Read a bag into memory, as far as it is whole. Raises UnreadableBagError for what is no ROS 2 bag."""
     bag = Bag(bag_file(Path(path)))
     schemas: dict[int, str] = {}
     channels: dict[int, Messages] = {}
-    profile = None
     place = 0
-    try:
-        with bag.path.open("rb") as stream:
-            for record in StreamReader(stream).records:
-                if isinstance(record, Message):
-                    messages = channels[record.channel_id]
-                    messages.log_times.append(record.log_time)
-                    messages.data.append(record.data)
-                    messages.places.append(place)
-                    place += 1
-                elif isinstance(record, Header):
-                    profile = record.profile
-                    if profile != "ros2":
-                        raise UnreadableBagError(bag.path, f"its profile is {profile!r}, not 'ros2'")
-                elif isinstance(record, Schema):
-                    schemas[record.id] = record.name
-                elif isinstance(record, Channel) and record.id not in channels:
-                    messages = Messages(record.topic, schemas.get(record.schema_id, ""))
-                    messages.offered_qos = record.metadata.get("offered_qos_profiles", "")
-                    channels[record.id] = bag.topics[record.topic] = messages
-                elif isinstance(record, Attachment):
-                    bag.attachments[record.name] = record.data
-                elif isinstance(record, Metadata):
-                    bag.records[record.name] = record.metadata
-                elif isinstance(record, Footer):
-                    bag.whole = True
-    except OSError as error:
-        raise UnreadableBagError(bag.path, str(error)) from error
-    except (McapError, struct.error, ZstdError) as error:
-        # Cut off or damaged by a crash: what came before counts. Nothing before means that it never was a
-        # bag.
-        if profile is None:
-            raise UnreadableBagError(bag.path, f"it is no MCAP file ({error})") from error
+    salvage = Salvage(bag.path)
+    for record in salvage.records:
+        if isinstance(record, Message):
+            messages = channels[record.channel_id]
+            messages.log_times.append(record.log_time)
+            messages.data.append(record.data)
+            messages.places.append(place)
+            place += 1
+        elif isinstance(record, Schema):
+            schemas[record.id] = record.name
+        elif isinstance(record, Channel) and record.id not in channels:
+            messages = bag.topics.setdefault(record.topic, Messages(record.topic, schemas.get(record.schema_id, "")))
+            messages.offered_qos = record.metadata.get("offered_qos_profiles", "")
+            channels[record.id] = messages
+        elif isinstance(record, Attachment):
+            bag.attachments[record.name] = record.data
+        elif isinstance(record, Metadata):
+            bag.records[record.name] = record.metadata
+    bag.whole = salvage.whole
     bag.topics = {name: messages for name, messages in bag.topics.items() if len(messages)}
     return bag
