@@ -137,7 +137,7 @@ def _floor_calls(model: PlantModel, state: PlantState) -> dict[str, Callable[[],
     def contact() -> None:
         contact_forces(
             contacts.wheels, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count, placements,
-            jacobian, v, terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim,
+            jacobian, v, terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim, model.memory.tables,
             model.simulation.physics_step, memory, report, force,
         )  # fmt: skip
 

@@ -23,6 +23,7 @@ def build_plant(scenario: LoadedScenario) -> tuple[PlantModel, PlantState]:
         scenario.battery,
         scenario.bus,
         scenario.simulation,
+        scenario.terrain.memory_cell if scenario.terrain.memory else 0.0,
     )
     start = scenario.config.start
     stowed = dict(zip(scenario.arm.joint_names, scenario.arm.named_poses[STOWED], strict=True))

@@ -122,6 +122,10 @@ class TerrainParams(Params):
     step_y: float | None = Field(
         default=None, description="and, where this is given, y >= step_y: one side of the machine only [m]"
     )
+    memory: bool = Field(default=True, description="whether the ground remembers wheels: ruts")
+    memory_cell: float = Field(
+        default=0.025, ge=0.005, le=0.5, description="distance of the nodes of that memory [m]"
+    )
     roughness: RoughnessParams | None = Field(default=None, description="fractal roughness")
     crater_law: CraterLawParams | None = Field(default=None, description="random craters")
     rock_law: RockLawParams | None = Field(default=None, description="random rocks")
