@@ -99,7 +99,7 @@ def _draw_ground(figure: Figure, axes: Axes, terrain: HeightField, window: tuple
     shade = LIGHT.hillshade(heights, vert_exag=EXAGGERATION, dx=cell, dy=-cell)
     axes.imshow(shade, extent=extent, origin="lower", cmap="gray", vmin=0.0, vmax=1.0, interpolation="bilinear")
     colors = axes.imshow(heights, extent=extent, origin="lower", cmap="cividis", alpha=0.35, interpolation="bilinear")
-    rocks = np.ma.masked_where(soils == 0, np.ones_like(soils))
+    rocks = np.ma.masked_where(soils != 1, np.ones_like(soils))
     axes.imshow(rocks, extent=extent, origin="lower", cmap=ROCK, alpha=0.75, interpolation="nearest")
     figure.colorbar(colors, cax=axes.inset_axes((1.02, 0.0, 0.025, 1.0)), label="height [m]")
 

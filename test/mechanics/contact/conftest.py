@@ -12,8 +12,9 @@ import yaml
 from sojourn_mechanics.contact.contact_law import STATE_COLUMNS, WHEEL_COLUMNS, ContactModel, WheelColumn
 from sojourn_mechanics.contact.contact_set import REPORT_COLUMNS, contact_forces
 from sojourn_mechanics.contact.ground_plane import RIM_COS, RIM_SIN
-from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.soil.params import SoilColumn, SoilParams, kernel_table
+from sojourn_mechanics.terrain.height_field import SoilArray
 from sojourn_mechanics.terrain.memory import GroundMemory, MemoryBoard
 
 SOIL_FOLDER = Path(__file__).resolve().parents[3] / "config" / "soils"
@@ -53,11 +54,11 @@ class Rig:
     on_map: bool = True
 
     def __post_init__(self) -> None:
-        self.grid = np.array([-10.0, -10.0, 0.05])
+        self.grid = np.array([-10.0, -10.0, 0.05, 0.0])
         axis = -10.0 + 0.05 * np.arange(401)
         x, y = np.meshgrid(axis, axis)
         self.heights: FloatArray = self.slope_x * x + self.slope_y * y + np.where(x > 1e-9, self.step, 0.0)
-        self.soil_index: IntArray = np.where(x > 1e-9, self.soil_where_positive_x, 0).astype(np.int64)
+        self.soil_index: SoilArray = np.where(x > 1e-9, self.soil_where_positive_x, 0).astype(np.uint8)
 
         self.memory = MemoryBoard(GroundMemory(self.cell, -10.0, -10.0))
 

@@ -20,6 +20,7 @@ from sojourn_mechanics.contact.ground_memory import PAST_COLUMNS, leave_rut
 from sojourn_mechanics.contact.pad_on_soil import pad_forces
 from sojourn_mechanics.contact.wheel_contact import FRAME_VECTORS, find_contact
 from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.terrain.height_field import HeightArray, SoilArray
 from sojourn_mechanics.terrain.memory import MemoryTables
 
 REPORT_COLUMNS = 16
@@ -86,8 +87,8 @@ def contact_forces(
     placements: FloatArray,
     jacobian: FloatArray,
     velocity: FloatArray,
-    heights: FloatArray,
-    soil_index: IntArray,
+    heights: HeightArray,
+    soil_index: SoilArray,
     grid: FloatArray,
     soils: FloatArray,
     rim: FloatArray,

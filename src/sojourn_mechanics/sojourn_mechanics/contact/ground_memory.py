@@ -4,16 +4,17 @@ A wheel reads the memory of the ground (`terrain/memory.py`) ahead of its contac
 
     x_read = x + D (c .. c + 2 l) forward,   x_write = x - D (l + c) forward,   l = sqrt(2 r z)
 
-with its lowest point x, the sense of travel D in -1..1 that the contact remembers, the length l from the lowest point to
-where the rim enters the ground, and the cell c of the memory. A rigid wheel bridges what is shorter than its contact:
-hence the mean over 2 l, which is also the way on which it rolls over the edge of a rut. So no wheel meets what it is just pressing down itself; one
-that turns back meets its own rut, within about a contact length. It writes only once it rolls, |D| >= 0.5, so that a
-parked wheel changes nothing, and rest stays a fixed point.
+with its lowest point x, the sense of travel D in -1..1 that the contact remembers, the length l from the lowest point
+to where the rim enters the ground, and the cell c of the memory. A rigid wheel bridges what is shorter than its
+contact: hence the mean over 2 l, which is also the way on which it rolls over the edge of a rut. So no wheel meets
+what it is just pressing down itself; one that turns back meets its own rut, within about a contact length. It writes
+only once it rolls, |D| >= 0.5, so that a parked wheel changes nothing, and rest stays a fixed point.
 
 The rut lowers and tilts the contact plane as any other ground does, so that its sides take as much energy from a wheel
 that climbs out as they gave when it rolled in; the soil below follows the law of `soil/repeated_loading.py`.
 
-Assumptions: the rut is the mean over that length and the wheel's width (strips of ground that do not hold each other up); depths along the normal count as vertical.
+Assumptions: the rut is the mean over that length and the wheel's width (strips of ground that do not hold each other
+up); depths along the normal count as vertical.
 """
 
 import math

@@ -12,7 +12,8 @@ from numba import njit
 from sojourn_mechanics.contact.contact_law import MotionColumn, WheelColumn
 from sojourn_mechanics.contact.ground_memory import RUT, look_ahead, settle_soil
 from sojourn_mechanics.contact.ground_plane import blend_soils, contact_plane
-from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.terrain.height_field import HeightArray, SoilArray
 from sojourn_mechanics.terrain.memory import MemoryTables
 
 MIN_COS_CAMBER = 1e-3
@@ -37,8 +38,8 @@ def find_contact(
     axle: FloatArray,
     velocity: FloatArray,
     angular_velocity: FloatArray,
-    heights: FloatArray,
-    soil_index: IntArray,
+    heights: HeightArray,
+    soil_index: SoilArray,
     grid: FloatArray,
     soils: FloatArray,
     rim: FloatArray,

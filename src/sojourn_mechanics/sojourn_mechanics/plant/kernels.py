@@ -9,6 +9,7 @@ from numba import njit
 from sojourn_mechanics.actuators.joint_drive import joint_torques, settle_joints
 from sojourn_mechanics.contact.contact_set import contact_forces
 from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.terrain.height_field import HeightArray, SoilArray
 from sojourn_mechanics.terrain.memory import MemoryTables
 
 COUPLING_DRIFT_GAIN = 0.1
@@ -32,8 +33,8 @@ def applied_forces(
     placements: FloatArray,
     jacobian: FloatArray,
     velocity: FloatArray,
-    heights: FloatArray,
-    soil_index: IntArray,
+    heights: HeightArray,
+    soil_index: SoilArray,
     grid: FloatArray,
     soils: FloatArray,
     rim: FloatArray,

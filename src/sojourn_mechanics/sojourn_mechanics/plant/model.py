@@ -105,7 +105,7 @@ class PlantModel:
             if name not in by_name:
                 raise InvalidValueError("soil of the terrain", name, "one of " + ", ".join(sorted(by_name)))
         self.soils = kernel_table([by_name[name] for name in terrain.soil_names])
-        self.grid = np.array([terrain.origin_x, terrain.origin_y, terrain.resolution])
+        self.grid = terrain.grid
         self.rim = np.stack([ground_plane.RIM_SIN, ground_plane.RIM_COS])
         self.untouched_ground = GroundMemory(memory_cell, terrain.origin_x, terrain.origin_y)
         self.memory = MemoryBoard(self.untouched_ground)

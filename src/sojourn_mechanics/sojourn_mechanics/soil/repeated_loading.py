@@ -43,9 +43,7 @@ def rut_depth(modulus: float, exponent: float, greatest: float, stiffness: float
 
 
 @njit(cache=True)
-def equivalent_law(
-    modulus: float, exponent: float, greatest: float, rut: float, depth: float
-) -> tuple[float, float]:
+def equivalent_law(modulus: float, exponent: float, greatest: float, rut: float, depth: float) -> tuple[float, float]:
     """k' and n' of the soil below a rut, for a wheel that is `depth` [m] below the rut's bottom.
 
     Args:

@@ -4,11 +4,11 @@ Each node of a fine square grid keeps three numbers: the greatest sinkage z_u th
 that has stayed (`soil/repeated_loading.py`), both below the ground as it was, and the greatest shear displacement. All
 are maxima over time, so that the order of writing does not matter, and bilinear between nodes.
 
-`GroundMemory` is the value that a plant's state holds: tiles of TILE x TILE nodes, only where a wheel has been. A tile is
-never written once it is in a value; a step makes new tiles of those that it changes and shares all others, so that the
-cost of a branch, and of a step, does not depend on the size of the map. `MemoryBoard` is the working copy that the kernels
-write: tiles one after another (page 0 is the untouched ground, all zero) and a hash table from tile to page. It is loaded
-anew only when it is given another value than the one that it made last.
+`GroundMemory` is the value that a plant's state holds: tiles of TILE x TILE nodes, only where a wheel has been. A
+tile is never written once it is in a value; a step makes new tiles of those that it changes and shares all others, so
+that the cost of a branch, and of a step, does not depend on the size of the map. `MemoryBoard` is the working copy
+that the kernels write: tiles one after another (page 0 is the untouched ground, all zero) and a hash table from tile
+to page. It is loaded anew only when it is given another value than the one that it made last.
 
 A wheel must not meet what it does itself in the same contact: it reads the ground just ahead of its contact, in the
 direction in which it has been rolling, and writes just behind (see `contact/ground_memory.py`).
@@ -109,6 +109,7 @@ class MemoryBoard:
     """
 
     def __init__(self, memory: GroundMemory) -> None:
+        self._memory = memory
         self.place = np.array([memory.origin_x, memory.origin_y, memory.cell])
         self._fill(memory)
 
@@ -119,9 +120,7 @@ class MemoryBoard:
 
     def load(self, memory: GroundMemory) -> None:
         """Make this the working copy of a memory, with room for a period. Free of cost if it was made here last."""
-        if memory is not self._memory:
-            self._fill(memory)
-        elif self.pool.shape[0] - int(self.pages[0, _USED]) < SPARE_PAGES:
+        if memory is not self._memory or self.pool.shape[0] - int(self.pages[0, _USED]) < SPARE_PAGES:
             self._fill(memory)
 
     def store(self) -> GroundMemory:
@@ -165,7 +164,7 @@ def find_slot(slots: IntArray, column: int, row: int) -> int:
     """Slot of a tile in the hash table, or the empty one where it would be."""
     key = row * _KEY_SHIFT + column
     mask = slots.shape[0] - 1
-    slot = ((key ^ (key >> 31)) * _HASH >> 8) & mask
+    slot: int = ((key ^ (key >> 31)) * _HASH >> 8) & mask
     while slots[slot, 0] != key and slots[slot, 0] != _EMPTY:
         slot = (slot + 1) & mask
     return slot
@@ -175,7 +174,7 @@ def find_slot(slots: IntArray, column: int, row: int) -> int:
 def find_page(slots: IntArray, column: int, row: int) -> int:
     """Page of a tile; 0, which is all zero, where no wheel has been."""
     slot = find_slot(slots, column, row)
-    return slots[slot, 1] if slots[slot, 0] != _EMPTY else 0
+    return int(slots[slot, 1]) if slots[slot, 0] != _EMPTY else 0
 
 
 @njit(cache=True)
@@ -184,7 +183,7 @@ def new_page(slots: IntArray, pages: IntArray, column: int, row: int) -> int:
     slot = find_slot(slots, column, row)
     if slots[slot, 0] != _EMPTY:
         return int(slots[slot, 1])
-    page = pages[0, _USED]
+    page = int(pages[0, _USED])
     if page >= pages.shape[0]:
         pages[0, _OVERFLOW] = 1
         return 0
@@ -193,7 +192,7 @@ def new_page(slots: IntArray, pages: IntArray, column: int, row: int) -> int:
     pages[page, 1] = row
     slots[slot, 0] = row * _KEY_SHIFT + column
     slots[slot, 1] = page
-    return int(page)
+    return page
 
 
 @njit(cache=True)
@@ -211,8 +210,8 @@ def read_ground(
     """Mean of the ground's memory over a rectangle ahead of a line across a wheel.
 
     Args:
-        pool, slots, place: of a MemoryBoard.
-        x, y: middle of the line in map [m]. ahead_x, ahead_y: unit vector across it. length: of the rectangle from there
+        pool, slots, place: of a MemoryBoard. x, y: middle of the line in map [m]. ahead_x, ahead_y: unit vector
+        across it. length: of the rectangle from there
             [m], backwards where it is negative. width: of the line [m].
 
     Returns:
