@@ -2,7 +2,7 @@
 
 A wheel reads the memory of the ground (`terrain/memory.py`) ahead of its contact and writes it behind, at
 
-    x_read = x + D (c .. c + 2 l) forward,   x_write = x - D (l + c) forward,   l = sqrt(2 r z)
+    x_read = x + [D (l + c) -+ l] forward,   x_write = x - D (l + c) forward,   l = sqrt(2 r z)
 
 with its lowest point x, the sense of travel D in -1..1 that the contact remembers, the length l from the lowest point
 to where the rim enters the ground, and the cell c of the memory. A rigid wheel bridges what is shorter than its
@@ -72,16 +72,17 @@ def look_ahead(
     """
     pool, slots, _, place = memory
     length = min(math.sqrt(2.0 * wheel[_RADIUS] * depth), wheel[_RADIUS])
-    begin = travel * place[2]
+    reach = length + place[2]
+    ahead = travel * reach
     greatest, rut, slope_x, slope_y = read_ground(
-        pool, slots, place, x + begin * forward[0], y + begin * forward[1], forward[0], forward[1],
-        2.0 * travel * length, wheel[_WIDTH],
+        pool, slots, place, x + ahead * forward[0], y + ahead * forward[1], forward[0], forward[1],
+        2.0 * length, wheel[_WIDTH],
     )  # fmt: skip
     past[GREATEST] = greatest
     past[RUT] = rut
     past[PLACE_X] = x
     past[PLACE_Y] = y
-    past[REACH] = length + place[2]
+    past[REACH] = reach
     return rut, slope_x, slope_y
 
 

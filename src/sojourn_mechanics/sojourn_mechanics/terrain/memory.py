@@ -17,7 +17,6 @@ direction in which it has been rolling, and writes just behind (see `contact/gro
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import TypeAlias
 
 import numpy as np
@@ -35,8 +34,6 @@ TILE = 32
 """Nodes along the side of a tile."""
 SINKAGE, RUT, SHEAR = 0, 1, 2
 CHANNELS = 3
-POINTS = 4
-"""Points along each side of the rectangle in which the ground is read."""
 SPARE_PAGES = 128
 """Pages that a step may take; a wheel crosses into four tiles at once at most."""
 
@@ -66,7 +63,7 @@ class GroundMemory:
     cell: float
     origin_x: float
     origin_y: float
-    tiles: Mapping[tuple[int, int], Tile] = field(default_factory=lambda: MappingProxyType({}))
+    tiles: Mapping[tuple[int, int], Tile] = field(default_factory=dict)
 
     def sample(self, x: float, y: float) -> tuple[float, float, float]:
         """Greatest sinkage, rut depth and shear displacement at (x, y) in `map` [m]; zero where nobody has been."""
@@ -207,59 +204,88 @@ def read_ground(
     length: float,
     width: float,
 ) -> tuple[float, float, float, float]:
-    """Mean of the ground's memory over a rectangle ahead of a line across a wheel.
+    """Weighted mean of the ground's memory over a rectangle: sum(w v)/sum(w) over its nodes.
+
+    w = (1 - s^2)^2 (1 - t^2)^2 with s, t from -1 to 1 along and across it: a node comes and goes with no weight, so
+    that the mean and its gradients are smooth in the place of the rectangle.
 
     Args:
-        pool, slots, place: of a MemoryBoard. x, y: middle of the line in map [m]. ahead_x, ahead_y: unit vector
-        across it. length: of the rectangle from there
-            [m], backwards where it is negative. width: of the line [m].
+        pool, slots, place: of a MemoryBoard.
+        x, y: middle of the rectangle in map [m]. ahead_x, ahead_y: unit vector along it. length, width: its sides [m];
+            at least two cells count.
 
     Returns:
         greatest sinkage, depth of the rut [m] and its gradients by x and y [-].
     """
     cell = place[2]
+    half = max(0.5 * length, cell)
+    half_across = max(0.5 * width, cell)
+    middle_x = x - place[0]
+    middle_y = y - place[1]
+    reach_x = half * abs(ahead_x) + half_across * abs(ahead_y)
+    reach_y = half * abs(ahead_y) + half_across * abs(ahead_x)
+    if not (middle_x >= reach_x and middle_y >= reach_y and middle_x < 1e9 * cell and middle_y < 1e9 * cell):
+        return 0.0, 0.0, 0.0, 0.0
+    first_column = math.ceil((middle_x - reach_x) / cell)
+    last_column = math.floor((middle_x + reach_x) / cell)
+    first_row = math.ceil((middle_y - reach_y) / cell)
+    last_row = math.floor((middle_y + reach_y) / cell)
+    if not _touched(slots, first_column, last_column, first_row, last_row):
+        return 0.0, 0.0, 0.0, 0.0
+    weights = 0.0
+    along_weights = 0.0
+    across_weights = 0.0
     sinkage = 0.0
     rut = 0.0
-    slope_x = 0.0
-    slope_y = 0.0
-    for i in range(POINTS * POINTS):
-        along = (i // POINTS + 0.5) / POINTS * length
-        across = ((i % POINTS + 0.5) / POINTS - 0.5) * width
-        column_position = (x + along * ahead_x - across * ahead_y - place[0]) / cell
-        row_position = (y + along * ahead_y + across * ahead_x - place[1]) / cell
-        # "not (at least)" so that NaN, too, is off the map, where there is no memory
-        if not (column_position >= 0.0 and row_position >= 0.0 and column_position < 1e9 and row_position < 1e9):
-            continue
-        column = int(column_position)
-        row = int(row_position)
-        u = column_position - column
-        v = row_position - row
-        inner_column = column % TILE
-        inner_row = row % TILE
-        page = find_page(slots, column // TILE, row // TILE)
-        if inner_column < TILE - 1 and inner_row < TILE - 1:
-            if page == 0:
+    along_rut = 0.0
+    across_rut = 0.0
+    page = 0
+    page_column = -1
+    page_row = -1
+    for row in range(first_row, last_row + 1):
+        dy = row * cell - middle_y
+        for column in range(first_column, last_column + 1):
+            dx = column * cell - middle_x
+            s = (dx * ahead_x + dy * ahead_y) / half
+            t = (dy * ahead_x - dx * ahead_y) / half_across
+            if abs(s) >= 1.0 or abs(t) >= 1.0:
                 continue
-            n00 = pool[page, inner_row, inner_column]
-            n01 = pool[page, inner_row, inner_column + 1]
-            n10 = pool[page, inner_row + 1, inner_column]
-            n11 = pool[page, inner_row + 1, inner_column + 1]
-        else:
-            right, top = column + 1, row + 1
-            n00 = pool[page, inner_row, inner_column]
-            n01 = pool[find_page(slots, right // TILE, row // TILE), inner_row, right % TILE]
-            n10 = pool[find_page(slots, column // TILE, top // TILE), top % TILE, inner_column]
-            n11 = pool[find_page(slots, right // TILE, top // TILE), top % TILE, right % TILE]
-        low = n00[0] + u * (n01[0] - n00[0])
-        high = n10[0] + u * (n11[0] - n10[0])
-        sinkage += low + v * (high - low)
-        low = n00[1] + u * (n01[1] - n00[1])
-        high = n10[1] + u * (n11[1] - n10[1])
-        rut += low + v * (high - low)
-        slope_x += (n01[1] - n00[1]) + v * ((n11[1] - n10[1]) - (n01[1] - n00[1]))
-        slope_y += high - low
-    share = 1.0 / (POINTS * POINTS)
-    return sinkage * share, rut * share, slope_x * share / cell, slope_y * share / cell
+            if column // TILE != page_column or row // TILE != page_row:
+                page_column = column // TILE
+                page_row = row // TILE
+                page = find_page(slots, page_column, page_row)
+            along = 1.0 - s * s
+            across = 1.0 - t * t
+            weight = along * along * across * across
+            by_along = 4.0 * s * along * across * across  # of the weight by the place of the rectangle, times half
+            by_across = 4.0 * t * across * along * along
+            weights += weight
+            along_weights += by_along
+            across_weights += by_across
+            if page > 0:
+                node = pool[page, row % TILE, column % TILE]
+                sinkage += weight * node[0]
+                rut += weight * node[1]
+                along_rut += by_along * node[1]
+                across_rut += by_across * node[1]
+    if weights <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    rut /= weights
+    slope_along = (along_rut - rut * along_weights) / (weights * half)
+    slope_across = (across_rut - rut * across_weights) / (weights * half_across)
+    slope_x = slope_along * ahead_x - slope_across * ahead_y
+    slope_y = slope_along * ahead_y + slope_across * ahead_x
+    return sinkage / weights, rut, slope_x, slope_y
+
+
+@njit(cache=True)
+def _touched(slots: IntArray, first_column: int, last_column: int, first_row: int, last_row: int) -> bool:
+    """Whether a wheel has been in any tile of these nodes."""
+    for row in range(first_row // TILE, last_row // TILE + 1):
+        for column in range(first_column // TILE, last_column // TILE + 1):
+            if find_page(slots, column, row) > 0:
+                return True
+    return False
 
 
 @njit(cache=True)
@@ -296,6 +322,10 @@ def write_ground(
     last_column = math.floor((middle_x + reach_x) / cell)
     first_row = math.ceil((middle_y - reach_y) / cell)
     last_row = math.floor((middle_y + reach_y) / cell)
+    # compared as they are stored: a number that lost its last digits there would be written again and again
+    new_sinkage = np.float32(sinkage)
+    new_rut = np.float32(rut)
+    new_shear = np.float32(shear)
     page = 0
     page_column = -1
     page_row = -1
@@ -314,9 +344,8 @@ def write_ground(
                 if page == 0:
                     return
             node = pool[page, row % TILE, column % TILE]
-            if sinkage > node[0] or rut > node[1] or shear > node[2]:
-                # Compared as stored: a float64 just above a float32 would be written again and again.
-                node[0] = max(node[0], np.float32(sinkage))
-                node[1] = max(node[1], np.float32(rut))
-                node[2] = max(node[2], np.float32(shear))
+            if new_sinkage > node[0] or new_rut > node[1] or new_shear > node[2]:
+                node[0] = max(node[0], new_sinkage)
+                node[1] = max(node[1], new_rut)
+                node[2] = max(node[2], new_shear)
                 pages[page, 2] = 1
