@@ -9,8 +9,19 @@ import numpy as np
 import pytest
 import yaml
 
-from sojourn_mechanics.contact.contact_law import STATE_COLUMNS, WHEEL_COLUMNS, ContactModel, WheelColumn
+from sojourn_mechanics.contact.contact_law import (
+    MOTION_COLUMNS,
+    OUT_COLUMNS,
+    STATE_COLUMNS,
+    WHEEL_COLUMNS,
+    ContactModel,
+    MotionColumn,
+    OutColumn,
+    WheelColumn,
+)
 from sojourn_mechanics.contact.contact_set import REPORT_COLUMNS, contact_forces
+from sojourn_mechanics.contact.dispatch import apply_law
+from sojourn_mechanics.contact.examples import example_row
 from sojourn_mechanics.contact.ground_plane import RIM_COS, RIM_SIN
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.soil.params import SoilColumn, SoilParams, kernel_table
@@ -123,6 +134,65 @@ def rig() -> Callable[..., Rig]:
 
     def make(*soils: str, damping: float | None = None, **options: float) -> Rig:
         return Rig(soil_table(*soils, damping=damping), **options)  # type: ignore[arg-type]
+
+    return make
+
+
+@dataclass
+class LawRig:
+    """One contact under a law of its own, without terrain: motion in, forces out."""
+
+    wheel: FloatArray
+    soil: FloatArray
+    dt: float = 0.001
+    state: FloatArray = field(default_factory=lambda: np.zeros(STATE_COLUMNS))
+
+    def step(self, steps: int = 1, **motion: float) -> dict[str, float]:
+        """Forces by the names of `OutColumn` after so many steps of one motion, by the names of `MotionColumn`.
+
+        POWER is filled in: what the wheel gives to the contact.
+        """
+        row = np.zeros(MOTION_COLUMNS)
+        for name, value in motion.items():
+            row[MotionColumn[name.upper()]] = value
+        out = np.zeros(OUT_COLUMNS)
+        for _ in range(steps):
+            out[:] = 0.0
+            apply_law(self.wheel, self.soil, row, self.dt, self.state, out)
+        found = {column.name.lower(): float(out[column]) for column in OutColumn}
+        column = MotionColumn
+        spin = row[column.RIM_SPEED] / self.wheel[WheelColumn.RADIUS]
+        found["power"] = -(
+            found["force_x"] * row[column.V_ALONG]
+            + found["force_y"] * row[column.V_SIDE]
+            + found["force_z"] * row[column.V_NORMAL]
+            + found["moment_x"] * row[column.ROLL_RATE]
+            + found["moment_z"] * row[column.YAW_RATE]
+            - found["torque"] * spin
+        )
+        return found
+
+    def penetration_for(self, load: float, **motion: float) -> float:
+        """Penetration at which a fresh contact carries a load [N]."""
+        low, high = 1e-9, 0.3
+        for _ in range(80):
+            middle = 0.5 * (low + high)
+            self.state[:] = 0.0
+            if self.step(penetration=middle, **motion)["force_z"] < load:
+                low = middle
+            else:
+                high = middle
+        self.state[:] = 0.0
+        return 0.5 * (low + high)
+
+
+@pytest.fixture(scope="session")
+def law() -> Callable[..., LawRig]:
+    """Maker of rigs of one law: `law(ContactModel.BRUSH, "rigid_rock")`, or with a row of one's own."""
+
+    def make(wheel: ContactModel | FloatArray, soil: str | FloatArray, dt: float = 0.001) -> LawRig:
+        row = example_row(wheel) if isinstance(wheel, ContactModel) else wheel
+        return LawRig(row, soil_table(soil)[0] if isinstance(soil, str) else soil, dt)
 
     return make
 

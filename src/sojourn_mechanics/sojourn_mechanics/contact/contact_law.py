@@ -35,7 +35,17 @@ from sojourn_mechanics.params import FloatArray
 class ContactModel(IntEnum):
     """Number of a law in the wheel's row."""
 
+    RIGID_WHEEL_ON_RIGID_GROUND = 1
+    WHEEL_AND_GROUND_IN_SERIES = 2
     RIGID_WHEEL_ON_SOIL = 3
+    COMPLIANT_WHEEL_ON_RIGID_GROUND = 4
+    COMPLIANT_WHEEL_ON_SOIL = 5
+    BRUSH = 6
+    BEKKER_WHEEL_ON_SOIL = 7
+    MAGIC_FORMULA = 9
+    ROLLER_WHEEL = 11
+    TRACK = 12
+    FOOT_PAD = 13
 
 
 class WheelColumn(IntEnum):
@@ -55,7 +65,7 @@ class WheelColumn(IntEnum):
     OWN = 7
 
 
-OWN_COLUMNS = 48
+OWN_COLUMNS = 56
 """Room for a law's own parameters."""
 WHEEL_COLUMNS = WheelColumn.OWN + OWN_COLUMNS
 
@@ -75,6 +85,8 @@ class MotionColumn(IntEnum):
     """Rate of turn of the whole wheel about the normal [rad/s]."""
     CAMBER = 6
     """Sine of the angle γ between the axle and the ground; cos γ > 0."""
+    ROLL_RATE = 7
+    """Rate of turn of the whole wheel about x [rad/s]."""
 
 
 MOTION_COLUMNS = len(MotionColumn)
@@ -91,8 +103,8 @@ class StateColumn(IntEnum):
     """D in -1..1, memory of the sense of travel [-]."""
     TWIST = 3
     """Angle by which the contact is twisted about the normal [rad]."""
-    DEFLECTION = 4
-    """Of the wheel [m], where the law has to remember it."""
+    HEADWAY = 4
+    """In -1..1, memory of the sense in which a resistance acts (see `resistance_memory`) [-]."""
 
 
 STATE_COLUMNS = len(StateColumn)
@@ -131,17 +143,20 @@ REST_SPEED = 1e-4
 
 _V_ALONG = int(MotionColumn.V_ALONG)
 _V_SIDE = int(MotionColumn.V_SIDE)
-_RIM_SPEED = int(MotionColumn.RIM_SPEED)
 _SLIP_RATIO = int(OutColumn.SLIP_RATIO)
 _SLIP_ANGLE = int(OutColumn.SLIP_ANGLE)
 
 
 @njit(cache=True)
-def tell_slip(motion: FloatArray, transport: float, out: FloatArray) -> None:
-    """Write slip ratio and slip angle as they are defined for steady rolling; `transport` as in `shear_memory`."""
-    if transport >= REST_SPEED:
-        v_along, rim_speed = motion[_V_ALONG], motion[_RIM_SPEED]
+def tell_slip(motion: FloatArray, rim_speed: float, out: FloatArray) -> None:
+    """Write slip ratio and slip angle as they are defined for steady rolling.
+
+    Args:
+        rim_speed: rate of rotation times the radius on which the wheel rolls freely [m/s].
+    """
+    v_along, v_side = motion[_V_ALONG], motion[_V_SIDE]
+    if max(abs(rim_speed), math.sqrt(v_along * v_along + v_side * v_side)) >= REST_SPEED:
         ratio = (rim_speed - v_along) / max(abs(rim_speed), abs(v_along), REST_SPEED)
         ahead = 0.5 * (v_along + rim_speed) >= 0.0
         out[_SLIP_RATIO] = min(max(ratio if ahead else -ratio, -1.0), 1.0)
-        out[_SLIP_ANGLE] = math.atan2(motion[_V_SIDE], abs(v_along))
+        out[_SLIP_ANGLE] = math.atan2(v_side, abs(v_along))

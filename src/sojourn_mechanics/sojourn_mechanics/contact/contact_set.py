@@ -162,7 +162,7 @@ def contact_forces(
                 _to_map(out, frame, axle, point_velocity, omega, wrench)
                 _tell(out, wrench, soil_number, report[i])
                 if remembers:
-                    leave_rut(memory, wheels[i], soil, motion, frame[0], states[i], past)
+                    leave_rut(memory, wheels[i], soil, out[_SINKAGE], frame[0], states[i], past)
                 for k in range(3):
                     report[i, k] = centre[k] - radius * frame[2, k]
             else:

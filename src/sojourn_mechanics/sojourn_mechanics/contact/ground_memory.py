@@ -14,14 +14,15 @@ The rut lowers and tilts the contact plane as any other ground does, so that its
 that climbs out as they gave when it rolled in; the soil below follows the law of `soil/repeated_loading.py`.
 
 Assumptions: the rut is the mean over that length and the wheel's width (strips of ground that do not hold each other
-up); depths along the normal count as vertical.
+up); depths along the normal count as vertical; a wheel that is itself compliant meets the law of the depth that a
+rigid one would have.
 """
 
 import math
 
 from numba import njit
 
-from sojourn_mechanics.contact.contact_law import MotionColumn, StateColumn, WheelColumn
+from sojourn_mechanics.contact.contact_law import StateColumn, WheelColumn
 from sojourn_mechanics.contact.wheel_on_soil import pressure_modulus
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.soil.params import FORM_BEKKER, SoilColumn
@@ -37,7 +38,6 @@ PAST_COLUMNS = 7
 
 _RADIUS = int(WheelColumn.RADIUS)
 _WIDTH = int(WheelColumn.WIDTH)
-_PENETRATION = int(MotionColumn.PENETRATION)
 _U_X = int(StateColumn.SHEAR_ALONG)
 _U_Y = int(StateColumn.SHEAR_SIDE)
 _TRAVEL = int(StateColumn.TRAVEL)
@@ -103,16 +103,18 @@ def leave_rut(
     memory: MemoryTables,
     wheel: FloatArray,
     soil: FloatArray,
-    motion: FloatArray,
+    sinkage: float,
     forward: FloatArray,
     state: FloatArray,
     past: FloatArray,
 ) -> None:
-    """Write behind a rolling wheel what it has done to the ground; arguments as above and in `contact_law`."""
+    """Write behind a rolling wheel what it has done to the ground, down to `sinkage` [m] below what it met; other
+    arguments as above and in `contact_law`.
+    """
     travel = state[_TRAVEL]
     if abs(travel) < ROLLING:
         return
-    greatest = past[RUT] + motion[_PENETRATION]
+    greatest = past[RUT] + sinkage
     rut = rut_depth(past[MODULUS], past[EXPONENT], greatest, soil[_K_0], soil[_A_U])
     if rut <= 0.0:
         return

@@ -1,16 +1,37 @@
 """Parameters of what touches the ground: wheels, and pads on bodies."""
 
 from collections.abc import Sequence
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
 import numpy as np
 from pydantic import Field
 
+from sojourn_mechanics.contact.bekker_wheel import BekkerWheelParams
+from sojourn_mechanics.contact.brush import BrushParams
+from sojourn_mechanics.contact.compliant_wheel_on_soil import CompliantWheelOnSoilParams
 from sojourn_mechanics.contact.contact_law import WHEEL_COLUMNS, WheelColumn
+from sojourn_mechanics.contact.firm_wheel_laws import (
+    CompliantWheelOnRigidGroundParams,
+    RigidWheelOnRigidGroundParams,
+    WheelAndGroundInSeriesParams,
+)
+from sojourn_mechanics.contact.magic_formula import MagicFormulaParams
 from sojourn_mechanics.contact.rigid_wheel_on_soil import RigidWheelOnSoilParams
+from sojourn_mechanics.contact.roller_wheel import RollerWheelParams
 from sojourn_mechanics.params import FloatArray, Params
 
-ContactParams: TypeAlias = RigidWheelOnSoilParams
+ContactParams: TypeAlias = Annotated[
+    RigidWheelOnSoilParams
+    | BekkerWheelParams
+    | CompliantWheelOnSoilParams
+    | RigidWheelOnRigidGroundParams
+    | WheelAndGroundInSeriesParams
+    | CompliantWheelOnRigidGroundParams
+    | BrushParams
+    | MagicFormulaParams
+    | RollerWheelParams,
+    Field(discriminator="model"),
+]
 """A contact law with its own parameters; the key `model` says which."""
 
 

@@ -96,4 +96,4 @@ def rigid_wheel_on_soil(
     out[_MOMENT_Z] = sense * moment_z  # turns about the normal with the sense of travel
     out[_TORQUE] = sense * torque
     out[_SINKAGE] = sinkage
-    tell_slip(motion, transport, out)
+    tell_slip(motion, rim_speed, out)

@@ -29,6 +29,7 @@ _V_NORMAL = int(MotionColumn.V_NORMAL)
 _RIM_SPEED = int(MotionColumn.RIM_SPEED)
 _YAW_RATE = int(MotionColumn.YAW_RATE)
 _CAMBER = int(MotionColumn.CAMBER)
+_ROLL_RATE = int(MotionColumn.ROLL_RATE)
 
 
 @njit(cache=True)
@@ -133,6 +134,9 @@ def find_contact(
         angular_velocity[0] * normal[0] + angular_velocity[1] * normal[1] + angular_velocity[2] * normal[2]
     )
     motion[_CAMBER] = camber
+    motion[_ROLL_RATE] = (
+        angular_velocity[0] * along[0] + angular_velocity[1] * along[1] + angular_velocity[2] * along[2]
+    )
     soil_number = blend_soils(soils, shares, wheel[_WIDTH], soil)
     if remembers:
         settle_soil(wheel, penetration, soil, past)
