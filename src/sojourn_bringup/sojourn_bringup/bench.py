@@ -24,6 +24,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from sojourn_bringup import options, start
+from sojourn_bringup.bench_ground import bench_ground
 from sojourn_bringup.errors import BringupError
 from sojourn_bringup.screen import Screen
 from sojourn_config.scenario import load_scenario
@@ -186,7 +187,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.child:
         given.began = float(given.began)
         return _child(given)
-    figures = bench_step()
+    figures = bench_step() | bench_ground()
     for kind in ("composed", "processes"):
         runs = [bench_loop(kind, given.seconds) for _ in range(given.rounds)]
         figures |= {name: statistics.median(run[name] for run in runs) for name in runs[0]}
