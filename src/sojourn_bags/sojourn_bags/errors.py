@@ -41,6 +41,14 @@ class UnreadableBagError(BagsError):
         self.path = path
 
 
+class NothingToRecoverError(BagsError):
+    """A bag that ends before its first message."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(f"{path} holds no whole message: there is nothing to recover")
+        self.path = path
+
+
 class UnknownTopicInBagError(BagsError):
     """A topic or field that the bag does not hold.
 
@@ -56,3 +64,15 @@ class UnknownTopicInBagError(BagsError):
 
 class IncompleteConfigError(BagsError):
     """The configuration lacks something that a summary or report needs."""
+
+
+class OtherContractError(BagsError):
+    """A bag that was recorded under another contract than ours.
+
+    Args:
+        path: the bag. reason: what is not ours.
+    """
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(f"{path} is a bag of another contract: {reason}")
+        self.path = path

@@ -18,12 +18,10 @@ from mcap.writer import CompressionType, Writer
 
 from sojourn_bags.definitions import ChannelSpec, definition, type_hash
 from sojourn_bags.errors import BagExistsError, UnwritableBagError
+from sojourn_bags.metadata_file import METADATA_FILE, TopicEntry, bag_information, write_metadata_file
 
 FLUSH_S = 0.8
 """Wall time after which a chunk is finished, so that with the poll of the loop it stays under a second."""
-BAG_VERSION = 9
-"""Version of rosbag2's metadata, that of Jazzy."""
-METADATA_FILE = "metadata.yaml"
 
 
 @dataclass(frozen=True)
@@ -65,7 +63,7 @@ class BagWriter:
             for attachment in attachments:
                 self._writer.add_attachment(0, 0, attachment.name, attachment.media_type, attachment.data)
             self._writer.flush()
-            self._write_metadata_file(self._metadata())
+            write_metadata_file(self.folder, self._metadata())
         except OSError as error:
             raise UnwritableBagError(self.folder, str(error)) from error
 
@@ -131,7 +129,7 @@ class BagWriter:
             self._writer.add_metadata("rosbag2", {"serialized_metadata": text})
             self._writer.finish()
             self._stream.close()
-            self._write_metadata_file(metadata)
+            write_metadata_file(self.folder, metadata)
         except OSError as error:
             raise UnwritableBagError(self.folder, str(error)) from error
 
@@ -173,49 +171,8 @@ class BagWriter:
 
     def _metadata(self) -> dict[str, Any]:
         """Content of metadata.yaml."""
-        total = sum(self.counts)
-        start = {"nanoseconds_since_epoch": self._start if total else 0}
-        duration = {"nanoseconds": self._end - self._start if total else 0}
         topics = [
-            {
-                "topic_metadata": {
-                    "name": spec.topic,
-                    "type": spec.full_type,
-                    "serialization_format": "cdr",
-                    "offered_qos_profiles": [spec.qos],
-                    "type_description_hash": type_hash(spec.full_type),
-                },
-                "message_count": count,
-            }
+            TopicEntry(spec.topic, spec.full_type, [spec.qos], type_hash(spec.full_type), count)
             for spec, count in zip(self._channels, self.counts, strict=True)
-            if count
         ]
-        return {
-            "rosbag2_bagfile_information": {
-                "version": BAG_VERSION,
-                "storage_identifier": "mcap",
-                "duration": duration,
-                "starting_time": start,
-                "message_count": total,
-                "topics_with_message_count": topics,
-                "compression_format": "",
-                "compression_mode": "",
-                "relative_file_paths": [self.path.name],
-                "files": [
-                    {
-                        "path": self.path.name,
-                        "starting_time": dict(start),
-                        "duration": dict(duration),
-                        "message_count": total,
-                    }
-                ],
-                "custom_data": dict(self._custom) or None,
-                "ros_distro": "jazzy",
-            }
-        }
-
-    def _write_metadata_file(self, metadata: dict[str, Any]) -> None:
-        """Beside the final name first, so that there is always a whole file."""
-        draft = self.folder / (METADATA_FILE + ".part")
-        draft.write_text(yaml.safe_dump(metadata, sort_keys=False), encoding="utf-8")
-        draft.replace(self.folder / METADATA_FILE)
+        return bag_information(self.path.name, topics, self._start, self._end, self._custom)

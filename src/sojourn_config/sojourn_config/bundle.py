@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from sojourn_config.errors import ConfigError, Problem
 from sojourn_config.load import validate
-from sojourn_config.machine_checks import machine_problems, steering_geometry, with_drive_data
+from sojourn_config.machine_checks import ground_problems, machine_problems, steering_geometry, with_drive_data
 from sojourn_config.overrides import override_document
 from sojourn_config.paths import resolve, resolve_urdf
 from sojourn_config.rover import RoverConfig
@@ -90,6 +90,7 @@ class BundleReader:
         self._scenario = scenario
         self._path = path
         self._overrides = overrides
+        self._soils: dict[str, YamlDocument] = {}
 
     def read(self, rover: str, body: str, soil: str, rock_soil: str, extra_soils: Sequence[str] = ()) -> Bundle | None:
         """All that a scenario names, or None with the reasons in `problems`."""
@@ -118,6 +119,9 @@ class BundleReader:
         if len(extra) < len(found_extra):
             return None
         documents = {"rover": document, "sensors": sensors[1], "arm": arm[1], "drive": drive[1]}
+        grounds = {soil.name: soil for soil in (found_soil, found_rock)}
+        for ground in grounds.values():
+            self.problems += ground_problems(config, ground, self._soils[ground.name])
         found = machine_problems(config, urdf, bus[0], sensors[0], arm[0], drive[0], documents)
         if found:
             self.problems += found
@@ -167,6 +171,8 @@ class BundleReader:
             allowed = f"allowed is the name of the file, {path.stem}"
             self.problems.append(document.problem(("name",), own_name, allowed))
             return None
+        if kind == "soils":
+            self._soils[path.stem] = document
         return params
 
     def _urdf(self, name: str, document: YamlDocument, path: Path) -> UrdfSummary | None:

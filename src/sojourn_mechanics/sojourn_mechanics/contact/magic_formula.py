@@ -212,7 +212,7 @@ def _trail(wheel: FloatArray, load: float, state: FloatArray, half: float) -> fl
     slip, angle = state[_U_X] / wheel[_RELAX_X], math.atan(state[_U_Y] / wheel[_RELAX_Y])
     _, force_y, moment = magic_forces(wheel, load, slip, angle, 0.0, 0.0)
     small = TRAIL_FORCE * load
-    return min(max(-moment * force_y / (force_y * force_y + small * small + SMALL), -half), half)
+    return float(min(max(-moment * force_y / (force_y * force_y + small * small + SMALL), -half), half))
 
 
 @njit(cache=True)

@@ -72,7 +72,7 @@ class PlantModel:
 
     Raises:
         InvalidValueError: a joint or link that the URDF does not have, a drive whose load the bus does not
-            have, a soil that is missing.
+            have, a soil that is missing or lacks what the contact model of a wheel needs.
     """
 
     def __init__(
@@ -104,7 +104,9 @@ class PlantModel:
         for name in terrain.soil_names:
             if name not in by_name:
                 raise InvalidValueError("soil of the terrain", name, "one of " + ", ".join(sorted(by_name)))
-        self.soils = kernel_table([by_name[name] for name in terrain.soil_names])
+        ground = [by_name[name] for name in terrain.soil_names]
+        _check_ground(machine, ground)
+        self.soils = kernel_table(ground)
         self.grid = terrain.grid
         self.rim = np.stack([ground_plane.RIM_SIN, ground_plane.RIM_COS])
         self.untouched_ground = GroundMemory(memory_cell, terrain.origin_x, terrain.origin_y)
@@ -250,3 +252,13 @@ class PlantModel:
         self.armature = np.zeros(model.nv)
         self.force = np.zeros(model.nv)
         self.contact_force = np.zeros(model.nv)
+
+
+def _check_ground(machine: MachineParams, ground: Sequence[SoilParams]) -> None:
+    """Every wheel finds in every soil what its contact model needs."""
+    for soil in ground:
+        for wheel in machine.wheels:
+            missing = wheel.contact.missing_in(soil)
+            if missing:
+                allowed = f"a soil with what {wheel.contact.model} of wheel {wheel.name} needs; missing: "
+                raise InvalidValueError("soil", soil.name, allowed + ", ".join(missing))

@@ -43,6 +43,9 @@ LETE_SAND_A_U = 503.0e6
 """A_u of LETE sand, with k_0 = 0 (Wong 1989, Terramechanics and Off-Road Vehicles, ch. 4): stands in where a soil's own
 unloading has not been measured [N/m^4]."""
 
+SOIL_ONLY = ("cohesion", "shear_modulus", "shear_modulus_lateral", "density", "theta_m_c1", "theta_m_c2")
+"""Fields that rigid ground may leave out: what shears and flows has them. Their defaults stand for no soil at all."""
+
 FORM_BEKKER = 0.0
 FORM_REECE = 1.0
 
@@ -111,10 +114,10 @@ class SoilParams(Params):
         description="cohesive modulus [bekker: N/m^(n+1), reece: N/m^2]; negative in some fits",
     )
     k_phi: float = Field(ge=0.0, le=1e11, description="frictional modulus [bekker: N/m^(n+2), reece: N/m^3]")
-    cohesion: float = Field(ge=0.0, le=1e6, description="cohesion [Pa]")
+    cohesion: float = Field(default=0.0, ge=0.0, le=1e6, description="cohesion [Pa]")
     friction_angle_deg: float = Field(ge=0.0, lt=80.0, description="angle of internal friction [degree]")
-    shear_modulus: float = Field(gt=0.0, le=1.0, description="Janosi K along the wheel [m]")
-    shear_modulus_lateral: float = Field(gt=0.0, le=1.0, description="Janosi K across the wheel [m]")
+    shear_modulus: float = Field(default=5e-4, gt=0.0, le=1.0, description="Janosi K along the wheel [m]")
+    shear_modulus_lateral: float = Field(default=5e-4, gt=0.0, le=1.0, description="Janosi K across the wheel [m]")
     shear_modulus_per_slip_angle: float = Field(
         default=0.0, ge=0.0, le=1.0, description="growth of shear_modulus with the slip angle [m/rad]"
     )
@@ -127,9 +130,9 @@ class SoilParams(Params):
     unloading_stiffness_per_sinkage: float = Field(
         default=LETE_SAND_A_U, ge=0.0, le=1e14, description="A_u of the unloading stiffness k_0 + A_u z_u [N/m^4]"
     )
-    density: float = Field(gt=0.0, le=10000.0, description="bulk density [kg/m3]")
-    theta_m_c1: float = Field(ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
-    theta_m_c2: float = Field(ge=-1.0, le=1.0, description="c2 of theta_m = (c1 + c2 s) theta_1 [-]")
+    density: float = Field(default=3000.0, gt=0.0, le=10000.0, description="bulk density [kg/m3]")
+    theta_m_c1: float = Field(default=0.0, ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
+    theta_m_c2: float = Field(default=0.0, ge=-1.0, le=1.0, description="c2 of theta_m = (c1 + c2 s) theta_1 [-]")
     exit_angle: str = Field(default="zero", description="'zero' or 'lambda:L', L = rut height / sinkage [-]")
     contact_damping: float = Field(ge=0.0, le=100.0, description="Hunt-Crossley normal damping d [s/m]")
 
@@ -138,6 +141,20 @@ class SoilParams(Params):
     def _exit_angle_is_readable(cls, text: str) -> str:
         parse_exit_angle(text)
         return text
+
+    @model_validator(mode="after")
+    def _soil_is_complete(self) -> Self:
+        missing = self.missing(SOIL_ONLY) if self.kind == "soil" else ()
+        if missing:
+            raise InvalidValueError(
+                "kind", self.kind, "rigid, or soil with all of its keys; missing: " + ", ".join(missing)
+            )
+        return self
+
+    def missing(self, fields: Sequence[str]) -> tuple[str, ...]:
+        """Those of the fields that this set does not give, in their order."""
+        given = self.model_fields_set
+        return tuple(name for name in fields if name not in given)
 
     @model_validator(mode="after")
     def _stiffness_and_estimates(self) -> Self:
