@@ -37,6 +37,7 @@ class Bundle:
         urdf: the machine's URDF; `urdf.text` is the XML.
         body: planet or moon.
         soil, rock_soil: default soil of the ground, and soil of its rocks.
+        extra_soils: soils of patches and of the soil raster.
         battery, bus: energy store and its loads.
         power_manager: what the power manager believes and its law.
         sensors, arm, drive: sets of the sensor, arm and drive node; rotor inertia and friction that the arm's
@@ -50,6 +51,7 @@ class Bundle:
     body: BodyParams
     soil: SoilParams
     rock_soil: SoilParams
+    extra_soils: tuple[SoilParams, ...]
     battery: BatteryParams
     bus: BusParams
     power_manager: PowerManagerParams
@@ -67,7 +69,7 @@ class Bundle:
     @property
     def soils(self) -> dict[str, SoilParams]:
         """The soils of the ground by name."""
-        return {soil.name: soil for soil in (self.soil, self.rock_soil)}
+        return {soil.name: soil for soil in (*self.extra_soils, self.rock_soil, self.soil)}
 
     @property
     def gravity(self) -> float:
@@ -90,12 +92,13 @@ class BundleReader:
         self._overrides = overrides
         self._soils: dict[str, YamlDocument] = {}
 
-    def read(self, rover: str, body: str, soil: str, rock_soil: str) -> Bundle | None:
+    def read(self, rover: str, body: str, soil: str, rock_soil: str, extra_soils: Sequence[str] = ()) -> Bundle | None:
         """All that a scenario names, or None with the reasons in `problems`."""
         here = (self._scenario, self._path)
         found_body = self._named("bodies", body, "body", BodyParams, here)
         found_soil = self._named("soils", soil, "soil", SoilParams, here)
         found_rock = self._named("soils", rock_soil, "rock_soil", SoilParams, here)
+        found_extra = [self._named("soils", name, "terrain", SoilParams, here) for name in extra_soils]
         machine = self._load("rovers", rover, "rover", RoverConfig, here)
         if machine is None:
             return None
@@ -112,6 +115,9 @@ class BundleReader:
             return None
         if drive is None or found_body is None or found_soil is None or found_rock is None:
             return None
+        extra = tuple(found for found in found_extra if found is not None)
+        if len(extra) < len(found_extra):
+            return None
         documents = {"rover": document, "sensors": sensors[1], "arm": arm[1], "drive": drive[1]}
         grounds = {soil.name: soil for soil in (found_soil, found_rock)}
         for ground in grounds.values():
@@ -126,6 +132,7 @@ class BundleReader:
             body=found_body,
             soil=found_soil,
             rock_soil=found_rock,
+            extra_soils=extra,
             battery=battery[0],
             bus=bus[0],
             power_manager=PowerManagerParams(battery=battery[0], loads=bus[0].loads, law=law[0]),

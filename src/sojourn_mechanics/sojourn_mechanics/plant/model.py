@@ -27,6 +27,7 @@ from sojourn_mechanics.power.battery import BatteryParams
 from sojourn_mechanics.power.loads import BusParams
 from sojourn_mechanics.soil.params import SoilParams, kernel_table
 from sojourn_mechanics.terrain.height_field import HeightField
+from sojourn_mechanics.terrain.memory import GroundMemory, MemoryBoard
 
 PLACEMENT_SIZE = 12
 
@@ -67,6 +68,7 @@ class PlantModel:
         terrain: the ground. soils: parameters of the soils that it names, in any order.
         battery, bus: energy supply and its loads.
         simulation: steps.
+        memory_cell: distance of the nodes at which the ground remembers wheels [m]; 0: it does not.
 
     Raises:
         InvalidValueError: a joint or link that the URDF does not have, a drive whose load the bus does not
@@ -83,6 +85,7 @@ class PlantModel:
         battery: BatteryParams,
         bus: BusParams,
         simulation: SimulationParams | None = None,
+        memory_cell: float = 0.0,
     ) -> None:
         self.machine = machine
         self.terrain = terrain
@@ -104,8 +107,10 @@ class PlantModel:
         ground = [by_name[name] for name in terrain.soil_names]
         _check_ground(machine, ground)
         self.soils = kernel_table(ground)
-        self.grid = np.array([terrain.origin_x, terrain.origin_y, terrain.resolution])
+        self.grid = terrain.grid
         self.rim = np.stack([ground_plane.RIM_SIN, ground_plane.RIM_COS])
+        self.untouched_ground = GroundMemory(memory_cell, terrain.origin_x, terrain.origin_y)
+        self.memory = MemoryBoard(self.untouched_ground)
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
         self._make_workspace()
 

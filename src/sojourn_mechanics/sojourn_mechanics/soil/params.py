@@ -10,6 +10,8 @@ Shear stress after a shear displacement j (Janosi & Hanamoto 1961): tau = (c + p
 The modulus K may grow with the slip angle beta of the wheel, K = K_0 + K_1 |beta| (Ishigami et al. 2007,
 J. Field Robotics 24(3):233, table 2); K_1 is zero where nobody has measured it.
 
+Unloading and reloading follow a line of the stiffness k_0 + A_u z_u (`repeated_loading`).
+
 Angle of greatest normal stress under a rigid wheel (Wong & Reece 1967): theta_m = (c1 + c2 s) theta_1.
 Exit angle: `zero` (the contact ends under the axle), or `lambda:L`: theta_2 = -acos(1 - L h / r), where L is
 the height of the rut behind the wheel over the sinkage h (Ishigami et al. 2007); L > 1 is soil that is
@@ -37,6 +39,10 @@ MAX_EXIT_LAMBDA = 2.0
 EXIT_LAMBDA_ZERO = -1.0
 """Value of the column `exit_lambda` for exit angle `zero`."""
 
+LETE_SAND_A_U = 503.0e6
+"""A_u of LETE sand, with k_0 = 0 (Wong 1989, Terramechanics and Off-Road Vehicles, ch. 4): stands in where a soil's own
+unloading has not been measured [N/m^4]."""
+
 SOIL_ONLY = ("cohesion", "shear_modulus", "shear_modulus_lateral", "density", "theta_m_c1", "theta_m_c2")
 """Fields that rigid ground may leave out: what shears and flows has them. Their defaults stand for no soil at all."""
 
@@ -62,6 +68,8 @@ class SoilColumn(IntEnum):
     DENSITY = 12
     SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE = 13
     SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE = 14
+    UNLOADING_STIFFNESS = 15
+    UNLOADING_STIFFNESS_PER_SINKAGE = 16
 
 
 SOIL_COLUMNS: tuple[str, ...] = tuple(column.name.lower() for column in SoilColumn)
@@ -115,6 +123,12 @@ class SoilParams(Params):
     )
     shear_modulus_lateral_per_slip_angle: float = Field(
         default=0.0, ge=0.0, le=1.0, description="growth of shear_modulus_lateral with the slip angle [m/rad]"
+    )
+    unloading_stiffness: float = Field(
+        default=0.0, ge=0.0, le=1e12, description="k_0 of the unloading stiffness k_0 + A_u z_u [N/m^3]"
+    )
+    unloading_stiffness_per_sinkage: float = Field(
+        default=LETE_SAND_A_U, ge=0.0, le=1e14, description="A_u of the unloading stiffness k_0 + A_u z_u [N/m^4]"
     )
     density: float = Field(default=3000.0, gt=0.0, le=10000.0, description="bulk density [kg/m3]")
     theta_m_c1: float = Field(default=0.0, ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
@@ -195,6 +209,10 @@ def kernel_row(params: SoilParams) -> FloatArray:
     row[SoilColumn.DENSITY] = params.density
     row[SoilColumn.SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE] = params.shear_modulus_per_slip_angle
     row[SoilColumn.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE] = params.shear_modulus_lateral_per_slip_angle
+    # rock springs back along the line that it was loaded on, and keeps no rut
+    yields = params.kind == "soil"
+    row[SoilColumn.UNLOADING_STIFFNESS] = params.unloading_stiffness if yields else 0.0
+    row[SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE] = params.unloading_stiffness_per_sinkage if yields else 0.0
     return row
 
 
