@@ -365,3 +365,12 @@ def test_ground_that_lacks_what_a_contact_model_needs_is_refused_with_all_that_i
     rover.write_text(text.replace("grouser_count: 30}", f"grouser_count: 30, contact: {FIRM}}}"), encoding="utf-8")
     loaded = load_scenario("flat_drive")
     assert {wheel.contact.model for wheel in loaded.rover.wheels} == {"wheel_and_ground_in_series"}
+
+
+def test_the_soil_of_a_patch_is_asked_for_what_the_wheels_need_too(workspace: Path) -> None:
+    text = (workspace / ROCK).read_text(encoding="utf-8").replace("name: rigid_rock", "name: bare_rock")
+    text = text.replace("cohesion: 0.0", "# cohesion").replace("  - cohesion\n", "")
+    (workspace / "config/soils/bare_rock.yaml").write_text(text, encoding="utf-8")
+    patch = "{soil: bare_rock, shape: ellipse, x: 2.0, y: 0.0, length: 2.0, width: 1.0}"
+    with pytest.raises(ConfigError, match=r"bare_rock.yaml: cohesion: the key is missing"):
+        load_scenario("flat_drive", [f"terrain.soil_patches=[{patch}]"])
