@@ -135,4 +135,4 @@ def test_every_contact_model_is_in_the_manual() -> None:
     union, _ = typing.get_args(ContactParams)
     for member in typing.get_args(union):
         (name,) = typing.get_args(member.model_fields["model"].annotation)
-        assert f"| `{name}` |" in README.read_text(encoding="utf-8")
+        assert f"| `{name}` |" in README
