@@ -76,3 +76,15 @@ class OtherContractError(BagsError):
     def __init__(self, path: Path, reason: str) -> None:
         super().__init__(f"{path} is a bag of another contract: {reason}")
         self.path = path
+
+
+class ReplayError(BagsError):
+    """A bag that cannot be replayed through a role, or a candidate that cannot be judged by it."""
+
+
+class UnansweredError(ReplayError):
+    """A candidate that did not answer, or has ended.
+
+    Args:
+        words: one sentence that says who did not answer what, and when.
+    """

@@ -16,7 +16,7 @@ from std_msgs.msg import Header
 
 from sojourn_bags.definitions import ChannelSpec, qos_entry
 from sojourn_bags.errors import BagsError
-from sojourn_bags.provenance import attachments
+from sojourn_bags.provenance import attachments, run_attachment
 from sojourn_bags.recording import CLOCK, Recording
 from sojourn_bags.transforms import channel as transform_channel
 from sojourn_bags.writer import BagWriter
@@ -98,7 +98,7 @@ class RecorderNode(ContractNode):
         channels = [
             ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, self.lockstep, row.publisher))) for row in rows
         ]
-        described = attachments(self.scenario_name, self.scenario_overrides)
+        described = [*attachments(self.scenario_name, self.scenario_overrides), run_attachment(self._run())]
         writer = BagWriter(Path(folder), [*channels, transform_channel()], described)
         return Recording(writer, rows, self._awaited, self.participants, self.lockstep)
 
@@ -120,19 +120,20 @@ class RecorderNode(ContractNode):
                 written = stamps.to_message(period * stamps.CONTROL_PERIOD_NS)
                 self.publish("/recorder/tick", Header(stamp=written))
 
+    def _run(self) -> dict[str, str]:
+        return {
+            "scenario": self.scenario_name,
+            "lockstep": str(self.lockstep).lower(),
+            "participants": ",".join(self.participants),
+            "namespace": self.get_namespace(),
+        }
+
     def _finish(self) -> None:
         """Close the bag, once."""
         recording, self._recording = self._recording, None
         if recording is None:
             return
-        completeness = recording.finish(
-            {
-                "scenario": self.scenario_name,
-                "lockstep": str(self.lockstep).lower(),
-                "participants": ",".join(self.participants),
-                "namespace": self.get_namespace(),
-            }
-        )
+        completeness = recording.finish(self._run())
         if completeness.gaps:
             self.exit_status = 1
             self.failure = f"the bag {recording.writer.folder} is not complete: {completeness.explain()}"

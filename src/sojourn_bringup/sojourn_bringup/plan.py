@@ -76,19 +76,24 @@ class RunPlan:
         return values
 
     def ros_arguments(self, role: str, attempt: int = 0) -> list[str]:
-        """Command line arguments that give a process its parameters and its namespace.
-
-        ROS reads a value as YAML, and JSON is YAML: so the name "2024" stays text and 10.0 stays a float.
-        """
+        """Command line arguments that give a process its parameters and its namespace."""
         values = self.parameters(role, attempt)
         if role == "operator":
             values["result_file"] = str(self.result_file)
-        arguments = ["--ros-args"]
-        for name, value in values.items():
-            arguments += ["-p", f"{name}:={json.dumps(value)}"]
-        if self.namespace:
-            arguments += ["-r", f"__ns:={self.namespace}"]
-        return arguments
+        return ros_arguments(values, self.namespace)
+
+
+def ros_arguments(parameters: Mapping[str, object], namespace: str) -> list[str]:
+    """Parameters and namespace as command line arguments.
+
+    ROS reads a value as YAML, and JSON is YAML: so the name "2024" stays text and 10.0 stays a float.
+    """
+    arguments = ["--ros-args"]
+    for name, value in parameters.items():
+        arguments += ["-p", f"{name}:={json.dumps(value)}"]
+    if namespace:
+        arguments += ["-r", f"__ns:={namespace}"]
+    return arguments
 
 
 def replacement_of(text: str) -> tuple[str, str]:
