@@ -7,7 +7,7 @@ more, up to MOST_LAG, and where others of its topics go on even longer. Only one
 silent.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 
 from sojourn_bags.definitions import full_type
 from sojourn_bags.reading import Messages
@@ -23,17 +23,17 @@ class Answers:
     """Messages of the candidate by topic.
 
     Args:
-        due: stamps [ns] at which the run has an answer, by topic. lead: periods by which answers are stamped later
-            than what they answer.
+        due: stamps [ns] at which the run has an answer, by topic, rising; a range where nobody knows how long the run
+            will be. lead: periods by which answers are stamped later than what they answer.
     """
 
-    def __init__(self, due: Mapping[str, Iterable[int]], lead: int) -> None:
+    def __init__(self, due: Mapping[str, Sequence[int]], lead: int) -> None:
         self.newest = 0
         """Latest stamp of all [ns]."""
         self.count = 0
         """Messages so far."""
         self._lead = lead
-        self._due = {name: sorted(set(stamps)) for name, stamps in due.items()}
+        self._due = dict(due)
         self._place = dict.fromkeys(self._due, 0)
         self._latest = dict.fromkeys(self._due, 0)
         self._lag = dict.fromkeys(self._due, 0)

@@ -22,7 +22,7 @@ from sojourn_bags.completeness import OUTSIDE_THE_RECORD
 from sojourn_bags.errors import UnansweredError
 from sojourn_bags.reading import Messages
 from sojourn_bags.replay_answers import Answers
-from sojourn_bags.replay_script import HEARTBEATS, ReplayScript, Step
+from sojourn_bags.replay_script import HEARTBEATS, Script, Step
 from sojourn_contract import qos, stamps
 from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats
 from sojourn_contract.topics import Topic, outputs_of, topic
@@ -53,7 +53,7 @@ class ReplayHarness:
 
     def __init__(
         self,
-        script: ReplayScript,
+        script: Script,
         domain: int,
         namespace: str = "",
         timeout_s: float = 10.0,
@@ -65,8 +65,7 @@ class ReplayHarness:
         self._domain = domain
         self._timeout_s, self._ready_timeout_s = timeout_s, ready_timeout_s
         self._listener = listener
-        due = {name: stamps_of(messages) for name, messages in script.recorded.items() if name != HEARTBEATS}
-        self.answers = Answers(due, script.lead)
+        self.answers = Answers(script.due, script.lead)
         self._heartbeats = Answers({}, 0)
         self._ready_state, self._ready_detail = "", ""
         self._candidate: Candidate | None = None

@@ -7,6 +7,7 @@ sent by hand in the step under which the recorder has filed it.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from sojourn_bags.comparison import stamps_of, until
 from sojourn_bags.contract_version import check_contract
@@ -36,6 +37,25 @@ class Step:
     inputs: list[tuple[str, bytes]] = field(default_factory=list)
 
 
+class Script(Protocol):
+    """What a harness has to know of what it plays; attributes as in `ReplayScript`."""
+
+    @property
+    def role(self) -> str: ...
+    @property
+    def participants(self) -> tuple[str, ...]: ...
+    @property
+    def steps(self) -> tuple[Step, ...]: ...
+    @property
+    def inputs(self) -> tuple[Topic, ...]: ...
+    @property
+    def recorded(self) -> Mapping[str, Messages]: ...
+    @property
+    def lead(self) -> int: ...
+    @property
+    def due(self) -> Mapping[str, Sequence[int]]: ...
+
+
 @dataclass(frozen=True)
 class ReplayScript:
     """All of a replay.
@@ -58,6 +78,11 @@ class ReplayScript:
     def lead(self) -> int:
         """Periods by which an answer is stamped later than what it answers: the plant's truth is of the next one."""
         return 1 if self.role == "plant" else 0
+
+    @property
+    def due(self) -> dict[str, list[int]]:
+        """Stamps [ns] at which the run has an answer, by topic. Heartbeats are not waited for."""
+        return {name: sorted(set(stamps_of(each))) for name, each in self.recorded.items() if name != HEARTBEATS}
 
     @property
     def end(self) -> int:

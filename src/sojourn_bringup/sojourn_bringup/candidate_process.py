@@ -11,11 +11,10 @@ from typing import Any
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 
-from sojourn_bringup.child import Child
+from sojourn_bringup.child import STOP_S, Child
 from sojourn_bringup.environment import foreign_environment, is_ours, own_environment
 from sojourn_bringup.plan import ros_arguments
 from sojourn_bringup.process_table import process
-from sojourn_bringup.supervisor import STOP_S
 from sojourn_config.paths import ENVIRONMENT_VARIABLE
 
 

@@ -24,6 +24,7 @@ class RunPlan:
         participants: roles that take part, wherever they are started.
         started: those of them that this program starts.
         replacements: command that takes the place of a role's process.
+        shadows: command that runs beside a role's node and is compared with it.
         realtime: paced by the wall clock; else lock-step.
         domain, namespace: where the nodes meet; the namespace starts with a slash, or is empty.
         on_network: find nodes on other machines too.
@@ -37,6 +38,7 @@ class RunPlan:
     started: tuple[str, ...]
     overrides: tuple[str, ...] = ()
     replacements: Mapping[str, str] = field(default_factory=dict)
+    shadows: Mapping[str, str] = field(default_factory=dict)
     realtime: bool = False
     domain: int = 42
     namespace: str = ""
@@ -48,6 +50,10 @@ class RunPlan:
     def result_file(self) -> Path:
         """Where the operator writes what became of each step, when it is a process."""
         return self.run_dir / "goals.json"
+
+    def shadow_file(self, role: str) -> Path:
+        """Where the shadow of a role writes what it finds."""
+        return self.run_dir / f"shadow_{role}.json"
 
     def in_order_of_stop(self) -> tuple[str, ...]:
         """Roles started here, the plant first and the recorder last."""
@@ -96,15 +102,15 @@ def ros_arguments(parameters: Mapping[str, object], namespace: str) -> list[str]
     return arguments
 
 
-def replacement_of(text: str) -> tuple[str, str]:
-    """`drive=ros2 run my_rover drive` as (role, command). Raises UsageError."""
+def replacement_of(text: str, option: str = "--replace") -> tuple[str, str]:
+    """`drive=ros2 run my_rover drive`, given to an option, as (role, command). Raises UsageError."""
     role, _, command = text.partition("=")
     try:
         words = shlex.split(command)
     except ValueError as error:
-        raise UsageError(f"--replace {text}: the command cannot be read: {error}") from error
+        raise UsageError(f"{option} {text}: the command cannot be read: {error}") from error
     if not words:
-        raise UsageError(f"--replace {text}: allowed is NAME=COMMAND")
+        raise UsageError(f"{option} {text}: allowed is NAME=COMMAND")
     return role, command
 
 
