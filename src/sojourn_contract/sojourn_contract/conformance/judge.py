@@ -141,6 +141,11 @@ class Judge:
         self._finish_heartbeats(begin, until)
         return self.report
 
+    @property
+    def simulated_s(self) -> float:
+        """Simulation time from the first message of /clock to the last [s]."""
+        return stamps.seconds(self._clock - self._first_clock)
+
     def _hear(self, message: Any) -> bool:
         """Keep the heartbeats of the run. Returns whether the message is one."""
         running = [beat for beat in read_heartbeats(message) if beat.state == RUNNING]
