@@ -71,10 +71,10 @@ def show_report(screen: Console, report: Report, notes: Sequence[str], what: str
 
 
 def _table(*titles: str) -> Table:
-    """An empty table without frames; what does not fit goes on in the next line, and is never cut."""
+    """An empty table without frames; what does not fit goes on in the next line."""
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for title in titles:
-        table.add_column(title, overflow="fold")
+        table.add_column(title, overflow="fold", no_wrap=title is titles[0])
     return table
 
 
