@@ -77,6 +77,7 @@ class Judge:
             return
         if endpoint.publishes and endpoint.type != row.type:
             self._mistyped.add(topic)
+            self._stamps.pop(topic, None)  # nobody can read their stamps
         if topic in self._rules or not endpoint.publishes:
             self.report.add("endpoint", topic, None, endpoint_findings(row, endpoint, self._lockstep))
 
@@ -130,7 +131,7 @@ class Judge:
         rows = [
             row
             for name, row in self._rows.items()
-            if name in self._rules and not row.is_event and row.publisher in self._judged
+            if name in self._rules and name in self._stamps and not row.is_event and row.publisher in self._judged
             if self._lockstep or row.logged  # the recorder paces nobody in real time
         ]
         if self._lockstep:
