@@ -1,55 +1,23 @@
 """Bags judged by the contract: clean, broken, cut off, of another contract, or no bag of a run at all."""
 
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from clean_run import PERIODS, CleanRun, explorer, kinds
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from recorded_run import write
 from synthetic import CHANNELS, PERIOD, cdr
 
-from sojourn_bags.completeness import RECORD, account
-from sojourn_bags.definitions import ChannelSpec, qos_entry
-from sojourn_bags.description import Run
-from sojourn_bags.judging import UnjudgeableBagError, judge_bag, machine_of
-from sojourn_bags.provenance import CONTRACT_NAME, RUN_RECORD, contract_attachment
+from sojourn_bags.definitions import ChannelSpec, offered_entries, qos_entry
+from sojourn_bags.judging import UnjudgeableBagError, endpoints_of, judge_bag, machine_of
+from sojourn_bags.provenance import CONTRACT_NAME, contract_attachment
 from sojourn_bags.reading import read_bag
 from sojourn_bags.writer import Attachment, BagWriter
-from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos
 from sojourn_contract.description import contract_data
 from sojourn_contract.topics import ROLES, TOPICS
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "contract"))
-from clean_run import PERIODS, CleanRun, explorer, kinds
-
-
-def write(
-    folder: Path,
-    run: CleanRun,
-    *,
-    contract: Attachment | None = None,
-    lockstep: bool = True,
-    described: bool = True,
-    types: dict[str, str] | None = None,
-    offered: dict[str, str] | None = None,
-) -> Path:
-    """Write a run as our recorder would. types, offered: by topic, another type or reliability than the table's."""
-    specs = []
-    for row in TOPICS:
-        entry = qos_entry(qos.profile(row, lockstep, row.publisher))
-        entry["reliability"] = (offered or {}).get(row.name, entry["reliability"])
-        specs.append(ChannelSpec(row.name, (types or {}).get(row.name, row.type), entry))
-    attachments = Run.of_scenario(load_scenario("flat_drive")).attachments() if described else []
-    writer = BagWriter(folder, specs, [*attachments, *([contract] if contract else [])])
-    for entry in sorted(run.entries, key=lambda entry: entry.logged or 0):
-        data = entry.message if isinstance(entry.message, bytes) else cdr(entry.message)
-        writer.write(CHANNELS[entry.topic], entry.logged or 0, entry.stamp, data)
-    recorded = writer.recorded()
-    record = {"participants": ",".join(ROLES), "lockstep": str(lockstep).lower()}
-    records = {RUN_RECORD: record, RECORD: account(TOPICS, recorded, recorded, PERIODS * PERIOD).as_record()}
-    writer.close(records if contract else {})
-    return folder
 
 
 def judged(folder: Path, **wishes: Any) -> tuple[set[tuple[str, str, str]], list[str]]:
@@ -108,6 +76,22 @@ def test_another_type_and_another_quality_of_service(tmp_path: Path) -> None:
     )
     found, _ = judged(folder)
     assert found == {("endpoint", "/battery_state", "type"), ("endpoint", "/odom", "qos.reliability")}
+
+
+def test_a_bag_says_what_its_publishers_offer(tmp_path: Path) -> None:
+    """The profiles asked at the first message, history and depth as the table has them."""
+    row = TOPICS[0]
+    nominal = qos_entry(qos.profile(row, True))
+    loose = QoSProfile(depth=3, reliability=ReliabilityPolicy.BEST_EFFORT)
+    tight = QoSProfile(depth=3)
+    entries = offered_entries(nominal, [loose, tight, loose])
+    assert [entry["reliability"] for entry in entries] == ["best_effort", "reliable"]
+    assert {entry["depth"] for entry in entries} == {10}
+    writer = BagWriter(tmp_path / "bag", [ChannelSpec(row.name, row.type, nominal)], (), lambda spec: entries)
+    writer.write(0, PERIOD, PERIOD, cdr(CleanRun().one("/clock")))
+    writer.close()
+    told = read_bag(tmp_path / "bag")["/clock"]
+    assert [endpoint.reliability for endpoint in endpoints_of(told)] == ["best_effort", "reliable"]
 
 
 def test_a_message_that_cannot_be_decoded(tmp_path: Path) -> None:
