@@ -109,6 +109,7 @@ class StandInDrive(Node):
         rolled = WHEEL_RADIUS * sum(joints.position[place] for place in wheels) / len(wheels)
         step = 0.0 if self.rolled is None else rolled - self.rolled
         self.rolled, self.distance = rolled, self.distance + step
+        self.speed = step * 1e9 / PERIOD
         for goal in [goal for goal in self.goals if stamp_of(goal) <= stamp]:
             self.goals.remove(goal)
             self.goal_stamp, self.state = stamp_of(goal), "moving"
@@ -123,6 +124,7 @@ class StandInDrive(Node):
         odometry.header.frame_id = "odom"
         odometry.header.stamp = Time(nanoseconds=stamp).to_msg()
         odometry.pose.pose.position.x = self.distance
+        odometry.twist.twist.linear.x = self.speed
         self.publish("odom", odometry)
         if self.period % 50 == 0:
             goal, to_go = self.goal_stamp, f"{self.to_go:.3f}"
