@@ -9,15 +9,17 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from clean_run import PERIOD, CleanRun
+from clean_run import PERIOD, CleanRun, explorer
 from recorded_run import write
 
 from sojourn_bags.provenance import contract_attachment
 from sojourn_bringup import contract_tool
-from sojourn_bringup.contract_live import FOUND_S
+from sojourn_bringup.contract_live import FOUND_S, LiveStack
 from sojourn_bringup.errors import UsageError
+from sojourn_contract.conformance.endpoints import Endpoint
+from sojourn_contract.conformance.judge import Judge
 from sojourn_contract.description import contract_data, contract_differences
-from sojourn_contract.topics import TOPICS
+from sojourn_contract.topics import ROLES, TOPICS, inputs_of, outputs_of
 
 WORDS = (
     "Lock-step", "Heartbeats", "published /topic", "ready", "running", "0.02 s", "best effort, keep last 1",
@@ -171,3 +173,44 @@ def test_nothing_runs() -> None:
     assert done.stderr.splitlines() == [
         "no stack runs on domain 228: nobody publishes /clock (start one with scripts/start.py)"
     ]
+
+
+def stack(lockstep: bool = True) -> LiveStack:
+    """A stack in which each role has the endpoints that it should."""
+    endpoints: dict[str, list[tuple[str, Endpoint]]] = {row.name: [] for row in TOPICS}
+    for role in ROLES:
+        for row in outputs_of(role):
+            endpoints[row.name].append((role, Endpoint(row.type)))
+        for row in inputs_of(role):
+            endpoints[row.name].append((role, Endpoint(row.type, publishes=False)))
+    return LiveStack(lockstep, {role: role for role in ROLES}, endpoints)
+
+
+def endpoint_kinds(live: LiveStack, *roles: str) -> set[tuple[str, str, str]]:
+    judge = Judge(explorer(), lockstep=live.lockstep, participants=ROLES, roles=roles)
+    live.judge_endpoints(judge, roles)
+    return {(group.rule, group.topic, group.first[0].finding.field) for group in judge.report.groups}
+
+
+def test_endpoints_of_a_running_stack() -> None:
+    assert not endpoint_kinds(stack(), *ROLES)
+    live = stack()
+    live.endpoints["/odom"] = [entry for entry in live.endpoints["/odom"] if entry[0] != "drive"]
+    live.endpoints["/waypoints"] = [entry for entry in live.endpoints["/waypoints"] if entry[0] != "drive"]
+    live.endpoints["/wheel_command"].append(("another", Endpoint("sensor_msgs/JointState")))
+    asks_for_more = Endpoint("sensor_msgs/Imu", durability="transient_local", publishes=False)
+    live.endpoints["/imu/data"].append(("viewer", asks_for_more))
+    assert endpoint_kinds(live, "drive") == {
+        ("endpoint", "/odom", "publisher of drive"),
+        ("endpoint", "/waypoints", "subscription of drive"),
+        ("endpoint", "/wheel_command", "publishers"),
+    }
+    assert not endpoint_kinds(live, "arm"), "the affair of others"
+
+
+def test_a_node_is_found_by_its_own_name_too() -> None:
+    live = stack()
+    live.nodes["drive"] = "my_drive"
+    assert live.role_of("my_drive") == live.role_of("drive") == "drive"
+    with pytest.raises(UsageError, match="allowed is one of plant"):
+        live.role_of("his_drive")

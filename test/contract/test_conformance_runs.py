@@ -55,6 +55,12 @@ def test_a_silent_role_is_found_on_each_of_its_topics() -> None:
     assert counts["/odom"] == PERIODS - 1 - 40, "up to the period before the last, which may be under way"
 
 
+def test_no_clock_at_all() -> None:
+    run = CleanRun()
+    run.drop("/clock", lambda entry: True)
+    assert counters_too(kinds(run.judge()), "/clock") == {("answer", "/clock", "header.stamp")}
+
+
 def test_a_message_twice() -> None:
     run = CleanRun()
     run.add("/imu/data", AT, run.one("/imu/data", 39))

@@ -127,7 +127,7 @@ class Judge:
         """
         begin = 0 if self._from_start else self._first_clock
         if until is None:
-            until = self._clock - (stamps.CONTROL_PERIOD_NS if self._from_start else stamps.NANOSECONDS)
+            until = self._newest() - (stamps.CONTROL_PERIOD_NS if self._from_start else stamps.NANOSECONDS)
         rows = [
             row
             for name, row in self._rows.items()
@@ -149,6 +149,11 @@ class Judge:
     def simulated_s(self) -> float:
         """Simulation time from the first message of /clock to the last [s]."""
         return stamps.seconds(self._clock - self._first_clock)
+
+    def _newest(self) -> int:
+        """Where the run has got to [ns]: by /clock, and where that is missing by whatever was sent at a rate."""
+        periodic = (found for name, found in self._stamps.items() if found and not self._rows[name].is_event)
+        return self._clock or max((max(found) for found in periodic), default=0)
 
     def _count(self, topic: str) -> None:
         if topic in self._rules:
