@@ -59,6 +59,7 @@ def test_no_clock_at_all() -> None:
     run = CleanRun()
     run.drop("/clock", lambda entry: True)
     assert counters_too(kinds(run.judge()), "/clock") == {("answer", "/clock", "header.stamp")}
+    assert ("rate", "/clock", "header.stamp") in kinds(run.judge(lockstep=False))
 
 
 def test_a_message_twice() -> None:

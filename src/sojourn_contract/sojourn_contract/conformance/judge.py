@@ -139,8 +139,7 @@ class Judge:
             for row, stamp, found in missing:
                 self.report.add("answer", row.name, stamp, [found])
         else:
-            lossless = [row for row in rows if row.name != CLOCK or self._clock]
-            for row, stamp, found in rate_findings(lossless, self._stamps, begin, until):
+            for row, stamp, found in rate_findings(rows, self._stamps, begin, until):
                 self.report.add("rate", row.name, stamp, [found])
         self._finish_heartbeats(begin, until)
         return self.report
