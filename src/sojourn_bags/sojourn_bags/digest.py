@@ -51,13 +51,13 @@ def _fields(messages: Messages) -> Iterator[str]:
     if messages.type == _STATUSES:
         yield from _status_fields(messages)
         return
-    texts: dict[str, list[str]] = {}
+    told: dict[str, list[str]] = {}
     for group in messages.groups:
         for path in group.layout.texts:
-            texts.setdefault(path, []).append(group.text(path))
-    for path, values in texts.items():
+            told.setdefault(path, []).append(group.text(path))
+    for path, texts in told.items():
         if not path.startswith(("name[", "fields[")):
-            yield _text_line(path, values)
+            yield _text_line(path, texts)
     numbers = {path: messages.column(path) for path in messages.fields() if not _is_structure(path)}
     if messages.type == _JOINTS:
         joints = messages.joints()
@@ -80,11 +80,11 @@ def _status_fields(messages: Messages) -> Iterator[str]:
             found.setdefault(f"{status.name}: level", []).append(str(int(status.level)))
             for pair in status.values:
                 found.setdefault(f"{status.name}: {pair.key}", []).append(pair.value)
-    for path, values in found.items():
+    for path, texts in found.items():
         try:
-            yield _number_line(path, np.array([float(value) for value in values]))
+            yield _number_line(path, np.array([float(text) for text in texts]))
         except ValueError:
-            yield _text_line(path, values)
+            yield _text_line(path, texts)
 
 
 def _number_line(path: str, values: NDArray[np.float64]) -> str:
