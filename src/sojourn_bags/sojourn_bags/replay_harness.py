@@ -12,7 +12,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Header
 
@@ -125,6 +125,8 @@ class ReplayHarness:
             self._say_ready()
             if ended := self._ended():
                 raise UnansweredError(f"{self.script.role} {ended} (it was not ready yet)")
+            if unfit := self._unfit():
+                raise UnansweredError(f"{self.script.role} cannot be heard: {unfit}")
             if waited > self._ready_timeout_s:
                 raise UnansweredError(
                     f"{self.script.role} is not ready after {waited:.0f} s of wall time: {self._why_not_ready()}"
@@ -155,25 +157,29 @@ class ReplayHarness:
     def _why_not_ready(self) -> str:
         """The first reason that can be seen from outside."""
         for row in self._outputs:
-            full = self._node.resolve_topic_name(row.name.lstrip("/"))
-            offers = [
-                info
-                for info in self._node.get_publishers_info_by_topic(full)
-                if info.node_name not in (self._node.get_name(), self._others.get_name())
-            ]
-            if not offers:
+            if not self._offers(row):
                 return f"it does not publish {row.name}"
-            wanted = qos.profile(row, True).reliability
-            if offers[0].qos_profile.reliability is not wanted:
-                offered = offers[0].qos_profile.reliability.name.lower().replace("_", " ")
-                asked = wanted.name.lower().replace("_", " ")
-                return f"it offers {row.name} as {offered}, the contract says {asked}"
         if unheard := self._unheard():
             return f"it does not listen to {unheard[0]}"
         if not self._ready_state:
             return f"no heartbeat of {self.script.role} with stamp zero has come on {HEARTBEATS}"
         detail = f" ({self._ready_detail})" if self._ready_detail else ""
         return f"its heartbeat says {self._ready_state!r}{detail}"
+
+    def _unfit(self) -> str:
+        """An output whose quality of service the others' subscriptions cannot take, in words; "" without one."""
+        for row in self._outputs:
+            wanted = qos.profile(row, True).reliability
+            for offer in self._offers(row):
+                if wanted is ReliabilityPolicy.RELIABLE and offer.qos_profile.reliability is not wanted:
+                    return f"it offers {row.name} as best effort, the contract says reliable"
+        return ""
+
+    def _offers(self, row: Topic) -> list[Any]:
+        """Publishers of a topic that are not the harness's own."""
+        found = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(row.name.lstrip("/")))
+        own = (self._node.get_name(), self._others.get_name())
+        return [info for info in found if info.node_name not in own]
 
     # During the run
 
