@@ -135,7 +135,7 @@ def strips(axis: TimeAxis, rows: Sequence[tuple[str, Sequence[Span]]], label: st
             if width > 6.5 * len(span.text) + 6.0:
                 ink = "#ffffff" if _is_dark(span.color) else "#222222"
                 parts.append(
-                    f'<text class="word" fill="{ink}" x="{begin + 4:.1f}" y="{place + 13:.0f}">{escape(span.text)}</text>'
+                    f'<text class="word" style="fill:{ink}" x="{begin + 4:.1f}" y="{place + 13:.0f}">{escape(span.text)}</text>'
                 )
     return _svg(height, parts, label)
 

@@ -10,7 +10,7 @@ from sojourn_bags.completeness import RECORD
 from sojourn_bags.description import CONFIGURATION_NAME
 from sojourn_bags.page.chart import Span, strips
 from sojourn_bags.page.html import Section, figure, paragraph, table
-from sojourn_bags.page.story import ARM_SHADE, DRIVE_SHADE, STATUS, Story
+from sojourn_bags.page.story import ARM_SHADE, STATUS, Story
 from sojourn_bags.provenance import RUN_RECORD, VERSIONS_NAME
 from sojourn_bags.recovery import RECOVERY_RECORD
 from sojourn_bags.summary import messages
@@ -42,9 +42,8 @@ def goals(story: Story) -> Section:
         for span in story.axis.spans:
             lanes["arm" if span.color == ARM_SHADE else "drive"].append(span)
         rows_of_spans = [(name, spans) for name, spans in lanes.items() if spans]
-        note = f"Blue ({DRIVE_SHADE}) is a drive goal, violet ({ARM_SHADE}) one of the arm; the charts below are shaded alike."
-        parts.append(figure("When each goal was under way", strips(story.axis, rows_of_spans, "goals"),
-                            note.replace(f" ({DRIVE_SHADE})", "").replace(f" ({ARM_SHADE})", "")))  # fmt: skip
+        note = "Blue is a drive goal, violet one of the arm; the charts below are shaded alike."
+        parts.append(figure("When each goal was under way", strips(story.axis, rows_of_spans, "goals"), note))
     else:
         parts.append(paragraph("No goal was sent."))
     if story.summary["steps_not_sent"]:
@@ -143,12 +142,12 @@ def completeness(story: Story) -> Section:
     bag = story.bag
     parts = []
     if not bag.whole:
-        parts.append(paragraph("The file is cut off or damaged: what is drawn is what could be read. scripts/recover mends it "
-                               "and says what is lost."))  # fmt: skip
+        parts.append(paragraph("The file is cut off or damaged: what is drawn is what could be read. scripts/recover "
+                               "mends it and says what is lost."))  # fmt: skip
     recovery = bag.records.get(RECOVERY_RECORD)
     if recovery:
-        parts.append(paragraph(f"This bag was mended from {recovery.get('original', '?')}, which was damaged from byte "
-                               f"{recovery.get('damage_at_byte', '?')} on ({recovery.get('damage', '?')})."))  # fmt: skip
+        parts.append(paragraph(f"This bag was mended from {recovery.get('original', '?')}, damaged from byte "
+                               f"{recovery.get('damage_at_byte', '?')} on: {recovery.get('damage', '?')}."))  # fmt: skip
     if RECORD not in bag.records:
         parts.append(
             paragraph("The recorder has left no account in it: how many messages were published is not known.")
@@ -162,8 +161,9 @@ def completeness(story: Story) -> Section:
         span = float(stamps.max() - stamps.min()) if stamps.size > 1 else 0.0
         rate = f"{(stamps.size - 1) / span:.2f}" if span > 0.0 and stamps.size > 2 else ""
         gap = f"{np.diff(np.sort(stamps)).max():.2f}" if stamps.size > 2 else ""
-        rows.append([name, bag[name].type.replace("/msg/", "/") if name in bag else "", rate, gap,
-                     "not counted" if published is None else str(published), str(recorded), str(lost) if lost else ""])  # fmt: skip
+        kind = bag[name].type.replace("/msg/", "/") if name in bag else ""
+        sent = "not counted" if published is None else str(published)
+        rows.append([name, kind, rate, gap, sent, str(recorded), str(lost) if lost else ""])
         bad.append(bool(lost))
     head = ("topic", "type", "rate [Hz]", "longest gap [s]", "published", "recorded", "lost")
     parts.append(table(head, rows, (2, 3, 4, 5, 6), bad))
@@ -194,12 +194,18 @@ def provenance(story: Story) -> Section:
         parts.append(paragraph("The bag does not say with which versions it was made."))
     files = [name for name in bag.attachments if name != VERSIONS_NAME]
     if files:
-        digests = [[name + (" (all values as used)" if name == CONFIGURATION_NAME else ""), str(len(bag.attachments[name])),
-                    hashlib.sha256(bag.attachments[name]).hexdigest()[:16]] for name in files]  # fmt: skip
+        digests = [
+            [_explained(name), str(len(bag.attachments[name])), hashlib.sha256(bag.attachments[name]).hexdigest()[:16]]
+            for name in files
+        ]
         parts.append("<h3>Configuration</h3>" + table(("file", "bytes", "SHA-256, first 16 digits"), digests, (1,)))
     else:
         parts.append(paragraph("No configuration is attached."))
     return Section("provenance", "Provenance", "".join(parts))
+
+
+def _explained(name: str) -> str:
+    return f"{name} (all values as used)" if name == CONFIGURATION_NAME else name
 
 
 def _seconds(value: float) -> str:
