@@ -14,10 +14,13 @@ from sojourn_bags.writer import Attachment
 from sojourn_config.errors import ConfigError
 from sojourn_config.paths import repository_root
 from sojourn_config.scenario import load_scenario
+from sojourn_contract.description import contract_data
 
 RUN_RECORD = "sojourn_run"
 """Name of the metadata record that describes the run."""
 VERSIONS_NAME = "versions.json"
+CONTRACT_NAME = "contract.json"
+"""The contract under which the run was recorded, as `scripts/contract show --format json` prints it."""
 PACKAGES = (
     *(f"sojourn_{part}" for part in ("mechanics", "config", "contract", "plant", "sensors", "drive", "arm", "power")),
     "sojourn_bags",
@@ -38,12 +41,18 @@ def attachments(scenario: str, overrides: Sequence[str] = ()) -> list[Attachment
 
     Raises ConfigError if the scenario is wrong.
     """
-    return [*Run.of_scenario(load_scenario(scenario, overrides)).attachments(), versions_attachment()]
+    described = Run.of_scenario(load_scenario(scenario, overrides)).attachments()
+    return [*described, versions_attachment(), contract_attachment()]
 
 
 def versions_attachment() -> Attachment:
     """Versions of everything that shaped the run."""
     return Attachment(VERSIONS_NAME, "application/json", json.dumps(versions(), indent=2).encode())
+
+
+def contract_attachment() -> Attachment:
+    """The contract of the run."""
+    return Attachment(CONTRACT_NAME, "application/json", json.dumps(contract_data(), indent=1).encode())
 
 
 def versions() -> dict[str, str]:

@@ -75,12 +75,14 @@ class Messages:
 
     Attributes:
         topic: name. type: "package/msg/Name". log_times: [ns]. data: CDR of each.
+        offered_qos: profiles of its publishers, YAML text as rosbag2 writes it.
     """
 
     topic: str
     type: str
     log_times: list[int] = field(default_factory=list)
     data: list[bytes] = field(default_factory=list)
+    offered_qos: str = ""
 
     def __len__(self) -> int:
         return len(self.data)
@@ -252,6 +254,7 @@ def read_bag(path: Path | str) -> Bag:
             schemas[record.id] = record.name
         elif isinstance(record, Channel) and record.id not in channels:
             messages = bag.topics.setdefault(record.topic, Messages(record.topic, schemas.get(record.schema_id, "")))
+            messages.offered_qos = messages.offered_qos or record.metadata.get("offered_qos_profiles", "")
             channels[record.id] = messages
         elif isinstance(record, Attachment):
             bag.attachments[record.name] = record.data
