@@ -24,9 +24,11 @@ SECTIONS = (
 )
 
 
-def write_page(bag: Bag, path: Path) -> Story:
-    """Write the page of a bag. Returns what it tells."""
+def write_page(bag: Bag, path: Path, judged: bool = True) -> Story:
+    """Write the page of a bag, with its messages judged by the contract or without. Returns what it tells."""
     story = Story(bag)
+    if judged:
+        story.judge()
     sections = [make(story) for make in SECTIONS]
     name = story.run.name if story.run else bag.path.name
     script = POINTER % (LEFT, RIGHT, story.axis.begin, story.axis.end)
@@ -90,6 +92,8 @@ def _numbers(story: Story) -> list[Tile]:
         )
     refused = sum(sum(beats[-1][1].refused.values()) for beats in record.heartbeats_of(story).values())
     found.append(Tile("messages refused", str(refused)))
+    if story.judgement is not None:
+        found.append(Tile("contract violations", str(story.judgement.violations)))
     found.append(Tile("record", "complete" if summary["complete"] else "not complete",
                       f"{sum(len(messages) for messages in story.bag.topics.values())} messages"))  # fmt: skip
     return found

@@ -14,8 +14,9 @@ from sojourn_bags.page.story import ARM_SHADE, STATUS, Story
 from sojourn_bags.provenance import RUN_RECORD, VERSIONS_NAME
 from sojourn_bags.recovery import RECOVERY_RECORD
 from sojourn_bags.summary import messages
-from sojourn_bags.violations import violations
+from sojourn_contract.conformance.findings import number_text
 from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
+from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topics import TOPICS
 
 MOST_ROWS = 60
@@ -124,17 +125,21 @@ def _changes(story: Story, beats: Mapping[str, list[tuple[float, Heartbeat]]]) -
 
 def contract(story: Story) -> Section:
     """Violations of the contract."""
-    found = violations(story.bag)
-    if found is None:
-        text = "Not judged: the judge of the contract is not part of this version."
-        return Section("contract", "Contract", paragraph(text))
-    if not found:
-        return Section("contract", "Contract", paragraph("No message violates the contract."))
-    rows = [[_seconds(item.stamp_s), item.topic, item.field, item.value, item.allowed] for item in found[:MOST_ROWS]]
-    more = len(found) - len(rows)
-    text = f"{len(found)} violations" + (f"; the first {len(rows)} are shown." if more else ".")
-    head = ("stamp [s]", "topic", "field", "value", "allowed")
-    return Section("contract", "Contract", paragraph(text) + table(head, rows, (0,), [True] * len(rows)))
+    parts = [paragraph(story.judgement_in_words)]
+    parts += [paragraph(note[:1].upper() + note[1:] + ".", quiet=True) for note in story.judgement_notes]
+    groups = story.judgement.groups if story.judgement is not None else []
+    if groups:
+        rows = []
+        for group in groups[:MOST_ROWS]:
+            first = group.first[0]
+            worst = number_text((group.worst or first).finding.value)
+            stamp = "" if first.stamp is None else _seconds(first.stamp / NANOSECONDS)
+            finding = first.finding
+            rows.append([group.topic, finding.field, group.rule, str(group.count), stamp, number_text(finding.value),
+                         worst, finding.allowed])  # fmt: skip
+        head = ("topic", "field", "rule", "count", "first at [s]", "first value", "worst value", "allowed")
+        parts.append(table(head, rows, (3, 4), [True] * len(rows)))
+    return Section("contract", "Contract", "".join(parts))
 
 
 def completeness(story: Story) -> Section:
