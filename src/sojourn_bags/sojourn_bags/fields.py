@@ -1,7 +1,7 @@
 """Any field of a bag over time, by the name that a person types: TOPIC.FIELD, TOPIC.FIELD[INDEX] or TOPIC.FIELD[NAME].
 
 A field that holds several numbers gives a series each: a vector its parts, an array its elements, joint states their
-joints, contacts their wheels and pads. A DiagnosticArray has its keys as fields.
+joints, contacts their wheels and those pads that touch the ground. A DiagnosticArray has its keys as fields.
 """
 
 import re
@@ -21,6 +21,7 @@ from sojourn_contract.topics import TOPICS, FieldRule
 
 CONTACTS = "/truth/contacts"
 NEAREST = 5
+CLOUD = "sensor_msgs/msg/PointCloud2"
 JOINT_FIELDS = ("position", "velocity", "effort")
 SUFFIX_UNITS = {
     "_rad_s": "rad/s",
@@ -100,7 +101,7 @@ def _parts(bag: Bag, messages: Messages, path: str) -> list[tuple[str, FloatArra
     """Name below the topic and values, for each number that the path names."""
     columns = _columns(bag, messages, path)
     if columns is not None:
-        return columns
+        return _touched(columns) if messages.type == CLOUD else columns
     chosen = _SELECTED.fullmatch(path)
     if chosen is None:
         return []
@@ -115,6 +116,11 @@ def _parts(bag: Bag, messages: Messages, path: str) -> list[tuple[str, FloatArra
         return [columns[int(which)]]
     names = [name for name, _ in columns]
     raise UnknownFieldError(f"{messages.topic}.{path}", "is not in the bag", _nearest(path, names) or names[:NEAREST])
+
+
+def _touched(columns: list[tuple[str, FloatArray]]) -> list[tuple[str, FloatArray]]:
+    """Points of a cloud without those that are zero throughout, as pads that never touch the ground, if any are not."""
+    return [column for column in columns if np.nan_to_num(column[1]).any()] or columns
 
 
 def _columns(bag: Bag, messages: Messages, path: str) -> list[tuple[str, FloatArray]] | None:

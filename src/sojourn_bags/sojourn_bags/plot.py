@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from sojourn_bags.curves import COLORS, thinned
 from sojourn_bags.fields import Series
 
-WIDTH, PANEL, DOTS_PER_INCH = 12.0, 3.0, 110
+WIDTH, PANEL, LEGEND_LINE, DOTS_PER_INCH = 12.0, 3.0, 0.18, 110
+"""Sizes [inch]."""
 DASHES = ("-", "--", ":", "-.")
 
 
@@ -26,10 +27,11 @@ def by_unit(found: Sequence[Series]) -> dict[str, list[Series]]:
 def draw(found: Sequence[Series], path: Path, title: str) -> None:
     """Draw series into a picture; those of one unit share a panel."""
     panels = by_unit(found)
-    figure = Figure(figsize=(WIDTH, 0.8 + PANEL * len(panels)), dpi=DOTS_PER_INCH, layout="constrained")
+    heights = [max(PANEL, 0.6 + LEGEND_LINE * len(group)) for group in panels.values()]
+    figure = Figure(figsize=(WIDTH, 0.8 + sum(heights)), dpi=DOTS_PER_INCH, layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(title, x=0.01, ha="left", fontsize=11)
-    grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     for axes, (unit, group) in zip(grid, panels.items(), strict=True):
         for number, one in enumerate(group):
             style = DASHES[number // len(COLORS) % len(DASHES)]
@@ -46,7 +48,7 @@ def draw(found: Sequence[Series], path: Path, title: str) -> None:
 
 
 def write_table(found: Sequence[Series], path: Path) -> None:
-    """Series as CSV: a row for each stamp, a column for each series, empty where a series has no value at that stamp."""
+    """Series as CSV: a row for each stamp, a column for each series, empty where it has no value there."""
     stamps = np.unique(np.concatenate([one.times for one in found]))
     columns = []
     for one in found:

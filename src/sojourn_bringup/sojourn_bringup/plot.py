@@ -1,4 +1,4 @@
-"""Draws fields of a bag over time: scripts/plot BAG TOPIC.FIELD ... writes a picture and prints least, mean, greatest."""
+"""Draws fields of a bag over time: scripts/plot BAG TOPIC.FIELD ... writes a picture and prints min, mean, max."""
 
 from argparse import RawDescriptionHelpFormatter
 from collections.abc import Sequence
@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 
 from sojourn_bags.errors import BagsError
 from sojourn_bags.fields import Series, series
@@ -39,20 +38,15 @@ def parser() -> options.Parser:
     return result
 
 
-def summary(found: Sequence[Series]) -> Table:
-    """Least, mean and greatest value of each series."""
-    table = Table(box=None, pad_edge=False)
-    table.add_column("field", overflow="fold")
-    table.add_column("unit")
-    for name in ("messages", "min", "mean", "max"):
-        table.add_column(name, justify="right")
+def summary(found: Sequence[Series]) -> str:
+    """Least, mean and greatest value of each series, a line each; the name stands last, as it is the longest."""
+    lines = [f"{'min':>13} {'mean':>13} {'max':>13} {'values':>8}  field"]
     for one in found:
         values = one.values[np.isfinite(one.values)]
-        numbers = (
-            [f"{value:.6g}" for value in (values.min(), values.mean(), values.max())] if values.size else ["-"] * 3
-        )
-        table.add_row(one.name.replace("[", "\\["), one.unit, str(len(one.values)), *numbers)
-    return table
+        numbers = (values.min(), values.mean(), values.max()) if values.size else (np.nan,) * 3
+        unit = f" [{one.unit}]" if one.unit else ""
+        lines.append(" ".join(f"{number:13.6g}" for number in numbers) + f" {values.size:8d}  {one.name}{unit}")
+    return "\n".join(lines)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -64,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise UsageError(f"--out {picture}: allowed is a name that ends in .png, .pdf or .svg")
     try:
         bag = read_bag(given.bag)
-        found = [one for text in given.fields for one in series(bag, text)]
+        found = list({one.name: one for text in given.fields for one in series(bag, text)}.values())
         draw(found, picture, str(bag.path) + ("" if bag.whole else " (cut off)"))
         if given.csv:
             write_table(found, given.csv)
@@ -72,7 +66,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise UsageError(str(error)) from error
     except OSError as error:
         raise UsageError(f"{error.filename}: {error.strerror}") from error
-    console.print(summary(found))
+    console.print(summary(found), markup=False)
     console.print(" and ".join(str(path) for path in (picture, given.csv) if path), markup=False)
     return 0
 

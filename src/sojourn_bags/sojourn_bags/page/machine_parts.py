@@ -117,8 +117,8 @@ def arm(story: Story) -> Section:
         figure(f"Joint angles, {name} and commanded", chart(story.axis, angle_curves, "angle [degree]", height=240.0))
     ]
     if error_curves:
-        parts.append(figure("Commanded angle less true angle, at the same stamp" if states else "Commanded less measured angle",
-                            chart(story.axis, error_curves, "error [mrad]")))  # fmt: skip
+        title = f"Commanded less {name} angle, at the same stamp"
+        parts.append(figure(title, chart(story.axis, error_curves, "error [mrad]")))
     efforts = joints.effort[:, [joints.index(joint) for joint in names]]
     if np.isfinite(efforts).any():
         curves = wheel_curves(times, efforts, [short_name(joint) for joint in names])

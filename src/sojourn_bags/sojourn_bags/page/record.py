@@ -81,8 +81,9 @@ def diagnostics(story: Story) -> Section:
             others = sorted({beat.state for _, beat in beats} - {RUNNING})
             words = [f"{state} at {_seconds(next(time for time, beat in beats if beat.state == state))} s"
                      for state in others]  # fmt: skip
-            rows.append([role, str(len(beats)), _seconds(times[0]), _seconds(times[-1]), _seconds(gap), refused or "none",
-                         last.values.get("last refusal", ""), "; ".join(words)])  # fmt: skip
+            seconds = [_seconds(time) for time in (times[0], times[-1], gap)]
+            refusal = last.values.get("last refusal", "")
+            rows.append([role, str(len(beats)), *seconds, refused or "none", refusal, "; ".join(words)])
             bad.append(bool(refused or others or gap > 1.5 * HEARTBEAT_S))
         head = ("node", "heartbeats", "first [s]", "last [s]", "longest gap [s]", "messages refused", "last refusal",
                 "other states than running")  # fmt: skip
@@ -151,8 +152,8 @@ def completeness(story: Story) -> Section:
                                "mends it and says what is lost."))  # fmt: skip
     recovery = bag.records.get(RECOVERY_RECORD)
     if recovery:
-        parts.append(paragraph(f"This bag was mended from {recovery.get('original', '?')}, damaged from byte "
-                               f"{recovery.get('damage_at_byte', '?')} on: {recovery.get('damage', '?')}."))  # fmt: skip
+        original, damage, at = (recovery.get(key, "?") for key in ("original", "damage", "damage_at_byte"))
+        parts.append(paragraph(f"This bag was mended from {original}, damaged from byte {at} on: {damage}."))
     if RECORD not in bag.records:
         parts.append(
             paragraph("The recorder has left no account in it: how many messages were published is not known.")
