@@ -10,7 +10,7 @@ from sojourn_bags.errors import BagsError
 from sojourn_bags.page.page import write_page
 from sojourn_bags.reading import Bag, bag_file, read_bag
 from sojourn_bags.report import write_report
-from sojourn_bags.summary import summarise, write_summary
+from sojourn_bags.summary import goal_lines, summarise, write_summary
 from sojourn_bringup import options
 from sojourn_bringup.errors import UsageError
 
@@ -42,10 +42,8 @@ def place_of(bag: Path) -> Path:
 def say(summary: dict[str, Any], console: Console) -> None:
     """Verdict, and what became of each goal."""
     console.print(str(summary["verdict"]), markup=False)
-    for goal in summary["goals"]:
-        error = "" if goal["error_m"] is None else f", {1000.0 * goal['error_m']:.1f} mm from the target in truth"
-        reason = f" ({goal['reason']})" if goal["reason"] else ""
-        console.print(f"  {goal['goal']}: {goal['outcome']}{error}{reason}", markup=False)
+    for line in goal_lines(summary):
+        console.print(line, markup=False)
 
 
 def _picture(bag: Bag, picture: Path, console: Console) -> None:

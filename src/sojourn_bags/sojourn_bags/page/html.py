@@ -21,7 +21,7 @@ nav a { margin-right: 14px; white-space: nowrap; }
 table { border-collapse: collapse; font-size: 13px; margin: 6px 0; }
 th, td { text-align: left; padding: 2px 14px 2px 0; border-bottom: 1px solid #e6e6e6; vertical-align: top; }
 th { border-bottom: 2px solid #bbb; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
-td { overflow-wrap: anywhere; } tr.bad td { background: #fde8dc; font-weight: 600; }
+td { overflow-wrap: break-word; } td.n { white-space: nowrap; } tr.bad td { background: #fde8dc; font-weight: 600; }
 svg, img { width: 100%; height: auto; display: block; } figure { margin: 4px 0 10px; }
 svg text { font: 12px system-ui, "DejaVu Sans", sans-serif; fill: #333; }
 svg text.tick { fill: #555; font-size: 11px; }
@@ -30,6 +30,7 @@ svg .grid { stroke: #e4e4e4; stroke-width: 1; } svg .axis { stroke: #777; fill: 
 svg .shade { fill-opacity: .08; }
 svg .mark { stroke: #111; stroke-dasharray: 5 4; } svg .now { stroke: #d00; stroke-width: 1; }
 @media print { body { max-width: none; font-size: 11px; padding: 0; } nav { display: none; }
+  table { font-size: 9px; } td, th { padding-right: 8px; }
   figure, tr, .tiles, .verdict { break-inside: avoid; } h2, h3 { break-after: avoid; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; } }
 """

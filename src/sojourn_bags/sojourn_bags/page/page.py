@@ -9,6 +9,7 @@ from sojourn_bags.page.chart import LEFT, RIGHT
 from sojourn_bags.page.html import POINTER, Tile, document, paragraph, tiles
 from sojourn_bags.page.story import Story
 from sojourn_bags.reading import Bag
+from sojourn_bags.summary import length_in_words
 
 SECTIONS = (
     record.goals,
@@ -70,14 +71,15 @@ def _numbers(story: Story) -> list[Tile]:
     ]
     for key, name, scale, unit in (
         ("distance_m", "driven", 1.0, "m"),
-        ("goal_error_m", "from the last drive goal", 1000.0, "mm"),
-        ("arm_error_m", "worst place of the arm", 1000.0, "mm"),
         ("energy_wh", "energy used", 1.0, "Wh"),
         ("max_sinkage_m", "largest sinkage", 1000.0, "mm"),
         ("max_tilt_deg", "largest tilt", 1.0, "°"),
     ):
         if summary[key] is not None:
-            found.append(Tile(name, f"{scale * summary[key]:.2f} {unit}", "off, in truth" if "error" in key else ""))
+            found.append(Tile(name, f"{scale * summary[key]:.2f} {unit}"))
+    for key, name in (("goal_error_m", "off the last drive goal"), ("arm_error_m", "arm off its target, at worst")):
+        if summary[key] is not None:
+            found.append(Tile(name, length_in_words(summary[key]), "in truth"))
     if summary["soc_end"] is not None:
         found.append(
             Tile(

@@ -13,7 +13,7 @@ from sojourn_bags.page.html import Section, figure, paragraph, table
 from sojourn_bags.page.story import ARM_SHADE, STATUS, Story
 from sojourn_bags.provenance import RUN_RECORD, VERSIONS_NAME
 from sojourn_bags.recovery import RECOVERY_RECORD
-from sojourn_bags.summary import messages
+from sojourn_bags.summary import length_in_words, messages
 from sojourn_contract.conformance.findings import number_text
 from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
 from sojourn_contract.stamps import NANOSECONDS
@@ -34,10 +34,10 @@ def goals(story: Story) -> Section:
         rows = [
             [goal["goal"], goal["outcome"], "yes" if goal["met"] else "no", _seconds(goal["start_s"]),
              _seconds(goal["end_s"] - goal["start_s"]),
-             "" if goal["error_m"] is None else f"{1000.0 * goal['error_m']:.1f}", goal["reason"]]
+             "" if goal["error_m"] is None else length_in_words(goal["error_m"]), goal["reason"]]
             for goal in found
         ]  # fmt: skip
-        head = ("goal", "ended as", "met", "from [s]", "took [s]", "true error [mm]", "reason given")
+        head = ("goal", "ended as", "met", "from [s]", "took [s]", "from the target in truth", "reason given")
         parts.append(table(head, rows, (3, 4, 5), [not goal["met"] for goal in found]))
         lanes: dict[str, list[Span]] = {"drive": [], "arm": []}
         for span in story.axis.spans:
