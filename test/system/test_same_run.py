@@ -13,6 +13,8 @@ from programs import PATIENT, SHORT_RUN, Program, next_domain
 from rosbags.highlevel import AnyReader
 from run_files import Record, first_difference, records
 
+from sojourn_bags.judging import judge_bag
+from sojourn_bags.reading import read_bag
 from sojourn_contract.topics import TOPICS
 
 KINDS = {"composed": ("--composed",), "again": ("--composed",), "processes": ()}
@@ -55,6 +57,13 @@ def test_every_topic_of_the_table_is_in_the_record(composed: list[Record]) -> No
             assert counts[row.name] == periods // row.every, row.name
     assert counts["/goal_pose"] == counts["/arm/joint_goal"] == 1
     assert counts["/tf"] == periods
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_run_keeps_the_contract(runs: dict[str, Path], kind: str) -> None:
+    report, run = judge_bag(read_bag(runs[kind]))
+    assert not list(report.lines())
+    assert run.lockstep and not run.notes and len(report.messages) > 20
 
 
 def test_another_seed_gives_another_record(
@@ -103,4 +112,5 @@ def test_a_drive_of_somebody_else_takes_the_place_of_ours(
     record = records(run)
     status = [str(values) for topic, _, values in record if topic == "/drive/status"]
     assert "stand-in" in status[-1]
+    assert not list(judge_bag(read_bag(run))[0].lines()), "the least that the contract asks is enough"
     assert not replaced.processes()

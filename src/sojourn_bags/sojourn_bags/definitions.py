@@ -6,6 +6,8 @@ needed.
 """
 
 import contextlib
+from collections.abc import Iterable
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -72,6 +74,17 @@ def definition(type_name: str) -> str:
 def type_hash(type_name: str) -> str:
     """RIHS01 hash of "package/msg/Name"."""
     return typestore().hash_rihs01(type_name)
+
+
+def offered_entries(nominal: dict[str, Any], offered: Iterable[QoSProfile]) -> list[dict[str, Any]]:
+    """What publishers offer, each profile once. Others are not told history and depth: as in `nominal`."""
+    found: list[dict[str, Any]] = []
+    for profile in offered:
+        told = {"reliability": profile.reliability.name.lower(), "durability": profile.durability.name.lower()}
+        entry = deepcopy(nominal) | told
+        if entry not in found:
+            found.append(entry)
+    return found
 
 
 def qos_entry(profile: QoSProfile) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from typing import Any
 from rclpy.context import Context
 from std_msgs.msg import Header
 
-from sojourn_bags.definitions import ChannelSpec, qos_entry
+from sojourn_bags.definitions import ChannelSpec, offered_entries, qos_entry
 from sojourn_bags.errors import BagsError
 from sojourn_bags.provenance import attachments
 from sojourn_bags.recording import CLOCK, Recording
@@ -99,8 +99,13 @@ class RecorderNode(ContractNode):
             ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, self.lockstep, row.publisher))) for row in rows
         ]
         described = attachments(self.scenario_name, self.scenario_overrides)
-        writer = BagWriter(Path(folder), [*channels, transform_channel()], described)
+        writer = BagWriter(Path(folder), [*channels, transform_channel()], described, self._offered)
         return Recording(writer, rows, self._awaited, self.participants, self.lockstep)
+
+    def _offered(self, spec: ChannelSpec) -> list[dict[str, Any]]:
+        """Profiles of those who publish a topic; none for what the recorder itself adds."""
+        name = self.get_namespace().rstrip("/") + spec.topic
+        return offered_entries(spec.qos, (info.qos_profile for info in self.get_publishers_info_by_topic(name)))
 
     def _receive(self, row: Topic, message: bytes) -> None:
         """Take one message as bytes. None is refused: what is wrong with it, others will judge."""

@@ -29,7 +29,7 @@ SECTIONS: tuple[tuple[str, tuple[str, ...]], ...] = (
         (
             "Some times a second it publishes a heartbeat on diagnostics with stamp zero: state is "
             f"{WAITING_TO_MATCH!r} until each of its outputs has as many subscriptions as participants that listen, "
-            f"then {READY!r}.",
+            f"then {READY!r}. Those who listen to a topic stand behind its arrow; to recorded ones also the recorder.",
             "The plant begins when every participant is ready.",
         ),
     ),

@@ -59,7 +59,10 @@ def _items(texts: Iterable[str]) -> str:
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[str] = ()) -> str:
-    """A table of cells that are HTML already. `numbers`: columns that are set to the right."""
+    """A table of cells that are HTML already, without columns that are empty. `numbers`: set to the right."""
+    rows = list(rows)
+    kept = [place for place in range(len(head)) if any(row[place] for row in rows)]
+    head, rows = [head[place] for place in kept], [[row[place] for place in kept] for row in rows]
     top = "".join(f"<th>{escape(name)}</th>" for name in head)
     body = "".join(
         "<tr>"
@@ -142,7 +145,7 @@ def _fields(name: str, topic: Mapping[str, Any]) -> str:
             escape(rule["frame"]),
             _range(rule["low"], rule["high"]),
             f"{rule['tolerance']:g}",
-            escape(_notes(topic["type"], rule)),
+            escape(field_note(topic["type"], rule)),
         )
         for rule in topic["fields"]
     ]
@@ -154,7 +157,8 @@ def _range(low: float | None, high: float | None) -> str:
     return "" if low is None or high is None else f"{low:g} to {high:g}"
 
 
-def _notes(type_name: str, rule: Mapping[str, Any]) -> str:
+def field_note(type_name: str, rule: Mapping[str, Any]) -> str:
+    """What else is to be said of a field."""
     notes = []
     if rule["optional"]:
         notes.append("may be empty" if type_name == "sensor_msgs/JointState" else "may be NaN")
