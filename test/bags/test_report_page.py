@@ -12,6 +12,7 @@ from nav_msgs.msg import Odometry
 from synthetic import PERIOD, SyntheticRun, cdr
 from test_run_summary import make_run
 
+from sojourn_bags.completeness import RECORD, account
 from sojourn_bags.definitions import definition
 from sojourn_bags.machine import euler_angles
 from sojourn_bags.page.chart import LEFT, RIGHT, Curve, Span, TimeAxis, chart, strips, ticks
@@ -19,6 +20,7 @@ from sojourn_bags.page.page import write_page
 from sojourn_bags.page.story import Story
 from sojourn_bags.reading import read_bag
 from sojourn_contract.heartbeat import Counters, heartbeat_message, status_message
+from sojourn_contract.topics import TOPICS, topic
 
 
 class Page(HTMLParser):
@@ -102,6 +104,20 @@ def test_refusals_stalls_and_texts_of_nodes(tmp_path: Path) -> None:
     assert "2.00" in text  # the longest gap between heartbeats [s]
     assert "off, 3.00 to 4.00 s" in text and "50 %, 1.00 to 4.00 s" in text
     assert "the arm was not asked to move" in text.lower() or "tells of no arm" in text
+
+
+def test_gaps_of_the_recorders_account_are_told(tmp_path: Path) -> None:
+    """Also of a topic that lacks what lock-step asks for, though nobody counts it as published."""
+    run = SyntheticRun(tmp_path / "bag", "flat_drive")
+    run.truth(PERIOD, (0.0, 0.0, 0.4, 0.0), {"wheel_front_left_joint": 0.0}, 0.0)
+    recorded = run.writer.recorded()
+    account_of_run = account(TOPICS, recorded, {"/truth/odom": 4}, 2 * PERIOD, [topic("/imu/data")])
+    run.writer.close({RECORD: account_of_run.as_record()})
+    write_page(read_bag(tmp_path / "bag"), tmp_path / "report.html", judged=False)
+    text = Page(tmp_path / "report.html").text
+    assert "RECORD NOT COMPLETE" in text or "FAILED" in text
+    assert "/truth/odom: 1 recorded of 4 published" in text
+    assert "/imu/data: 0 recorded of an unknown number published, 2 due" in text
 
 
 def test_margin_is_that_of_the_machine_by_hand(tmp_path: Path) -> None:

@@ -46,7 +46,7 @@ def _headline(story: Story) -> str:
     if summary["all_met"] and summary["complete"]:
         look, word = "good", "PASSED"
     else:
-        look, word = ("bad", "FAILED") if not summary["all_met"] else ("bad", "GOALS MET, RECORD NOT COMPLETE")
+        look, word = ("bad", "FAILED") if not summary["all_met"] else ("bad", "RECORD NOT COMPLETE")
     where = f"{summary['scenario']}, seed {summary['seed']}: " + (story.run.scenario.description if story.run else "")
     head = f'<div class="verdict {look}"><b>{word}</b>{paragraph(summary["verdict"])}</div>'
     return paragraph(where, quiet=True) + head + tiles(_numbers(story))

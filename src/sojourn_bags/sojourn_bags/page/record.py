@@ -158,6 +158,8 @@ def completeness(story: Story) -> Section:
         parts.append(
             paragraph("The recorder has left no account in it: how many messages were published is not known.")
         )
+    elif bag.records[RECORD].get("gaps"):
+        parts.append(paragraph(f"The recorder's account has gaps: {bag.records[RECORD]['gaps']}."))
     order = {topic.name: number for number, topic in enumerate(TOPICS)}
     rows, bad = [], []
     for name, counts in sorted(messages(bag).items(), key=lambda item: (order.get(item[0], len(order)), item[0])):
