@@ -5,6 +5,7 @@ The hash is RIHS01 (REP 2016). Both come from the Jazzy type store of rosbags, s
 needed.
 """
 
+import contextlib
 from collections.abc import Iterable
 from copy import deepcopy
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from typing import Any
 
 from rclpy.duration import Infinite
 from rclpy.qos import QoSProfile
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 _NANOSECONDS = 1_000_000_000
@@ -47,6 +48,19 @@ def full_type(name: str) -> str:
 def typestore() -> Typestore:
     """All message types of ROS 2 Jazzy, tf2_msgs among them."""
     return get_typestore(Stores.ROS2_JAZZY)
+
+
+def learn(type_name: str, text: str) -> None:
+    """Learn a message type that a bag brings along, and those that it uses, from its `ros2msg` definition.
+
+    Types that are known stay as they are; a text that cannot be read leaves the type unknown.
+    """
+    store = typestore()
+    if type_name in store.fielddefs:
+        return
+    with contextlib.suppress(TypesysError, ValueError, KeyError):
+        found = get_types_from_msg(text, type_name)
+        store.register({name: fields for name, fields in found.items() if name not in store.fielddefs})
 
 
 @cache

@@ -62,6 +62,19 @@ class UnknownTopicInBagError(BagsError):
         self.name = name
 
 
+class UnknownFieldError(BagsError):
+    """A topic or field that cannot be drawn.
+
+    Args:
+        name: what was asked for. why: what is wrong with it. nearest: names that there are and that look like it.
+    """
+
+    def __init__(self, name: str, why: str, nearest: list[str]) -> None:
+        hint = f": nearest are {', '.join(nearest)}" if nearest else ""
+        super().__init__(f"{name} {why}{hint}")
+        self.name, self.nearest = name, nearest
+
+
 class IncompleteConfigError(BagsError):
     """The configuration lacks something that a summary or report needs."""
 

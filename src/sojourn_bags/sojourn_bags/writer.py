@@ -184,7 +184,7 @@ class BagWriter:
     def _metadata(self) -> dict[str, Any]:
         """Content of metadata.yaml."""
         topics = [
-            TopicEntry(spec.topic, spec.full_type, offered, type_hash(spec.full_type), count)
+            TopicEntry(spec.topic, spec.full_type, list(offered), type_hash(spec.full_type), count)
             for spec, offered, count in zip(self._channels, self._offered, self.counts, strict=True)
         ]
         return bag_information(self.path.name, topics, self._start, self._end, self._custom)
