@@ -23,8 +23,10 @@ from sojourn_mechanics.contact.contact_set import REPORT_COLUMNS, contact_forces
 from sojourn_mechanics.contact.dispatch import apply_law
 from sojourn_mechanics.contact.examples import example_row
 from sojourn_mechanics.contact.ground_plane import RIM_COS, RIM_SIN
-from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.soil.params import SoilColumn, SoilParams, kernel_table
+from sojourn_mechanics.terrain.height_field import SoilArray
+from sojourn_mechanics.terrain.memory import GroundMemory, MemoryBoard
 
 SOIL_FOLDER = Path(__file__).resolve().parents[3] / "config" / "soils"
 RIM = np.stack([RIM_SIN, RIM_COS])
@@ -44,6 +46,7 @@ class Rig:
     """A wheel (or a pad) that is held and moved by hand over a height field of 20 x 20 m.
 
     slope_x, slope_y: gradient of the plane. step: rise of the ground where x > 0 [m].
+    cell: of the ground's memory [m]; 0 is ground that remembers nothing.
     """
 
     soils: FloatArray
@@ -56,16 +59,19 @@ class Rig:
     shear_radius: float = 0.131
     width: float = 0.16
     dt: float = 0.001
+    cell: float = 0.0
     state: FloatArray = field(default_factory=lambda: np.zeros((1, STATE_COLUMNS)))
     report: FloatArray = field(default_factory=lambda: np.zeros((1, REPORT_COLUMNS)))
     on_map: bool = True
 
     def __post_init__(self) -> None:
-        self.grid = np.array([-10.0, -10.0, 0.05])
+        self.grid = np.array([-10.0, -10.0, 0.05, 0.0])
         axis = -10.0 + 0.05 * np.arange(401)
         x, y = np.meshgrid(axis, axis)
         self.heights: FloatArray = self.slope_x * x + self.slope_y * y + np.where(x > 1e-9, self.step, 0.0)
-        self.soil_index: IntArray = np.where(x > 1e-9, self.soil_where_positive_x, 0).astype(np.int64)
+        self.soil_index: SoilArray = np.where(x > 1e-9, self.soil_where_positive_x, 0).astype(np.uint8)
+
+        self.memory = MemoryBoard(GroundMemory(self.cell, -10.0, -10.0))
 
         self.row: FloatArray = np.zeros(WHEEL_COLUMNS)
         self.row[WheelColumn.RADIUS] = self.radius
@@ -93,7 +99,7 @@ class Rig:
             self.row[np.newaxis, :], np.zeros(1, dtype=np.int64),
             np.array([[0, 1, 2, 3, 4, 5, -1]]), np.zeros((1, 3)), 1 if self.wheel else 0,
             np.ascontiguousarray(placement), np.eye(6), twist, self.heights, self.soil_index, self.grid, self.soils,
-            RIM, self.dt, self.state, self.report, force,
+            RIM, self.memory.tables, self.dt, self.state, self.report, force,
         )  # fmt: skip
         return force[:3], force[3:] - np.cross(centre, force[:3])
 

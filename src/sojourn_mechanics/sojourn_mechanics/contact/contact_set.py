@@ -8,17 +8,27 @@ Jacobian. Pads on bodies have a law and a geometry of their own (`pad_on_soil`).
 import numpy as np
 from numba import njit
 
-from sojourn_mechanics.contact.contact_law import MOTION_COLUMNS, OUT_COLUMNS, OutColumn, WheelColumn
+from sojourn_mechanics.contact.contact_law import (
+    MOTION_COLUMNS,
+    OUT_COLUMNS,
+    OutColumn,
+    StateColumn,
+    WheelColumn,
+)
 from sojourn_mechanics.contact.dispatch import apply_law
+from sojourn_mechanics.contact.ground_memory import PAST_COLUMNS, leave_rut
 from sojourn_mechanics.contact.pad_on_soil import pad_forces
 from sojourn_mechanics.contact.wheel_contact import FRAME_VECTORS, find_contact
 from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.terrain.height_field import HeightArray, SoilArray
+from sojourn_mechanics.terrain.memory import MemoryTables
 
 REPORT_COLUMNS = 16
 """x y z [m], sinkage [m], slip ratio, slip angle [rad], force x y z in map [N], torque [N m], soil index,
 deflection of the wheel [m], rolling, compaction and bulldozing resistance [N], power into the contact [W]."""
 
 _RADIUS = int(WheelColumn.RADIUS)
+_TRAVEL = int(StateColumn.TRAVEL)
 _FORCE_X = int(OutColumn.FORCE_X)
 _FORCE_Y = int(OutColumn.FORCE_Y)
 _FORCE_Z = int(OutColumn.FORCE_Z)
@@ -77,11 +87,12 @@ def contact_forces(
     placements: FloatArray,
     jacobian: FloatArray,
     velocity: FloatArray,
-    heights: FloatArray,
-    soil_index: IntArray,
+    heights: HeightArray,
+    soil_index: SoilArray,
     grid: FloatArray,
     soils: FloatArray,
     rim: FloatArray,
+    memory: MemoryTables,
     dt: float,
     states: FloatArray,
     report: FloatArray,
@@ -99,6 +110,7 @@ def contact_forces(
         jacobian: (6, nv), of the machine at the map's origin, linear rows first. velocity: (nv,).
         heights, soil_index, grid: the ground; soils: kernel rows.
         rim: (2, samples) sines and cosines of the rim's angles that are looked at.
+        memory: of the ground, tables of a MemoryBoard; advanced in place.
         states: (contacts, STATE_COLUMNS), advanced in place. report: (contacts, REPORT_COLUMNS), written.
         generalised_force: (nv,), added to.
 
@@ -116,6 +128,8 @@ def contact_forces(
     out = np.empty(OUT_COLUMNS)
     shares = np.empty(soils.shape[0])
     soil = np.empty(soils.shape[1])
+    past = np.empty(PAST_COLUMNS)
+    remembers = memory[3][2] > 0.0
     for i in range(bodies.shape[0]):
         body = placements[bodies[i]]
         for k in range(3):
@@ -138,8 +152,8 @@ def contact_forces(
             wrench[:] = 0.0
             report[i, :] = 0.0
             touches, soil_number, inside = find_contact(
-                wheels[i], centre, axle, point_velocity, omega, heights, soil_index, grid, soils, rim, frame,
-                motion, shares, soil,
+                wheels[i], centre, axle, point_velocity, omega, heights, soil_index, grid, soils, rim, memory,
+                states[i, _TRAVEL], frame, motion, shares, soil, past,
             )  # fmt: skip
             on_map &= inside
             if touches:
@@ -147,6 +161,8 @@ def contact_forces(
                 apply_law(wheels[i], soil, motion, dt, states[i], out)
                 _to_map(out, frame, axle, point_velocity, omega, wrench)
                 _tell(out, wrench, soil_number, report[i])
+                if remembers:
+                    leave_rut(memory, wheels[i], soil, out[_SINKAGE], frame[0], states[i], past)
                 for k in range(3):
                     report[i, k] = centre[k] - radius * frame[2, k]
             else:

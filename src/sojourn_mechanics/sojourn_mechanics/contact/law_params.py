@@ -5,6 +5,7 @@ from typing import ClassVar
 
 from sojourn_mechanics.contact.contact_law import ContactModel
 from sojourn_mechanics.params import FloatArray, Params
+from sojourn_mechanics.soil.params import SoilParams
 
 FIRM_GROUND = ("n", "k_c", "k_phi", "friction_angle_deg", "contact_damping")
 """What every law needs of the ground: how it gives way, and its friction."""
@@ -29,6 +30,10 @@ class ContactLawParams(Params):
     """Fields of `SoilParams` without which the law cannot be used."""
     columns: ClassVar[type[IntEnum] | None] = None
     """Places of the fields in the wheel's row, by their names."""
+
+    def missing_in(self, soil: SoilParams) -> tuple[str, ...]:
+        """What the law needs of a soil and the soil does not give."""
+        return soil.missing(self.needs)
 
     def fill(self, row: FloatArray) -> None:
         """Write the law's own parameters into a wheel's row."""

@@ -10,8 +10,11 @@ import math
 from numba import njit
 
 from sojourn_mechanics.contact.contact_law import MotionColumn, WheelColumn
+from sojourn_mechanics.contact.ground_memory import RUT, look_ahead, settle_soil
 from sojourn_mechanics.contact.ground_plane import blend_soils, contact_plane
-from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.terrain.height_field import HeightArray, SoilArray
+from sojourn_mechanics.terrain.memory import MemoryTables
 
 MIN_COS_CAMBER = 1e-3
 """A wheel that lies flatter than this on its side has no lowest point."""
@@ -36,25 +39,30 @@ def find_contact(
     axle: FloatArray,
     velocity: FloatArray,
     angular_velocity: FloatArray,
-    heights: FloatArray,
-    soil_index: IntArray,
+    heights: HeightArray,
+    soil_index: SoilArray,
     grid: FloatArray,
     soils: FloatArray,
     rim: FloatArray,
+    memory: MemoryTables,
+    travel: float,
     frame: FloatArray,
     motion: FloatArray,
     shares: FloatArray,
     soil: FloatArray,
+    past: FloatArray,
 ) -> tuple[bool, int, bool]:
     """Contact of one wheel.
 
     Args:
         wheel: row of `WheelColumn`. centre, axle: in map, (3,), axle a unit vector.
         velocity, angular_velocity: of the wheel in map, (3,) [m/s], [rad/s].
-        heights, soil_index, grid, soils, rim: as in `contact_forces`.
+        heights, soil_index, grid, soils, rim, memory: as in `contact_forces`.
+        travel: sense of travel D that the contact remembers.
         frame: (FRAME_VECTORS, 3), written: forward, up, in-plane (from the lowest point of the rim to the centre), and
             the contact frame: along, side, normal.
         motion: row of `MotionColumn`, written. shares: (soils,) and soil: (columns,), written: the ground there.
+        past: (PAST_COLUMNS,), written: what that ground has seen (see `ground_memory`).
 
     Returns:
         whether the wheel touches the ground, index of the soil with the largest share, and whether what is under it is
@@ -82,6 +90,20 @@ def find_contact(
     if not found:
         return False, 0, on_map
     norm = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+    remembers = memory[3][2] > 0.0
+    past[RUT] = 0.0
+    if remembers:
+        # lowest point and depth against the ground as it was once
+        lowest_x = centre[0] + radius * slope_x * norm
+        lowest_y = centre[1] + radius * slope_y * norm
+        rise = centre[2] - pz - slope_x * (centre[0] - px) - slope_y * (centre[1] - py)
+        depth = radius - rise * norm
+        if depth > 0.0:
+            rut, rut_x, rut_y = look_ahead(memory, wheel, lowest_x, lowest_y, forward, travel, depth, past)
+            pz -= rut
+            slope_x -= rut_x
+            slope_y -= rut_y
+            norm = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     normal[0] = -slope_x * norm
     normal[1] = -slope_y * norm
     normal[2] = norm
@@ -115,4 +137,7 @@ def find_contact(
     motion[_ROLL_RATE] = (
         angular_velocity[0] * along[0] + angular_velocity[1] * along[1] + angular_velocity[2] * along[2]
     )
-    return True, blend_soils(soils, shares, wheel[_WIDTH], soil), on_map
+    soil_number = blend_soils(soils, shares, wheel[_WIDTH], soil)
+    if remembers:
+        settle_soil(wheel, penetration, soil, past)
+    return True, soil_number, on_map

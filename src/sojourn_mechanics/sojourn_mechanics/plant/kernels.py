@@ -9,6 +9,8 @@ from numba import njit
 from sojourn_mechanics.actuators.joint_drive import joint_torques, settle_joints
 from sojourn_mechanics.contact.contact_set import contact_forces
 from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.terrain.height_field import HeightArray, SoilArray
+from sojourn_mechanics.terrain.memory import MemoryTables
 
 COUPLING_DRIFT_GAIN = 0.1
 """Part of a coupling's drift that is taken back in one step."""
@@ -31,11 +33,12 @@ def applied_forces(
     placements: FloatArray,
     jacobian: FloatArray,
     velocity: FloatArray,
-    heights: FloatArray,
-    soil_index: IntArray,
+    heights: HeightArray,
+    soil_index: SoilArray,
     grid: FloatArray,
     soils: FloatArray,
     rim: FloatArray,
+    memory: MemoryTables,
     joint_states: FloatArray,
     contact_states: FloatArray,
     reference: FloatArray,
@@ -60,7 +63,7 @@ def applied_forces(
     contact_force[:] = 0.0
     on_map: bool = contact_forces(
         wheels, bodies, supports, offsets, wheel_count, placements, jacobian, velocity, heights, soil_index,
-        grid, soils, rim, dt, contact_states, report, contact_force,
+        grid, soils, rim, memory, dt, contact_states, report, contact_force,
     )  # fmt: skip
     force[:] = contact_force
     joint_torques(

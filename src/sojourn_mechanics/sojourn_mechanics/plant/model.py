@@ -27,6 +27,7 @@ from sojourn_mechanics.power.battery import BatteryParams
 from sojourn_mechanics.power.loads import BusParams
 from sojourn_mechanics.soil.params import SoilParams, kernel_table
 from sojourn_mechanics.terrain.height_field import HeightField
+from sojourn_mechanics.terrain.memory import GroundMemory, MemoryBoard
 
 PLACEMENT_SIZE = 12
 
@@ -67,10 +68,11 @@ class PlantModel:
         terrain: the ground. soils: parameters of the soils that it names, in any order.
         battery, bus: energy supply and its loads.
         simulation: steps.
+        memory_cell: distance of the nodes at which the ground remembers wheels [m]; 0: it does not.
 
     Raises:
         InvalidValueError: a joint or link that the URDF does not have, a drive whose load the bus does not
-            have, a soil that is missing.
+            have, a soil that is missing or lacks what the contact model of a wheel needs.
     """
 
     def __init__(
@@ -83,6 +85,7 @@ class PlantModel:
         battery: BatteryParams,
         bus: BusParams,
         simulation: SimulationParams | None = None,
+        memory_cell: float = 0.0,
     ) -> None:
         self.machine = machine
         self.terrain = terrain
@@ -101,9 +104,13 @@ class PlantModel:
         for name in terrain.soil_names:
             if name not in by_name:
                 raise InvalidValueError("soil of the terrain", name, "one of " + ", ".join(sorted(by_name)))
-        self.soils = kernel_table([by_name[name] for name in terrain.soil_names])
-        self.grid = np.array([terrain.origin_x, terrain.origin_y, terrain.resolution])
+        ground = [by_name[name] for name in terrain.soil_names]
+        _check_ground(machine, ground)
+        self.soils = kernel_table(ground)
+        self.grid = terrain.grid
         self.rim = np.stack([ground_plane.RIM_SIN, ground_plane.RIM_COS])
+        self.untouched_ground = GroundMemory(memory_cell, terrain.origin_x, terrain.origin_y)
+        self.memory = MemoryBoard(self.untouched_ground)
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
         self._make_workspace()
 
@@ -245,3 +252,13 @@ class PlantModel:
         self.armature = np.zeros(model.nv)
         self.force = np.zeros(model.nv)
         self.contact_force = np.zeros(model.nv)
+
+
+def _check_ground(machine: MachineParams, ground: Sequence[SoilParams]) -> None:
+    """Every wheel finds in every soil what its contact model needs."""
+    for soil in ground:
+        for wheel in machine.wheels:
+            missing = wheel.contact.missing_in(soil)
+            if missing:
+                allowed = f"a soil with what {wheel.contact.model} of wheel {wheel.name} needs; missing: "
+                raise InvalidValueError("soil", soil.name, allowed + ", ".join(missing))

@@ -64,7 +64,8 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     joints, contacts, terrain = model.joints, model.contacts, model.terrain
     # Bound to locals: twenty times through here is most of what the plant costs outside its kernels.
     joint_tables = (joints.parameters, joints.kinds, joints.columns, joints.loads)
-    ground = (terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim)
+    model.memory.load(state.ground)
+    ground = (terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim, model.memory.tables)
     contact_tables = (
         contacts.wheels, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count,
     )  # fmt: skip
@@ -140,6 +141,7 @@ def _close_period(
         velocity=velocity,
         joints=state.joints,
         contacts=state.contacts,
+        ground=model.memory.store(),
         battery=new_battery,
         bus=bus,
         bus_voltage=supply.voltage,
@@ -227,6 +229,7 @@ def _settled(model: PlantModel, posture: FloatArray, command: PlantCommand, aim:
         velocity=np.zeros(model.multibody.nv),
         joints=joints,
         contacts=np.zeros((len(model.contacts.names), STATE_COLUMNS)),
+        ground=model.untouched_ground,
         battery=supply,
         bus=loads.BusState(),
         bus_voltage=source,
@@ -240,6 +243,7 @@ def _settled(model: PlantModel, posture: FloatArray, command: PlantCommand, aim:
     return replace(
         state,
         tick=0,
+        ground=start.ground,
         battery=start.battery,
         bus=start.bus,
         bus_voltage=start.bus_voltage,

@@ -10,6 +10,8 @@ Shear stress after a shear displacement j (Janosi & Hanamoto 1961): tau = (c + p
 The modulus K may grow with the slip angle beta of the wheel, K = K_0 + K_1 |beta| (Ishigami et al. 2007,
 J. Field Robotics 24(3):233, table 2); K_1 is zero where nobody has measured it.
 
+Unloading and reloading follow a line of the stiffness k_0 + A_u z_u (`repeated_loading`).
+
 Angle of greatest normal stress under a rigid wheel (Wong & Reece 1967): theta_m = (c1 + c2 s) theta_1.
 Exit angle: `zero` (the contact ends under the axle), or `lambda:L`: theta_2 = -acos(1 - L h / r), where L is
 the height of the rut behind the wheel over the sinkage h (Ishigami et al. 2007); L > 1 is soil that is
@@ -37,6 +39,13 @@ MAX_EXIT_LAMBDA = 2.0
 EXIT_LAMBDA_ZERO = -1.0
 """Value of the column `exit_lambda` for exit angle `zero`."""
 
+LETE_SAND_A_U = 503.0e6
+"""A_u of LETE sand, with k_0 = 0 (Wong 1989, Terramechanics and Off-Road Vehicles, ch. 4): stands in where a soil's own
+unloading has not been measured [N/m^4]."""
+
+SOIL_ONLY = ("cohesion", "shear_modulus", "shear_modulus_lateral", "density", "theta_m_c1", "theta_m_c2")
+"""Fields that rigid ground may leave out: what shears and flows has them. Their defaults stand for no soil at all."""
+
 FORM_BEKKER = 0.0
 FORM_REECE = 1.0
 
@@ -59,6 +68,8 @@ class SoilColumn(IntEnum):
     DENSITY = 12
     SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE = 13
     SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE = 14
+    UNLOADING_STIFFNESS = 15
+    UNLOADING_STIFFNESS_PER_SINKAGE = 16
 
 
 SOIL_COLUMNS: tuple[str, ...] = tuple(column.name.lower() for column in SoilColumn)
@@ -103,19 +114,25 @@ class SoilParams(Params):
         description="cohesive modulus [bekker: N/m^(n+1), reece: N/m^2]; negative in some fits",
     )
     k_phi: float = Field(ge=0.0, le=1e11, description="frictional modulus [bekker: N/m^(n+2), reece: N/m^3]")
-    cohesion: float = Field(ge=0.0, le=1e6, description="cohesion [Pa]")
+    cohesion: float = Field(default=0.0, ge=0.0, le=1e6, description="cohesion [Pa]")
     friction_angle_deg: float = Field(ge=0.0, lt=80.0, description="angle of internal friction [degree]")
-    shear_modulus: float = Field(gt=0.0, le=1.0, description="Janosi K along the wheel [m]")
-    shear_modulus_lateral: float = Field(gt=0.0, le=1.0, description="Janosi K across the wheel [m]")
+    shear_modulus: float = Field(default=5e-4, gt=0.0, le=1.0, description="Janosi K along the wheel [m]")
+    shear_modulus_lateral: float = Field(default=5e-4, gt=0.0, le=1.0, description="Janosi K across the wheel [m]")
     shear_modulus_per_slip_angle: float = Field(
         default=0.0, ge=0.0, le=1.0, description="growth of shear_modulus with the slip angle [m/rad]"
     )
     shear_modulus_lateral_per_slip_angle: float = Field(
         default=0.0, ge=0.0, le=1.0, description="growth of shear_modulus_lateral with the slip angle [m/rad]"
     )
-    density: float = Field(gt=0.0, le=10000.0, description="bulk density [kg/m3]")
-    theta_m_c1: float = Field(ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
-    theta_m_c2: float = Field(ge=-1.0, le=1.0, description="c2 of theta_m = (c1 + c2 s) theta_1 [-]")
+    unloading_stiffness: float = Field(
+        default=0.0, ge=0.0, le=1e12, description="k_0 of the unloading stiffness k_0 + A_u z_u [N/m^3]"
+    )
+    unloading_stiffness_per_sinkage: float = Field(
+        default=LETE_SAND_A_U, ge=0.0, le=1e14, description="A_u of the unloading stiffness k_0 + A_u z_u [N/m^4]"
+    )
+    density: float = Field(default=3000.0, gt=0.0, le=10000.0, description="bulk density [kg/m3]")
+    theta_m_c1: float = Field(default=0.0, ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
+    theta_m_c2: float = Field(default=0.0, ge=-1.0, le=1.0, description="c2 of theta_m = (c1 + c2 s) theta_1 [-]")
     exit_angle: str = Field(default="zero", description="'zero' or 'lambda:L', L = rut height / sinkage [-]")
     contact_damping: float = Field(ge=0.0, le=100.0, description="Hunt-Crossley normal damping d [s/m]")
 
@@ -124,6 +141,20 @@ class SoilParams(Params):
     def _exit_angle_is_readable(cls, text: str) -> str:
         parse_exit_angle(text)
         return text
+
+    @model_validator(mode="after")
+    def _soil_is_complete(self) -> Self:
+        missing = self.missing(SOIL_ONLY) if self.kind == "soil" else ()
+        if missing:
+            raise InvalidValueError(
+                "kind", self.kind, "rigid, or soil with all of its keys; missing: " + ", ".join(missing)
+            )
+        return self
+
+    def missing(self, fields: Sequence[str]) -> tuple[str, ...]:
+        """Those of the fields that this set does not give, in their order."""
+        given = self.model_fields_set
+        return tuple(name for name in fields if name not in given)
 
     @model_validator(mode="after")
     def _stiffness_and_estimates(self) -> Self:
@@ -178,6 +209,10 @@ def kernel_row(params: SoilParams) -> FloatArray:
     row[SoilColumn.DENSITY] = params.density
     row[SoilColumn.SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE] = params.shear_modulus_per_slip_angle
     row[SoilColumn.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE] = params.shear_modulus_lateral_per_slip_angle
+    # rock springs back along the line that it was loaded on, and keeps no rut
+    yields = params.kind == "soil"
+    row[SoilColumn.UNLOADING_STIFFNESS] = params.unloading_stiffness if yields else 0.0
+    row[SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE] = params.unloading_stiffness_per_sinkage if yields else 0.0
     return row
 
 
