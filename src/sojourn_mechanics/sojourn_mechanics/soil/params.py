@@ -15,6 +15,10 @@ Exit angle: `zero` (the contact ends under the axle), or `lambda:L`: theta_2 = -
 the height of the rut behind the wheel over the sinkage h (Ishigami et al. 2007); L > 1 is soil that is
 carried up behind the wheel.
 
+Terms beyond Wong and Reece's, each off unless a soil gives it (`wheel_on_soil` has the equations): friction and
+adhesion of the soil on a bare rim, peak and residual shear stress (Wong 2008, sec. 2.4.3), growth of the sinkage with
+slip, skid and sideslip, growth of theta_m with the sideslip, and soil pushed by the front and by the side of a wheel.
+
 Normal damping is of the Hunt-Crossley kind (Hunt & Crossley 1975, J. Appl. Mech. 42:440): p (1 + d dz/dt), d
 in s/m. No soil table gives d: it is an estimate in every file. Rigid rock is the same law with n = 1, no
 cohesion and a stiff k_phi.
@@ -32,6 +36,8 @@ from pydantic import Field, field_validator, model_validator
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, Params
+from sojourn_mechanics.soil.bearing import MAX_FRICTION_ANGLE, failure_strength
+from sojourn_mechanics.soil.shear import hump_coefficients
 
 MAX_EXIT_LAMBDA = 2.0
 EXIT_LAMBDA_ZERO = -1.0
@@ -59,6 +65,22 @@ class SoilColumn(IntEnum):
     DENSITY = 12
     SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE = 13
     SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE = 14
+    INTERFACE_ADHESION = 15
+    INTERFACE_TAN_PHI = 16
+    HUMP = 17
+    RESIDUAL = 18
+    SLIP_SINKAGE = 19
+    SKID_SINKAGE = 20
+    SIDE_SINKAGE = 21
+    THETA_M_C3 = 22
+    FRONT_BULLDOZING = 23
+    SIDE_BULLDOZING = 24
+    BULLDOZING_COHESION = 25
+    BULLDOZING_TAN_PHI = 26
+    BULLDOZING_K_C = 27
+    BULLDOZING_K_GAMMA = 28
+    BULLDOZING_MODULUS = 29
+    GROUSER_SIDE_SHEAR = 30
 
 
 SOIL_COLUMNS: tuple[str, ...] = tuple(column.name.lower() for column in SoilColumn)
@@ -117,7 +139,29 @@ class SoilParams(Params):
     theta_m_c1: float = Field(ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
     theta_m_c2: float = Field(ge=-1.0, le=1.0, description="c2 of theta_m = (c1 + c2 s) theta_1 [-]")
     exit_angle: str = Field(default="zero", description="'zero' or 'lambda:L', L = rut height / sinkage [-]")
+    theta_m_c3: float = Field(default=0.0, ge=-1.0, le=1.0, description="c3 of theta_m, growth with the sideslip [-]")
     contact_damping: float = Field(ge=0.0, le=100.0, description="Hunt-Crossley normal damping d [s/m]")
+    interface_friction_angle_deg: float | None = Field(
+        default=None, ge=0.0, lt=80.0, description="friction of the soil on a bare rim [degree]; none: as in the soil"
+    )
+    interface_adhesion: float = Field(
+        default=0.0, ge=0.0, le=1e6, description="adhesion on a bare rim, where the friction on it is given [Pa]"
+    )
+    residual_shear_ratio: float | None = Field(
+        default=None, gt=0.0, le=1.0, description="residual over peak shear stress, the peak at j = K [-]; none: Janosi"
+    )
+    slip_sinkage: float = Field(default=0.0, ge=0.0, le=20.0, description="growth of the sinkage with slip [-]")
+    skid_sinkage: float = Field(default=0.0, ge=0.0, le=20.0, description="growth with the square of the skid [-]")
+    side_sinkage: float = Field(default=0.0, ge=0.0, le=20.0, description="growth with the sideslip [-]")
+    front_bulldozing: bool = Field(default=False, description="whether soil pushed ahead of a wheel resists")
+    side_bulldozing: bool = Field(default=False, description="whether soil pushed by the side of a wheel resists")
+    bulldozing_failure: Literal["general", "local"] = Field(
+        default="general", description="general shear failure (dense soil) or local (loose: 2/3 of c and tan phi)"
+    )
+    bulldozing_modulus: float = Field(
+        default=0.02, gt=0.0, le=1.0, description="displacement that mobilises the push on the side [m]"
+    )
+    grouser_side_shear: bool = Field(default=False, description="whether the sides of the soil in grousers shear too")
 
     @field_validator("exit_angle")
     @classmethod
@@ -130,6 +174,10 @@ class SoilParams(Params):
         if self.k_c <= 0.0 and self.k_phi <= 0.0:
             allowed = f"more than 0 where k_c = {self.k_c:g} is not positive"
             raise InvalidValueError("k_phi", self.k_phi, allowed)
+        if self.friction_angle > MAX_FRICTION_ANGLE and (self.front_bulldozing or self.side_bulldozing):
+            raise InvalidValueError(
+                "friction_angle_deg", self.friction_angle_deg, "at most 60 for a soil that is pushed"
+            )
         largest = self.theta_m_c1 + self.theta_m_c2
         if largest > 1.0:
             raise InvalidValueError("theta_m_c1 + theta_m_c2", largest, "at most 1: theta_m is below theta_1")
@@ -178,6 +226,27 @@ def kernel_row(params: SoilParams) -> FloatArray:
     row[SoilColumn.DENSITY] = params.density
     row[SoilColumn.SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE] = params.shear_modulus_per_slip_angle
     row[SoilColumn.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE] = params.shear_modulus_lateral_per_slip_angle
+    bare = params.interface_friction_angle_deg
+    # a soil weaker than its interface shears in itself
+    tan_phi = row[SoilColumn.TAN_PHI]
+    row[SoilColumn.INTERFACE_TAN_PHI] = tan_phi if bare is None else min(math.tan(math.radians(bare)), tan_phi)
+    row[SoilColumn.INTERFACE_ADHESION] = (
+        params.cohesion if bare is None else min(params.interface_adhesion, params.cohesion)
+    )
+    row[SoilColumn.RESIDUAL], row[SoilColumn.HUMP] = hump_coefficients(params.residual_shear_ratio)
+    row[SoilColumn.SLIP_SINKAGE] = params.slip_sinkage
+    row[SoilColumn.SKID_SINKAGE] = params.skid_sinkage
+    row[SoilColumn.SIDE_SINKAGE] = params.side_sinkage
+    row[SoilColumn.THETA_M_C3] = params.theta_m_c3
+    row[SoilColumn.FRONT_BULLDOZING] = float(params.front_bulldozing)
+    row[SoilColumn.SIDE_BULLDOZING] = float(params.side_bulldozing)
+    row[SoilColumn.BULLDOZING_MODULUS] = params.bulldozing_modulus
+    row[SoilColumn.GROUSER_SIDE_SHEAR] = float(params.grouser_side_shear)
+    failing = failure_strength(params.cohesion, params.friction_angle, params.bulldozing_failure == "local")
+    row[SoilColumn.BULLDOZING_COHESION] = failing.cohesion
+    row[SoilColumn.BULLDOZING_TAN_PHI] = math.tan(failing.friction_angle)
+    row[SoilColumn.BULLDOZING_K_C] = failing.factors.k_c
+    row[SoilColumn.BULLDOZING_K_GAMMA] = failing.factors.k_gamma
     return row
 
 
