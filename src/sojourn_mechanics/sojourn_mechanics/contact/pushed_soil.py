@@ -2,8 +2,8 @@
 
 Both are passive earth pressure with Terzaghi's factors for the failure that the soil's file names, general or local.
 On the side face, a vertical wall, the shape factor sin(α + φ)/(sin α cos φ) of Bekker's blade is one. The sunk segment
-of the face, h(x) deep at x ahead of the axle, has closed integrals: with θ1 the entry angle of a wheel sunk to its axle at
-most, s = sin θ1, c = cos θ1, and d = max(z - r, 0) what is sunk beyond that,
+of the face, h(x) deep at x ahead of the axle, has closed integrals: with θ1 the entry angle of a wheel sunk to its axle
+at most, s = sin θ1, c = cos θ1, and d = max(z - r, 0) what is sunk beyond that,
 
     ∫ h dx  = r² (θ1 - s c) + 2 r d,       ∫ h² dx = r³ (2 s - 2 s³/3 - 2 c θ1) + π r² d + 2 r d²
 """
@@ -28,7 +28,7 @@ _MODULUS = int(SoilColumn.BULLDOZING_MODULUS)
 
 @njit(cache=True)
 def front_push(radius: float, width: float, gravity: float, sinkage: float, soil: FloatArray) -> float:
-    """Bekker's bulldozing resistance [N], `soil.bearing.bulldozing_resistance`; zero where the soil does not ask for it."""
+    """Bekker's bulldozing resistance [N] (`soil.bearing`); zero where the soil does not ask for it."""
     if soil[_FRONT] <= 0.0 or sinkage <= 0.0:
         return 0.0
     depth = min(sinkage, radius)

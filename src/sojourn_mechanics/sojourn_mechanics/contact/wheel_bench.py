@@ -1,7 +1,6 @@
 """Single-wheel test bed: the sinkage at which a rigid wheel in steady motion bears its load, and the forces there.
 
-A carriage moves at speed v, in a direction that is turned from the wheel's heading by the slip angle β towards its left,
-and the rim turns at the speed rω. The slip ratio is that of the carriage, as measured on a test bed,
+A carriage moves at speed v, in a direction turned from the wheel's heading by the slip angle β towards its left, and the rim turns at the speed rω. The slip ratio is that of the carriage, as measured on a test bed,
 
     s = (rω - v)/max(rω, v),    -1 (locked) to 1 (spinning on the spot)
 
@@ -62,7 +61,7 @@ class BenchResult:
     entry_angle_rad: float
     exit_angle_rad: float
     resistances: dict[str, float]
-    """`compaction_n`: soil pressed down ahead; `bulldozing_n`: soil pushed ahead. At least 0, parts of the drawbar pull."""
+    """`compaction_n`: soil pressed down ahead; `bulldozing_n`: soil pushed ahead. Parts of the pull, at least 0."""
 
 
 @njit(cache=True)
@@ -146,7 +145,7 @@ def shape_row(wheel: WheelShape) -> FloatArray:
 
 
 def check_case(load: float, slip: float, slip_angle_deg: float) -> None:
-    """Raise InvalidValueError for a load that is not positive, a slip outside -1..1, an angle outside -90..90 degrees."""
+    """Raise InvalidValueError for a load that is not positive, or a slip or angle out of range."""
     if not (math.isfinite(load) and load > 0.0):
         raise InvalidValueError("load", load, "a finite number more than 0 N")
     if not -1.0 <= slip <= 1.0:
@@ -181,8 +180,8 @@ def measure(
         if math.isnan(row[0]):
             where = f"slip {slip:g}" + (f" and slip angle {angle:g} degrees" if angle else "")
             raise OverloadError(
-                f"load = {load:g} N: soil {soil.name} does not carry it under wheel {wheel.name} at {where}, not even at a "
-                f"sinkage of {DEEPEST:g} radii"
+                f"load = {load:g} N: soil {soil.name} does not carry it under wheel {wheel.name} at {where}, "
+                f"not even at a sinkage of {DEEPEST:g} radii"
             )
     return [
         BenchResult(load, slip, angle, *(float(x) for x in row[:6]), {"compaction_n": row[6], "bulldozing_n": row[7]})

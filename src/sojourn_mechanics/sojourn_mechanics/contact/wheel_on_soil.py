@@ -33,8 +33,8 @@ exponent n grow instead; a factor of z has no units to go wrong.) c3 moves θm f
 
 **Bare rim and grousers.** On a bare rim the soil slides on metal, τ_max = c_a + σ tan δ (Potyondy 1961, Géotechnique
 11(4):339: sand on steel, δ = 0.5 to 0.8 φ). A grouser of height h adds the passive thrust of its face (Bekker 1969;
-Wong 2008, sec. 2.6: F/b = 2 c h √N_φ + σ N_φ h, N_φ = tan²(45° + φ/2)), spread over the pitch p = 2 π r / N and never more
-than the soil between the tips can take:
+Wong 2008, sec. 2.6: F/b = 2 c h √N_φ + σ N_φ h, N_φ = tan²(45° + φ/2)), spread over the pitch p = 2 π r / N and never
+more than the soil between the tips can take:
 
     τ_max = min(c, c_a + 2 c √N_φ h/p) + σ min(tan φ, tan δ + N_φ h/p),
 
@@ -47,8 +47,8 @@ side, the passive pressure on the sunk segment of the side face (Hegedus 1960; T
 
     N = m ∫ (γ h² K_γ/2 + c K_c h) dx,  m = 1 - exp(-|v_y| L /(K_b v_t)),  v_t² = v_x² + (0.04 V)²
 
-against v_y, and its friction N tan δ on the turning face, against the velocity of the face's middle, depth r - z/2 below the
-axle, softened by the flow of soil up the face at half of v_y. L is the contact's length.
+against v_y, and its friction N tan δ on the turning face, against the velocity of the face's middle, r - z/2 below the axle,
+softened by the flow of soil up the face at half of v_y. L is the contact's length.
 
 D in -1..1 is the memory of the direction of travel (see `contact_set`): at D = 0 the wheel has been pressed
 straight down, and the contact is symmetric, θ2 = -θ1, θm = 0, S = 1 (static sinkage; Ishigami 2007 eq. 9), and all

@@ -16,7 +16,7 @@ class WheelShape(Params):
     grouser_height: float = Field(default=0.0, ge=0.0, le=0.2, description="height of the grousers [m]")
     grouser_count: int = Field(default=0, ge=0, le=500, description="number of grousers on the rim [-]")
     grouser_thickness: float = Field(
-        default=0.0, ge=0.0, le=0.1, description="thickness of a grouser along the rim [m]"
+        default=0.0, ge=0.0, le=0.1, description="thickness along the rim [m]"
     )
 
     @property

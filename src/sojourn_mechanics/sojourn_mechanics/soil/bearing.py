@@ -76,7 +76,7 @@ class FailureStrength:
 
 
 def failure_strength(cohesion: float, friction_angle: float, local: bool) -> FailureStrength:
-    """Strength to fail with: the soil's own in general shear failure, two thirds of it in local (Terzaghi 1943, sec. 47).
+    """Strength to fail with: the soil's own in general shear failure, 2/3 of it in local (Terzaghi 1943, sec. 47).
 
     A friction angle beyond MAX_FRICTION_ANGLE (rock) counts as that.
 

@@ -38,6 +38,7 @@ from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, Params
 from sojourn_mechanics.soil.bearing import MAX_FRICTION_ANGLE, failure_strength
 from sojourn_mechanics.soil.shear import hump_coefficients
+from sojourn_mechanics.soil.spread import check_spread
 
 MAX_EXIT_LAMBDA = 2.0
 EXIT_LAMBDA_ZERO = -1.0
@@ -162,6 +163,9 @@ class SoilParams(Params):
         default=0.02, gt=0.0, le=1.0, description="displacement that mobilises the push on the side [m]"
     )
     grouser_side_shear: bool = Field(default=False, description="whether the sides of the soil in grousers shear too")
+    spread: dict[str, float | tuple[float, float]] = Field(
+        default={}, description="uncertainty of fields: a standard deviation, or a lowest and highest value"
+    )
 
     @field_validator("exit_angle")
     @classmethod
@@ -181,6 +185,7 @@ class SoilParams(Params):
         largest = self.theta_m_c1 + self.theta_m_c2
         if largest > 1.0:
             raise InvalidValueError("theta_m_c1 + theta_m_c2", largest, "at most 1: theta_m is below theta_1")
+        check_spread(type(self).model_fields, self.spread)
         unknown = sorted(set(self.estimates) - set(type(self).model_fields))
         if unknown:
             raise InvalidValueError("estimates", unknown, "names of fields of a soil")
