@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from sojourn_mechanics.soil.params import SoilColumn
 from sojourn_mechanics.terrain.memory import RUT, SINKAGE, TILE, GroundMemory, MemoryBoard
@@ -126,6 +128,27 @@ def test_crossing_a_rut_gives_no_energy(rig: Maker, depth: float, length: float)
     # the edges alone, over the level parts' own resistance, are nearly in balance
     given = float(np.minimum(power, 0.0).sum() * wheel.dt)
     assert -given < float(np.maximum(power, 0.0).sum() * wheel.dt)
+
+
+motions = st.tuples(
+    st.floats(-0.3, 0.3), st.floats(-0.3, 0.3), st.floats(-0.05, 0.1), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0),
+    st.floats(-30.0, 30.0), st.floats(-0.6, 0.6),
+)  # fmt: skip
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(motions, min_size=2, max_size=12))
+def test_finite_on_any_ground_that_wheels_have_torn_up(rig: Maker, path: list[tuple[float, ...]]) -> None:
+    wheel = rig("lunar_nominal", cell=0.025)
+    for x, y, depth, along, aside, spin, yaw in path:
+        c, s = math.cos(yaw), math.sin(yaw)
+        rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        for step in range(40):
+            centre = np.array([x + 0.002 * step * along, y + 0.002 * step * aside, RADIUS - depth])
+            force, moment = wheel.push(centre, rotation, np.array([along, aside, 0.0]), rotation @ [0.0, spin, 0.0])
+            assert np.isfinite(force).all() and np.isfinite(moment).all() and np.isfinite(wheel.state).all()
+    for tile in wheel.memory.store().tiles.values():
+        assert np.isfinite(tile).all() and (tile >= 0.0).all() and (tile[..., RUT] <= tile[..., SINKAGE]).all()
 
 
 def test_rock_keeps_no_rut(rig: Maker) -> None:
