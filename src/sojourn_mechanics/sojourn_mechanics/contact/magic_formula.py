@@ -152,14 +152,14 @@ def formula(b: float, c: float, d: float, e: float, x: float) -> float:
 
 
 @njit(cache=True)
-def magic_forces(wheel: FloatArray, load: float, slip: float, angle: float, camber: float, rolling: float) -> tuple[
-    float, float, float
-]:  # fmt: skip
+def magic_forces(
+    wheel: FloatArray, load: float, slip: float, angle: float, camber: float
+) -> tuple[float, float, float]:
     """F_x, F_y [N] and M_z [N m] for travel ahead.
 
     Args:
         wheel: row with `MagicColumn`. load: [N]. slip: κ [-]. angle: slip angle [rad], positive for positive F_y.
-        camber: [rad], positive for positive F_y. rolling: 0..1, by which the camber counts.
+        camber: [rad], positive for positive F_y.
     """
     kilonewtons = load * 1e-3
     tilt = math.degrees(camber)
@@ -170,7 +170,7 @@ def magic_forces(wheel: FloatArray, load: float, slip: float, angle: float, camb
     b_z, c_z, d_z, e_z = curve(aligning, EXPONENTIAL_FORM, kilonewtons, tilt)
     x = 100.0 * min(max(slip, -MAX_SLIP), MAX_SLIP)
     alpha = math.degrees(angle)
-    shifted = alpha + lateral[9] * tilt * rolling
+    shifted = alpha + lateral[9] * tilt
     xi_x, xi_y = b_x * c_x * x, b_y * c_y * shifted
     xi = math.sqrt(xi_x * xi_x + xi_y * xi_y)
     force_x = force_y = 0.0
@@ -180,14 +180,14 @@ def magic_forces(wheel: FloatArray, load: float, slip: float, angle: float, camb
         if b_y > 0.0:
             force_y = formula(b_y, c_y, d_y, e_y, xi / (b_y * c_y)) * xi_y / xi
     limited = min(kilonewtons, -0.5 * lateral[2] / lateral[1]) if lateral[1] < 0.0 < lateral[2] else kilonewtons
-    force_y += (lateral[10] * limited + lateral[11]) * limited * tilt * rolling
+    force_y += (lateral[10] * limited + lateral[11]) * limited * tilt
     # the moment at the resultant slip, by the part of the side slip in it
-    turned = alpha + aligning[9] * tilt * rolling
+    turned = alpha + aligning[9] * tilt
     xi_z = math.sqrt(xi_x * xi_x + (b_y * c_y * turned) ** 2)
     moment = 0.0
     if xi_z > SMALL and b_y > 0.0:
         moment = formula(b_z, c_z, d_z, e_z, xi_z / (b_y * c_y)) * b_y * c_y * turned / xi_z
-    moment += (aligning[10] * limited + aligning[11]) * limited * tilt * rolling
+    moment += (aligning[10] * limited + aligning[11]) * limited * tilt
     return force_x, force_y, moment
 
 
@@ -210,7 +210,7 @@ def _hold_slips(wheel: FloatArray, load: float, speed: float, state: FloatArray)
 def _trail(wheel: FloatArray, load: float, state: FloatArray, half: float) -> float:
     """-M_z/F_y of pure and combined slip without camber [m], at most half the contact's length; 0 at no slip."""
     slip, angle = state[_U_X] / wheel[_RELAX_X], math.atan(state[_U_Y] / wheel[_RELAX_Y])
-    _, force_y, moment = magic_forces(wheel, load, slip, angle, 0.0, 0.0)
+    _, force_y, moment = magic_forces(wheel, load, slip, angle, 0.0)
     small = TRAIL_FORCE * load
     return float(min(max(-moment * force_y / (force_y * force_y + small * small + SMALL), -half), half))
 
@@ -238,7 +238,7 @@ def magic_formula(
     ahead = bristle_lead(max(speed, abs(rim_speed))) / dt
     slip = (state[_U_X] + ahead * (state[_U_X] - before_x)) / relax_x
     angle = math.atan((state[_U_Y] + ahead * (state[_U_Y] - before_y)) / relax_y)
-    force_x, force_y, upright = magic_forces(wheel, load, slip, angle, 0.0, 0.0)
+    force_x, force_y, upright = magic_forces(wheel, load, slip, angle, 0.0)
     moment = -trail * force_y
     owed = 0.0
     if motion[_CAMBER] != 0.0:
@@ -246,7 +246,7 @@ def magic_formula(
         camber = -math.asin(min(max(motion[_CAMBER], -1.0), 1.0))
         swept = max(speed, abs(slip_y), abs(rim_speed), abs(yaw_rate) * length)
         rolling = rim_speed * rim_speed / (swept * swept + ROLLING_SPEED * ROLLING_SPEED)
-        force_x, leaning, leaning_moment = magic_forces(wheel, load, slip, angle, camber, rolling)
+        force_x, leaning, leaning_moment = magic_forces(wheel, load, slip, angle, camber * rolling)
         more, more_moment = leaning - force_y, (leaning_moment - upright) * state[_TRAVEL]
         owed = max(more_moment * yaw_rate - more * slip_y, 0.0)
         force_y, moment = leaning, moment + more_moment
