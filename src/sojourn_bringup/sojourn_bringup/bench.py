@@ -23,7 +23,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from sojourn_bringup import options, start
+from sojourn_bringup import bench_arm, options, start
 from sojourn_bringup.errors import BringupError
 from sojourn_bringup.screen import Screen
 from sojourn_config.scenario import load_scenario
@@ -44,6 +44,7 @@ TARGETS = {
     "plant step over floor": ("<=", 2.5),
     "composed, times real time": (">=", 6.0),
     "processes, times real time": (">=", 5.0),
+    **bench_arm.TARGETS,
 }
 
 
@@ -174,11 +175,13 @@ def _table(figures: dict[str, float]) -> Table:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, print a table, write JSON."""
     parser = options.Parser(
-        prog="bench", description="Measure the plant's step, the loop's speed, start-up and memory."
+        prog="bench",
+        description="Measure the plant's step, the inverse kinematics, the loop's speed, start-up and memory.",
     )
     parser.add_argument("--seconds", type=options.positive_seconds, default=40.0, help="simulated time of a run [s]")
     parser.add_argument("--rounds", type=int, default=3, help="runs of the loop; the median counts")
     parser.add_argument("--json", type=Path, default=Path("bench.json"), help="file to write (default: %(default)s)")
+    parser.add_argument("--arm", action="store_true", help="the inverse kinematics of the arms only")
     for hidden in ("--child", "--run-dir", "--began"):
         parser.add_argument(hidden, help=argparse.SUPPRESS)
     options.add_place(parser)
@@ -186,8 +189,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.child:
         given.began = float(given.began)
         return _child(given)
-    figures = bench_step()
-    for kind in ("composed", "processes"):
+    figures = bench_arm.inverse_kinematics()
+    figures |= {} if given.arm else bench_step()
+    for kind in () if given.arm else ("composed", "processes"):
         runs = [bench_loop(kind, given.seconds) for _ in range(given.rounds)]
         figures |= {name: statistics.median(run[name] for run in runs) for name in runs[0]}
     Console().print(_table(figures))

@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from sojourn_config.arms import load_arm
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_mechanics.arm import controller
+from sojourn_mechanics.arm.inverse import pose_goal
 from sojourn_mechanics.arm.model import build_arm_model
 from sojourn_mechanics.plant.state import zeros_command
 from sojourn_mechanics.plant.step import step
@@ -26,6 +28,7 @@ def main() -> None:
     _step_sensors(scenario)
     _step_drive(scenario)
     controller.warm_up(scenario.arm, build_arm_model(scenario.urdf_xml, scenario.arm))
+    pose_goal(load_arm("puma560"), np.array([0.5, 0.1, 0.6]), np.eye(3))
     manager.step(
         scenario.power_manager,
         manager.initial_state(scenario.power_manager),

@@ -12,6 +12,8 @@ and, by task,
 One radian weighs as much as a given length. A start that stops getting better is given up for the next one.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from numba import njit
 
@@ -22,6 +24,21 @@ POSITION, POINTING, POSE = 0, 1, 2
 """Tasks."""
 STALE = 8
 """Iterations without progress after which a start is given up."""
+
+
+@lru_cache(maxsize=32)
+def spread(dimensions: int, count: int) -> FloatArray:
+    """The same `count` points of the unit cube every time, evenly spread: (count, dimensions), the middle first.
+
+    Additive recurrence on the generalised golden ratio (M. Roberts, 2018, after Kronecker).
+    """
+    root = 2.0
+    for _ in range(40):  # fixed point of x^(n+1) = x + 1
+        root = (1.0 + root) ** (1.0 / (dimensions + 1.0))
+    steps = (1.0 / root) ** np.arange(1, dimensions + 1)
+    points: FloatArray = np.remainder(0.5 + np.outer(np.arange(count), steps), 1.0)
+    points.setflags(write=False)
+    return points
 
 
 @njit(cache=True)
@@ -197,27 +214,30 @@ def _rotation_error(wanted: FloatArray, rotation: FloatArray) -> FloatArray:
     for i in range(3):
         for j in range(3):
             error[i, j] = wanted[i, 0] * rotation[j, 0] + wanted[i, 1] * rotation[j, 1] + wanted[i, 2] * rotation[j, 2]
-    vector = np.array([error[2, 1] - error[1, 2], error[0, 2] - error[2, 0], error[1, 0] - error[0, 1]])
+    vector: FloatArray = np.array([error[2, 1] - error[1, 2], error[0, 2] - error[2, 0], error[1, 0] - error[0, 1]])
     sine = 0.5 * np.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
     cosine = 0.5 * (error[0, 0] + error[1, 1] + error[2, 2] - 1.0)
     if sine > 1e-9:
-        return vector * (0.5 * np.arctan2(sine, cosine) / sine)
+        vector *= 0.5 * np.arctan2(sine, cosine) / sine
+        return vector
     if cosine > 0.0:
-        return 0.5 * vector
+        vector *= 0.5
+        return vector
     # Half a turn: the axis is the column of R + I that is not zero.
     k = 0
     for m in range(1, 3):
         if error[m, m] > error[k, k]:
             k = m
-    axis = error[:, k].copy()
+    axis: FloatArray = error[:, k].copy()
     axis[k] += 1.0
-    return axis * (np.pi / np.sqrt(axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2))
+    axis *= np.pi / np.sqrt(axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2)
+    return axis
 
 
 @njit(cache=True)
 def pointing_error(tool: FloatArray, wanted: FloatArray) -> FloatArray:
     """Rotation vector (3,) [rad] that turns unit vector `tool` onto unit vector `wanted` the short way."""
-    cross = np.array(
+    cross: FloatArray = np.array(
         [
             tool[1] * wanted[2] - tool[2] * wanted[1],
             tool[2] * wanted[0] - tool[0] * wanted[2],
@@ -227,13 +247,15 @@ def pointing_error(tool: FloatArray, wanted: FloatArray) -> FloatArray:
     sine = np.sqrt(cross[0] ** 2 + cross[1] ** 2 + cross[2] ** 2)
     cosine = tool[0] * wanted[0] + tool[1] * wanted[1] + tool[2] * wanted[2]
     if sine > 1e-12:
-        return cross * (np.arctan2(sine, cosine) / sine)
+        cross *= np.arctan2(sine, cosine) / sine
+        return cross
     if cosine > 0.0:
         return np.zeros(3)
     helper = np.zeros(3)
     helper[np.argmin(np.abs(tool))] = 1.0
-    side = np.cross(tool, helper)
-    return side * (np.pi / np.sqrt(np.sum(side * side)))
+    side: FloatArray = np.cross(tool, helper)
+    side *= np.pi / np.sqrt(np.sum(side * side))
+    return side
 
 
 @njit(cache=True)

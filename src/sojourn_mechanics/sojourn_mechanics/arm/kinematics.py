@@ -6,8 +6,7 @@ tool axis; the roll about the tool axis is left free, so that a five-joint arm c
 all-zero quaternion stands for "pointing free".
 
 Inverse: damped least squares with limits (see inverse_search.py) from the present position, the named poses, then a
-low-discrepancy set of starts (the additive recurrence on the generalised golden ratio; M. Roberts, 2018,
-after Kronecker), always the same ones. Solutions are sorted by their distance from the present position.
+low-discrepancy set of starts, always the same ones. Solutions are sorted by their distance from the present position.
 When none is found, a search without joint limits tells a target beyond the limits from one beyond the
 reach.
 
@@ -22,9 +21,10 @@ from typing import Literal
 import numpy as np
 
 from sojourn_mechanics.arm.chain import tip_kinematics
-from sojourn_mechanics.arm.inverse_search import POINTING, POSITION, search
+from sojourn_mechanics.arm.inverse_search import POINTING, POSITION, search, spread
 from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.arm.serial_arm import SerialArm
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 
@@ -52,7 +52,7 @@ class InverseResult:
     message: str  # empty when solved
 
 
-def forward_kinematics(model: ArmModel, positions: FloatArray) -> TipPose:
+def forward_kinematics(model: ArmModel | SerialArm, positions: FloatArray) -> TipPose:
     """Tip pose at joint `positions` (n,) [rad or m]."""
     rotation, position, jacobian = np.empty((3, 3)), np.empty(3), np.empty((6, model.joint_count))
     tip_kinematics(model.chain, positions, rotation, position, jacobian)
@@ -200,13 +200,8 @@ def _starts(params: ArmParams, model: ArmModel, start: FloatArray) -> list[Float
     """The same list of starts for the same start position."""
     count, n = params.inverse_kinematics.starts, model.joint_count
     named = [np.array(values) for values in params.named_poses.values()]
-    root = 2.0
-    for _ in range(40):  # fixed point of x^(n+1) = x + 1, the generalised golden ratio
-        root = (1.0 + root) ** (1.0 / (n + 1.0))
-    steps = (1.0 / root) ** np.arange(1, n + 1)
-    fractions = np.remainder(0.5 + np.outer(np.arange(1, count + 1), steps), 1.0)
-    spread = [model.lower + row * (model.upper - model.lower) for row in fractions]
-    return [start.copy(), *named, *spread][:count]
+    spread_out = [model.lower + row * (model.upper - model.lower) for row in spread(n, count + 1)[1:]]
+    return [start.copy(), *named, *spread_out][:count]
 
 
 def _is_new(q: FloatArray, found: list[FloatArray]) -> bool:
