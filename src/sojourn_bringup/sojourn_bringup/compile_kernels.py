@@ -7,6 +7,7 @@ from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_mechanics.arm import controller
 from sojourn_mechanics.arm.inverse import pose_goal
 from sojourn_mechanics.arm.model import build_arm_model
+from sojourn_mechanics.arm.workspace import tip_samples
 from sojourn_mechanics.plant.state import zeros_command
 from sojourn_mechanics.plant.step import step
 from sojourn_mechanics.power import manager
@@ -28,7 +29,9 @@ def main() -> None:
     _step_sensors(scenario)
     _step_drive(scenario)
     controller.warm_up(scenario.arm, build_arm_model(scenario.urdf_xml, scenario.arm))
-    pose_goal(load_arm("puma560"), np.array([0.5, 0.1, 0.6]), np.eye(3))
+    arm = load_arm("puma560")
+    pose_goal(arm, np.array([0.5, 0.1, 0.6]), np.eye(3))
+    tip_samples(arm.chain, np.zeros((1, arm.joint_count)))
     manager.step(
         scenario.power_manager,
         manager.initial_state(scenario.power_manager),

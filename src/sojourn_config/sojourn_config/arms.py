@@ -1,5 +1,6 @@
 """Arms by name: those of `urdf/`, those that rovers carry, and any file with a URDF or a Denavit-Hartenberg table."""
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -103,7 +104,8 @@ def _arm_on_rover(name: str) -> SerialArm:
         coulomb = np.array(params.coulomb_friction) if params.coulomb_friction else zero
         viscous = np.array(params.viscous_friction) if params.viscous_friction else zero
         inertia = np.array(params.reflected_inertia) if params.reflected_inertia else zero
-        return with_motors(arm, inertia, JointFriction(viscous, coulomb, coulomb, zero, np.ones(arm.joint_count)))
+        friction = JointFriction(viscous, coulomb, coulomb, zero, np.ones(arm.joint_count))
+        return dataclasses.replace(with_motors(arm, inertia, friction), name=name)
     raise single(f"config/arms/{name}{SUFFIX}", "", MISSING, "no rover of config/rovers carries this arm")
 
 

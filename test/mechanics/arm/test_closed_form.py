@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from sojourn_config.arms import load_arm
 from sojourn_mechanics.arm.closed_form import (
@@ -80,6 +81,18 @@ def test_a_pose_in_the_midst_of_the_reach_has_eight_branches_and_the_search_find
     assert len(branches) == 8 and any(branch.inside for branch in branches)
     found = pose_goal(PUMA, tip.position, tip.rotation)
     assert min(_turns_apart(branch.positions, found.positions) for branch in branches) < 1e-4
+
+
+def test_the_search_solves_just_what_the_closed_form_solves() -> None:
+    """Poses anywhere about the arm, reachable or not: two methods that share no formula."""
+    generator, solved = np.random.default_rng(0), 0
+    for _ in range(300):
+        rotation = Rotation.random(rng=generator).as_matrix()
+        place = np.array([0.0, 0.0, 0.672]) + generator.uniform(-0.8, 0.8, 3)
+        inside = any(branch.inside for branch in spherical_wrist_branches(PUMA, place, rotation))
+        assert pose_goal(PUMA, place, rotation).reached == inside
+        solved += inside
+    assert 50 < solved < 250
 
 
 def test_a_stretched_wrist_is_marked_and_follows_the_reference() -> None:

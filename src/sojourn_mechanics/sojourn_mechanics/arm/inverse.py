@@ -90,7 +90,8 @@ def _solve(
 ) -> InverseAnswer:
     if not (np.all(np.isfinite(position)) and np.all(np.isfinite(wanted))):
         raise InvalidValueError("target", (position.tolist(), wanted.tolist()), "finite numbers")
-    question = _Question(arm, task, np.array(position, dtype=np.float64), np.ascontiguousarray(wanted))
+    # copies: the compiled search is there for arrays that may be written to, and would be compiled again for others
+    question = _Question(arm, task, np.array(position, dtype=np.float64), np.array(wanted, dtype=np.float64, order="C"))
     starts = spread(arm.joint_count, STARTS) * (arm.upper - arm.lower) + arm.lower
     if start is not None:
         starts = np.vstack([start, starts])
