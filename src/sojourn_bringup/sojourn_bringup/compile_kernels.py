@@ -7,6 +7,8 @@ from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_mechanics.arm import controller
 from sojourn_mechanics.arm.inverse import pose_goal
 from sojourn_mechanics.arm.model import build_arm_model
+from sojourn_mechanics.arm.spline_path import spline_through
+from sojourn_mechanics.arm.time_optimal import MotionLimits, fastest_timing
 from sojourn_mechanics.arm.workspace import tip_samples
 from sojourn_mechanics.plant.state import zeros_command
 from sojourn_mechanics.plant.step import step
@@ -32,6 +34,9 @@ def main() -> None:
     arm = load_arm("puma560")
     pose_goal(arm, np.array([0.5, 0.1, 0.6]), np.eye(3))
     tip_samples(arm.chain, np.zeros((1, arm.joint_count)))
+    path = spline_through(np.stack([arm.lower, arm.upper]), np.array([0.0, 1.0]))
+    limits = MotionLimits(arm.max_velocity, np.ones(arm.joint_count), arm.max_effort)
+    fastest_timing(arm, path, limits, np.zeros(3), intervals=10)
     manager.step(
         scenario.power_manager,
         manager.initial_state(scenario.power_manager),
