@@ -1,0 +1,54 @@
+"""Published figures of vehicles against the analysis of `sojourn_mechanics.vehicle` and `actuators`."""
+
+import math
+
+import pytest
+
+from sojourn_config.load import load_params
+from sojourn_mechanics.actuators import dc_motor
+from sojourn_mechanics.actuators.params import MotorParams
+from sojourn_mechanics.soil.params import SoilParams
+from sojourn_mechanics.vehicle.longitudinal import Course, greatest_grade, greatest_speed, steady_state
+from sojourn_mechanics.vehicle.params import VehicleParams
+from sojourn_mechanics.vehicle.wheel_traction import ClosedFormWheel
+
+MOON = 1.624
+
+
+@pytest.fixture(scope="module")
+def lrv_on_the_moon() -> Course:
+    vehicle = load_params("vehicles", "lrv", VehicleParams)
+    soil = load_params("soils", "lunar_nominal", SoilParams)
+    front = vehicle.axles[0]
+    wheel = ClosedFormWheel(soil, front.wheel_radius, front.wheel_width, MOON)
+    return Course(vehicle, [wheel, wheel], MOON)
+
+
+@pytest.mark.parametrize("kilometres_per_hour", [9.0, 11.0, 13.0])
+def test_lrv_energy(lrv_on_the_moon: Course, kilometres_per_hour: float) -> None:
+    """1.87, 2.11 and 1.64 Ah/km at 36 V on Apollo 15, 16 and 17: 67, 76, 59 Wh/km, band 55 to 80."""
+    state = steady_state(lrv_on_the_moon, kilometres_per_hour / 3.6)
+    assert state is not None and state.feasible
+    assert 55.0 < state.energy_per_metre / 3.6 < 80.0
+
+
+def test_lrv_grade_and_speed(lrv_on_the_moon: Course) -> None:
+    """20 to 23 degrees were climbed, 25 at most, at some km/h; 13 km/h asked for, 18 seen downhill."""
+    grade, _ = greatest_grade(lrv_on_the_moon, 0.7)
+    assert 20.0 < math.degrees(grade) < 25.0
+    assert 13.0 < 3.6 * greatest_speed(lrv_on_the_moon) < 18.0
+
+
+def test_maxon_motors() -> None:
+    """RE 25, 24 V: stall 10.34 A and 242 mN m. RE 40, 24 V: stall 80.27 A, greatest efficiency 0.919, 4.66 ms."""
+    re25 = MotorParams(
+        resistance=2.32, torque_constant=0.0234, rotor_inertia=1.08e-6, no_load_current=0.0369, max_current=10.0
+    )
+    re40 = MotorParams(
+        resistance=0.299, torque_constant=0.0302, rotor_inertia=1.42e-5, no_load_current=0.137, max_current=80.0
+    )
+    assert dc_motor.stall_current(re25, 24.0) == pytest.approx(10.34, abs=0.005)
+    assert dc_motor.stall_torque(re25, 24.0) == pytest.approx(0.242, abs=0.0005)
+    assert dc_motor.stall_current(re40, 24.0) == pytest.approx(80.27, abs=0.005)
+    assert dc_motor.greatest_efficiency(re40, 24.0) == pytest.approx(0.919, abs=0.0005)
+    assert dc_motor.mechanical_time_constant(re40) == pytest.approx(4.66e-3, abs=5e-6)
