@@ -2,14 +2,23 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from sojourn_config.load import load_params
 from sojourn_mechanics.actuators import dc_motor
 from sojourn_mechanics.actuators.params import MotorParams
 from sojourn_mechanics.soil.params import SoilParams
+from sojourn_mechanics.vehicle.handling import (
+    SingleTrack,
+    characteristic_speed,
+    critical_speed,
+    poles,
+    understeer_gradient,
+)
 from sojourn_mechanics.vehicle.longitudinal import Course, greatest_grade, greatest_speed, steady_state
 from sojourn_mechanics.vehicle.params import VehicleParams
+from sojourn_mechanics.vehicle.steering_geometry import path_radii, steering_error, turn_of_outer_wheel
 from sojourn_mechanics.vehicle.wheel_traction import ClosedFormWheel
 
 MOON = 1.624
@@ -52,3 +61,30 @@ def test_maxon_motors() -> None:
     assert dc_motor.stall_current(re40, 24.0) == pytest.approx(80.27, abs=0.005)
     assert dc_motor.greatest_efficiency(re40, 24.0) == pytest.approx(0.919, abs=0.0005)
     assert dc_motor.mechanical_time_constant(re40) == pytest.approx(4.66e-3, abs=5e-6)
+
+
+LRV_WHEELS = np.array([[1.143, 0.9145], [1.143, -0.9145], [-1.143, 0.9145], [-1.143, -0.9145]])
+
+
+def test_lrv_double_ackermann() -> None:
+    """Outer 22 deg on both axles: outer path 3.05 m (10 ft published), centre 1.915 m, inner 48.8 deg; built with
+    50.
+    """
+    turn = turn_of_outer_wheel(LRV_WHEELS, 1, math.radians(22.0), 0.0)
+    assert path_radii(LRV_WHEELS, turn)[1] == pytest.approx(3.05, abs=0.005)
+    assert turn.y == pytest.approx(1.915, abs=0.001)
+    assert math.degrees(turn.angles[0]) == pytest.approx(48.8, abs=0.05)
+    assert turn.angles[2:] == pytest.approx(-turn.angles[:2])
+    built = np.radians([50.0, 22.0, -50.0, -22.0])
+    error = steering_error(LRV_WHEELS, built)
+    assert 0.0 < math.degrees(np.abs(error.slip_angles).max()) < 50.0 - 48.8
+
+
+def test_bicycle_model() -> None:
+    car = SingleTrack(1200.0, 1800.0, (1.1, -1.4), (60e3, 55e3), (1.0, 0.0))
+    assert understeer_gradient(car) == pytest.approx(6.400e-4, rel=1e-4)
+    assert characteristic_speed(car) == pytest.approx(39.53, abs=0.005)
+    found = poles(car, 20.0)
+    assert found.real == pytest.approx([-4.9014, -4.9014], abs=5e-5)
+    assert sorted(found.imag) == pytest.approx([-2.4411, 2.4411], abs=5e-5)
+    assert critical_speed(car._replace(x=(1.4, -1.1))) == pytest.approx(27.04, abs=0.005)
