@@ -54,7 +54,7 @@ def wheel_forces(vehicle: SlipVehicle, rims: FloatArray, motion: FloatArray) -> 
     u, v, r = motion
     slide = np.column_stack([rims - u + r * y, -(v + r * x)])
     size = np.sqrt(np.sum(slide**2, axis=1) + vehicle.slip_speed**2)
-    return vehicle.friction * vehicle.loads[:, None] * slide / size[:, None], slide
+    return np.asarray(vehicle.friction * vehicle.loads[:, None] * slide / size[:, None]), slide
 
 
 def steady_turn(vehicle: SlipVehicle, left: float, right: float) -> SlipTurn:
@@ -72,7 +72,7 @@ def steady_turn(vehicle: SlipVehicle, left: float, right: float) -> SlipTurn:
     def balance(motion: FloatArray) -> FloatArray:
         force, _ = wheel_forces(vehicle, rims, motion)
         moment = np.sum(x * force[:, 1] - y * force[:, 0])
-        return np.array([force[:, 0].sum(), force[:, 1].sum(), moment]) / scale
+        return np.asarray(np.array([force[:, 0].sum(), force[:, 1].sum(), moment]) / scale)
 
     mean = 0.5 * (left + right)
     for part in (0.6, 0.3, 0.9, 0.05):
