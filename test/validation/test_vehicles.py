@@ -9,6 +9,7 @@ from sojourn_config.load import load_params
 from sojourn_mechanics.actuators import dc_motor
 from sojourn_mechanics.actuators.params import MotorParams
 from sojourn_mechanics.soil.params import SoilParams
+from sojourn_mechanics.vehicle.body_motion import first_nulls
 from sojourn_mechanics.vehicle.handling import (
     SingleTrack,
     characteristic_speed,
@@ -18,6 +19,8 @@ from sojourn_mechanics.vehicle.handling import (
 )
 from sojourn_mechanics.vehicle.longitudinal import Course, greatest_grade, greatest_speed, steady_state
 from sojourn_mechanics.vehicle.params import VehicleParams
+from sojourn_mechanics.vehicle.quarter_car import QuarterCar, fixed_point, optimum_damping, undamped_modes
+from sojourn_mechanics.vehicle.ride import HORIZONTAL, VERTICAL, Weighting, iso_2631_gain
 from sojourn_mechanics.vehicle.steering_geometry import path_radii, steering_error, turn_of_outer_wheel
 from sojourn_mechanics.vehicle.wheel_traction import ClosedFormWheel
 
@@ -88,3 +91,30 @@ def test_bicycle_model() -> None:
     assert found.real == pytest.approx([-4.9014, -4.9014], abs=5e-5)
     assert sorted(found.imag) == pytest.approx([-2.4411, 2.4411], abs=5e-5)
     assert critical_speed(car._replace(x=(1.4, -1.1))) == pytest.approx(27.04, abs=0.005)
+
+
+def test_quarter_car() -> None:
+    assert optimum_damping(240.0, 16e3, 160e3) == pytest.approx(1517.89, abs=0.005)
+    frequency, ratio = fixed_point(240.0, 16e3, 160e3)
+    assert (frequency, ratio) == (pytest.approx(1.6776, abs=5e-5), pytest.approx(1.2, abs=5e-4))
+    modes = undamped_modes(QuarterCar(240.0, 16e3, 0.0, 160e3, 25.0))
+    assert modes == pytest.approx([1.2385, 13.360], rel=1e-4)
+
+
+def test_wheelbase_filter() -> None:
+    assert first_nulls(2.286, 3.0) == pytest.approx((0.656, 1.312), abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("weighting", "gains"),
+    [
+        (VERTICAL, {1.0: 0.482, 2.0: 0.531, 4.0: 0.967, 5.0: 1.039, 8.0: 1.036, 16.0: 0.768, 31.5: 0.405}),
+        (HORIZONTAL, {0.5: 0.853, 1.0: 1.011, 2.0: 0.890, 4.0: 0.512, 8.0: 0.253}),
+    ],
+)
+def test_iso_2631_weights(weighting: Weighting, gains: dict[float, float]) -> None:
+    """ISO 2631-1 (1997), table 3, at the nominal centre frequencies of one-third octaves; true ones differ by up to
+    1 %.
+    """
+    found = iso_2631_gain(weighting, np.array(list(gains)))
+    assert found == pytest.approx(list(gains.values()), rel=0.015)
