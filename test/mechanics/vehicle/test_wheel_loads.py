@@ -36,7 +36,7 @@ def test_a_rocker_bogie_loads_its_wheels_alike(explorer: StandingMachine) -> Non
     assert np.abs(stance.gaps).max() < 1e-9
     assert loads.normal.sum() == pytest.approx(explorer.mass * 3.73)
     assert loads.normal == pytest.approx(np.full(6, WEIGHT / 6.0), rel=0.03)
-    assert loads.tangential == pytest.approx(np.zeros(6), abs=1e-6)
+    assert loads.tangential == pytest.approx(np.zeros(6), abs=1e-4)
 
 
 @pytest.mark.parametrize("wheel", [0, 2, 5])
