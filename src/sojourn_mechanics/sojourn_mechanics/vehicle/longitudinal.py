@@ -18,7 +18,7 @@ Range: grades below 60 degrees, forward drive.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -45,11 +45,14 @@ class Course:
     Args:
         vehicle: the machine. wheels: law of each axle's wheels, in the order of its axles.
         gravity: [m/s^2].
+        sharing: part of the weight that each axle carries on a grade [rad], shape (axles,), for a suspension that
+            equalises; None for axles on springs.
     """
 
     vehicle: VehicleParams
     wheels: Sequence[WheelTraction]
     gravity: float
+    sharing: Callable[[float], FloatArray] | None = None
 
 
 class SteadyState(NamedTuple):
@@ -76,6 +79,9 @@ def loads(course: Course, grade: float, acceleration: float = 0.0) -> FloatArray
     vehicle = course.vehicle
     press = vehicle.mass * course.gravity * math.cos(grade)
     back = vehicle.mass * (course.gravity * math.sin(grade) + acceleration)
+    if course.sharing is not None:
+        # acceleration loads the axles as a steeper grade does
+        return 0.5 * press * course.sharing(math.atan2(back, press))
     rates = [1.0 if axle.spring_rate is None else axle.spring_rate for axle in vehicle.axles]
     return 0.5 * axle_loads(vehicle.x, vehicle.height, press, back, rates)
 

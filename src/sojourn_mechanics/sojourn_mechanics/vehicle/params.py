@@ -28,6 +28,9 @@ class AxleParams(Params):
     wheel_inertia: float = Field(ge=0.0, le=1e4, description="of one wheel about its axle, without the motor [kg m^2]")
     driven: bool = Field(default=True, description="true if its wheels have motors")
     max_steer: float = Field(default=0.0, ge=0.0, le=3.2, description="largest steer angle, 0 for fixed [rad]")
+    full_lock: tuple[float, float] | None = Field(
+        default=None, description="angles of inner and outer wheel at full lock, where a linkage couples them [rad]"
+    )
     spring_rate: float | None = Field(
         default=None, gt=0.0, le=1e9, description="of one wheel's suspension [N/m]; none: rigid or equalising"
     )
@@ -40,6 +43,15 @@ class AxleParams(Params):
         if self.rim_radius > self.wheel_radius:
             raise ValueError(f"rim_radius = {self.rim_radius:g}: allowed is at most {self.wheel_radius:g} m")
         return self
+
+
+class PublishedFigure(Params):
+    """A figure that others have published of a vehicle, to stand beside its own in the data sheet."""
+
+    figure: str = Field(min_length=1, description="key of the figure in the data sheet")
+    low: float = Field(description="published value, or the lowest of several [unit of the figure]")
+    high: float = Field(description="the same, or the highest of several")
+    source: str = Field(min_length=1, description="where it is published")
 
 
 class VehicleParams(Params):
@@ -62,8 +74,10 @@ class VehicleParams(Params):
     bus_voltage: float = Field(gt=0.0, le=1e4, description="[V]")
     battery_energy_wh: float = Field(gt=0.0, le=1e7, description="that may be used [Wh]")
     house_power: float = Field(ge=0.0, le=1e5, description="computers, radio, controllers at rest [W]")
+    cruise_speed: float = Field(gt=0.0, le=100.0, description="usual speed [m/s]")
     rolling_loss: float = Field(default=0.0, ge=0.0, le=1.0, description="f_0 of the wheel itself [-]")
     rolling_loss_quadratic: float = Field(default=0.0, ge=0.0, le=1.0, description="K_v [s^2/m^2]")
+    published: tuple[PublishedFigure, ...] = Field(default=(), description="figures to compare with")
 
     @model_validator(mode="after")
     def _axles_are_ordered(self) -> Self:
