@@ -89,6 +89,8 @@ def poles(car: SingleTrack, speed: float) -> FloatArray:
 def understeer_gradient(car: SingleTrack) -> float:
     """K [s^2/m^2]: more than 0 understeers, less oversteers."""
     d = derivatives(car, 1.0)
+    if abs(d.n_beta) < 1e-12 * float(np.abs(car.x) @ np.abs(car.stiffness)):
+        return 0.0  # neutral, but for rounding
     return car.mass * d.n_beta / (d.y_beta * d.n_rate - d.n_beta * d.y_rate)
 
 
