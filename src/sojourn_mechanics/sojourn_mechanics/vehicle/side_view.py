@@ -44,8 +44,10 @@ def side_view(machine: StandingMachine, angles: Mapping[str, float] | None = Non
     hinged_mass, hinged_moment = _mass_of(machine, all_bogies)
     centre = machine.mass * machine.centre_of_mass(stance.configuration) - hinged_moment
     body = 0.5 * (machine.mass - hinged_mass)
+    belly = _belly(machine)
     if not used:
-        return SideView(body, _plane(centre / (2.0 * body)), tuple(wheels[k] for k in order), max_torque=torque)
+        sizes = tuple(wheels[k] for k in order)
+        return SideView(body, _plane(centre / (2.0 * body)), sizes, max_torque=torque, belly=belly)
     bogie = used.pop()
     mass, moment = _mass_of(machine, [bogie])
     joint = model.joints[bogie]
@@ -59,7 +61,22 @@ def side_view(machine: StandingMachine, angles: Mapping[str, float] | None = Non
         _plane(data.oMi[bogie].translation),
         float(limit),
         torque,
+        belly,
     )
+
+
+def _belly(machine: StandingMachine) -> tuple[float, float, float] | None:
+    """Rear and front end and height of the underside that the pads of base_link span [m]; None without such pads."""
+    places = []
+    for pad in machine.machine.pads:
+        if pad.link == "base_link":
+            frame = machine.model.frames[machine.model.getFrameId(pad.link)]
+            place = machine.data.oMi[frame.parentJoint].act(frame.placement.act(np.array(pad.position)))
+            places.append((place[0] - pad.radius, place[0] + pad.radius, place[2] - pad.radius))
+    if not places:
+        return None
+    ends = np.array(places)
+    return float(ends[:, 0].min()), float(ends[:, 1].max()), float(ends[:, 2].min())
 
 
 def _mass_of(machine: StandingMachine, roots: list[int]) -> tuple[float, FloatArray]:

@@ -10,8 +10,8 @@ the step. At every position
 in the normal and tangential forces N, T of all contacts is a linear programme; motors may divide the traction as they
 like. The step is climbed if there is a solution at every position, for every wheel in turn.
 Normals: horizontal on the face, from the edge to the wheel's centre at the edge. A wheel lower than its radius' worth
-of step meets the edge at once. (Thueer, Krebs, Siegwart and Lamon 2007, J. Field Robotics 24:215, use the same
-statics.)
+of step meets the edge at once. The underside of the body may not touch the edge. (Thueer, Krebs, Siegwart and Lamon
+2007, J. Field Robotics 24:215, use the same statics.)
 Assumptions: rigid step and wheels, no grousers hooking in, no inertia. Range: steps up to where a limit of the bogie is
 reached or wheels would stand on the step's face two at a time.
 """
@@ -49,6 +49,8 @@ class SideView:
         mass, centre: of the body without the bogie [kg], (x, z) [m]. wheels: from front to rear.
         bogie_mass, bogie_centre, pivot: of the bogie with its wheels [kg], [m]; mass 0 for none.
         bogie_limit: largest angle of the bogie against the body [rad]. max_torque: of a wheel's motor [N m].
+        belly: rear end, front end and height of the body's flat underside [m], which must clear the edge; None to leave
+        it out.
     """
 
     mass: float
@@ -59,6 +61,7 @@ class SideView:
     pivot: tuple[float, float] = (0.0, 0.0)
     bogie_limit: float = math.inf
     max_torque: float = math.inf
+    belly: tuple[float, float, float] | None = None
 
 
 class Posture(NamedTuple):
@@ -91,7 +94,7 @@ def failing_wheel(side: SideView, height: float, friction: float, gravity: float
         guess: Posture | None = None
         for centre, normals in _way_up(side.wheels[wheel].radius, height):
             guess = _posture(side, wheel, centre, height, guess)
-            if guess is None or abs(guess.bogie) > side.bogie_limit:
+            if guess is None or abs(guess.bogie) > side.bogie_limit or _touches(side, guess, height):
                 return wheel
             if not _holds(side, wheel, guess, normals, friction, gravity):
                 return wheel
@@ -139,6 +142,15 @@ def _way_up(radius: float, height: float) -> list[tuple[tuple[float, float], lis
             normals.append((0.0, 1.0))
         way.append(((radius * normal[0], height + radius * normal[1]), normals))
     return way
+
+
+def _touches(side: SideView, posture: Posture, height: float) -> bool:
+    """Whether the edge of the step is inside the body."""
+    if side.belly is None:
+        return False
+    rear, front, under = side.belly
+    edge = _turn(posture.pitch).T @ np.array([-posture.x, height - posture.z])
+    return bool(rear < edge[0] < front and edge[1] > under)
 
 
 def _place(posture: Posture, side: SideView, point: tuple[float, float], on_bogie: bool) -> FloatArray:

@@ -157,7 +157,7 @@ def _motor_curve(subject: Subject, course: Course, fastest: float) -> Curve:
         state = steady_state(course, cruise, math.radians(degrees))
         if state is not None and state.feasible:
             torque = max(force.torque for force in state.wheels)
-            points[f"{degrees:g}°"] = (state.wheel_rate, torque)
+            points["level" if degrees == 0.0 else f"{degrees:g}° up"] = (state.wheel_rate, torque)
     line = {"full voltage and current": (rates, torques)}
     return Curve(
         "Torque of one wheel, working points at cruise speed", "wheel rate [rad/s]", "torque [N m]", line, points

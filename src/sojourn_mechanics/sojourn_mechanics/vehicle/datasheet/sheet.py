@@ -9,6 +9,7 @@ from sojourn_mechanics.vehicle.datasheet.riding import riding
 from sojourn_mechanics.vehicle.datasheet.standing import general, standing, steps
 from sojourn_mechanics.vehicle.datasheet.subject import Subject
 from sojourn_mechanics.vehicle.datasheet.turning import handling, steering
+from sojourn_mechanics.vehicle.params import PublishedFigure
 
 
 class Comparison(NamedTuple):
@@ -41,13 +42,22 @@ def datasheet(subject: Subject) -> Datasheet:
     """
     makers = (general, standing, steps, traction, performance, energy, steering, handling, riding)
     sections = tuple(make(subject) for make in makers)
+    return Datasheet(sections, compare(subject.vehicle.published, sections))
+
+
+def compare(published: tuple[PublishedFigure, ...], sections: tuple[Section, ...]) -> tuple[Comparison, ...]:
+    """The published figures with those of the sections.
+
+    Raises:
+        InvalidValueError: a published figure that the sections do not have.
+    """
     figures = {figure.key: figure for section in sections for figure in section.figures}
     compared = []
-    for item in subject.vehicle.published:
+    for item in published:
         if item.figure not in figures:
             raise InvalidValueError("published.figure", item.figure, "one of " + ", ".join(sorted(figures)))
         figure = figures[item.figure]
         own = figure.value if isinstance(figure.value, float) else None
         inside = own is not None and item.low * (1.0 - NEAR) <= own <= item.high * (1.0 + NEAR)
         compared.append(Comparison(figure.label, figure.unit, (item.low, item.high), own, inside, item.source))
-    return Datasheet(sections, tuple(compared))
+    return tuple(compared)

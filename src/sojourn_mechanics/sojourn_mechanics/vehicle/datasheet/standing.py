@@ -11,9 +11,9 @@ from sojourn_mechanics.vehicle.datasheet.figures import Curve, Figure, Section
 from sojourn_mechanics.vehicle.datasheet.subject import Subject
 from sojourn_mechanics.vehicle.longitudinal import loads
 from sojourn_mechanics.vehicle.stability import tip_over_margin
-from sojourn_mechanics.vehicle.step_climbing import highest_step
+from sojourn_mechanics.vehicle.step_climbing import SideView, highest_step, least_friction
 
-STEP_FRICTIONS = (0.4, 0.6, 0.8, 1.0)
+STEP_FRICTIONS = (0.4, 0.6, 0.7, 0.8, 0.9, 1.0)
 FIRM_FRICTION = 0.8
 """Of rock under metal wheels with grousers, for the headline step."""
 
@@ -105,12 +105,20 @@ def steps(subject: Subject) -> Section:
     figures = (
         Figure("highest_step", "Highest step, every wheel in turn", headline, "m", f"friction {FIRM_FRICTION:g}"),
         Figure("step_over_diameter", "The same, in diameters of a wheel", headline / (2.0 * radius), ""),
+        Figure(
+            "step_friction", "Friction for a step of one wheel diameter", _friction_for_diameter(side, subject.gravity)
+        ),
     )
     line = {"all wheels driven": (np.array(STEP_FRICTIONS), heights)}
     curve = Curve("Highest step", "friction coefficient", "height [m]", line)
     text = "Quasi-static, rigid vertical step; motors share the traction as is best. "
     text += "Springs are taken as locked." if subject.machine is None else "The bogies turn within their limits."
     return Section("Steps", figures, (curve,), text)
+
+
+def _friction_for_diameter(side: SideView, gravity: float) -> float | str:
+    needed = least_friction(side, 2.0 * side.wheels[0].radius, gravity)
+    return needed if math.isfinite(needed) else "not climbed"
 
 
 def tip_over_angles(subject: Subject, directions: FloatArray) -> FloatArray:

@@ -77,7 +77,9 @@ class Subject:
         if len(vehicle.axles) != 2:
             return None
         wheels = tuple(SideWheel(axle.x, axle.wheel_radius, axle.wheel_radius, False) for axle in vehicle.axles)
-        return SideView(0.5 * vehicle.mass, (0.0, vehicle.height), wheels)
+        front, rear = vehicle.axles
+        belly = (rear.x + rear.wheel_radius, front.x - front.wheel_radius, vehicle.clearance)
+        return SideView(0.5 * vehicle.mass, (0.0, vehicle.height), wheels, belly=belly)
 
     def _shares(self, machine: StandingMachine) -> FloatArray:
         """Part of the pressing weight on each axle at GRADES, (grades, axles), by virtual work on tilted planes."""

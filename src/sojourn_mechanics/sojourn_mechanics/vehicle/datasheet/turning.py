@@ -165,14 +165,21 @@ def _tightest(subject: Subject, centre: float) -> float:
 
 def _radius_curve(subject: Subject, centre: float) -> Curve:
     front = subject.vehicle.axles[0]
-    outer_limit = front.full_lock[1] if front.full_lock is not None else min(front.max_steer, 1.4)
+    outer_limit = (
+        front.full_lock[1] if front.full_lock is not None else min(front.max_steer, _spot_angle(front, centre))
+    )
     angles = np.linspace(0.05 * outer_limit, outer_limit, 40)
     radii = []
     for angle in angles:
-        turn = turn_of_outer_wheel(subject.places, 1, float(angle), centre)
-        radii.append(abs(turn.y))
+        # beyond the turn on the spot the centre would be on the other side
+        radii.append(max(turn_of_outer_wheel(subject.places, 1, float(angle), centre).y, 0.0))
     lines = {"centre line": (np.degrees(angles), np.array(radii))}
     return Curve("Turning radius", "angle of the outer front wheel [°]", "radius [m]", lines)
+
+
+def _spot_angle(front: AxleParams, centre: float) -> float:
+    """Angle of a front wheel that turns on the spot [rad]."""
+    return math.atan2(front.x - centre, 0.5 * front.track)
 
 
 def _worst(angles: FloatArray) -> float:
