@@ -188,7 +188,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, print a table, write JSON."""
     parser = options.Parser(
         prog="bench",
-        description="Measure the plant's step, contact laws, inverse kinematics, the loop's speed, start-up and memory.",
+        description="Measure the plant's step, contacts, inverse kinematics, the loop's speed, start-up and memory.",
     )
     parser.add_argument("--seconds", type=options.positive_seconds, default=40.0, help="simulated time of a run [s]")
     parser.add_argument("--rounds", type=int, default=3, help="runs of the loop; the median counts")
