@@ -192,7 +192,10 @@ def test_kernel_row_holds_every_number_in_its_column() -> None:
         "shear_modulus_longitudinal": 0.036, "shear_modulus_lateral": 0.013, "theta_m_c1": 0.40,
         "theta_m_c2": 0.15, "exit_lambda": 0.9, "contact_damping": 5.0, "density": 1600.0,
         "shear_modulus_longitudinal_per_slip_angle": 0.043, "shear_modulus_lateral_per_slip_angle": 0.020,
+        "unloading_stiffness": 0.0, "unloading_stiffness_per_sinkage": 503.0e6,
     }  # fmt: skip
+    rock = kernel_row(load("rigid_rock"))  # springs back along its own line, and keeps no rut
+    assert rock[SoilColumn.UNLOADING_STIFFNESS] == rock[SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE] == 0.0
     reece = SoilParams(**{**read("jsc_1a"), "form": "reece"})
     assert kernel_row(reece)[SoilColumn.FORM] == 1.0
     assert kernel_row(reece)[SoilColumn.EXIT_LAMBDA] == -1.0
