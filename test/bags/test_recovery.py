@@ -20,6 +20,7 @@ from sojourn_bags.definitions import definition, qos_entry, type_hash
 from sojourn_bags.errors import BagExistsError, NothingToRecoverError, UnreadableBagError
 from sojourn_bags.reading import read_bag
 from sojourn_bags.recovery import RECOVERY_RECORD, examine, recover, recovered_folder
+from sojourn_bags.salvage import Salvage
 from sojourn_contract.heartbeat import Counters, heartbeat_message
 
 TYPE = "std_msgs/msg/String"
@@ -150,6 +151,24 @@ def test_zeros_to_the_end_are_no_messages(
     found = mend(damaged, folder / "new") or []
     assert found == expected_rows(messages)[: len(found)]
     assert len(found) >= _in_whole_chunks(whole[:begin])
+
+
+def test_file_that_grows_is_read_as_it_was_at_the_start(foreign: Foreign, tmp_path: Path) -> None:
+    whole = foreign.path.read_bytes()
+    ends, place = [], 8
+    while place + 9 <= len(whole):
+        place += 9 + struct.unpack_from("<BQ", whole, place)[1]
+        ends.append(place)
+    for cut in [end + more for end in ends[3:12] for more in (0, 5, 9)]:
+        path = tmp_path / "growing.mcap"
+        path.write_bytes(whole[:cut])
+        salvage = Salvage(path)
+        records = salvage.records
+        found = [next(records)]
+        path.write_bytes(whole)
+        found += list(records)
+        path.write_bytes(whole[:cut])
+        assert len(found) == len(list(Salvage(path).records)) and not salvage.whole
 
 
 def test_large_chunk_is_unpacked_as_far_as_it_goes(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from rosbags.highlevel import AnyReader
 from sojourn_bags.comparison import compare, until
 from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.comparison_words import comparison_lines
+from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topics import TOPICS
@@ -70,6 +71,13 @@ def test_every_topic_of_the_table_is_in_the_record(composed: Bag) -> None:
             assert counts[row.name] == periods // row.every, row.name
     assert counts["/goal_pose"] == counts["/arm/joint_goal"] == 1
     assert counts["/tf"] == periods
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_run_keeps_the_contract(runs: dict[str, Path], kind: str) -> None:
+    report, run = judge_bag(read_bag(runs[kind]))
+    assert not list(report.lines())
+    assert run.lockstep and not run.notes and len(report.messages) > 20
 
 
 def test_another_seed_gives_another_record(

@@ -62,6 +62,19 @@ class UnknownTopicInBagError(BagsError):
         self.name = name
 
 
+class UnknownFieldError(BagsError):
+    """A topic or field that cannot be drawn.
+
+    Args:
+        name: what was asked for. why: what is wrong with it. nearest: names that there are and that look like it.
+    """
+
+    def __init__(self, name: str, why: str, nearest: list[str]) -> None:
+        hint = f": nearest are {', '.join(nearest)}" if nearest else ""
+        super().__init__(f"{name} {why}{hint}")
+        self.name, self.nearest = name, nearest
+
+
 class IncompleteConfigError(BagsError):
     """The configuration lacks something that a summary or report needs."""
 
@@ -76,3 +89,15 @@ class OtherContractError(BagsError):
     def __init__(self, path: Path, reason: str) -> None:
         super().__init__(f"{path} is a bag of another contract: {reason}")
         self.path = path
+
+
+class ReplayError(BagsError):
+    """A bag that cannot be replayed through a role, or a candidate that cannot be judged by it."""
+
+
+class UnansweredError(ReplayError):
+    """A candidate that did not answer, or has ended.
+
+    Args:
+        words: one sentence that says who did not answer what, and when.
+    """

@@ -104,7 +104,8 @@ def recorded_as(bag: Bag) -> Recorded:
     participants = tuple(role for role in record.get("participants", "").split(",") if role in ROLES)
     lockstep = record["lockstep"] == "true" if "lockstep" in record else _clock_is_reliable(bag)
     # a bag of ours that was cut off has no record of the run yet, but its attachments
-    return Recorded(lockstep, participants or _speakers(bag), bool(record) or text is not None, notes)
+    by_us = bool(record) or text is not None
+    return Recorded(lockstep, participants or _speakers(bag, by_us), by_us, notes)
 
 
 def machine_of(bag: Bag) -> Machine:
@@ -183,6 +184,7 @@ def _clock_is_reliable(bag: Bag) -> bool:
     )
 
 
-def _speakers(bag: Bag) -> tuple[str, ...]:
-    """Roles of which something has been recorded."""
-    return tuple(role for role in ROLES if any(row.publisher == role and row.name in bag for row in TOPICS))
+def _speakers(bag: Bag, by_us: bool) -> tuple[str, ...]:
+    """Roles of which something has been recorded, and our recorder, whose own topic is in no bag."""
+    found = {row.publisher for row in TOPICS if row.name in bag} | ({"recorder"} if by_us else set())
+    return tuple(role for role in ROLES if role in found)

@@ -15,7 +15,7 @@ import numpy as np
 from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from numpy.typing import NDArray
 
-from sojourn_bags.definitions import typestore
+from sojourn_bags.definitions import learn, typestore
 from sojourn_bags.errors import UnknownTopicInBagError, UnreadableBagError
 from sojourn_bags.layout import Layout, layout_of
 from sojourn_bags.salvage import Salvage
@@ -263,9 +263,11 @@ def read_bag(path: Path | str) -> Bag:
             place += 1
         elif isinstance(record, Schema):
             schemas[record.id] = record.name
+            if record.encoding == "ros2msg":
+                learn(record.name, record.data.decode(errors="replace"))
         elif isinstance(record, Channel) and record.id not in channels:
             messages = bag.topics.setdefault(record.topic, Messages(record.topic, schemas.get(record.schema_id, "")))
-            messages.offered_qos = record.metadata.get("offered_qos_profiles", "")
+            messages.offered_qos = messages.offered_qos or record.metadata.get("offered_qos_profiles", "")
             channels[record.id] = messages
         elif isinstance(record, Attachment):
             bag.attachments[record.name] = record.data

@@ -77,7 +77,7 @@ class Salvage:
         first = True
         while True:
             begin = stream.tell()
-            frame = stream.read(_FRAME.size)
+            frame = stream.read(min(_FRAME.size, max(0, self._size - begin)))  # the file may be growing
             opcode, length = _FRAME.unpack(frame) if len(frame) == _FRAME.size else (0, 0)
             if first and (opcode != Opcode.HEADER or begin + _FRAME.size + length > self._size):
                 raise UnreadableBagError(self.path, "it is no MCAP file (it has no header)")

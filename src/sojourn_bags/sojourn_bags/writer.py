@@ -7,7 +7,7 @@ second and its summary, and a reader of streams still opens it.
 
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BufferedWriter
 from pathlib import Path
@@ -40,16 +40,26 @@ class BagWriter:
         folder: the bag; made here, and never one that holds a bag already.
         channels: topics, by the index that `write` takes. Only those with a message show in the bag.
         attachments: files to put inside.
+        offered: profiles that the publishers of a channel offer, asked at its first message; None for the one
+            of the channel.
 
     Raises:
         BagExistsError: there is a bag in the folder. UnwritableBagError: it cannot be made or written.
     """
 
-    def __init__(self, folder: Path, channels: Sequence[ChannelSpec], attachments: Sequence[Attachment] = ()) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        channels: Sequence[ChannelSpec],
+        attachments: Sequence[Attachment] = (),
+        offered: Callable[[ChannelSpec], Sequence[dict[str, Any]]] | None = None,
+    ) -> None:
         self.folder = folder.absolute()
         self.path = self.folder / f"{self.folder.name}_0.mcap"
         self.closed = False
         self._channels = tuple(channels)
+        self._offered = [[spec.qos] for spec in self._channels]
+        self._ask_offered = offered
         self._schemas: dict[str, int] = {}
         self._ids = [0] * len(self._channels)
         self.counts = [0] * len(self._channels)
@@ -155,6 +165,8 @@ class BagWriter:
 
     def _register(self, index: int) -> None:
         spec = self._channels[index]
+        if self._ask_offered is not None:
+            self._offered[index] = list(self._ask_offered(spec)) or [spec.qos]
         if spec.full_type not in self._schemas:
             self._schemas[spec.full_type] = self._writer.register_schema(
                 spec.full_type, "ros2msg", definition(spec.full_type).encode()
@@ -164,7 +176,7 @@ class BagWriter:
             "cdr",
             self._schemas[spec.full_type],
             {
-                "offered_qos_profiles": yaml.safe_dump([spec.qos], sort_keys=False).strip(),
+                "offered_qos_profiles": yaml.safe_dump(self._offered[index], sort_keys=False).strip(),
                 "topic_type_hash": type_hash(spec.full_type),
             },
         )
@@ -172,7 +184,7 @@ class BagWriter:
     def _metadata(self) -> dict[str, Any]:
         """Content of metadata.yaml."""
         topics = [
-            TopicEntry(spec.topic, spec.full_type, [spec.qos], type_hash(spec.full_type), count)
-            for spec, count in zip(self._channels, self.counts, strict=True)
+            TopicEntry(spec.topic, spec.full_type, list(offered), type_hash(spec.full_type), count)
+            for spec, offered, count in zip(self._channels, self._offered, self.counts, strict=True)
         ]
         return bag_information(self.path.name, topics, self._start, self._end, self._custom)

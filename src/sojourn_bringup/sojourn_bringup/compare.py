@@ -57,8 +57,8 @@ def write_result(
     try:
         if given.json is not None:
             given.json.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
-        if given.bag is not None:
-            write_both(given.bag, *sides, prefix, source, comparison.as_data())
+        if given.both is not None:
+            write_both(given.both, *sides, prefix, source, comparison.as_data())
     except OSError as error:
         raise UsageError(f"{given.json} cannot be written: {error.strerror or error}") from error
     except BagsError as error:

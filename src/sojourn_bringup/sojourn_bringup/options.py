@@ -46,7 +46,7 @@ def add_result(parser: argparse.ArgumentParser, names: str) -> None:
         names: how the second side's topics are called in the bag, in words.
     """
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result into this file, too")
-    parser.add_argument("--bag", type=Path, metavar="OUT", help=f"write a bag with both, {names}")
+    parser.add_argument("--bag", type=Path, dest="both", metavar="OUT", help=f"write a bag with both, {names}")
 
 
 def domain(text: str) -> int:

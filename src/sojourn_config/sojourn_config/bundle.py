@@ -82,13 +82,18 @@ class Bundle:
 
 
 class BundleReader:
-    """Reads the files of a scenario one after the other and collects the problems of all of them."""
+    """Reads the files of a scenario one after the other and collects the problems of all of them.
 
-    def __init__(self, scenario: YamlDocument, path: Path, overrides: dict[str, list[str]]) -> None:
+    Args:
+        scenario: what names the files. path: its file, None for a command line.
+        overrides: `KEY=VALUE` texts by what they are for.
+    """
+
+    def __init__(self, scenario: YamlDocument, path: Path | None, overrides: dict[str, list[str]]) -> None:
         self.problems: list[Problem] = []
-        self.files: dict[str, str] = {scenario.file: path.read_text(encoding="utf-8")}
+        self.files: dict[str, str] = {} if path is None else {scenario.file: path.read_text(encoding="utf-8")}
         self._scenario = scenario
-        self._path = path
+        self._path = path or Path(scenario.file)
         self._overrides = overrides
         self._soils: dict[str, YamlDocument] = {}
 
@@ -184,6 +189,19 @@ class BundleReader:
             return None
         self.files[urdf.file] = urdf.text
         return urdf
+
+
+def read_machine(rover: str, body: str, soil: str) -> Bundle:
+    """A rover on the soil of a body, without a scenario; rocks are of `rigid_rock`.
+
+    Raises:
+        ConfigError: with every problem of every file.
+    """
+    reader = BundleReader(YamlDocument("command line", {}), None, {})
+    bundle = reader.read(rover, body, soil, "rigid_rock")
+    if bundle is None:
+        raise ConfigError(reader.problems)
+    return bundle
 
 
 def _with_line(problems: Sequence[Problem], document: YamlDocument, key: str) -> list[Problem]:

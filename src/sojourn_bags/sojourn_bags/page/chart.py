@@ -55,7 +55,7 @@ class TimeAxis:
 
 
 def wheel_curves(times: FloatArray, values: FloatArray, names: Sequence[str]) -> list[Curve]:
-    """A curve a column. Right-hand ones are dashed in the colour of their left-hand fellows; others have colours only."""
+    """A curve a column. Right-hand ones are dashed in the colour of their left-hand fellows, where all have a side."""
     paired = bool(names) and all({"left", "right"} & set(name.replace("_", " ").split()) for name in names)
     curves, families = [], list(dict.fromkeys(_without_side(name) for name in names))
     for column, name in enumerate(names):
@@ -94,9 +94,8 @@ def chart(
             f'<text class="tick" x="{LEFT - 6:.1f}" y="{place + 4:.1f}" text-anchor="end">{_number(tick)}</text>'
         )
     middle = 0.5 * (TOP + bottom)
-    parts.append(
-        f'<text class="label" transform="translate(14 {middle:.1f}) rotate(-90)" text-anchor="middle">{escape(label)}</text>'
-    )
+    turned = f"translate(14 {middle:.1f}) rotate(-90)"
+    parts.append(f'<text class="label" transform="{turned}" text-anchor="middle">{escape(label)}</text>')
     for value, word in lines:
         place = float(y(value))
         parts.append(f'<path class="mark" d="M{LEFT:.1f} {place:.1f}H{RIGHT:.1f}"/>')
@@ -119,7 +118,7 @@ def chart(
 
 
 def strips(axis: TimeAxis, rows: Sequence[tuple[str, Sequence[Span]]], label: str) -> str:
-    """Rows of stretches of time, each row with its name on the left-hand side and a word in each stretch that holds it."""
+    """Rows of stretches of time, each row with its name beside it and a word in each stretch that has room for it."""
     height = TOP + BOTTOM + ROW * len(rows)
     parts = [_frame(axis, height, height - BOTTOM)]
     for number, (name, spans) in enumerate(rows):
@@ -128,15 +127,13 @@ def strips(axis: TimeAxis, rows: Sequence[tuple[str, Sequence[Span]]], label: st
         for span in spans:
             begin, end = float(axis.x(span.begin)), float(axis.x(span.end))
             width = max(end - begin, 1.0)
-            parts.append(
-                f'<rect x="{begin:.1f}" y="{place + 2:.0f}" width="{width:.1f}" height="{ROW - 4:.0f}" fill="{span.color}">'
-                f"<title>{escape(span.text)}, {span.begin:.2f} to {span.end:.2f} s</title></rect>"
-            )
+            box = f'x="{begin:.1f}" y="{place + 2:.0f}" width="{width:.1f}" height="{ROW - 4:.0f}"'
+            words = f"{escape(span.text)}, {span.begin:.2f} to {span.end:.2f} s"
+            parts.append(f'<rect {box} fill="{span.color}"><title>{words}</title></rect>')
             if width > 6.5 * len(span.text) + 6.0:
                 ink = "#ffffff" if _is_dark(span.color) else "#222222"
-                parts.append(
-                    f'<text class="word" fill="{ink}" x="{begin + 4:.1f}" y="{place + 13:.0f}">{escape(span.text)}</text>'
-                )
+                spot = f'x="{begin + 4:.1f}" y="{place + 13:.0f}"'
+                parts.append(f'<text class="word" style="fill:{ink}" {spot}>{escape(span.text)}</text>')
     return _svg(height, parts, label)
 
 

@@ -25,7 +25,7 @@ def _body(story: Story) -> str:
     tracks = [name for name, messages in story.bag.topics.items() if messages.type == POSE]
     if not tracks:
         return paragraph("The bag has no odometry, true or estimated: there is no track to draw.")
-    picture = Figure(figsize=(9.2, 6.4), dpi=DOTS_PER_INCH, layout="constrained")
+    picture = Figure(figsize=(9.2, 7.0), dpi=DOTS_PER_INCH, layout="constrained")
     FigureCanvasAgg(picture)
     axes = picture.add_subplot()
     note = ""
@@ -43,6 +43,6 @@ def _body(story: Story) -> str:
         axes.grid(alpha=0.3)
         axes.legend(fontsize=8)
     stream = BytesIO()
-    picture.savefig(stream, format="jpg", pil_kwargs={"quality": QUALITY})
+    picture.savefig(stream, format="jpg", bbox_inches="tight", pil_kwargs={"quality": QUALITY})
     text = base64.b64encode(stream.getvalue()).decode()
     return figure("Track", f'<img alt="map of the run" src="data:image/jpeg;base64,{text}">', note)

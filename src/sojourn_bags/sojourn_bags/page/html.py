@@ -6,8 +6,8 @@ from html import escape
 
 STYLE = """
 :root { color-scheme: light; }
-body { font: 15px/1.45 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c1c1c; background: #fff; margin: 0 auto;
-  max-width: 1140px; padding: 0 18px 60px; }
+body { font: 15px/1.45 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c1c1c; background: #fff;
+  margin: 0 auto; max-width: 1140px; padding: 0 18px 60px; }
 h1 { font-size: 24px; margin: 22px 0 4px; } h2 { font-size: 19px; margin: 34px 0 4px; border-bottom: 2px solid #ddd; }
 h3 { font-size: 15px; margin: 16px 0 0; } p { margin: 4px 0 8px; } .quiet { color: #555; } code { font-size: 13px; }
 nav a { margin-right: 14px; white-space: nowrap; }
@@ -21,13 +21,16 @@ nav a { margin-right: 14px; white-space: nowrap; }
 table { border-collapse: collapse; font-size: 13px; margin: 6px 0; }
 th, td { text-align: left; padding: 2px 14px 2px 0; border-bottom: 1px solid #e6e6e6; vertical-align: top; }
 th { border-bottom: 2px solid #bbb; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
-td { overflow-wrap: anywhere; } tr.bad td { background: #fde8dc; font-weight: 600; }
+td { overflow-wrap: break-word; } td.n { white-space: nowrap; } tr.bad td { background: #fde8dc; font-weight: 600; }
 svg, img { width: 100%; height: auto; display: block; } figure { margin: 4px 0 10px; }
-svg text { font: 12px system-ui, "DejaVu Sans", sans-serif; fill: #333; } svg text.tick { fill: #555; font-size: 11px; }
+svg text { font: 12px system-ui, "DejaVu Sans", sans-serif; fill: #333; }
+svg text.tick { fill: #555; font-size: 11px; }
 svg .curve { fill: none; stroke-width: 1.5; } svg .band { fill: none; stroke-width: .7; stroke-opacity: .28; }
-svg .grid { stroke: #e4e4e4; stroke-width: 1; } svg .axis { stroke: #777; fill: none; } svg .shade { fill-opacity: .08; }
+svg .grid { stroke: #e4e4e4; stroke-width: 1; } svg .axis { stroke: #777; fill: none; }
+svg .shade { fill-opacity: .08; }
 svg .mark { stroke: #111; stroke-dasharray: 5 4; } svg .now { stroke: #d00; stroke-width: 1; }
 @media print { body { max-width: none; font-size: 11px; padding: 0; } nav { display: none; }
+  table { font-size: 9px; } td, th { padding-right: 8px; }
   figure, tr, .tiles, .verdict { break-inside: avoid; } h2, h3 { break-after: avoid; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; } }
 """
@@ -101,7 +104,8 @@ def table(
 def tiles(found: Sequence[Tile]) -> str:
     """Key numbers side by side."""
     inside = "".join(
-        f'<div class="tile"><span>{escape(tile.name)}</span><b>{escape(tile.value)}</b><small>{escape(tile.comment)}</small></div>'
+        f'<div class="tile"><span>{escape(tile.name)}</span><b>{escape(tile.value)}</b>'
+        f"<small>{escape(tile.comment)}</small></div>"
         for tile in found
     )
     return f'<div class="tiles">{inside}</div>'

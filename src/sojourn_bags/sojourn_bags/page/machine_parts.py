@@ -3,6 +3,7 @@
 import numpy as np
 
 from sojourn_bags.curves import COLORS, FloatArray, short_name
+from sojourn_bags.goals import ARM_TOPICS
 from sojourn_bags.page.chart import Curve, Span, chart, strips, wheel_curves
 from sojourn_bags.page.html import Section, figure, paragraph
 from sojourn_bags.page.story import BATTERY, JOINTS, STATUS, Story
@@ -95,7 +96,8 @@ def arm(story: Story) -> Section:
     if source is None or joints is None or not set(names) & set(joints.names):
         return Section("arm", "Arm", paragraph("The bag tells of no arm: that takes the machine and its joint states."))
     names = [joint for joint in names if joint in joints.names]
-    asked = bool(story.summary) and any(goal["topic"].startswith("/arm") for goal in story.summary["goals"])
+    goals = story.summary["goals"] if story.summary else []
+    asked = any(goal["topic"] in ARM_TOPICS for goal in goals)
     times = story.times(source)
     if not asked and not any(np.ptp(joints.position[:, joints.index(joint)]) > 2e-3 for joint in names):
         torque = _largest(joints, names)
@@ -115,8 +117,8 @@ def arm(story: Story) -> Section:
         figure(f"Joint angles, {name} and commanded", chart(story.axis, angle_curves, "angle [degree]", height=240.0))
     ]
     if error_curves:
-        parts.append(figure("Commanded angle less true angle, at the same stamp" if states else "Commanded less measured angle",
-                            chart(story.axis, error_curves, "error [mrad]")))  # fmt: skip
+        title = f"Commanded less {name} angle, at the same stamp"
+        parts.append(figure(title, chart(story.axis, error_curves, "error [mrad]")))
     efforts = joints.effort[:, [joints.index(joint) for joint in names]]
     if np.isfinite(efforts).any():
         curves = wheel_curves(times, efforts, [short_name(joint) for joint in names])

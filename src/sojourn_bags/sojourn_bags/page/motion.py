@@ -109,9 +109,16 @@ def _position_error(story: Story) -> str:
     place = [f"pose.pose.position.{axis}" for axis in "xyz"]
     error = belief.columns(*place)[others] - truth.columns(*place)[rows]
     times = story.times(truth)[rows]
-    curves = [Curve(times, np.hypot(error[:, 0], error[:, 1]), "in the plane", COLORS[0]),
-              Curve(times, error[:, 2], "height", COLORS[1], 1)]  # fmt: skip
-    return figure("Estimated position less true position", chart(story.axis, curves, "error [m]"))
+    heading = np.degrees(_yaw(belief)[others] - _yaw(truth)[rows])
+    plane = [Curve(times, 1000.0 * np.hypot(error[:, 0], error[:, 1]), "in the plane")]
+    turned = [Curve(times, heading, "heading")]
+    return figure(
+        "Distance of the estimated from the true position", chart(story.axis, plane, "error [mm]", height=150.0)
+    ) + (figure("Estimated less true heading", chart(story.axis, turned, "error [degree]", height=130.0)))
+
+
+def _yaw(messages: Messages) -> FloatArray:
+    return euler_angles(messages.columns(*(f"pose.pose.{part}" for part in _QUATERNION)))[:, 2]
 
 
 def _margin(story: Story) -> str:

@@ -9,6 +9,7 @@ from sojourn_bags.page.chart import LEFT, RIGHT
 from sojourn_bags.page.html import POINTER, Tile, document, paragraph, tiles
 from sojourn_bags.page.story import Story
 from sojourn_bags.reading import Bag
+from sojourn_bags.summary import length_in_words
 
 SECTIONS = (
     record.goals,
@@ -24,9 +25,11 @@ SECTIONS = (
 )
 
 
-def write_page(bag: Bag, path: Path) -> Story:
-    """Write the page of a bag. Returns what it tells."""
+def write_page(bag: Bag, path: Path, judged: bool = True) -> Story:
+    """Write the page of a bag, with its messages judged by the contract or without. Returns what it tells."""
     story = Story(bag)
+    if judged:
+        story.judge()
     sections = [make(story) for make in SECTIONS]
     name = story.run.name if story.run else bag.path.name
     script = POINTER % (LEFT, RIGHT, story.axis.begin, story.axis.end)
@@ -43,7 +46,7 @@ def _headline(story: Story) -> str:
     if summary["all_met"] and summary["complete"]:
         look, word = "good", "PASSED"
     else:
-        look, word = ("bad", "FAILED") if not summary["all_met"] else ("bad", "GOALS MET, RECORD NOT COMPLETE")
+        look, word = ("bad", "FAILED") if not summary["all_met"] else ("bad", "RECORD NOT COMPLETE")
     where = f"{summary['scenario']}, seed {summary['seed']}: " + (story.run.scenario.description if story.run else "")
     head = f'<div class="verdict {look}"><b>{word}</b>{paragraph(summary["verdict"])}</div>'
     return paragraph(where, quiet=True) + head + tiles(_numbers(story))
@@ -68,14 +71,15 @@ def _numbers(story: Story) -> list[Tile]:
     ]
     for key, name, scale, unit in (
         ("distance_m", "driven", 1.0, "m"),
-        ("goal_error_m", "from the last drive goal", 1000.0, "mm"),
-        ("arm_error_m", "worst place of the arm", 1000.0, "mm"),
         ("energy_wh", "energy used", 1.0, "Wh"),
         ("max_sinkage_m", "largest sinkage", 1000.0, "mm"),
         ("max_tilt_deg", "largest tilt", 1.0, "°"),
     ):
         if summary[key] is not None:
-            found.append(Tile(name, f"{scale * summary[key]:.2f} {unit}", "off, in truth" if "error" in key else ""))
+            found.append(Tile(name, f"{scale * summary[key]:.2f} {unit}"))
+    for key, name in (("goal_error_m", "off the last drive goal"), ("arm_error_m", "arm off its target, at worst")):
+        if summary[key] is not None:
+            found.append(Tile(name, length_in_words(summary[key]), "in truth"))
     if summary["soc_end"] is not None:
         found.append(
             Tile(
@@ -90,6 +94,8 @@ def _numbers(story: Story) -> list[Tile]:
         )
     refused = sum(sum(beats[-1][1].refused.values()) for beats in record.heartbeats_of(story).values())
     found.append(Tile("messages refused", str(refused)))
+    if story.judgement is not None:
+        found.append(Tile("contract violations", str(story.judgement.violations)))
     found.append(Tile("record", "complete" if summary["complete"] else "not complete",
                       f"{sum(len(messages) for messages in story.bag.topics.values())} messages"))  # fmt: skip
     return found

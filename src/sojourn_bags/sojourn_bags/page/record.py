@@ -10,12 +10,13 @@ from sojourn_bags.completeness import RECORD
 from sojourn_bags.description import CONFIGURATION_NAME
 from sojourn_bags.page.chart import Span, strips
 from sojourn_bags.page.html import Section, figure, paragraph, table
-from sojourn_bags.page.story import ARM_SHADE, DRIVE_SHADE, STATUS, Story
+from sojourn_bags.page.story import ARM_SHADE, STATUS, Story
 from sojourn_bags.provenance import RUN_RECORD, VERSIONS_NAME
 from sojourn_bags.recovery import RECOVERY_RECORD
-from sojourn_bags.summary import messages
-from sojourn_bags.violations import violations
+from sojourn_bags.summary import length_in_words, messages
+from sojourn_contract.conformance.findings import number_text
 from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
+from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topics import TOPICS
 
 MOST_ROWS = 60
@@ -33,18 +34,17 @@ def goals(story: Story) -> Section:
         rows = [
             [goal["goal"], goal["outcome"], "yes" if goal["met"] else "no", _seconds(goal["start_s"]),
              _seconds(goal["end_s"] - goal["start_s"]),
-             "" if goal["error_m"] is None else f"{1000.0 * goal['error_m']:.1f}", goal["reason"]]
+             "" if goal["error_m"] is None else length_in_words(goal["error_m"]), goal["reason"]]
             for goal in found
         ]  # fmt: skip
-        head = ("goal", "ended as", "met", "from [s]", "took [s]", "true error [mm]", "reason given")
+        head = ("goal", "ended as", "met", "from [s]", "took [s]", "from the target in truth", "reason given")
         parts.append(table(head, rows, (3, 4, 5), [not goal["met"] for goal in found]))
         lanes: dict[str, list[Span]] = {"drive": [], "arm": []}
         for span in story.axis.spans:
             lanes["arm" if span.color == ARM_SHADE else "drive"].append(span)
         rows_of_spans = [(name, spans) for name, spans in lanes.items() if spans]
-        note = f"Blue ({DRIVE_SHADE}) is a drive goal, violet ({ARM_SHADE}) one of the arm; the charts below are shaded alike."
-        parts.append(figure("When each goal was under way", strips(story.axis, rows_of_spans, "goals"),
-                            note.replace(f" ({DRIVE_SHADE})", "").replace(f" ({ARM_SHADE})", "")))  # fmt: skip
+        note = "Blue is a drive goal, violet one of the arm; the charts below are shaded alike."
+        parts.append(figure("When each goal was under way", strips(story.axis, rows_of_spans, "goals"), note))
     else:
         parts.append(paragraph("No goal was sent."))
     if story.summary["steps_not_sent"]:
@@ -81,8 +81,9 @@ def diagnostics(story: Story) -> Section:
             others = sorted({beat.state for _, beat in beats} - {RUNNING})
             words = [f"{state} at {_seconds(next(time for time, beat in beats if beat.state == state))} s"
                      for state in others]  # fmt: skip
-            rows.append([role, str(len(beats)), _seconds(times[0]), _seconds(times[-1]), _seconds(gap), refused or "none",
-                         last.values.get("last refusal", ""), "; ".join(words)])  # fmt: skip
+            seconds = [_seconds(time) for time in (times[0], times[-1], gap)]
+            refusal = last.values.get("last refusal", "")
+            rows.append([role, str(len(beats)), *seconds, refused or "none", refusal, "; ".join(words)])
             bad.append(bool(refused or others or gap > 1.5 * HEARTBEAT_S))
         head = ("node", "heartbeats", "first [s]", "last [s]", "longest gap [s]", "messages refused", "last refusal",
                 "other states than running")  # fmt: skip
@@ -125,17 +126,21 @@ def _changes(story: Story, beats: Mapping[str, list[tuple[float, Heartbeat]]]) -
 
 def contract(story: Story) -> Section:
     """Violations of the contract."""
-    found = violations(story.bag)
-    if found is None:
-        text = "Not judged: the judge of the contract is not part of this version."
-        return Section("contract", "Contract", paragraph(text))
-    if not found:
-        return Section("contract", "Contract", paragraph("No message violates the contract."))
-    rows = [[_seconds(item.stamp_s), item.topic, item.field, item.value, item.allowed] for item in found[:MOST_ROWS]]
-    more = len(found) - len(rows)
-    text = f"{len(found)} violations" + (f"; the first {len(rows)} are shown." if more else ".")
-    head = ("stamp [s]", "topic", "field", "value", "allowed")
-    return Section("contract", "Contract", paragraph(text) + table(head, rows, (0,), [True] * len(rows)))
+    parts = [paragraph(story.judgement_in_words)]
+    parts += [paragraph(note[:1].upper() + note[1:] + ".", quiet=True) for note in story.judgement_notes]
+    groups = story.judgement.groups if story.judgement is not None else []
+    if groups:
+        rows = []
+        for group in groups[:MOST_ROWS]:
+            first = group.first[0]
+            worst = number_text((group.worst or first).finding.value)
+            stamp = "" if first.stamp is None else _seconds(first.stamp / NANOSECONDS)
+            finding = first.finding
+            rows.append([group.topic, finding.field, group.rule, str(group.count), stamp, number_text(finding.value),
+                         worst, finding.allowed])  # fmt: skip
+        head = ("topic", "field", "rule", "count", "first at [s]", "first value", "worst value", "allowed")
+        parts.append(table(head, rows, (3, 4), [True] * len(rows)))
+    return Section("contract", "Contract", "".join(parts))
 
 
 def completeness(story: Story) -> Section:
@@ -143,16 +148,18 @@ def completeness(story: Story) -> Section:
     bag = story.bag
     parts = []
     if not bag.whole:
-        parts.append(paragraph("The file is cut off or damaged: what is drawn is what could be read. scripts/recover mends it "
-                               "and says what is lost."))  # fmt: skip
+        parts.append(paragraph("The file is cut off or damaged: what is drawn is what could be read. scripts/recover "
+                               "mends it and says what is lost."))  # fmt: skip
     recovery = bag.records.get(RECOVERY_RECORD)
     if recovery:
-        parts.append(paragraph(f"This bag was mended from {recovery.get('original', '?')}, which was damaged from byte "
-                               f"{recovery.get('damage_at_byte', '?')} on ({recovery.get('damage', '?')})."))  # fmt: skip
+        original, damage, at = (recovery.get(key, "?") for key in ("original", "damage", "damage_at_byte"))
+        parts.append(paragraph(f"This bag was mended from {original}, damaged from byte {at} on: {damage}."))
     if RECORD not in bag.records:
         parts.append(
             paragraph("The recorder has left no account in it: how many messages were published is not known.")
         )
+    elif bag.records[RECORD].get("gaps"):
+        parts.append(paragraph(f"The recorder's account has gaps: {bag.records[RECORD]['gaps']}."))
     order = {topic.name: number for number, topic in enumerate(TOPICS)}
     rows, bad = [], []
     for name, counts in sorted(messages(bag).items(), key=lambda item: (order.get(item[0], len(order)), item[0])):
@@ -162,8 +169,9 @@ def completeness(story: Story) -> Section:
         span = float(stamps.max() - stamps.min()) if stamps.size > 1 else 0.0
         rate = f"{(stamps.size - 1) / span:.2f}" if span > 0.0 and stamps.size > 2 else ""
         gap = f"{np.diff(np.sort(stamps)).max():.2f}" if stamps.size > 2 else ""
-        rows.append([name, bag[name].type.replace("/msg/", "/") if name in bag else "", rate, gap,
-                     "not counted" if published is None else str(published), str(recorded), str(lost) if lost else ""])  # fmt: skip
+        kind = bag[name].type.replace("/msg/", "/") if name in bag else ""
+        sent = "not counted" if published is None else str(published)
+        rows.append([name, kind, rate, gap, sent, str(recorded), str(lost) if lost else ""])
         bad.append(bool(lost))
     head = ("topic", "type", "rate [Hz]", "longest gap [s]", "published", "recorded", "lost")
     parts.append(table(head, rows, (2, 3, 4, 5, 6), bad))
@@ -194,12 +202,18 @@ def provenance(story: Story) -> Section:
         parts.append(paragraph("The bag does not say with which versions it was made."))
     files = [name for name in bag.attachments if name != VERSIONS_NAME]
     if files:
-        digests = [[name + (" (all values as used)" if name == CONFIGURATION_NAME else ""), str(len(bag.attachments[name])),
-                    hashlib.sha256(bag.attachments[name]).hexdigest()[:16]] for name in files]  # fmt: skip
+        digests = [
+            [_explained(name), str(len(bag.attachments[name])), hashlib.sha256(bag.attachments[name]).hexdigest()[:16]]
+            for name in files
+        ]
         parts.append("<h3>Configuration</h3>" + table(("file", "bytes", "SHA-256, first 16 digits"), digests, (1,)))
     else:
         parts.append(paragraph("No configuration is attached."))
     return Section("provenance", "Provenance", "".join(parts))
+
+
+def _explained(name: str) -> str:
+    return f"{name} (all values as used)" if name == CONFIGURATION_NAME else name
 
 
 def _seconds(value: float) -> str:

@@ -10,10 +10,12 @@ from sojourn_bags.curves import FloatArray
 from sojourn_bags.description import Run
 from sojourn_bags.errors import BagsError
 from sojourn_bags.goals import ARM_TOPICS
+from sojourn_bags.judging import judge_bag
 from sojourn_bags.machine import TrueMachine
 from sojourn_bags.page.chart import Span, TimeAxis
 from sojourn_bags.reading import Bag, Joints, Messages
 from sojourn_bags.summary import summarise
+from sojourn_contract.conformance.findings import Report
 from sojourn_mechanics.vehicle.stability import tip_over_margin
 
 DRIVE_SHADE, ARM_SHADE = "#0072b2", "#8a00a8"
@@ -44,6 +46,8 @@ class Story:
     Attributes:
         run: description of the scenario, None where the bag has none; `why_no_run` then says why.
         summary: as `summarise` gives it, None without a scenario.
+        judgement: violations of the contract, None until `judge` is called, or where the bag cannot be judged;
+            `why_not_judged` then says why. judgement_notes: what a reader of it should know.
     """
 
     def __init__(self, bag: Bag) -> None:
@@ -51,6 +55,9 @@ class Story:
         self.run: Run | None = None
         self.summary: dict[str, Any] | None = None
         self.why_no_run = ""
+        self.judgement: Report | None = None
+        self.judgement_notes: tuple[str, ...] = ()
+        self.why_not_judged = "it was not asked for"
         try:
             self.run = Run.of_bag(bag)
             self.summary = summarise(bag, self.run)
@@ -63,6 +70,24 @@ class Story:
         if topic not in self.bag or self.bag[topic].type != kind:
             return None
         return self.bag[topic]
+
+    def judge(self) -> None:
+        """Judge the messages by the contract."""
+        try:
+            self.judgement, recorded = judge_bag(self.bag)
+            self.judgement_notes = tuple(recorded.notes)
+            self.why_not_judged = ""
+        except BagsError as error:
+            self.why_not_judged = str(error)
+
+    @property
+    def judgement_in_words(self) -> str:
+        """What the contract says of the messages."""
+        if self.judgement is None:
+            return f"Not judged by the contract: {self.why_not_judged}."
+        if not self.judgement.violations:
+            return f"No violation of the contract in {sum(self.judgement.messages.values())} messages."
+        return f"{self.judgement.violations} violations of the contract, of {len(self.judgement.groups)} kinds."
 
     @cached_property
     def origin(self) -> float:

@@ -93,14 +93,16 @@ class _Linear:
         self._rate, self._position = attrgetter(rule.path), attrgetter(rule.rate_of)
         self._orientation = attrgetter(rule.rate_of.removesuffix("position") + "orientation")
 
-    def read(self, message: Any) -> tuple[Vector, Vector]:
-        """Position, and velocity in the same frame."""
+    def read(self, message: Any) -> tuple[tuple[float, ...], Vector]:
+        """Position and orientation as one tuple, and velocity."""
         p, v = self._position(message), self._rate(message)
-        return (p.x, p.y, p.z), _rotate(_quaternion(self._orientation(message)), (v.x, v.y, v.z))
+        return (p.x, p.y, p.z, *_quaternion(self._orientation(message))), (v.x, v.y, v.z)
 
-    def mean(self, x_0: Sequence[float], x_1: Sequence[float], dt: float) -> list[float]:
-        """Mean velocity over `dt` [s]."""
-        return [(after - before) / dt for before, after in zip(x_0, x_1, strict=True)]
+    def mean(self, x_0: Sequence[float], x_1: Sequence[float], dt: float) -> Vector:
+        """Mean velocity over `dt` [s], in the body's frame at its end."""
+        a, b, c, w = x_1[3:]
+        moved = ((x_1[0] - x_0[0]) / dt, (x_1[1] - x_0[1]) / dt, (x_1[2] - x_0[2]) / dt)
+        return _rotate((-a, -b, -c, w), moved)
 
 
 class _Angular:

@@ -66,7 +66,11 @@ def counter_findings(
         beats: running heartbeats of this role, in order. stamps: of all messages, by topic, sorted.
         uncounted: topics whose messages may be lost on the way.
     """
-    rows = [row for row in outputs_of(role) if row.name in stamps and row.name not in uncounted]
+    rows = [
+        row
+        for row in outputs_of(role)
+        if row.name in stamps and row.name not in uncounted and (from_start or not row.is_event)
+    ]
     first = Heartbeat(role, RUNNING, "", -1, {}, {}, {})
     previous = first if from_start else None
     for beat in beats:

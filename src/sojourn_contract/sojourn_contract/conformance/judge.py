@@ -29,7 +29,7 @@ from sojourn_contract.conformance.rates import rate_findings
 from sojourn_contract.conformance.stamp_rules import StampRule
 from sojourn_contract.conformance.texts import GoalStatusRule, LoadRule, SwitchRule, TickRule
 from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
-from sojourn_contract.topics import TOPICS, Topic, outputs_of
+from sojourn_contract.topics import ROLES, TOPICS, Topic, outputs_of
 
 CLOCK = "/clock"
 _STAMP, _JOINT_STATE = "stamp", "sensor_msgs/JointState"
@@ -77,6 +77,7 @@ class Judge:
             return
         if endpoint.publishes and endpoint.type != row.type:
             self._mistyped.add(topic)
+            self._stamps.pop(topic, None)  # nobody can read their stamps
         if topic in self._rules or not endpoint.publishes:
             self.report.add("endpoint", topic, None, endpoint_findings(row, endpoint, self._lockstep))
 
@@ -92,13 +93,14 @@ class Judge:
             self.strangers[topic] = self.strangers.get(topic, 0) + 1
             return
         rules = self._rules.get(topic)
-        if rules is not None:
-            self.report.messages[topic] = self.report.messages.get(topic, 0) + 1
         if topic in self._mistyped:
+            self._count(topic)
             return
         stamp = stamps.of_message(message)
         skipped = ""
         if row.publisher == "all":
+            if not self._is_judged(message):
+                return
             if not self._hear(message):
                 skipped = _STAMP  # only heartbeats of the run keep its time
         else:
@@ -108,6 +110,7 @@ class Judge:
             self._first_clock = self._first_clock or stamp
         if rules is None:
             return
+        self._count(topic)
         seen = Observation(row, message, stamp, logged, self._clock)
         for rule in rules:
             if rule.name != skipped:
@@ -124,22 +127,40 @@ class Judge:
         """
         begin = 0 if self._from_start else self._first_clock
         if until is None:
-            until = self._clock - (stamps.CONTROL_PERIOD_NS if self._from_start else stamps.NANOSECONDS)
+            until = self._newest() - (stamps.CONTROL_PERIOD_NS if self._from_start else stamps.NANOSECONDS)
         rows = [
             row
             for name, row in self._rows.items()
-            if name in self._rules and not row.is_event and row.publisher in self._judged
+            if name in self._rules and name in self._stamps and not row.is_event and row.publisher in self._judged
+            if self._lockstep or row.logged  # the recorder paces nobody in real time
         ]
         if self._lockstep:
             missing = missing_answers(rows, self._stamps, self._participants, begin, until)
             for row, stamp, found in missing:
                 self.report.add("answer", row.name, stamp, [found])
         else:
-            lossless = [row for row in rows if row.name != CLOCK or self._clock]
-            for row, stamp, found in rate_findings(lossless, self._stamps, begin, until):
+            for row, stamp, found in rate_findings(rows, self._stamps, begin, until):
                 self.report.add("rate", row.name, stamp, [found])
         self._finish_heartbeats(begin, until)
         return self.report
+
+    @property
+    def simulated_s(self) -> float:
+        """Simulation time from the first message of /clock to the last [s]."""
+        return stamps.seconds(self._clock - self._first_clock)
+
+    def _newest(self) -> int:
+        """Where the run has got to [ns]: by /clock, and where that is missing by whatever was sent at a rate."""
+        periodic = (found for name, found in self._stamps.items() if found and not self._rows[name].is_event)
+        return self._clock or max((max(found) for found in periodic), default=0)
+
+    def _count(self, topic: str) -> None:
+        if topic in self._rules:
+            self.report.messages[topic] = self.report.messages.get(topic, 0) + 1
+
+    def _is_judged(self, message: Any) -> bool:
+        """Whether a message of /diagnostics is of a judged role, or of nobody that is known."""
+        return any(status.name in self._judged or status.name not in ROLES for status in message.status)
 
     def _hear(self, message: Any) -> bool:
         """Keep the heartbeats of the run. Returns whether the message is one."""

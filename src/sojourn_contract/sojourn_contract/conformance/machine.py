@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
+from typing import Any
 
 from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import LoadedScenario
@@ -67,6 +69,27 @@ class Machine:
     def motors(self) -> tuple[str, ...]:
         """Joints with a motor."""
         return (*self.drive, *self.steer, *self.arm)
+
+    def as_data(self) -> dict[str, Any]:
+        """As JSON values; joints without stops have none."""
+        group_of = {name: group for group in ("drive", "steer", "arm") for name in getattr(self, group)}
+        return {
+            "name": self.name,
+            "joints": {
+                name: {
+                    "group": group_of.get(name),
+                    "held_by": None if name not in group_of else "position" if name in self.held else "rate",
+                    "kind": joint.kind,
+                    "lower": joint.lower if isfinite(joint.lower) else None,
+                    "upper": joint.upper if isfinite(joint.upper) else None,
+                    "velocity": joint.velocity if isfinite(joint.velocity) else None,
+                }
+                for name, joint in self.joints.items()
+            },
+            "loads": list(self.loads),
+            "poses": list(self.poses),
+            "contacts": self.contacts,
+        }
 
     def known(self, joint_set: str) -> dict[str, UrdfJoint]:
         """Joints that a message of this set (see JOINT_SETS) may name."""

@@ -149,7 +149,9 @@ def warm_up(params: SensorSuiteParams, gravity: float) -> None:
     zeros, one = np.zeros(len(joints)), np.ones(1)
     still, up = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, gravity])
     state = initial_state(params, 0, joints, zeros, ("store",), still, gravity)
-    step(params, state, SensorTruth(zeros, zeros, np.zeros(3), up, 28.0 * one, one, 290.0 * one), 0.02)
+    truth = SensorTruth(zeros, zeros, np.zeros(3), up, 28.0 * one, one, 290.0 * one)
+    for _ in range(2):  # the first finds the attitude, the others follow it
+        state, _ = step(params, state, truth, 0.02)
 
 
 def step(

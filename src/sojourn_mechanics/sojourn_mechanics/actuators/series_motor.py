@@ -1,0 +1,108 @@
+"""Series-wound direct-current motor: field and armature carry the same current.
+
+    V = R I + K(I) I w + L dI/dt,    K(I) = K_0 / (1 + |I| / I_sat)            (Froehlich's saturation of the iron)
+    T = K(I) I |I| - T_f - b w       T_f, b: brushes and bearings; windage and iron losses
+    (Fitzgerald, Kingsley and Umans, Electric Machinery, 6th ed. 2003, sec. 7.4 to 7.6)
+
+With I |I| in the torque the sense of rotation does not change with the sign of the current: field and armature change
+together. Here rotation in one sense is modelled, w >= 0; a reversing switch on the field is outside of the model.
+Without load the rate grows until b w, T_f stop it.
+Assumptions: no armature reaction, no remanence: the motor cannot brake on its resistance without an outer excitation.
+Range: I from 0 to some multiples of the rated current.
+"""
+
+import math
+from typing import NamedTuple
+
+from pydantic import Field
+
+from sojourn_mechanics.actuators.dc_motor import WorkingPoint
+from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.params import Params
+
+
+class SeriesMotorParams(Params):
+    """A series motor. `field_constant` is the torque for one ampere squared, without saturation."""
+
+    series_resistance: float = Field(gt=0.0, le=1e4, description="armature, field and brushes [ohm]")
+    field_constant: float = Field(gt=0.0, le=10.0, description="K_0, torque over current squared [N m/A^2]")
+    saturation_current: float = Field(gt=0.0, le=1e6, description="current at which the field is half of linear [A]")
+    inductance: float = Field(default=1e-3, gt=0.0, le=10.0, description="of both windings in series [H]")
+    rotor_inertia: float = Field(gt=0.0, le=1.0, description="[kg m^2]")
+    friction_torque: float = Field(ge=0.0, le=10.0, description="T_f, brushes and bearings [N m]")
+    viscous_friction: float = Field(ge=0.0, le=1.0, description="b, windage and iron losses [N m s/rad]")
+    max_current: float = Field(gt=0.0, le=5000.0, description="largest current that the amplifier gives [A]")
+
+
+class SeriesMotorState(NamedTuple):
+    """Current [A] and rate of the rotor [rad/s]."""
+
+    current: float
+    rate: float
+
+
+def air_gap_torque(motor: SeriesMotorParams, current: float) -> float:
+    """Torque of the field on the armature [N m]."""
+    return motor.field_constant * current * abs(current) / (1.0 + abs(current) / motor.saturation_current)
+
+
+def friction_torque(motor: SeriesMotorParams, rate: float) -> float:
+    """What brushes, bearings, windage and iron take at a rate of at least 0 [N m]."""
+    return (motor.friction_torque if rate > 0.0 else 0.0) + motor.viscous_friction * rate
+
+
+def current_for_torque(motor: SeriesMotorParams, torque: float) -> float:
+    """Current [A] for a torque in the air gap of at least 0 [N m]: K_0 I^2 - T I/I_sat - T = 0."""
+    if not (math.isfinite(torque) and torque >= 0.0):
+        raise InvalidValueError("torque", torque, "a finite number, at least 0: this motor drives in one sense")
+    half = 0.5 * torque / motor.saturation_current
+    return (half + math.sqrt(half * half + motor.field_constant * torque)) / motor.field_constant
+
+
+def series_working_point(motor: SeriesMotorParams, torque: float, rate: float) -> WorkingPoint:
+    """What the motor needs for a torque at the shaft [N m] at a rate of at least 0 [rad/s].
+
+    Raises:
+        InvalidValueError: a rate below 0, or a torque that the motor would have to brake with.
+    """
+    if not (math.isfinite(rate) and rate >= 0.0):
+        raise InvalidValueError("rate", rate, "a finite number, at least 0")
+    current = current_for_torque(motor, torque + friction_torque(motor, rate))
+    back = motor.field_constant * current / (1.0 + current / motor.saturation_current) * rate
+    voltage = motor.series_resistance * current + back
+    return WorkingPoint(rate, torque, current, voltage, voltage * current)
+
+
+def series_largest_torque(motor: SeriesMotorParams, rate: float, voltage: float) -> float:
+    """Largest torque at the shaft [N m] at a rate of at least 0 [rad/s] and a supply voltage [V], with current limit.
+
+    R I^2 + (R I_s + K_0 I_s w - V) I - V I_s = 0 at the full voltage.
+    """
+    for name, value in (("rate", rate), ("voltage", voltage)):
+        if not (math.isfinite(value) and value >= 0.0):
+            raise InvalidValueError(name, value, "a finite number, at least 0")
+    resistance, saturation = motor.series_resistance, motor.saturation_current
+    linear = resistance * saturation + motor.field_constant * saturation * rate - voltage
+    root = math.sqrt(linear * linear + 4.0 * resistance * voltage * saturation)
+    # the form without cancellation, whichever sign `linear` has
+    positive = 2.0 * voltage * saturation / (linear + root) if linear > 0.0 else (root - linear) / (2.0 * resistance)
+    current = min(positive, motor.max_current)
+    return air_gap_torque(motor, current) - friction_torque(motor, rate)
+
+
+def step_series_motor(
+    motor: SeriesMotorParams, state: SeriesMotorState, voltage: float, load_torque: float, inertia: float, dt: float
+) -> SeriesMotorState:
+    """Current and rate after dt [s]: implicit in the current, then the rate with the new torque (semi-implicit Euler).
+
+    Args:
+        voltage: at the terminals [V]. load_torque: that the shaft drives [N m]. inertia: of the load on the shaft,
+            added to the rotor's [kg m^2].
+    """
+    constant = motor.field_constant / (1.0 + abs(state.current) / motor.saturation_current)
+    ratio = dt / motor.inductance
+    resistance = motor.series_resistance + constant * state.rate
+    current = (state.current + ratio * voltage) / (1.0 + ratio * resistance)
+    torque = constant * current * abs(state.current) - friction_torque(motor, state.rate) - load_torque
+    rate = max(state.rate + dt * torque / (motor.rotor_inertia + inertia), 0.0)
+    return SeriesMotorState(current, rate)

@@ -1,0 +1,63 @@
+"""The whole data sheet, and the published figures beside its own."""
+
+from typing import NamedTuple
+
+from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.vehicle.datasheet.driving import energy, performance, traction
+from sojourn_mechanics.vehicle.datasheet.figures import Section
+from sojourn_mechanics.vehicle.datasheet.riding import riding
+from sojourn_mechanics.vehicle.datasheet.standing import general, standing, steps
+from sojourn_mechanics.vehicle.datasheet.subject import Subject
+from sojourn_mechanics.vehicle.datasheet.turning import handling, steering
+from sojourn_mechanics.vehicle.params import PublishedFigure
+
+
+class Comparison(NamedTuple):
+    """A published figure and our own."""
+
+    label: str
+    unit: str
+    published: tuple[float, float]
+    own: float | None
+    inside: bool
+    source: str
+
+
+class Datasheet(NamedTuple):
+    """Sections and comparisons."""
+
+    sections: tuple[Section, ...]
+    comparisons: tuple[Comparison, ...]
+
+
+NEAR = 0.05
+"""A figure of its own counts as agreeing with a published one within this part of it."""
+
+
+def datasheet(subject: Subject) -> Datasheet:
+    """Compute it.
+
+    Raises:
+        InvalidValueError: a published figure that the sheet does not have, or numbers that no model takes.
+    """
+    makers = (general, standing, steps, traction, performance, energy, steering, handling, riding)
+    sections = tuple(make(subject) for make in makers)
+    return Datasheet(sections, compare(subject.vehicle.published, sections))
+
+
+def compare(published: tuple[PublishedFigure, ...], sections: tuple[Section, ...]) -> tuple[Comparison, ...]:
+    """The published figures with those of the sections.
+
+    Raises:
+        InvalidValueError: a published figure that the sections do not have.
+    """
+    figures = {figure.key: figure for section in sections for figure in section.figures}
+    compared = []
+    for item in published:
+        if item.figure not in figures:
+            raise InvalidValueError("published.figure", item.figure, "one of " + ", ".join(sorted(figures)))
+        figure = figures[item.figure]
+        own = figure.value if isinstance(figure.value, float) else None
+        inside = own is not None and item.low * (1.0 - NEAR) <= own <= item.high * (1.0 + NEAR)
+        compared.append(Comparison(figure.label, figure.unit, (item.low, item.high), own, inside, item.source))
+    return tuple(compared)

@@ -1,0 +1,78 @@
+"""scripts/rover_datasheet: a page that needs no network, figures as JSON, and one sentence for what is wrong."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from sojourn_bringup.datasheet_page import number_text
+from sojourn_bringup.errors import UsageError
+from sojourn_bringup.rover_datasheet import main
+from sojourn_config.errors import ConfigError
+
+
+@pytest.fixture(scope="module")
+def printed(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
+    """JSON and page of the lunar roving vehicle."""
+    out = tmp_path_factory.mktemp("sheet") / "lrv.html"
+    with pytest.MonkeyPatch.context() as patch:
+        lines: list[str] = []
+        patch.setattr("builtins.print", lambda text: lines.append(text))
+        assert main(["lrv", "--json", "--out", str(out)]) == 0
+    return "\n".join(lines), out.read_text(encoding="utf-8")
+
+
+def test_figures_as_json(printed: tuple[str, str]) -> None:
+    found = json.loads(printed[0], parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    assert (found["vehicle"], found["body"], found["soil"]) == ("lrv", "moon", "lunar_nominal")
+    assert found["figures"]["energy_per_km"]["unit"] == "Wh/km"
+    assert 55.0 < found["figures"]["energy_per_km"]["value"] < 80.0
+    assert any(entry["source"] and entry["own"] is not None for entry in found["published"])
+
+
+def test_page_is_whole_and_needs_no_network(printed: tuple[str, str]) -> None:
+    text = printed[1]
+    for reference in re.findall(r"""(?:src|href)\s*=\s*["']([^"']*)""", text):
+        assert reference.startswith("#"), reference
+    assert "<script" not in text and "@import" not in text and "url(http" not in text
+    assert text.count("<svg") == text.count("</svg>") >= 10
+    # inner names of one drawing do not hide those of another, and all that are asked for are there
+    names = re.findall(r'\bid="([^"]+)"', text)
+    assert len(names) == len(set(names))
+    assert set(re.findall(r'(?:href="#|url\(#)([^")]+)', text)) <= set(names)
+    assert "Published figures beside its own" in text and "Wh/km" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["lvr"], ["rover", "lvr", "lrv", "explorer"]),
+        (["lrv", "--soil", "cheese"], ["cheese", "lunar_nominal"]),
+        (["lrv", "--body", "krypton"], ["krypton", "moon"]),
+        (["explorer", "--soil", "cheese"], ["cheese", "lunar_nominal"]),
+    ],
+)
+def test_wrong_names_are_told_with_the_right_ones(arguments: list[str], words: list[str]) -> None:
+    with pytest.raises(ConfigError) as error:
+        main(arguments)
+    for word in words:
+        assert word in str(error.value)
+
+
+def test_a_folder_is_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Nothing:
+        sections = comparisons = ()
+
+    monkeypatch.setattr("sojourn_bringup.rover_datasheet.datasheet", lambda subject: Nothing)
+    with pytest.raises(UsageError, match="cannot be written"):
+        main(["lrv", "--out", str(tmp_path)])
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "0"), (1.914527, "1.915"), (1136.95, "1\u202f137"), (4.5e-4, "4.5 × 10⁻⁴"), (None, "–"), ("yes", "yes"),
+     (float("inf"), "none"), (-21.73, "-21.73"), (100.0, "100")],
+)  # fmt: skip
+def test_numbers_are_readable(value: float | str | None, text: str) -> None:
+    assert number_text(value) == text
