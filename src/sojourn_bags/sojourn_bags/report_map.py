@@ -57,7 +57,7 @@ def draw_map(figure: Figure, axes: Axes, bag: Bag, machine: TrueMachine, terrain
         )
     axes.plot(*path[-1, :2], "s", color=TRACK, markersize=6, label="end", **style)
     axes.set(xlabel="x, east [m]", ylabel="y, north [m]", xlim=window[:2], ylim=window[2:])
-    axes.set_title("Track on the terrain (brown: rocks)")
+    axes.set_title("Track on the terrain (brown: rocks, dark lines: ruts)")
     axes.set_aspect("equal")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=6, fontsize=8, frameon=False, columnspacing=1.2)
 

@@ -7,7 +7,6 @@ Slip is the part of the travel of the grouser tips that does not become way; sid
 ahead. Both are means over the way after the first 1.5 m, so that rear wheels run in the ruts of the front ones.
 """
 
-import argparse
 import math
 from collections.abc import Sequence
 

@@ -193,6 +193,7 @@ def test_kernel_row_holds_every_number_in_its_column() -> None:
         "shear_modulus_longitudinal": 0.036, "shear_modulus_lateral": 0.013, "theta_m_c1": 0.40,
         "theta_m_c2": 0.15, "exit_lambda": 0.9, "contact_damping": 5.0, "density": 1600.0,
         "shear_modulus_longitudinal_per_slip_angle": 0.043, "shear_modulus_lateral_per_slip_angle": 0.020,
+        "unloading_stiffness": 0.0, "unloading_stiffness_per_sinkage": 503.0e6,
         "interface_adhesion": 800.0, "interface_tan_phi": named["tan_phi"], "residual": 1.0, "hump": 0.0,
         "slip_sinkage": 0.0, "skid_sinkage": 0.0, "side_sinkage": 0.0, "theta_m_c3": 0.0, "front_bulldozing": 0.0,
         "side_bulldozing": 0.0, "bulldozing_cohesion": 800.0, "bulldozing_tan_phi": pytest.approx(named["tan_phi"]),
@@ -200,6 +201,8 @@ def test_kernel_row_holds_every_number_in_its_column() -> None:
         "bulldozing_k_gamma": pytest.approx(bearing_factors(soil.friction_angle).k_gamma),
         "bulldozing_modulus": 0.02, "grouser_side_shear": 0.0,
     }  # fmt: skip
+    rock = kernel_row(load("rigid_rock"))  # springs back along its own line, and keeps no rut
+    assert rock[SoilColumn.UNLOADING_STIFFNESS] == rock[SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE] == 0.0
     reece = SoilParams(**{**read("jsc_1a"), "form": "reece"})
     assert kernel_row(reece)[SoilColumn.FORM] == 1.0
     assert kernel_row(reece)[SoilColumn.EXIT_LAMBDA] == -1.0
