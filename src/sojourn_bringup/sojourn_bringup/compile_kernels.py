@@ -2,13 +2,17 @@
 
 import numpy as np
 
+from sojourn_config.load import load_params
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_mechanics.arm import controller
 from sojourn_mechanics.arm.model import build_arm_model
+from sojourn_mechanics.contact.wheel_bench import measure
+from sojourn_mechanics.contact.wheel_shape import WheelShape
 from sojourn_mechanics.plant.state import zeros_command
 from sojourn_mechanics.plant.step import step
 from sojourn_mechanics.power import manager
 from sojourn_mechanics.sensors import suite
+from sojourn_mechanics.soil.params import SoilParams
 from sojourn_mechanics.steering.drive import DriveModel
 from sojourn_mechanics.steering.drive_types import DriveInput
 from sojourn_mechanics.steering.goal import Goal
@@ -25,6 +29,8 @@ def main() -> None:
     _step_plant(scenario)
     _step_sensors(scenario)
     _step_drive(scenario)
+    wheel = load_params("wheels", "explorer", WheelShape)
+    measure(wheel, load_params("soils", "cmu_sand", SoilParams), load=50.0, slips_of_carriage=[0.2])
     controller.warm_up(scenario.arm, build_arm_model(scenario.urdf_xml, scenario.arm))
     manager.step(
         scenario.power_manager,

@@ -29,8 +29,8 @@ from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.soil.params import SoilParams
 
 DEFAULT_FREE = (
-    "k_phi", "interface_friction_angle_deg", "shear_modulus", "shear_modulus_lateral", "theta_m_c1", "theta_m_c2", "theta_m_c3",
-    EXIT_LAMBDA, "slip_sinkage", "skid_sinkage", "side_sinkage", "bulldozing_modulus",
+    "k_phi", "interface_friction_angle_deg", "shear_modulus", "shear_modulus_lateral", "theta_m_c1", "theta_m_c2",
+    "theta_m_c3", EXIT_LAMBDA, "slip_sinkage", "skid_sinkage", "side_sinkage", "bulldozing_modulus",
 )  # fmt: skip
 
 
@@ -123,7 +123,8 @@ def _print(fit: Fit, trials: Trials, name: str) -> None:
     print_statistics(f"{name}, fitted", summary(trials, fit.predicted))
     if fit.held_out is not None:
         print()
-        print_statistics(f"{name}, cross-validated (each slip angle, or slip, by the others)", summary(trials, fit.held_out))
+        title = f"{name}, cross-validated (each slip angle, or slip, by the others)"
+        print_statistics(title, summary(trials, fit.held_out))
 
 
 def _print_correlations(fit: Fit) -> None:

@@ -5,8 +5,8 @@ relative errors of `trials`, from several starts, within physical bounds. Positi
 searched by their logarithm.
 
 Standard errors are those of linear least squares at the optimum, s² (JᵀJ)⁻¹, with the residuals' spread s from their
-median magnitude (1.4826 MAD). A parameter at a bound is held there, and has none. Cross-validation leaves out all trials
-of one slip angle (of one slip, where there is one angle alone), fits the others, and predicts what was left out.
+median magnitude (1.4826 MAD). A parameter at a bound is held there, and has none. Cross-validation leaves out all
+trials of one slip angle (of one slip, where there is one angle alone), fits the others, and predicts what was left out.
 
 Assumes that trials are independent; trials of one setting, repeated, are not quite.
 """

@@ -15,9 +15,7 @@ class WheelShape(Params):
     width: float = Field(gt=0.0, le=3.0, description="width of the rim [m]")
     grouser_height: float = Field(default=0.0, ge=0.0, le=0.2, description="height of the grousers [m]")
     grouser_count: int = Field(default=0, ge=0, le=500, description="number of grousers on the rim [-]")
-    grouser_thickness: float = Field(
-        default=0.0, ge=0.0, le=0.1, description="thickness along the rim [m]"
-    )
+    grouser_thickness: float = Field(default=0.0, ge=0.0, le=0.1, description="thickness along the rim [m]")
 
     @property
     def shear_radius(self) -> float:

@@ -37,6 +37,7 @@ from pydantic import Field, field_validator, model_validator
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, Params
 from sojourn_mechanics.soil.bearing import MAX_FRICTION_ANGLE, failure_strength
+from sojourn_mechanics.soil.relative_density import density_at
 from sojourn_mechanics.soil.shear import hump_coefficients
 from sojourn_mechanics.soil.spread import check_spread
 
@@ -136,7 +137,13 @@ class SoilParams(Params):
     shear_modulus_lateral_per_slip_angle: float = Field(
         default=0.0, ge=0.0, le=1.0, description="growth of shear_modulus_lateral with the slip angle [m/rad]"
     )
-    density: float = Field(gt=0.0, le=10000.0, description="bulk density [kg/m3]")
+    density: float = Field(
+        default=0.0, ge=0.0, le=10000.0, description="bulk density [kg/m3]; or relative_density instead"
+    )
+    density_range: tuple[float, float] | None = Field(default=None, description="loosest and densest state [kg/m3]")
+    relative_density: float | None = Field(
+        default=None, ge=0.0, le=1.0, description="0 loosest, 1 densest; gives the density, within density_range"
+    )
     theta_m_c1: float = Field(ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
     theta_m_c2: float = Field(ge=-1.0, le=1.0, description="c2 of theta_m = (c1 + c2 s) theta_1 [-]")
     exit_angle: str = Field(default="zero", description="'zero' or 'lambda:L', L = rut height / sinkage [-]")
@@ -172,6 +179,17 @@ class SoilParams(Params):
     def _exit_angle_is_readable(cls, text: str) -> str:
         parse_exit_angle(text)
         return text
+
+    @model_validator(mode="after")
+    def _density_or_relative_density(self) -> Self:
+        if self.relative_density is not None:
+            if self.density_range is None:
+                raise InvalidValueError("density_range", None, "[loosest, densest] where a relative_density is given")
+            # the model is frozen for everybody else
+            self.__dict__["density"] = density_at(self.relative_density, *self.density_range)
+        elif self.density <= 0.0:
+            raise InvalidValueError("density", self.density, "more than 0 kg/m3, where no relative_density is given")
+        return self
 
     @model_validator(mode="after")
     def _stiffness_and_estimates(self) -> Self:
