@@ -23,7 +23,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from sojourn_bringup import options, start
+from sojourn_bringup import bench_wheel, options, start
 from sojourn_bringup.errors import BringupError
 from sojourn_bringup.screen import Screen
 from sojourn_config.scenario import load_scenario
@@ -44,6 +44,7 @@ TARGETS = {
     "plant step over floor": ("<=", 2.5),
     "composed, times real time": (">=", 6.0),
     "processes, times real time": (">=", 5.0),
+    **bench_wheel.TARGETS,
 }
 
 
@@ -186,7 +187,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.child:
         given.began = float(given.began)
         return _child(given)
-    figures = bench_step()
+    figures = bench_step() | bench_wheel.bench_wheel()
     for kind in ("composed", "processes"):
         runs = [bench_loop(kind, given.seconds) for _ in range(given.rounds)]
         figures |= {name: statistics.median(run[name] for run in runs) for name in runs[0]}

@@ -3,8 +3,8 @@
     rho(z) = 1920 (z + 12.2)/(z + 18) kg/m3, z in cm;   mean of 0..z:  1920 [1 - (5.8/z) ln(1 + z/18)]
 
 Cohesion and friction angle are means of layers: 0-15 cm 520 Pa, 42 deg; 0-30 cm 900 Pa, 46 deg; 30-60 cm 3000 Pa, 54
-deg. They stand for the middle of their layer, linear between the middles and held beyond them. A footing feels the soil down
-to about its own width (Terzaghi 1943: depth of the slip surface), a wheel to about its width below the rim.
+deg. They stand for the middle of their layer, linear between the middles and held beyond them. A footing feels the soil
+down to about its own width (Terzaghi 1943: depth of the slip surface), a wheel to about its width below the rim.
 
 Range: intercrater areas, down to 3 m for the density and 60 cm for the strength.
 """
