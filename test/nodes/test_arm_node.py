@@ -38,7 +38,10 @@ class ArmBench:
                 switches = status_message(at(self.period), "switches", {"arm": switch})
                 self.bench.send("/power/switches", switches)
             self.bench.send("/joint_states", message)
-            self.bench.send("/imu/data", imu(self.period))
+            attitude = imu(self.period)
+            if spoil == "attitude":
+                attitude.orientation.w = 0.0
+            self.bench.send("/imu/data", attitude)
             command = self.bench.answer("/arm_command", self.period)
             if command.name:
                 self.angles = dict(zip(command.name, command.position, strict=True))
@@ -170,8 +173,10 @@ def test_goals_with_bad_numbers_are_refused_and_counted(arm: ArmBench, topic: st
     assert arm.bench.heartbeats("arm")[-1].refused == {topic: 1}
 
 
-@pytest.mark.parametrize("spoil", ["NaN", "names"])
-def test_measurements_that_cannot_be_used_hold_the_arm(arm: ArmBench, spoil: str) -> None:
+@pytest.mark.parametrize(
+    ("spoil", "topic"), [("NaN", "/joint_states"), ("names", "/joint_states"), ("attitude", "/imu/data")]
+)
+def test_measurements_that_cannot_be_used_hold_the_arm(arm: ArmBench, spoil: str, topic: str) -> None:
     """Every period is answered all the same, and the goal that came meanwhile is not forgotten."""
     arm.step(2)
     assert arm.goal("/arm/joint_goal", joint_goal((), [], "stow"))["state"] == "moving"
@@ -179,7 +184,7 @@ def test_measurements_that_cannot_be_used_hold_the_arm(arm: ArmBench, spoil: str
     for _ in range(10):
         command = arm.step(spoil=spoil)
         assert list(command.position) == last and list(command.velocity) == [0.0] * 5
-    assert arm.node.counters.refused == {"/joint_states": 10}
+    assert arm.node.counters.refused == {topic: 10}
     before = arm.node.events.received["/arm/joint_goal"]
     arm.bench.send("/arm/joint_goal", joint_goal((), [], "unfold"))
     arm.bench.until(lambda: arm.node.events.received["/arm/joint_goal"] > before, "the goal has arrived")

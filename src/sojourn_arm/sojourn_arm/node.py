@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from rclpy.context import Context
 
 from sojourn_arm.goals import GoalDesk
@@ -21,8 +20,10 @@ from sojourn_contract.node import ContractNode
 from sojourn_contract.switches import fraction_of
 from sojourn_contract.topics import topic
 from sojourn_mechanics.arm import controller
+from sojourn_mechanics.arm.feedforward import gravity_in_body
 from sojourn_mechanics.arm.goals import ArmGoal
 from sojourn_mechanics.arm.model import build_arm_model
+from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
 
@@ -45,7 +46,7 @@ class ArmNode(ContractNode):
         self.model = build_arm_model(scenario.urdf_xml, self.params)
         controller.warm_up(self.params, self.model)
         self.state = controller.initial_state(self.params)
-        self._gravity = np.array([0.0, 0.0, -scenario.gravity])
+        self._gravity = scenario.gravity
         self._goals = GoalDesk(self.params)
         self._powered = True
         self._pending: ArmGoal | None = None
@@ -77,18 +78,14 @@ class ArmNode(ContractNode):
         """Form the command of this period. Where a measurement cannot be used the arm holds where it was
         last sent.
         """
-        try:
-            measured = None if joints is None or imu is None else self._measured(joints)
-        except RefusedMessageError as refusal:
-            self.refuse("/joint_states", refusal)
-            measured = None
-        if measured is None:
+        measured, gravity = self._measured(joints), self._gravity_in_base(imu)
+        if measured is None or gravity is None:
             self._command.velocity = doubles(np.zeros(len(self._command.name)))
             return
         request = controller.ArmInput(
             positions=measured[0],
             velocities=measured[1],
-            gravity_in_base=self._gravity_in_base(imu.orientation),
+            gravity_in_base=gravity,
             goal=self._pending,
             allowed=self._powered,
             not_allowed_reason="" if self._powered else "the power manager has switched the arm off",
@@ -110,20 +107,34 @@ class ArmNode(ContractNode):
             except RefusedMessageError as refusal:
                 self.refuse(name, refusal)
 
-    def _measured(self, joints: Any) -> tuple[FloatArray, FloatArray]:
-        """Positions and rates of the arm's joints. Raises RefusedMessageError if one is missing."""
+    def _measured(self, joints: Any) -> tuple[FloatArray, FloatArray] | None:
+        """Positions and rates of the arm's joints, or None where they cannot be used."""
+        if joints is None:  # refused on arrival
+            return None
         if self._places[0] != joints.name:
             names = list(joints.name)
             for joint in self.params.joint_names:
                 if joint not in names:
-                    raise RefusedMessageError("/joint_states", "name", ", ".join(names), f"{joint} among them")
+                    allowed = f"{joint} among them"
+                    self.refuse(
+                        "/joint_states", RefusedMessageError("/joint_states", "name", ", ".join(names), allowed)
+                    )
+                    return None
             self._places = (names, [names.index(joint) for joint in self.params.joint_names])
         places = self._places[1]
         return np.array(joints.position)[places], np.array(joints.velocity)[places]
 
-    def _gravity_in_base(self, orientation: Any) -> FloatArray:
-        imu = pin.Quaternion(orientation.w, orientation.x, orientation.y, orientation.z).toRotationMatrix()
-        gravity: FloatArray = self._imu_to_base @ (imu.T @ self._gravity)
+    def _gravity_in_base(self, imu: Any) -> FloatArray | None:
+        """Gravity from the attitude that the IMU reports, or None where it cannot be used."""
+        if imu is None:  # refused on arrival
+            return None
+        attitude = imu.orientation
+        quaternion = np.array([attitude.x, attitude.y, attitude.z, attitude.w])
+        try:
+            gravity: FloatArray = self._imu_to_base @ gravity_in_body(quaternion, self._gravity)
+        except MechanicsError as error:
+            self.refuse("/imu/data", error)
+            return None
         return gravity
 
 

@@ -26,7 +26,7 @@ from sojourn_mechanics.contact.trials import Trials, summary
 from sojourn_mechanics.contact.wheel_bench import GRAVITY
 from sojourn_mechanics.contact.wheel_shape import WheelShape
 from sojourn_mechanics.errors import MechanicsError
-from sojourn_mechanics.soil.params import SoilParams
+from sojourn_mechanics.soil.params import SOIL_ONLY, SoilParams
 
 DEFAULT_FREE = (
     "k_phi", "interface_friction_angle_deg", "shear_modulus", "shear_modulus_lateral", "theta_m_c1", "theta_m_c2",
@@ -148,7 +148,7 @@ def soil_text(fit: Fit, source: str) -> str:
     given["estimates"] = [name for name in given["estimates"] if name not in fit.values]
     lines = [f"# Identified by scripts/fit_soil from {source}: {', '.join(fit.values)}."]
     for name, value in given.items():
-        if name in defaults and value == defaults[name] and name not in ("kind", "form", "estimates"):
+        if name in defaults and value == defaults[name] and name not in ("kind", "form", "estimates", *SOIL_ONLY):
             continue
         if isinstance(value, float):
             value = float(f"{value:.4g}")

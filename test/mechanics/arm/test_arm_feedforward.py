@@ -13,7 +13,7 @@ from sojourn_mechanics.arm.feedforward import (
     feedforward_effort,
     friction_effort,
     gravity_effort,
-    gravity_in_base,
+    gravity_in_body,
     inverse_dynamics,
 )
 from sojourn_mechanics.arm.model import build_arm_model
@@ -40,7 +40,7 @@ def test_gravity_effort_is_the_slope_of_the_potential_energy(small: Any, explore
     generator = np.random.default_rng(seed)
     for arm in (small, explorer):
         posture = arm.random_posture(generator)
-        gravity = gravity_in_base(Rotation.from_rotvec(generator.uniform(-0.5, 0.5, 3)).as_quat(), 3.71)
+        gravity = gravity_in_body(Rotation.from_rotvec(generator.uniform(-0.5, 0.5, 3)).as_quat(), 3.71)
         slope = np.empty(5)
         for i in range(5):
             step = np.zeros(5)
@@ -86,12 +86,12 @@ def test_reflected_inertia_adds_its_torque(small: Any, small_urdf: str, small_va
 def test_gravity_direction_follows_the_attitude(seed: int) -> None:
     rotation = Rotation.from_quat(np.random.default_rng(seed).normal(size=4))
     expected = rotation.inv().apply([0.0, 0.0, -1.62])
-    np.testing.assert_allclose(gravity_in_base(rotation.as_quat(), 1.62), expected, atol=1e-12)
+    np.testing.assert_allclose(gravity_in_body(rotation.as_quat(), 1.62), expected, atol=1e-12)
 
 
 def test_nose_up_tilts_gravity_backward() -> None:
     # REP 103: pitch about +y is nose down, so nose up by 0.2 rad is a rotation of -0.2 rad.
-    gravity = gravity_in_base(Rotation.from_euler("y", -0.2).as_quat(), 1.62)
+    gravity = gravity_in_body(Rotation.from_euler("y", -0.2).as_quat(), 1.62)
     assert gravity[0] == pytest.approx(-1.62 * np.sin(0.2))
     assert gravity[2] == pytest.approx(-1.62 * np.cos(0.2))
 
@@ -106,7 +106,7 @@ def test_nose_up_tilts_gravity_backward() -> None:
 )
 def test_bad_attitude_or_gravity_is_refused(quaternion: list[float], gravity: float, text: str) -> None:
     with pytest.raises(InvalidValueError, match=text):
-        gravity_in_base(np.array(quaternion), gravity)
+        gravity_in_body(np.array(quaternion), gravity)
 
 
 def test_friction_is_odd_and_bounded(small_values: dict[str, Any]) -> None:

@@ -200,7 +200,8 @@ def test_kernel_row_holds_every_number_in_its_column() -> None:
         "side_bulldozing": 0.0, "bulldozing_cohesion": 800.0, "bulldozing_tan_phi": pytest.approx(named["tan_phi"]),
         "bulldozing_k_c": pytest.approx(bearing_factors(soil.friction_angle).k_c),
         "bulldozing_k_gamma": pytest.approx(bearing_factors(soil.friction_angle).k_gamma),
-        "bulldozing_modulus": 0.02, "grouser_side_shear": 0.0,
+        "bulldozing_modulus": 0.02, "grouser_side_shear": 0.0, "unloading_stiffness": 0.0,
+        "unloading_stiffness_per_sinkage": 503e6,
     }  # fmt: skip
     reece = SoilParams(**{**read("jsc_1a"), "form": "reece"})
     assert kernel_row(reece)[SoilColumn.FORM] == 1.0

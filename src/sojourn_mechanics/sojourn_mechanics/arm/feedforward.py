@@ -18,11 +18,11 @@ from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 
 
-def gravity_in_base(quaternion_xyzw: FloatArray, gravity: float) -> FloatArray:
-    """Gravity vector in base_link (3,) [m/s2] from the attitude of base_link in a z-up world.
+def gravity_in_body(quaternion_xyzw: FloatArray, gravity: float) -> FloatArray:
+    """Gravity vector in a body's frame (3,) [m/s2] from the attitude of that body in a z-up world.
 
     Args:
-        quaternion_xyzw: orientation of base_link in the world (4,), as in sensor_msgs/Imu; near unit length.
+        quaternion_xyzw: orientation of the body in the world (4,), as in sensor_msgs/Imu; near unit length.
         gravity: surface gravity of the body, positive [m/s2].
 
     Raises:
@@ -37,9 +37,9 @@ def gravity_in_base(quaternion_xyzw: FloatArray, gravity: float) -> FloatArray:
     if not (np.isfinite(gravity) and gravity >= 0.0):
         raise InvalidValueError("gravity", gravity, "a finite number, zero or more [m/s2]")
     x, y, z, w = quaternion / length
-    # Third row of the rotation base -> world is world's z axis seen in base_link.
-    up_in_base = np.array([2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)])
-    return np.asarray(-gravity * up_in_base, dtype=np.float64)
+    # Third row of the rotation base -> world is world's z axis seen in the body.
+    up_in_body = np.array([2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)])
+    return np.asarray(-gravity * up_in_body, dtype=np.float64)
 
 
 def gravity_effort(model: ArmModel, positions: FloatArray, gravity_vector: FloatArray) -> FloatArray:

@@ -10,6 +10,8 @@ Shear stress after a shear displacement j (Janosi & Hanamoto 1961): tau = (c + p
 The modulus K may grow with the slip angle beta of the wheel, K = K_0 + K_1 |beta| (Ishigami et al. 2007,
 J. Field Robotics 24(3):233, table 2); K_1 is zero where nobody has measured it.
 
+Unloading and reloading follow a line of the stiffness k_0 + A_u z_u (`repeated_loading`).
+
 Angle of greatest normal stress under a rigid wheel (Wong & Reece 1967): theta_m = (c1 + c2 s) theta_1.
 Exit angle: `zero` (the contact ends under the axle), or `lambda:L`: theta_2 = -acos(1 - L h / r), where L is
 the height of the rut behind the wheel over the sinkage h (Ishigami et al. 2007); L > 1 is soil that is
@@ -45,6 +47,13 @@ MAX_EXIT_LAMBDA = 2.0
 EXIT_LAMBDA_ZERO = -1.0
 """Value of the column `exit_lambda` for exit angle `zero`."""
 
+LETE_SAND_A_U = 503.0e6
+"""A_u of LETE sand, with k_0 = 0 (Wong 1989, Terramechanics and Off-Road Vehicles, ch. 4): stands in where a soil's own
+unloading has not been measured [N/m^4]."""
+
+SOIL_ONLY = ("cohesion", "shear_modulus", "shear_modulus_lateral", "density", "theta_m_c1", "theta_m_c2")
+"""Fields that rigid ground may leave out: what shears and flows has them. Their defaults stand for no soil at all."""
+
 FORM_BEKKER = 0.0
 FORM_REECE = 1.0
 
@@ -67,22 +76,24 @@ class SoilColumn(IntEnum):
     DENSITY = 12
     SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE = 13
     SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE = 14
-    INTERFACE_ADHESION = 15
-    INTERFACE_TAN_PHI = 16
-    HUMP = 17
-    RESIDUAL = 18
-    SLIP_SINKAGE = 19
-    SKID_SINKAGE = 20
-    SIDE_SINKAGE = 21
-    THETA_M_C3 = 22
-    FRONT_BULLDOZING = 23
-    SIDE_BULLDOZING = 24
-    BULLDOZING_COHESION = 25
-    BULLDOZING_TAN_PHI = 26
-    BULLDOZING_K_C = 27
-    BULLDOZING_K_GAMMA = 28
-    BULLDOZING_MODULUS = 29
-    GROUSER_SIDE_SHEAR = 30
+    UNLOADING_STIFFNESS = 15
+    UNLOADING_STIFFNESS_PER_SINKAGE = 16
+    INTERFACE_ADHESION = 17
+    INTERFACE_TAN_PHI = 18
+    HUMP = 19
+    RESIDUAL = 20
+    SLIP_SINKAGE = 21
+    SKID_SINKAGE = 22
+    SIDE_SINKAGE = 23
+    THETA_M_C3 = 24
+    FRONT_BULLDOZING = 25
+    SIDE_BULLDOZING = 26
+    BULLDOZING_COHESION = 27
+    BULLDOZING_TAN_PHI = 28
+    BULLDOZING_K_C = 29
+    BULLDOZING_K_GAMMA = 30
+    BULLDOZING_MODULUS = 31
+    GROUSER_SIDE_SHEAR = 32
 
 
 SOIL_COLUMNS: tuple[str, ...] = tuple(column.name.lower() for column in SoilColumn)
@@ -127,25 +138,31 @@ class SoilParams(Params):
         description="cohesive modulus [bekker: N/m^(n+1), reece: N/m^2]; negative in some fits",
     )
     k_phi: float = Field(ge=0.0, le=1e11, description="frictional modulus [bekker: N/m^(n+2), reece: N/m^3]")
-    cohesion: float = Field(ge=0.0, le=1e6, description="cohesion [Pa]")
+    cohesion: float = Field(default=0.0, ge=0.0, le=1e6, description="cohesion [Pa]")
     friction_angle_deg: float = Field(ge=0.0, lt=80.0, description="angle of internal friction [degree]")
-    shear_modulus: float = Field(gt=0.0, le=1.0, description="Janosi K along the wheel [m]")
-    shear_modulus_lateral: float = Field(gt=0.0, le=1.0, description="Janosi K across the wheel [m]")
+    shear_modulus: float = Field(default=5e-4, gt=0.0, le=1.0, description="Janosi K along the wheel [m]")
+    shear_modulus_lateral: float = Field(default=5e-4, gt=0.0, le=1.0, description="Janosi K across the wheel [m]")
     shear_modulus_per_slip_angle: float = Field(
         default=0.0, ge=0.0, le=1.0, description="growth of shear_modulus with the slip angle [m/rad]"
     )
     shear_modulus_lateral_per_slip_angle: float = Field(
         default=0.0, ge=0.0, le=1.0, description="growth of shear_modulus_lateral with the slip angle [m/rad]"
     )
+    unloading_stiffness: float = Field(
+        default=0.0, ge=0.0, le=1e12, description="k_0 of the unloading stiffness k_0 + A_u z_u [N/m^3]"
+    )
+    unloading_stiffness_per_sinkage: float = Field(
+        default=LETE_SAND_A_U, ge=0.0, le=1e14, description="A_u of the unloading stiffness k_0 + A_u z_u [N/m^4]"
+    )
     density: float = Field(
-        default=0.0, ge=0.0, le=10000.0, description="bulk density [kg/m3]; or relative_density instead"
+        default=3000.0, gt=0.0, le=10000.0, description="bulk density [kg/m3]; or relative_density instead"
     )
     density_range: tuple[float, float] | None = Field(default=None, description="loosest and densest state [kg/m3]")
     relative_density: float | None = Field(
         default=None, ge=0.0, le=1.0, description="0 loosest, 1 densest; gives the density, within density_range"
     )
-    theta_m_c1: float = Field(ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
-    theta_m_c2: float = Field(ge=-1.0, le=1.0, description="c2 of theta_m = (c1 + c2 s) theta_1 [-]")
+    theta_m_c1: float = Field(default=0.0, ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
+    theta_m_c2: float = Field(default=0.0, ge=-1.0, le=1.0, description="c2 of theta_m = (c1 + c2 s) theta_1 [-]")
     exit_angle: str = Field(default="zero", description="'zero' or 'lambda:L', L = rut height / sinkage [-]")
     theta_m_c3: float = Field(default=0.0, ge=-1.0, le=1.0, description="c3 of theta_m, growth with the sideslip [-]")
     contact_damping: float = Field(ge=0.0, le=100.0, description="Hunt-Crossley normal damping d [s/m]")
@@ -187,9 +204,21 @@ class SoilParams(Params):
                 raise InvalidValueError("density_range", None, "[loosest, densest] where a relative_density is given")
             # the model is frozen for everybody else
             self.__dict__["density"] = density_at(self.relative_density, *self.density_range)
-        elif self.density <= 0.0:
-            raise InvalidValueError("density", self.density, "more than 0 kg/m3, where no relative_density is given")
         return self
+
+    def _soil_is_complete(self) -> Self:
+        needed = [name for name in SOIL_ONLY if name != "density" or self.relative_density is None]
+        missing = self.missing(needed) if self.kind == "soil" else ()
+        if missing:
+            raise InvalidValueError(
+                "kind", self.kind, "rigid, or soil with all of its keys; missing: " + ", ".join(missing)
+            )
+        return self
+
+    def missing(self, fields: Sequence[str]) -> tuple[str, ...]:
+        """Those of the fields that this set does not give, in their order."""
+        given = self.model_fields_set
+        return tuple(name for name in fields if name not in given)
 
     @model_validator(mode="after")
     def _stiffness_and_estimates(self) -> Self:
@@ -249,6 +278,10 @@ def kernel_row(params: SoilParams) -> FloatArray:
     row[SoilColumn.DENSITY] = params.density
     row[SoilColumn.SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE] = params.shear_modulus_per_slip_angle
     row[SoilColumn.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE] = params.shear_modulus_lateral_per_slip_angle
+    # rock springs back along the line that it was loaded on, and keeps no rut
+    yields = params.kind == "soil"
+    row[SoilColumn.UNLOADING_STIFFNESS] = params.unloading_stiffness if yields else 0.0
+    row[SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE] = params.unloading_stiffness_per_sinkage if yields else 0.0
     bare = params.interface_friction_angle_deg
     # a soil weaker than its interface shears in itself
     tan_phi = row[SoilColumn.TAN_PHI]
