@@ -57,6 +57,12 @@ def test_reece_form_is_bekker_with_its_moduli_changed(capsys: pytest.CaptureFixt
     assert other["sinkage_m"] == pytest.approx(bekker["sinkage_m"], rel=1e-9)
 
 
+def test_radius_and_width_alone_are_a_smooth_wheel(capsys: pytest.CaptureFixture[str]) -> None:
+    size = ["--set", "wheel.radius=0.1", "--set", "wheel.width=0.06"]
+    (found,) = run_json(capsys, "--soil", "jsc_1a", "--load", "50", "--slip", "0.5", *size)
+    assert (found["wheel"], found["drawbar_pull_n"]) == ("custom", pytest.approx(13.70, rel=0.01))
+
+
 def test_one_object_for_each_slip_and_angle(capsys: pytest.CaptureFixture[str]) -> None:
     found = run_json(
         capsys, "--wheel", "pavlov_smooth", "--soil", "cmu_sand", "--load", "24", "--slip", "-0.5,0,0.5",

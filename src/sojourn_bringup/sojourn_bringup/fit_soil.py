@@ -116,7 +116,12 @@ def _print(fit: Fit, trials: Trials, name: str) -> None:
     for key, value in fit.values.items():
         error = fit.standard_errors[key]
         low, high = bounds[key]
-        table.add_row(key, f"{value:.4g}", "at bound" if error is None else f"{error:.2g}", f"{low:.4g} to {high:.4g}")
+        table.add_row(
+            key,
+            f"{value:.4g}",
+            "at bound or no effect" if error is None else f"{error:.2g}",
+            f"{low:.4g} to {high:.4g}",
+        )
     print_table(table)
     _print_correlations(fit)
     print()

@@ -16,8 +16,9 @@ from rich.table import Table
 from sojourn_bringup import options
 from sojourn_bringup.errors import UsageError
 from sojourn_bringup.trial_file import WHEEL, has_wheel, read_rows, read_trials, select
-from sojourn_config.load import load_params
-from sojourn_config.overrides import split_override
+from sojourn_config.load import load_params, validate
+from sojourn_config.overrides import override_document, split_override
+from sojourn_config.yaml_file import Data, YamlDocument
 from sojourn_mechanics.contact.trials import QUANTITIES, predict, summary
 from sojourn_mechanics.contact.wheel_bench import GRAVITY, BenchResult, measure
 from sojourn_mechanics.contact.wheel_shape import WheelShape
@@ -66,7 +67,8 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--wheel",
         metavar="NAME|FILE",
-        help=f"of config/wheels, or a file (default: that of the --csv, or {DEFAULT_WHEEL})",
+        help=f"of config/wheels, or a file (default: that of the --csv; a smooth one, where --set gives "
+        f"wheel.radius and wheel.width; {DEFAULT_WHEEL})",
     )
     result.add_argument(
         "--soil", default=DEFAULT_SOIL, metavar="NAME|FILE", help="of config/soils, or a file (default: %(default)s)"
@@ -115,7 +117,7 @@ def _run(given: argparse.Namespace) -> int:
         raise UsageError("--where goes with --csv")
     if given.load is None:
         raise UsageError("--load is missing: the load on the wheel [N] (see wheel_test --help)")
-    wheel = load_params("wheels", given.wheel or DEFAULT_WHEEL, WheelShape, changes["wheel"])
+    wheel = _wheel(given.wheel, changes["wheel"])
     slips, angles = given.slip or [0.2], given.slip_angle or [0.0]
     results = measure(wheel, soil, given.load, slips, angles, given.gravity)
     if given.json:
@@ -142,7 +144,7 @@ def _trials(given: argparse.Namespace, soil: SoilParams, wheel_changes: list[str
     if given.wheel is not None or not has_wheel(rows):
         if given.wheel is None and not wheel_changes:
             raise UsageError(f"{given.csv}: has no wheel_radius_m and wheel_width_m: name the wheel with --wheel")
-        wheel = load_params("wheels", given.wheel or DEFAULT_WHEEL, WheelShape, wheel_changes)
+        wheel = _wheel(given.wheel, wheel_changes)
     elif wheel_changes:
         rows = [{**row, **_as_columns(wheel_changes)} for row in rows]
     trials = read_trials(given.csv, rows, wheel, given.gravity)
@@ -158,6 +160,15 @@ def _trials(given: argparse.Namespace, soil: SoilParams, wheel_changes: list[str
     else:
         print_statistics(f"{given.csv.name} on {soil.name}", statistics)
     return 0
+
+
+def _wheel(name: str | None, changes: list[str]) -> WheelShape:
+    """The wheel with its changes. Radius and width without a name are a smooth wheel of that size."""
+    given = {text.partition("=")[0] for text in changes}
+    if name is None and {"radius", "width"} <= given:
+        blank: dict[str, Data] = {"name": "custom", "citation": "command line"}
+        return validate(override_document(YamlDocument("command line", blank, {}), changes), WheelShape)
+    return load_params("wheels", name or DEFAULT_WHEEL, WheelShape, changes)
 
 
 def _minus_values(arguments: Sequence[str] | None) -> list[str] | None:

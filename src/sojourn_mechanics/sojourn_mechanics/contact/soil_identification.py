@@ -69,7 +69,7 @@ class Fit:
     soil: SoilParams
     values: dict[str, float]
     standard_errors: dict[str, float | None]
-    """None for a parameter at a bound."""
+    """None for a parameter at a bound, or without any effect on the trials."""
     covariance: FloatArray
     """Of the values in their order; zero for a parameter at a bound."""
     predicted: FloatArray
@@ -217,7 +217,7 @@ def _search(
 def _spread(
     problem: _Problem, place: FloatArray, jacobian: FloatArray, residuals: FloatArray
 ) -> tuple[FloatArray, dict[str, float | None]]:
-    inside = (place > AT_BOUND) & (place < 1.0 - AT_BOUND)
+    inside = (place > AT_BOUND) & (place < 1.0 - AT_BOUND) & np.any(jacobian != 0.0, axis=0)
     spread = 1.4826 * float(np.median(np.abs(residuals)))
     covariance = np.zeros((len(place), len(place)))
     if inside.any():
