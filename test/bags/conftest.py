@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import rclpy
 
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "contract")]
 
 FIRST_DOMAIN = 120
 _domains = itertools.count()

@@ -3,11 +3,15 @@
 import itertools
 import os
 import signal
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from sojourn_bringup.environment import ros_variables
+
+sys.path[:0] = [str(Path(__file__).parents[1] / folder) for folder in ("contract", "bags")]
 
 FIRST_DOMAIN, DOMAINS = 60, 50
 _number = itertools.count()

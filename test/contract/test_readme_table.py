@@ -93,10 +93,20 @@ def test_the_example_node_has_the_topics_of_its_role() -> None:
 def test_the_example_scenario_is_valid(tmp_path: Path) -> None:
     from sojourn_config.scenario import load_scenario
 
-    (text,) = blocks(README, "yaml")
+    text, *_ = blocks(README, "yaml")
     file = tmp_path / "mine.yaml"
     file.write_text(text, encoding="utf-8")
     assert len(load_scenario(str(file)).config.steps) == len(yaml.safe_load(text)["steps"])
+
+
+def test_the_example_grounds_are_valid() -> None:
+    from sojourn_mechanics.terrain.generate import generate
+    from sojourn_mechanics.terrain.params import TerrainParams
+
+    _, placed, from_file = (yaml.safe_load(text) for text in blocks(README, "yaml"))
+    ground = generate(TerrainParams.model_validate(placed["terrain"]), "lunar_nominal", "rigid_rock", 1)
+    assert ground.soil_names == ("lunar_nominal", "rigid_rock", "mars") and len(set(ground.soil_index.ravel())) == 3
+    assert TerrainParams.model_validate(from_file["terrain"]).file is not None
 
 
 @pytest.mark.parametrize("manual", MANUALS, ids=lambda path: str(path.relative_to(ROOT)))

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from programs import PATIENT, SHORT_RUN, Program
 
+from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import read_bag
 
 FLIGHT_DRIVE = Path(__file__).parent / "flight_drive.py"
@@ -41,6 +42,7 @@ def test_it_drives_the_rover(
     assert not replaced.processes()
     assert "does not stop" not in replaced.text
     bag = read_bag(run)
+    assert not list(judge_bag(bag)[0].lines())
     paths = ("position.x", "position.y", "orientation.z", "orientation.w")
     x_end, y_end, qz, qw = bag["/truth/odom"].columns(*(f"pose.pose.{path}" for path in paths))[-1]
     assert math.dist((x_end, y_end), (x, y)) < NEAR_M

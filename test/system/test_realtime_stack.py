@@ -1,5 +1,6 @@
 """A stack that runs at the pace of the wall: goals from another terminal, nodes that die, a second start beside it."""
 
+import json
 import os
 import signal
 import threading
@@ -81,6 +82,27 @@ def test_simulation_time_keeps_the_pace_of_the_wall(stack: Stack, monkeypatch: p
     assert ticks
     (wall_begin, sim_begin), (wall_end, sim_end) = ticks[0], ticks[-1]
     assert (sim_end - sim_begin) / (wall_end - wall_begin) == pytest.approx(1.0, rel=0.2)
+
+
+def test_the_stack_is_judged_while_it_runs(stack: Stack, start: Callable[..., Program], tmp_path: Path) -> None:
+    """On a busy machine a node may be late; but nothing else may be wrong."""
+    file = tmp_path / "verdict.json"
+    check = start("contract_tool", "check", "--live", "--domain", stack.domain, "--seconds", 4, "--json", file)
+    status = check.wait()
+    verdict = json.loads(file.read_text(encoding="utf-8"))
+    assert status == (1 if verdict["violations"] else 0), check.text
+    assert not verdict["lockstep"] and set(verdict["participants"]) >= {"plant", "sensors", "drive", "arm", "power"}
+    of_time = {"rate", "answer", "heartbeat", "counter", "rate of change"}
+    ages = [group for group in verdict["groups"] if group["rule"] == "stamp" and group["first"][0]["field"] == "age"]
+    others = [group for group in verdict["groups"] if group["rule"] not in of_time and group not in ages]
+    assert not others, check.text
+    assert verdict["topics"]["/odom"]["messages"] > 50
+
+
+def test_a_node_that_does_not_run_is_answered_with_those_that_do(stack: Stack, start: Callable[..., Program]) -> None:
+    check = start("contract_tool", "check", "--live", "--domain", stack.domain, "--node", "pilot")
+    assert check.wait() == 2
+    assert "no node 'pilot' takes part, allowed is one of plant, sensors, drive, arm" in check.text
 
 
 def test_a_goal_is_followed_to_its_end(stack: Stack, start: Callable[..., Program]) -> None:

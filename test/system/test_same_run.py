@@ -10,8 +10,13 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from programs import PATIENT, SHORT_RUN, Program, next_domain
 from rosbags.highlevel import AnyReader
-from run_files import Record, first_difference, records
 
+from sojourn_bags.comparison import compare, until
+from sojourn_bags.comparison_result import Verdict
+from sojourn_bags.comparison_words import comparison_lines
+from sojourn_bags.judging import judge_bag
+from sojourn_bags.reading import Bag, read_bag
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topics import TOPICS
 
 KINDS = {"composed": ("--composed",), "again": ("--composed",), "processes": ()}
@@ -37,17 +42,29 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Path]]:
 
 
 @pytest.fixture(scope="module")
-def composed(runs: dict[str, Path]) -> list[Record]:
-    return records(runs["composed"])
+def composed(runs: dict[str, Path]) -> Bag:
+    return read_bag(runs["composed"])
+
+
+def messages_of(bag: Bag) -> int:
+    return sum(len(messages) for messages in bag.topics.values())
 
 
 @pytest.mark.parametrize("other", ["again", "processes"])
-def test_every_field_of_every_message_is_the_same(runs: dict[str, Path], composed: list[Record], other: str) -> None:
-    assert not first_difference(composed, records(runs[other]))
+def test_every_field_of_every_message_is_the_same(runs: dict[str, Path], composed: Bag, other: str) -> None:
+    result = compare(composed.topics, read_bag(runs[other]).topics)
+    assert result.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result))
+    assert result.matched == messages_of(composed)
 
 
-def test_every_topic_of_the_table_is_in_the_record(composed: list[Record]) -> None:
-    counts = Counter(topic for topic, _, _ in composed)
+def test_compare_says_so(runs: dict[str, Path], start: Callable[..., Program]) -> None:
+    program = start("compare", "--exact", runs["composed"], runs["processes"])
+    assert program.wait() == 0
+    assert "\nidentical: " in program.text and program.text.endswith("every field equal\n")
+
+
+def test_every_topic_of_the_table_is_in_the_record(composed: Bag) -> None:
+    counts = Counter({name: len(messages) for name, messages in composed.topics.items()})
     periods = counts["/clock"]
     for row in TOPICS:
         if row.logged and not row.is_event and row.publisher not in ("all", "operator"):
@@ -56,20 +73,30 @@ def test_every_topic_of_the_table_is_in_the_record(composed: list[Record]) -> No
     assert counts["/tf"] == periods
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_run_keeps_the_contract(runs: dict[str, Path], kind: str) -> None:
+    report, run = judge_bag(read_bag(runs[kind]))
+    assert not list(report.lines())
+    assert run.lockstep and not run.notes and len(report.messages) > 20
+
+
 def test_another_seed_gives_another_record(
-    tmp_path: Path, composed: list[Record], start: Callable[..., Program], domain: int
+    tmp_path: Path, composed: Bag, start: Callable[..., Program], domain: int
 ) -> None:
     run = tmp_path / "run"
     short = [*PATIENT, "--composed", "--seed", "8", "--set", "steps=[{wait_s: 1.0}]", "--domain", domain]
     assert start("start", SHORT_RUN, *short, "--run-dir", run).wait() == 0
-    ours = [record for record in records(run) if record[0] == "/imu/data"]
-    theirs = [record for record in composed if record[0] == "/imu/data"]
-    assert ours and first_difference(ours, theirs[: len(ours)])
+    ours = read_bag(run)
+    end = (len(ours["/clock"]) + 1) * CONTROL_PERIOD_NS
+    result = compare(until(ours.topics, end), until(composed.topics, end))
+    assert result.verdict is Verdict.DIFFERENT
+    divergence = result.divergence()
+    assert divergence is not None and (divergence.topic, divergence.stamp) == ("/joint_states", CONTROL_PERIOD_NS)
 
 
-def test_the_bag_opens_with_rosbags(runs: dict[str, Path], composed: list[Record]) -> None:
+def test_the_bag_opens_with_rosbags(runs: dict[str, Path], composed: Bag) -> None:
     with AnyReader([runs["processes"] / "bag"]) as reader:
-        assert reader.message_count == len(composed)
+        assert reader.message_count == messages_of(composed)
         transforms = [connection for connection in reader.connections if connection.topic == "/tf"]
         _, _, data = next(reader.messages(connections=transforms))
         frames = {
@@ -78,14 +105,13 @@ def test_the_bag_opens_with_rosbags(runs: dict[str, Path], composed: list[Record
     assert {"base_link", "odom"} <= frames
 
 
-def test_the_bag_opens_with_mcap_and_is_complete(runs: dict[str, Path], composed: list[Record]) -> None:
+def test_the_bag_opens_with_mcap_and_is_complete(runs: dict[str, Path], composed: Bag) -> None:
     (file,) = (runs["processes"] / "bag").glob("*.mcap")
     with file.open("rb") as stream:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])
         assert reader.get_header().profile == "ros2"
-        assert sum(1 for _ in reader.iter_decoded_messages()) == len(composed)
+        assert sum(1 for _ in reader.iter_decoded_messages()) == messages_of(composed)
         proof = {record.name: record.metadata for record in reader.iter_metadata()}["sojourn_completeness"]
     assert (proof["complete"], proof["gaps"]) == ("true", "")
-    counts = Counter(topic for topic, _, _ in composed)
     for topic, count in json.loads(proof["topics"]).items():
-        assert counts[topic] == count["recorded"] == count["published"], topic
+        assert len(composed.topics.get(topic, ())) == count["recorded"] == count["published"], topic

@@ -5,13 +5,16 @@ The hash is RIHS01 (REP 2016). Both come from the Jazzy type store of rosbags, s
 needed.
 """
 
+import contextlib
+from collections.abc import Iterable
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from rclpy.duration import Infinite
 from rclpy.qos import QoSProfile
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 _NANOSECONDS = 1_000_000_000
@@ -47,6 +50,19 @@ def typestore() -> Typestore:
     return get_typestore(Stores.ROS2_JAZZY)
 
 
+def learn(type_name: str, text: str) -> None:
+    """Learn a message type that a bag brings along, and those that it uses, from its `ros2msg` definition.
+
+    Types that are known stay as they are; a text that cannot be read leaves the type unknown.
+    """
+    store = typestore()
+    if type_name in store.fielddefs:
+        return
+    with contextlib.suppress(TypesysError, ValueError, KeyError):
+        found = get_types_from_msg(text, type_name)
+        store.register({name: fields for name, fields in found.items() if name not in store.fielddefs})
+
+
 @cache
 def definition(type_name: str) -> str:
     """Definition of "package/msg/Name" with all types it uses."""
@@ -58,6 +74,17 @@ def definition(type_name: str) -> str:
 def type_hash(type_name: str) -> str:
     """RIHS01 hash of "package/msg/Name"."""
     return typestore().hash_rihs01(type_name)
+
+
+def offered_entries(nominal: dict[str, Any], offered: Iterable[QoSProfile]) -> list[dict[str, Any]]:
+    """What publishers offer, each profile once. Others are not told history and depth: as in `nominal`."""
+    found: list[dict[str, Any]] = []
+    for profile in offered:
+        told = {"reliability": profile.reliability.name.lower(), "durability": profile.durability.name.lower()}
+        entry = deepcopy(nominal) | told
+        if entry not in found:
+            found.append(entry)
+    return found
 
 
 def qos_entry(profile: QoSProfile) -> dict[str, Any]:

@@ -1,10 +1,12 @@
 """The scenario of a run as a bag carries it: all that summary and report need, wherever it was read from."""
 
+import io
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import PurePosixPath
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel
 
 from sojourn_bags.errors import IncompleteConfigError
@@ -14,8 +16,10 @@ from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import LoadedScenario, ScenarioConfig
 from sojourn_mechanics.terrain.generate import generate
 from sojourn_mechanics.terrain.height_field import HeightField
+from sojourn_mechanics.terrain.raster import Raster
 
 CONFIGURATION_NAME = "configuration.json"
+ELEVATION_NAME = "elevation.npz"
 _MEDIA_TYPES = {".yaml": "application/yaml", ".urdf": "application/xml"}
 _SETS = (
     "rover",
@@ -40,6 +44,7 @@ class Run:
         name: of the scenario. scenario: its content. rover: the machine. urdf: text of its URDF.
         resolved: every parameter set as it was used, with overrides and defaults, in plain JSON values.
         files: text of every file that was read, by name. overrides: texts that went over them.
+        digests: SHA-256 of the data files of the terrain, by name. raster: what was read from them.
     """
 
     name: str
@@ -49,6 +54,8 @@ class Run:
     resolved: dict[str, Any]
     files: dict[str, str]
     overrides: tuple[str, ...] = ()
+    digests: dict[str, str] = field(default_factory=dict)
+    raster: Raster | None = None
 
     @classmethod
     def of_scenario(cls, loaded: LoadedScenario) -> "Run":
@@ -65,6 +72,8 @@ class Run:
             resolved={name: value.model_dump(mode="json") for name, value in sets.items()},
             files=dict(loaded.files),
             overrides=loaded.overrides,
+            digests=loaded.digests,
+            raster=loaded.raster,
         )
 
     @classmethod
@@ -82,6 +91,8 @@ class Run:
                 resolved=resolved,
                 files=files,
                 overrides=tuple(document["overrides"]),
+                digests=document.get("digests", {}),
+                raster=_raster_from(bag.attachments.get(ELEVATION_NAME)),
             )
         except KeyError as error:
             raise IncompleteConfigError(f"{bag.path} has no {error.args[0]} attached") from error
@@ -92,7 +103,7 @@ class Run:
     def terrain(self) -> HeightField:
         """The ground of the run, made again from its parameters and seed."""
         scenario = self.scenario
-        return generate(scenario.terrain, scenario.soil, scenario.rock_soil, scenario.seed)
+        return generate(scenario.terrain, scenario.soil, scenario.rock_soil, scenario.seed, self.raster)
 
     def attachments(self) -> list[Attachment]:
         """Files that carry this description in a bag."""
@@ -100,10 +111,31 @@ class Run:
             "name": self.name,
             "overrides": list(self.overrides),
             "files": list(self.files),
+            "digests": self.digests,
             "resolved": self.resolved,
         }
         found = [Attachment(CONFIGURATION_NAME, "application/json", json.dumps(document, indent=1).encode())]
         for name, text in self.files.items():
             media_type = _MEDIA_TYPES.get(PurePosixPath(name).suffix, "text/plain")
             found.append(Attachment(name, media_type, text.encode()))
+        if self.raster is not None:
+            found.append(Attachment(ELEVATION_NAME, "application/zip", _raster_bytes(self.raster)))
         return found
+
+
+def _raster_bytes(raster: Raster) -> bytes:
+    """The part of the elevation model that the run used, as numpy's .npz: a bag needs no other file."""
+    file = io.BytesIO()
+    soils = np.zeros((0, 0), dtype=np.int64) if raster.soils is None else raster.soils
+    place = np.array([raster.resolution, raster.x, raster.y])
+    np.savez_compressed(file, heights=raster.heights, place=place, soils=soils)
+    return file.getvalue()
+
+
+def _raster_from(data: bytes | None) -> Raster | None:
+    if data is None:
+        return None
+    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        resolution, x, y = arrays["place"].tolist()
+        soils = arrays["soils"]
+        return Raster(arrays["heights"], resolution, x, y, soils if soils.size else None)

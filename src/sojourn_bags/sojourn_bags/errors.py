@@ -41,6 +41,14 @@ class UnreadableBagError(BagsError):
         self.path = path
 
 
+class NothingToRecoverError(BagsError):
+    """A bag that ends before its first message."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(f"{path} holds no whole message: there is nothing to recover")
+        self.path = path
+
+
 class UnknownTopicInBagError(BagsError):
     """A topic or field that the bag does not hold.
 
@@ -54,5 +62,42 @@ class UnknownTopicInBagError(BagsError):
         self.name = name
 
 
+class UnknownFieldError(BagsError):
+    """A topic or field that cannot be drawn.
+
+    Args:
+        name: what was asked for. why: what is wrong with it. nearest: names that there are and that look like it.
+    """
+
+    def __init__(self, name: str, why: str, nearest: list[str]) -> None:
+        hint = f": nearest are {', '.join(nearest)}" if nearest else ""
+        super().__init__(f"{name} {why}{hint}")
+        self.name, self.nearest = name, nearest
+
+
 class IncompleteConfigError(BagsError):
     """The configuration lacks something that a summary or report needs."""
+
+
+class OtherContractError(BagsError):
+    """A bag that was recorded under another contract than ours.
+
+    Args:
+        path: the bag. reason: what is not ours.
+    """
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(f"{path} is a bag of another contract: {reason}")
+        self.path = path
+
+
+class ReplayError(BagsError):
+    """A bag that cannot be replayed through a role, or a candidate that cannot be judged by it."""
+
+
+class UnansweredError(ReplayError):
+    """A candidate that did not answer, or has ended.
+
+    Args:
+        words: one sentence that says who did not answer what, and when.
+    """

@@ -25,6 +25,15 @@ def rotate(quaternion: FloatArray, vector: FloatArray) -> FloatArray:
     return vector + 2.0 * np.cross(axis, np.cross(axis, vector) + w * vector)
 
 
+def euler_angles(quaternions: FloatArray) -> FloatArray:
+    """Roll, pitch and yaw of quaternions x y z w, R = Rz(yaw) Ry(pitch) Rx(roll): shape (n, 3) [rad], yaw unwrapped."""
+    x, y, z, w = quaternions.T
+    roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
+    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return np.stack([roll, pitch, np.unwrap(yaw)], axis=1)
+
+
 def tilts(quaternions: FloatArray) -> FloatArray:
     """Angle of the machine's z axis from the vertical, for quaternions of shape (n, 4): shape (n,) [rad]."""
     up = rotate(quaternions, np.array([0.0, 0.0, 1.0]))[..., 2]
@@ -48,7 +57,7 @@ class TrueMachine:
 
     def pose_at(self, time_s: float) -> FloatArray:
         """Pose of base_link in map at the last period up to a time [s]: x y z and quaternion x y z w."""
-        return self._poses[_row_at(self._pose_times, time_s)]
+        return self._poses[_rows_at(self._pose_times, np.array([time_s]))[0]]
 
     def point_in_map(self, frame: str, point: FloatArray, time_s: float) -> FloatArray:
         """A point given in map, odom or base_link, in map: shape (3,) [m].
@@ -72,21 +81,36 @@ class TrueMachine:
         model, data = self._model, self._data
         if not model.existFrame(link):
             raise IncompleteConfigError(f"the machine has no link {link!r}")
-        configuration = pinocchio.neutral(model)
-        configuration[:7] = self.pose_at(time_s)
-        row = _row_at(self._joint_times, time_s)
-        for name, angle in zip(self._joints.names, self._joints.position[row], strict=True):
-            if not model.existJointName(name) or not np.isfinite(angle):
-                continue
-            joint = model.joints[model.getJointId(name)]
-            if joint.nq == 1:
-                configuration[joint.idx_q] = angle
-            else:  # a continuous joint is kept as cosine and sine
-                configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
-        pinocchio.framesForwardKinematics(model, data, configuration)
+        pinocchio.framesForwardKinematics(model, data, self._configurations(np.array([time_s]))[0])
         return np.array(data.oMf[model.getFrameId(link)].translation)
 
+    def centres_of_mass(self, times: FloatArray) -> FloatArray:
+        """Centre of mass of the whole machine in map at the last period up to each time [s]: shape (n, 3) [m]."""
+        model, data = self._model, self._data
+        found = np.empty((len(times), 3))
+        for row, configuration in enumerate(self._configurations(times)):
+            found[row] = pinocchio.centerOfMass(model, data, configuration)
+        return found
 
-def _row_at(times: FloatArray, time_s: float) -> int:
-    """Last row up to a time; half a nanosecond of rounding is forgiven."""
-    return max(0, int(np.searchsorted(times, time_s + 5e-10, side="right")) - 1)
+    def _configurations(self, times: FloatArray) -> FloatArray:
+        """Configuration of the model at the last period up to each time [s]: shape (n, nq)."""
+        model = self._model
+        found = np.tile(pinocchio.neutral(model), (len(times), 1))
+        found[:, :7] = self._poses[_rows_at(self._pose_times, times)]
+        rows = _rows_at(self._joint_times, times)
+        for column, name in enumerate(self._joints.names):
+            if not model.existJointName(name):
+                continue
+            joint, angles = model.joints[model.getJointId(name)], self._joints.position[rows, column]
+            known = np.isfinite(angles)
+            if joint.nq == 1:
+                found[known, joint.idx_q] = angles[known]
+            else:  # a continuous joint is kept as cosine and sine
+                found[known, joint.idx_q] = np.cos(angles[known])
+                found[known, joint.idx_q + 1] = np.sin(angles[known])
+        return found
+
+
+def _rows_at(times: FloatArray, wanted: FloatArray) -> NDArray[np.int64]:
+    """Last row up to each time; half a nanosecond of rounding is forgiven."""
+    return np.maximum(0, np.searchsorted(times, wanted + 5e-10, side="right") - 1)

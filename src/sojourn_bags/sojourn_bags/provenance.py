@@ -5,19 +5,26 @@ With these attachments a bag explains itself: summary and report need no other f
 
 import json
 import platform
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
 
 from sojourn_bags.description import Run
+from sojourn_bags.errors import IncompleteConfigError
+from sojourn_bags.reading import Bag
 from sojourn_bags.writer import Attachment
 from sojourn_config.errors import ConfigError
 from sojourn_config.paths import repository_root
 from sojourn_config.scenario import load_scenario
+from sojourn_contract.description import contract_data
 
 RUN_RECORD = "sojourn_run"
 """Name of the metadata record that describes the run."""
+RUN_NAME = "run.json"
+"""Name of the attachment with the same content, which is there from the first moment: also in a bag cut off."""
 VERSIONS_NAME = "versions.json"
+CONTRACT_NAME = "contract.json"
+"""The contract under which the run was recorded, as `scripts/contract show --format json` prints it."""
 PACKAGES = (
     *(f"sojourn_{part}" for part in ("mechanics", "config", "contract", "plant", "sensors", "drive", "arm", "power")),
     "sojourn_bags",
@@ -38,12 +45,33 @@ def attachments(scenario: str, overrides: Sequence[str] = ()) -> list[Attachment
 
     Raises ConfigError if the scenario is wrong.
     """
-    return [*Run.of_scenario(load_scenario(scenario, overrides)).attachments(), versions_attachment()]
+    described = Run.of_scenario(load_scenario(scenario, overrides)).attachments()
+    return [*described, versions_attachment(), contract_attachment()]
+
+
+def run_attachment(run: Mapping[str, str]) -> Attachment:
+    """Who took part in the run and how: scenario, lockstep, participants, namespace."""
+    return Attachment(RUN_NAME, "application/json", json.dumps(dict(run), indent=2).encode())
+
+
+def run_of(bag: Bag) -> dict[str, str]:
+    """Who took part in the run of a bag and how. Raises IncompleteConfigError where the bag does not say."""
+    if RUN_RECORD in bag.records:
+        return dict(bag.records[RUN_RECORD])
+    try:
+        return {str(key): str(value) for key, value in json.loads(bag.attachments[RUN_NAME]).items()}
+    except (KeyError, ValueError, AttributeError) as error:
+        raise IncompleteConfigError(f"{bag.path} does not say which roles took part in its run") from error
 
 
 def versions_attachment() -> Attachment:
     """Versions of everything that shaped the run."""
     return Attachment(VERSIONS_NAME, "application/json", json.dumps(versions(), indent=2).encode())
+
+
+def contract_attachment() -> Attachment:
+    """The contract of the run."""
+    return Attachment(CONTRACT_NAME, "application/json", json.dumps(contract_data(), indent=1).encode())
 
 
 def versions() -> dict[str, str]:

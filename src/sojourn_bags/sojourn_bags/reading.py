@@ -6,22 +6,19 @@ bag["/truth/joint_states"].joints().velocity           # shape (n, joints)
 bag["/truth/contacts"].points()["sinkage"]             # shape (n, points)
 """
 
-import struct
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mcap.exceptions import McapError
-from mcap.records import Attachment, Channel, Footer, Header, Message, Metadata, Schema
-from mcap.stream_reader import StreamReader
+from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from numpy.typing import NDArray
-from zstandard import ZstdError
 
-from sojourn_bags.definitions import typestore
+from sojourn_bags.definitions import learn, typestore
 from sojourn_bags.errors import UnknownTopicInBagError, UnreadableBagError
 from sojourn_bags.layout import Layout, layout_of
+from sojourn_bags.salvage import Salvage
 
 FloatArray = NDArray[np.float64]
 _POINT_CODES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
@@ -77,13 +74,17 @@ class Messages:
     """Messages of one topic, in the order of the file.
 
     Attributes:
-        topic: name. type: "package/msg/Name". log_times: [ns]. data: CDR of each.
+        topic: name. type: "package/msg/Name". log_times: [ns]. data: CDR of each. places: number of each
+            in the file, over all topics; empty where the messages are from elsewhere.
+        offered_qos: profiles of its publishers, YAML text as rosbag2 writes it.
     """
 
     topic: str
     type: str
     log_times: list[int] = field(default_factory=list)
     data: list[bytes] = field(default_factory=list)
+    places: list[int] = field(default_factory=list)
+    offered_qos: str = ""
 
     def __len__(self) -> int:
         return len(self.data)
@@ -164,19 +165,12 @@ class Messages:
         if self.type != "sensor_msgs/msg/PointCloud2":
             raise UnknownTopicInBagError(f"a point cloud on {self.topic}", [self.type])
         found: dict[str, FloatArray] = {}
-        most = max((self._point_count(group) for group in self.groups), default=0)
-        for group in self.groups:
-            layout = group.layout
-            step, count = self._first(group, "point_step"), self._point_count(group)
-            order = ">" if self._first(group, "is_bigendian") else "<"
-            raw = layout.column(group.rows, "data")[:, : step * count].reshape(len(group.indices), count, step)
-            for path in [path for path in layout.texts if path.startswith("fields[")]:
-                prefix = path.removesuffix("name")
-                dtype = np.dtype(order + _POINT_CODES[self._first(group, prefix + "datatype")])
-                offset = self._first(group, prefix + "offset")
-                values = np.ascontiguousarray(raw[:, :, offset : offset + dtype.itemsize]).view(dtype)[:, :, 0]
-                array = found.setdefault(group.text(path), np.full((len(self.data), most), np.nan))
-                array[np.ix_(group.indices, np.arange(count))] = values
+        parts = [(group, points_of(group)) for group in self.groups]
+        most = max((values.shape[1] for _, fields in parts for values in fields.values()), default=0)
+        for group, fields in parts:
+            for name, values in fields.items():
+                array = found.setdefault(name, np.full((len(self.data), most), np.nan))
+                array[np.ix_(group.indices, np.arange(values.shape[1]))] = values
         return found
 
     def decode(self, index: int) -> Any:
@@ -192,12 +186,25 @@ class Messages:
             found.append({"name": status[0].name, "message": status[0].message, **values} if status else {})
         return found
 
-    @staticmethod
-    def _first(group: Group, path: str) -> int:
-        return int(group.layout.column(group.rows[:1], path)[0])
 
-    def _point_count(self, group: Group) -> int:
-        return self._first(group, "width") * self._first(group, "height")
+def points_of(group: Group) -> dict[str, NDArray]:
+    """Points of PointCloud2 messages by their fields: each (messages, points), in its own number type."""
+    layout = group.layout
+
+    def first(path: str) -> int:
+        return int(layout.column(group.rows[:1], path)[0])
+
+    step, count = first("point_step"), first("width") * first("height")
+    order = ">" if first("is_bigendian") else "<"
+    raw = layout.column(group.rows, "data")[:, : step * count].reshape(len(group.indices), count, step)
+    found = {}
+    for path in (path for path in layout.texts if path.endswith("].name")):
+        prefix = path.removesuffix("name")
+        dtype = np.dtype(order + _POINT_CODES[first(prefix + "datatype")])
+        offset = first(prefix + "offset")
+        values = np.ascontiguousarray(raw[:, :, offset : offset + dtype.itemsize]).view(dtype)
+        found[group.text(path)] = values[:, :, 0]
+    return found
 
 
 @dataclass
@@ -241,39 +248,31 @@ def bag_file(path: Path) -> Path:
 
 
 def read_bag(path: Path | str) -> Bag:
-    """Read a bag into memory, as far as it goes. Raises UnreadableBagError for what is no ROS 2 bag."""
+    """Read a bag into memory, as far as it is whole. Raises UnreadableBagError for what is no ROS 2 bag."""
     bag = Bag(bag_file(Path(path)))
     schemas: dict[int, str] = {}
     channels: dict[int, Messages] = {}
-    profile = None
-    try:
-        with bag.path.open("rb") as stream:
-            for record in StreamReader(stream).records:
-                if isinstance(record, Message):
-                    messages = channels[record.channel_id]
-                    messages.log_times.append(record.log_time)
-                    messages.data.append(record.data)
-                elif isinstance(record, Header):
-                    profile = record.profile
-                    if profile != "ros2":
-                        raise UnreadableBagError(bag.path, f"its profile is {profile!r}, not 'ros2'")
-                elif isinstance(record, Schema):
-                    schemas[record.id] = record.name
-                elif isinstance(record, Channel) and record.id not in channels:
-                    messages = Messages(record.topic, schemas.get(record.schema_id, ""))
-                    channels[record.id] = bag.topics[record.topic] = messages
-                elif isinstance(record, Attachment):
-                    bag.attachments[record.name] = record.data
-                elif isinstance(record, Metadata):
-                    bag.records[record.name] = record.metadata
-                elif isinstance(record, Footer):
-                    bag.whole = True
-    except OSError as error:
-        raise UnreadableBagError(bag.path, str(error)) from error
-    except (McapError, struct.error, ZstdError) as error:
-        # Cut off or damaged by a crash: what came before counts. Nothing before means that it never was a
-        # bag.
-        if profile is None:
-            raise UnreadableBagError(bag.path, f"it is no MCAP file ({error})") from error
+    place = 0
+    salvage = Salvage(bag.path)
+    for record in salvage.records:
+        if isinstance(record, Message):
+            messages = channels[record.channel_id]
+            messages.log_times.append(record.log_time)
+            messages.data.append(record.data)
+            messages.places.append(place)
+            place += 1
+        elif isinstance(record, Schema):
+            schemas[record.id] = record.name
+            if record.encoding == "ros2msg":
+                learn(record.name, record.data.decode(errors="replace"))
+        elif isinstance(record, Channel) and record.id not in channels:
+            messages = bag.topics.setdefault(record.topic, Messages(record.topic, schemas.get(record.schema_id, "")))
+            messages.offered_qos = messages.offered_qos or record.metadata.get("offered_qos_profiles", "")
+            channels[record.id] = messages
+        elif isinstance(record, Attachment):
+            bag.attachments[record.name] = record.data
+        elif isinstance(record, Metadata):
+            bag.records[record.name] = record.metadata
+    bag.whole = salvage.whole
     bag.topics = {name: messages for name, messages in bag.topics.items() if len(messages)}
     return bag

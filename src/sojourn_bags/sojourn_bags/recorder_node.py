@@ -14,9 +14,9 @@ from typing import Any
 from rclpy.context import Context
 from std_msgs.msg import Header
 
-from sojourn_bags.definitions import ChannelSpec, qos_entry
+from sojourn_bags.definitions import ChannelSpec, offered_entries, qos_entry
 from sojourn_bags.errors import BagsError
-from sojourn_bags.provenance import attachments
+from sojourn_bags.provenance import attachments, run_attachment
 from sojourn_bags.recording import CLOCK, Recording
 from sojourn_bags.transforms import channel as transform_channel
 from sojourn_bags.writer import BagWriter
@@ -98,9 +98,14 @@ class RecorderNode(ContractNode):
         channels = [
             ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, self.lockstep, row.publisher))) for row in rows
         ]
-        described = attachments(self.scenario_name, self.scenario_overrides)
-        writer = BagWriter(Path(folder), [*channels, transform_channel()], described)
+        described = [*attachments(self.scenario_name, self.scenario_overrides), run_attachment(self._run())]
+        writer = BagWriter(Path(folder), [*channels, transform_channel()], described, self._offered)
         return Recording(writer, rows, self._awaited, self.participants, self.lockstep)
+
+    def _offered(self, spec: ChannelSpec) -> list[dict[str, Any]]:
+        """Profiles of those who publish a topic; none for what the recorder itself adds."""
+        name = self.get_namespace().rstrip("/") + spec.topic
+        return offered_entries(spec.qos, (info.qos_profile for info in self.get_publishers_info_by_topic(name)))
 
     def _receive(self, row: Topic, message: bytes) -> None:
         """Take one message as bytes. None is refused: what is wrong with it, others will judge."""
@@ -120,19 +125,20 @@ class RecorderNode(ContractNode):
                 written = stamps.to_message(period * stamps.CONTROL_PERIOD_NS)
                 self.publish("/recorder/tick", Header(stamp=written))
 
+    def _run(self) -> dict[str, str]:
+        return {
+            "scenario": self.scenario_name,
+            "lockstep": str(self.lockstep).lower(),
+            "participants": ",".join(self.participants),
+            "namespace": self.get_namespace(),
+        }
+
     def _finish(self) -> None:
         """Close the bag, once."""
         recording, self._recording = self._recording, None
         if recording is None:
             return
-        completeness = recording.finish(
-            {
-                "scenario": self.scenario_name,
-                "lockstep": str(self.lockstep).lower(),
-                "participants": ",".join(self.participants),
-                "namespace": self.get_namespace(),
-            }
-        )
+        completeness = recording.finish(self._run())
         if completeness.gaps:
             self.exit_status = 1
             self.failure = f"the bag {recording.writer.folder} is not complete: {completeness.explain()}"

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from sojourn_bags.curves import COLORS, means, short_name, thinned
 from sojourn_bags.description import Run
 from sojourn_bags.goals import ARM_TOPICS
 from sojourn_bags.machine import FloatArray, TrueMachine
@@ -20,12 +21,6 @@ from sojourn_mechanics.terrain.height_field import HeightField
 
 SIZE_INCHES = (17.0, 12.0)
 DOTS_PER_INCH = 110
-MOST_POINTS = 3000
-"""Of a curve; a longer one is drawn as the band between its least and greatest values."""
-MEANS = 400
-"""Stretches of time over which a long curve is averaged."""
-COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#333333", "#56b4e9", "#999933")
-"""Distinct to colour-blind eyes too (Okabe and Ito, 2008, and two more)."""
 DRIVE_SHADE, ARM_SHADE = "#0072b2", "#8a00a8"
 TIME_LABEL = "simulation time [s]      blue: drive goal, violet: arm goal; faint: each value, bold: mean"
 NEEDED = ("/truth/odom", "/truth/joint_states", "/truth/contacts", "/truth/electrical")
@@ -113,7 +108,7 @@ def _draw_joints(axes: Axes, bag: Bag, names: Sequence[str], title: str) -> None
     joints = states.joints()
     known = [name for name in names if name in joints.names]
     values = joints.effort[:, [joints.index(name) for name in known]]
-    _draw_curves(axes, states.times, values, [_short(name) for name in known])
+    _draw_curves(axes, states.times, values, [short_name(name) for name in known])
     axes.set(title=title, ylabel="torque [N m]")
 
 
@@ -139,37 +134,10 @@ def _draw_curves(axes: Axes, times: FloatArray, values: FloatArray, names: Seque
     """Curves with a legend beside them: every value faintly (thinned, but with its peaks), and the mean."""
     for number, name in enumerate(names):
         color = COLORS[number % len(COLORS)]
-        axes.plot(*_thinned(times, values[:, number]), color=color, linewidth=0.6, alpha=0.25)
-        axes.plot(*_means(times, values[:, number]), color=color, linewidth=1.3, label=name)
+        axes.plot(*thinned(times, values[:, number]), color=color, linewidth=0.6, alpha=0.25)
+        axes.plot(*means(times, values[:, number]), color=color, linewidth=1.3, label=name)
     if len(names) > 1:
         axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, handlelength=1.2)
-
-
-def _means(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Mean over each of MEANS stretches of time, at their middle; or the values where there are few."""
-    if len(values) <= 2 * MEANS:
-        return times, values
-    edges = np.linspace(times[0], times[-1], MEANS + 1)
-    stretch = np.clip(np.searchsorted(edges, times, side="right") - 1, 0, MEANS - 1)
-    good = np.isfinite(values)
-    counts = np.bincount(stretch[good], minlength=MEANS)
-    sums = np.bincount(stretch[good], weights=values[good], minlength=MEANS)
-    filled = counts > 0
-    return 0.5 * (edges[:-1] + edges[1:])[filled], sums[filled] / counts[filled]
-
-
-def _thinned(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Least and greatest value of each of MOST_POINTS / 2 stretches, in the order of time."""
-    bins = MOST_POINTS // 2
-    if len(values) <= MOST_POINTS:
-        return times, values
-    width = len(values) // bins
-    blocks = values[: bins * width].reshape(bins, width)
-    filled_low, filled_high = np.nan_to_num(blocks, nan=np.inf), np.nan_to_num(blocks, nan=-np.inf)
-    picks = np.stack([filled_low.argmin(axis=1), filled_high.argmax(axis=1)], axis=1)
-    picks.sort(axis=1)
-    rows = (picks + np.arange(bins)[:, np.newaxis] * width).ravel()
-    return times[rows], values[rows]
 
 
 def _shade_goals(axes: Axes, goals: Sequence[dict[str, Any]]) -> None:
@@ -177,11 +145,3 @@ def _shade_goals(axes: Axes, goals: Sequence[dict[str, Any]]) -> None:
     for goal in goals:
         color = ARM_SHADE if goal["topic"] in ARM_TOPICS else DRIVE_SHADE
         axes.axvspan(goal["start_s"], goal["end_s"], color=color, alpha=0.07, linewidth=0.0)
-
-
-def _short(joint: str) -> str:
-    """Name of a joint without what all of them share."""
-    name = joint.removesuffix("_joint")
-    for prefix in ("arm_", "wheel_", "steer_"):
-        name = name.removeprefix(prefix)
-    return name.replace("_", " ")

@@ -19,6 +19,10 @@ SMALLEST_M = 8.0
 """Smallest side of the map."""
 MOST_NODES = 1200
 """Along a side; a finer ground is drawn coarser."""
+LEAST_RUT_M = 0.002
+"""Sinkage that is drawn as a rut."""
+LEAST_STEP_M = 0.002
+"""Way of a wheel between two points of its rut."""
 LIGHT = LightSource(azdeg=315.0, altdeg=40.0)
 EXAGGERATION = 1.5
 TRACK, BELIEF, GOAL, TARGET = "#0050b5", "#e66100", "#c1002d", "#8a00a8"
@@ -26,11 +30,12 @@ ROCK = ListedColormap(["#5a3a1c"])
 
 
 def draw_map(figure: Figure, axes: Axes, bag: Bag, machine: TrueMachine, terrain: HeightField) -> None:
-    """Draw the ground, the true track, what the odometry made of it, and the places that the goals name."""
+    """Draw the ground, the ruts, the true track, what the odometry made of it, and the places that the goals name."""
     path = poses_of(bag, "/truth/odom")
     drive_goals, arm_targets = _places(bag, machine)
     window = _window(np.vstack([path[:, :2], drive_goals, arm_targets]), terrain)
     _draw_ground(figure, axes, terrain, window)
+    _draw_ruts(axes, bag)
     axes.plot(path[:, 0], path[:, 1], color="white", linewidth=4.5, alpha=0.7)
     axes.plot(path[:, 0], path[:, 1], color=TRACK, linewidth=2.0, label="true track")
     if "/odom" in bag:
@@ -99,9 +104,20 @@ def _draw_ground(figure: Figure, axes: Axes, terrain: HeightField, window: tuple
     shade = LIGHT.hillshade(heights, vert_exag=EXAGGERATION, dx=cell, dy=-cell)
     axes.imshow(shade, extent=extent, origin="lower", cmap="gray", vmin=0.0, vmax=1.0, interpolation="bilinear")
     colors = axes.imshow(heights, extent=extent, origin="lower", cmap="cividis", alpha=0.35, interpolation="bilinear")
-    rocks = np.ma.masked_where(soils == 0, np.ones_like(soils))
+    rocks = np.ma.masked_where(soils != 1, np.ones_like(soils))
     axes.imshow(rocks, extent=extent, origin="lower", cmap=ROCK, alpha=0.75, interpolation="nearest")
     figure.colorbar(colors, cax=axes.inset_axes((1.02, 0.0, 0.025, 1.0)), label="height [m]")
+
+
+def _draw_ruts(axes: Axes, bag: Bag) -> None:
+    """Where wheels have pressed the soil, as one dark line for each of them."""
+    if "/truth/contacts" not in bag:
+        return
+    points = bag["/truth/contacts"].points()
+    pressed = points["sinkage"] > LEAST_RUT_M
+    x, y = (np.where(pressed, points[name], np.nan) for name in ("x", "y"))
+    moved = np.concatenate([[True], np.abs(np.diff(np.nan_to_num(x), axis=0)).max(axis=1) > LEAST_STEP_M])
+    axes.plot(x[moved], y[moved], color="#3a2a1a", linewidth=1.0, alpha=0.45)
 
 
 def _span(low: float, high: float, origin: float, resolution: float, count: int) -> tuple[int, int]:

@@ -87,6 +87,16 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     }
 
 
+def goal_lines(summary: dict[str, Any]) -> list[str]:
+    """What became of each goal, a line each, for a terminal."""
+    lines = []
+    for goal in summary["goals"]:
+        error = "" if goal["error_m"] is None else f", {length_in_words(goal['error_m'])} from the target in truth"
+        reason = f" ({goal['reason']})" if goal["reason"] else ""
+        lines.append(f"  {goal['goal']}: {goal['outcome']}{error}{reason}")
+    return lines
+
+
 def write_summary(summary: dict[str, Any], path: Path) -> None:
     """Write a summary as JSON."""
     path.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
@@ -151,7 +161,7 @@ def _verdict(summary: dict[str, Any], results: list[GoalResult]) -> str:
     if unmet:
         first = unmet[0]
         why = f" ({first.reason})" if first.reason else ""
-        error = "" if first.error_m is None else f", {_length(first.error_m)} off"
+        error = "" if first.error_m is None else f", {length_in_words(first.error_m)} off"
         parts.append(f"{len(unmet)} of {len(results)} goals not met: {first.goal.what}: {first.outcome}{why}{error}.")
     if summary["steps_not_sent"]:
         parts.append(f"{summary['steps_not_sent']} steps of the scenario were never sent.")
@@ -167,14 +177,14 @@ def _success(summary: dict[str, Any], goals: int) -> str:
         return "No goals were asked for."
     deeds = []
     if summary["goal_error_m"] is not None:
-        from_goal = _length(summary["goal_error_m"])
+        from_goal = length_in_words(summary["goal_error_m"])
         deeds.append(f"drove {summary['distance_m']:.1f} m and stopped {from_goal} from the goal")
     if summary["arm_error_m"] is not None:
-        deeds.append(f"placed the arm {_length(summary['arm_error_m'])} from its target")
+        deeds.append(f"placed the arm {length_in_words(summary['arm_error_m'])} from its target")
     done = f": the rover {' and '.join(deeds)}" if deeds else ""
     return f"Every goal was met{done}."
 
 
-def _length(metres: float) -> str:
-    """A distance in words that suit its size."""
+def length_in_words(metres: float) -> str:
+    """A distance in a unit that suits its size."""
     return f"{metres:.2f} m" if metres >= 0.1 else f"{1000.0 * metres:.1f} mm"

@@ -7,7 +7,7 @@ second and its summary, and a reader of streams still opens it.
 
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BufferedWriter
 from pathlib import Path
@@ -18,12 +18,10 @@ from mcap.writer import CompressionType, Writer
 
 from sojourn_bags.definitions import ChannelSpec, definition, type_hash
 from sojourn_bags.errors import BagExistsError, UnwritableBagError
+from sojourn_bags.metadata_file import METADATA_FILE, TopicEntry, bag_information, write_metadata_file
 
 FLUSH_S = 0.8
 """Wall time after which a chunk is finished, so that with the poll of the loop it stays under a second."""
-BAG_VERSION = 9
-"""Version of rosbag2's metadata, that of Jazzy."""
-METADATA_FILE = "metadata.yaml"
 
 
 @dataclass(frozen=True)
@@ -42,16 +40,26 @@ class BagWriter:
         folder: the bag; made here, and never one that holds a bag already.
         channels: topics, by the index that `write` takes. Only those with a message show in the bag.
         attachments: files to put inside.
+        offered: profiles that the publishers of a channel offer, asked at its first message; None for the one
+            of the channel.
 
     Raises:
         BagExistsError: there is a bag in the folder. UnwritableBagError: it cannot be made or written.
     """
 
-    def __init__(self, folder: Path, channels: Sequence[ChannelSpec], attachments: Sequence[Attachment] = ()) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        channels: Sequence[ChannelSpec],
+        attachments: Sequence[Attachment] = (),
+        offered: Callable[[ChannelSpec], Sequence[dict[str, Any]]] | None = None,
+    ) -> None:
         self.folder = folder.absolute()
         self.path = self.folder / f"{self.folder.name}_0.mcap"
         self.closed = False
         self._channels = tuple(channels)
+        self._offered = [[spec.qos] for spec in self._channels]
+        self._ask_offered = offered
         self._schemas: dict[str, int] = {}
         self._ids = [0] * len(self._channels)
         self.counts = [0] * len(self._channels)
@@ -65,7 +73,7 @@ class BagWriter:
             for attachment in attachments:
                 self._writer.add_attachment(0, 0, attachment.name, attachment.media_type, attachment.data)
             self._writer.flush()
-            self._write_metadata_file(self._metadata())
+            write_metadata_file(self.folder, self._metadata())
         except OSError as error:
             raise UnwritableBagError(self.folder, str(error)) from error
 
@@ -131,7 +139,7 @@ class BagWriter:
             self._writer.add_metadata("rosbag2", {"serialized_metadata": text})
             self._writer.finish()
             self._stream.close()
-            self._write_metadata_file(metadata)
+            write_metadata_file(self.folder, metadata)
         except OSError as error:
             raise UnwritableBagError(self.folder, str(error)) from error
 
@@ -157,6 +165,8 @@ class BagWriter:
 
     def _register(self, index: int) -> None:
         spec = self._channels[index]
+        if self._ask_offered is not None:
+            self._offered[index] = list(self._ask_offered(spec)) or [spec.qos]
         if spec.full_type not in self._schemas:
             self._schemas[spec.full_type] = self._writer.register_schema(
                 spec.full_type, "ros2msg", definition(spec.full_type).encode()
@@ -166,56 +176,15 @@ class BagWriter:
             "cdr",
             self._schemas[spec.full_type],
             {
-                "offered_qos_profiles": yaml.safe_dump([spec.qos], sort_keys=False).strip(),
+                "offered_qos_profiles": yaml.safe_dump(self._offered[index], sort_keys=False).strip(),
                 "topic_type_hash": type_hash(spec.full_type),
             },
         )
 
     def _metadata(self) -> dict[str, Any]:
         """Content of metadata.yaml."""
-        total = sum(self.counts)
-        start = {"nanoseconds_since_epoch": self._start if total else 0}
-        duration = {"nanoseconds": self._end - self._start if total else 0}
         topics = [
-            {
-                "topic_metadata": {
-                    "name": spec.topic,
-                    "type": spec.full_type,
-                    "serialization_format": "cdr",
-                    "offered_qos_profiles": [spec.qos],
-                    "type_description_hash": type_hash(spec.full_type),
-                },
-                "message_count": count,
-            }
-            for spec, count in zip(self._channels, self.counts, strict=True)
-            if count
+            TopicEntry(spec.topic, spec.full_type, list(offered), type_hash(spec.full_type), count)
+            for spec, offered, count in zip(self._channels, self._offered, self.counts, strict=True)
         ]
-        return {
-            "rosbag2_bagfile_information": {
-                "version": BAG_VERSION,
-                "storage_identifier": "mcap",
-                "duration": duration,
-                "starting_time": start,
-                "message_count": total,
-                "topics_with_message_count": topics,
-                "compression_format": "",
-                "compression_mode": "",
-                "relative_file_paths": [self.path.name],
-                "files": [
-                    {
-                        "path": self.path.name,
-                        "starting_time": dict(start),
-                        "duration": dict(duration),
-                        "message_count": total,
-                    }
-                ],
-                "custom_data": dict(self._custom) or None,
-                "ros_distro": "jazzy",
-            }
-        }
-
-    def _write_metadata_file(self, metadata: dict[str, Any]) -> None:
-        """Beside the final name first, so that there is always a whole file."""
-        draft = self.folder / (METADATA_FILE + ".part")
-        draft.write_text(yaml.safe_dump(metadata, sort_keys=False), encoding="utf-8")
-        draft.replace(self.folder / METADATA_FILE)
+        return bag_information(self.path.name, topics, self._start, self._end, self._custom)

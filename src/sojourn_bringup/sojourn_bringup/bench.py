@@ -24,6 +24,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from sojourn_bringup import options, start
+from sojourn_bringup.bench_contacts import NOT_FINITE, bench_contacts
+from sojourn_bringup.bench_ground import bench_ground
 from sojourn_bringup.errors import BringupError
 from sojourn_bringup.screen import Screen
 from sojourn_config.scenario import load_scenario
@@ -42,6 +44,7 @@ WHEEL_RATE = 0.5
 TARGETS = {
     "plant step [us]": ("<=", 60.0),
     "plant step over floor": ("<=", 2.5),
+    NOT_FINITE: ("<=", 0.0),
     "composed, times real time": (">=", 6.0),
     "processes, times real time": (">=", 5.0),
 }
@@ -136,8 +139,8 @@ def _floor_calls(model: PlantModel, state: PlantState) -> dict[str, Callable[[],
 
     def contact() -> None:
         contact_forces(
-            contacts.shapes, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count, placements,
-            jacobian, v, terrain.heights, terrain.soil_index, model.grid, model.soils, model.quadrature, model.rim,
+            contacts.wheels, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count, placements,
+            jacobian, v, terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim, model.memory.tables,
             model.simulation.physics_step, memory, report, force,
         )  # fmt: skip
 
@@ -186,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.child:
         given.began = float(given.began)
         return _child(given)
-    figures = bench_step()
+    figures = bench_step() | bench_contacts() | bench_ground()
     for kind in ("composed", "processes"):
         runs = [bench_loop(kind, given.seconds) for _ in range(given.rounds)]
         figures |= {name: statistics.median(run[name] for run in runs) for name in runs[0]}

@@ -17,6 +17,8 @@ from sojourn_bringup.environment import foreign_environment, is_ours, own_enviro
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_table import process
 
+STOP_S = 5.0
+"""Wall time that a process has to end after SIGINT."""
 _LOG_TAIL_BYTES = 8192
 _ROS_LOG = re.compile(r"^\[(?P<level>[A-Z]+)\] \[[0-9.]+\] \[[^\]]*\]: (?P<text>.*)$")
 _EXCEPTION = re.compile(r"^(?:\w+\.)*(\w*(?:Error|Exception|Interrupt)): (?P<text>.*)$")

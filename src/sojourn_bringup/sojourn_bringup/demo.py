@@ -117,17 +117,15 @@ def evaluate(plan: RunPlan, outcome: Outcome, screen: Screen) -> bool:
 def _judge(plan: RunPlan, outcome: Outcome, screen: Screen) -> bool:
     from sojourn_bags.reading import read_bag
     from sojourn_bags.report import write_report
-    from sojourn_bags.summary import summarise, write_summary
+    from sojourn_bags.summary import goal_lines, summarise, write_summary
 
     bag = read_bag(plan.bag())
     summary = summarise(bag, wall_time_s=outcome.wall_time_s or None)
     write_summary(summary, plan.run_dir / "summary.json")
     write_report(bag, plan.run_dir / "report.png", summary=summary)
     screen.say(str(summary["verdict"]))
-    for goal in summary["goals"]:
-        error = "" if goal["error_m"] is None else f", {1000.0 * goal['error_m']:.1f} mm from the target in truth"
-        reason = f" ({goal['reason']})" if goal["reason"] else ""
-        screen.say(f"  {goal['goal']}: {goal['outcome']}{error}{reason}")
+    for line in goal_lines(summary):
+        screen.say(line)
     factor = summary["real_time_factor"]
     speed = f", {factor:.1f} times real time" if factor else ""
     screen.say(f"{summary['sim_time_s']:.0f} s simulated in {outcome.wall_time_s:.0f} s{speed}")

@@ -5,6 +5,7 @@ import math
 import re
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import NoReturn
 
 from sojourn_bringup.environment import HIGHEST_DOMAIN, default_domain
@@ -36,6 +37,16 @@ def add_place(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--namespace", type=namespace, default="", metavar="NS", help="ROS namespace of every topic (default: none)"
     )
+
+
+def add_result(parser: argparse.ArgumentParser, names: str) -> None:
+    """--json and --bag: where the result of a comparison goes.
+
+    Args:
+        names: how the second side's topics are called in the bag, in words.
+    """
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the result into this file, too")
+    parser.add_argument("--bag", type=Path, dest="both", metavar="OUT", help=f"write a bag with both, {names}")
 
 
 def domain(text: str) -> int:

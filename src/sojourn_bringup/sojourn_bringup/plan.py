@@ -24,6 +24,7 @@ class RunPlan:
         participants: roles that take part, wherever they are started.
         started: those of them that this program starts.
         replacements: command that takes the place of a role's process.
+        shadows: command that runs beside a role's node and is compared with it.
         realtime: paced by the wall clock; else lock-step.
         domain, namespace: where the nodes meet; the namespace starts with a slash, or is empty.
         on_network: find nodes on other machines too.
@@ -37,6 +38,7 @@ class RunPlan:
     started: tuple[str, ...]
     overrides: tuple[str, ...] = ()
     replacements: Mapping[str, str] = field(default_factory=dict)
+    shadows: Mapping[str, str] = field(default_factory=dict)
     realtime: bool = False
     domain: int = 42
     namespace: str = ""
@@ -48,6 +50,10 @@ class RunPlan:
     def result_file(self) -> Path:
         """Where the operator writes what became of each step, when it is a process."""
         return self.run_dir / "goals.json"
+
+    def shadow_file(self, role: str) -> Path:
+        """Where the shadow of a role writes what it finds."""
+        return self.run_dir / f"shadow_{role}.json"
 
     def in_order_of_stop(self) -> tuple[str, ...]:
         """Roles started here, the plant first and the recorder last."""
@@ -76,30 +82,35 @@ class RunPlan:
         return values
 
     def ros_arguments(self, role: str, attempt: int = 0) -> list[str]:
-        """Command line arguments that give a process its parameters and its namespace.
-
-        ROS reads a value as YAML, and JSON is YAML: so the name "2024" stays text and 10.0 stays a float.
-        """
+        """Command line arguments that give a process its parameters and its namespace."""
         values = self.parameters(role, attempt)
         if role == "operator":
             values["result_file"] = str(self.result_file)
-        arguments = ["--ros-args"]
-        for name, value in values.items():
-            arguments += ["-p", f"{name}:={json.dumps(value)}"]
-        if self.namespace:
-            arguments += ["-r", f"__ns:={self.namespace}"]
-        return arguments
+        return ros_arguments(values, self.namespace)
 
 
-def replacement_of(text: str) -> tuple[str, str]:
-    """`drive=ros2 run my_rover drive` as (role, command). Raises UsageError."""
+def ros_arguments(parameters: Mapping[str, object], namespace: str) -> list[str]:
+    """Parameters and namespace as command line arguments.
+
+    ROS reads a value as YAML, and JSON is YAML: so the name "2024" stays text and 10.0 stays a float.
+    """
+    arguments = ["--ros-args"]
+    for name, value in parameters.items():
+        arguments += ["-p", f"{name}:={json.dumps(value)}"]
+    if namespace:
+        arguments += ["-r", f"__ns:={namespace}"]
+    return arguments
+
+
+def replacement_of(text: str, option: str = "--replace") -> tuple[str, str]:
+    """`drive=ros2 run my_rover drive`, given to an option, as (role, command). Raises UsageError."""
     role, _, command = text.partition("=")
     try:
         words = shlex.split(command)
     except ValueError as error:
-        raise UsageError(f"--replace {text}: the command cannot be read: {error}") from error
+        raise UsageError(f"{option} {text}: the command cannot be read: {error}") from error
     if not words:
-        raise UsageError(f"--replace {text}: allowed is NAME=COMMAND")
+        raise UsageError(f"{option} {text}: allowed is NAME=COMMAND")
     return role, command
 
 

@@ -22,12 +22,14 @@ class ProcessRow:
         node_class: "module:Class" of its node, for a composed run.
         restartable: whether a process that died is started again in real time. Not the plant: with it the simulated
             world is gone.
+        can_be_shadowed: whether a candidate can run beside it: what a run has one of cannot.
     """
 
     role: str
     module: str
     node_class: str
     restartable: bool = True
+    can_be_shadowed: bool = True
 
     def load_class(self) -> Any:
         """The class of the node. Raises ImportError if its package is not installed."""
@@ -36,13 +38,15 @@ class ProcessRow:
 
 
 PROCESSES: tuple[ProcessRow, ...] = (
-    ProcessRow("plant", "sojourn_plant", "sojourn_plant.node:PlantNode", restartable=False),
-    ProcessRow("operator", "sojourn_bringup.operator_node", "sojourn_bringup.operator_node:OperatorNode"),
+    ProcessRow("plant", "sojourn_plant", "sojourn_plant.node:PlantNode", restartable=False, can_be_shadowed=False),
+    ProcessRow(
+        "operator", "sojourn_bringup.operator_node", "sojourn_bringup.operator_node:OperatorNode", can_be_shadowed=False
+    ),
     ProcessRow("sensors", "sojourn_sensors", "sojourn_sensors.node:SensorsNode"),
     ProcessRow("drive", "sojourn_drive", "sojourn_drive.node:DriveNode"),
     ProcessRow("arm", "sojourn_arm", "sojourn_arm.node:ArmNode"),
     ProcessRow("power", "sojourn_power", "sojourn_power.node:PowerNode"),
-    ProcessRow("recorder", "sojourn_bags", "sojourn_bags.recorder_node:RecorderNode"),
+    ProcessRow("recorder", "sojourn_bags", "sojourn_bags.recorder_node:RecorderNode", can_be_shadowed=False),
 )
 
 ROLE_NAMES: tuple[str, ...] = tuple(row.role for row in PROCESSES)

@@ -9,7 +9,7 @@ from sojourn_bringup.errors import UsageError
 from sojourn_bringup.instance import RoleTokens
 from sojourn_bringup.outcome import Outcome
 from sojourn_bringup.plan import DEFAULT_LOCKSTEP_TIMEOUT_S, RunPlan, check_lockstep, replacement_of
-from sojourn_bringup.process_table import ROLE_NAMES, check_roles
+from sojourn_bringup.process_table import PROCESSES, ROLE_NAMES, check_roles, process
 from sojourn_bringup.run_folder import make_run_folder
 from sojourn_bringup.scenario_steps import needed_roles, prepare_scenario
 from sojourn_bringup.screen import Screen, default_screen
@@ -43,6 +43,14 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
         metavar="NAME=COMMAND",
         help="run this command as the node of a role. It gets the ROS arguments that our node would get (--ros-args -p "
         "... -r __ns:=...) and ROS_DOMAIN_ID; a program that is not of our .venv gets nothing of its environment",
+    )
+    result.add_argument(
+        "--shadow",
+        action="append",
+        default=[],
+        metavar="NAME=COMMAND",
+        help="run this command beside the node of a role, on the same inputs. What it says is on /shadow/..., is "
+        "compared with what our node says, and is not acted upon",
     )
     options.add_place(result)
     result.add_argument("--network", action="store_true", help="find nodes on other machines too")
@@ -79,7 +87,8 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     Raises:
         UsageError, ConfigError: what was asked for cannot be. DomainInUseError: another run has the domain.
     """
-    replacements = _replacements(given.replace)
+    replacements = _commands(given.replace, "--replace")
+    shadows = _commands(given.shadow, "--shadow")
     overrides = [*given.overrides, *([f"seed={given.seed}"] if given.seed is not None else [])]
     scenario = prepare_scenario(given.scenario, overrides)
     participants = _participants(given, scenario.loaded, screen)
@@ -90,8 +99,14 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     for role in replacements:
         if role not in started:
             raise UsageError(f"--replace names {role}, which is not started here")
-    if given.composed and (replacements or len(started) < len(participants)):
-        raise UsageError("--composed runs every node in one process: it does not go with --replace or --only")
+    for role in shadows:
+        if not process(role).can_be_shadowed:
+            allowed = ", ".join(row.role for row in PROCESSES if row.can_be_shadowed)
+            raise UsageError(f"--shadow names {role}, allowed is one of {allowed}")
+        if role not in participants:
+            raise UsageError(f"--shadow names {role}, which does not take part: there is nothing to compare with")
+    if given.composed and (replacements or shadows or len(started) < len(participants)):
+        raise UsageError("--composed runs every node in one process: it does not go with --replace, --shadow or --only")
     if "plant" not in participants:
         raise UsageError("nothing moves without plant: to start it elsewhere, name here what to start with --only")
     if not given.realtime:
@@ -105,6 +120,7 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
         participants=participants,
         started=started,
         replacements=replacements,
+        shadows=shadows,
         realtime=given.realtime,
         domain=given.domain,
         namespace=given.namespace,
@@ -114,14 +130,14 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     )
 
 
-def _replacements(texts: Sequence[str]) -> dict[str, str]:
+def _commands(texts: Sequence[str], option: str) -> dict[str, str]:
     """Command by role. Raises UsageError for an unknown role, for no command, and for a role named twice."""
     found: dict[str, str] = {}
     for text in texts:
-        role, command = replacement_of(text)
-        check_roles((role,), "--replace")
+        role, command = replacement_of(text, option)
+        check_roles((role,), option)
         if role in found:
-            raise UsageError(f"--replace names {role} twice: {found[role]} and {command}")
+            raise UsageError(f"{option} names {role} twice: {found[role]} and {command}")
         found[role] = command
     return found
 

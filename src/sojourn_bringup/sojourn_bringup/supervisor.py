@@ -7,7 +7,7 @@ import time
 from collections import deque
 from dataclasses import replace
 
-from sojourn_bringup.child import Child, command_of, environment_of
+from sojourn_bringup.child import STOP_S, Child, command_of, environment_of
 from sojourn_bringup.environment import ros_variables
 from sojourn_bringup.health import DEAD, Health
 from sojourn_bringup.monitor import Monitor
@@ -16,14 +16,13 @@ from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, Sto
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_table import process
 from sojourn_bringup.screen import Screen
+from sojourn_bringup.shadows import Shadows
 from sojourn_contract.heartbeat import ENDED
 from sojourn_contract.process import StopFlag
 from sojourn_contract.stamps import seconds
 
 LOOK_S = 0.05
 """Wall time between two looks at the processes: a dead one is noticed within this."""
-STOP_S = 5.0
-"""Wall time that a process has to end after SIGINT."""
 MAX_RESTARTS = 3
 RESTARTS_WITHIN_S = 30.0
 
@@ -44,6 +43,7 @@ class Supervisor:
         self.children: dict[str, Child] = {}
         self._ros = ros_variables(plan.domain, plan.on_network)
         self._deaths: dict[str, deque[float]] = {role: deque() for role in plan.started}
+        self.shadows = Shadows(plan, screen, self._ros)
         self.stopwatch = Stopwatch()
         self._logs = plan.run_dir / "logs"
 
@@ -55,16 +55,34 @@ class Supervisor:
         signal.signal(signal.SIGHUP, signal.getsignal(signal.SIGINT))
         with Monitor(self.plan.namespace, self.nodes) as self._monitor:
             try:
-                for role in self.nodes:
-                    if role in self.plan.started:
-                        self._start(role)
-                outcome = self._watch(stop)
+                outcome = self._wait_for_shadows(stop) or self._start_and_watch(stop)
                 if outcome.status == FAILED:
                     self.screen.say(f"stopping: {outcome.message}")
             finally:
                 stop.is_set = False
                 self._stop_all(stop)
+                self.shadows.finish()
         return self._after_the_end(outcome)
+
+    def _wait_for_shadows(self, stop: StopFlag) -> Outcome | None:
+        """Shadows come first: they must not miss the beginning of the run. None once all are ready."""
+        self.shadows.start()
+        end = time.monotonic() + self.plan.start_timeout_s
+        while (waiting := self.shadows.not_ready()) and not stop.is_set:
+            self._monitor.spin(LOOK_S)
+            self.shadows.look()
+            if time.monotonic() > end:
+                return self._outcome(
+                    FAILED, f"not ready within {self.plan.start_timeout_s:g} s: shadow of {waiting[0]}"
+                )
+        failure = self.shadows.failure()
+        return self._outcome(FAILED, failure) if failure else None
+
+    def _start_and_watch(self, stop: StopFlag) -> Outcome:
+        for role in self.nodes:
+            if role in self.plan.started:
+                self._start(role)
+        return self._watch(stop)
 
     def _start(self, role: str) -> None:
         attempt = self.nodes[role].restarts
@@ -102,6 +120,7 @@ class Supervisor:
                 node.memory_mb = self.children[role].memory_mb()
                 node.peak_memory_mb = max(node.peak_memory_mb, node.memory_mb)
         self.screen.show(list(self.nodes.values()), progress)
+        self.shadows.look()
 
     def _ended(self) -> Outcome | None:
         """The plant ends a run."""

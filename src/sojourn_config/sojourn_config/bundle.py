@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from sojourn_config.errors import ConfigError, Problem
 from sojourn_config.load import validate
-from sojourn_config.machine_checks import machine_problems, steering_geometry, with_drive_data
+from sojourn_config.machine_checks import ground_problems, machine_problems, steering_geometry, with_drive_data
 from sojourn_config.overrides import override_document
 from sojourn_config.paths import resolve, resolve_urdf
 from sojourn_config.rover import RoverConfig
@@ -37,6 +37,7 @@ class Bundle:
         urdf: the machine's URDF; `urdf.text` is the XML.
         body: planet or moon.
         soil, rock_soil: default soil of the ground, and soil of its rocks.
+        extra_soils: soils of patches and of the soil raster.
         battery, bus: energy store and its loads.
         power_manager: what the power manager believes and its law.
         sensors, arm, drive: sets of the sensor, arm and drive node; rotor inertia and friction that the arm's
@@ -50,6 +51,7 @@ class Bundle:
     body: BodyParams
     soil: SoilParams
     rock_soil: SoilParams
+    extra_soils: tuple[SoilParams, ...]
     battery: BatteryParams
     bus: BusParams
     power_manager: PowerManagerParams
@@ -67,7 +69,7 @@ class Bundle:
     @property
     def soils(self) -> dict[str, SoilParams]:
         """The soils of the ground by name."""
-        return {soil.name: soil for soil in (self.soil, self.rock_soil)}
+        return {soil.name: soil for soil in (*self.extra_soils, self.rock_soil, self.soil)}
 
     @property
     def gravity(self) -> float:
@@ -93,13 +95,15 @@ class BundleReader:
         self._scenario = scenario
         self._path = path or Path(scenario.file)
         self._overrides = overrides
+        self._soils: dict[str, YamlDocument] = {}
 
-    def read(self, rover: str, body: str, soil: str, rock_soil: str) -> Bundle | None:
+    def read(self, rover: str, body: str, soil: str, rock_soil: str, extra_soils: Sequence[str] = ()) -> Bundle | None:
         """All that a scenario names, or None with the reasons in `problems`."""
         here = (self._scenario, self._path)
         found_body = self._named("bodies", body, "body", BodyParams, here)
         found_soil = self._named("soils", soil, "soil", SoilParams, here)
         found_rock = self._named("soils", rock_soil, "rock_soil", SoilParams, here)
+        found_extra = [self._named("soils", name, "terrain", SoilParams, here) for name in extra_soils]
         machine = self._load("rovers", rover, "rover", RoverConfig, here)
         if machine is None:
             return None
@@ -116,7 +120,13 @@ class BundleReader:
             return None
         if drive is None or found_body is None or found_soil is None or found_rock is None:
             return None
+        extra = tuple(found for found in found_extra if found is not None)
+        if len(extra) < len(found_extra):
+            return None
         documents = {"rover": document, "sensors": sensors[1], "arm": arm[1], "drive": drive[1]}
+        grounds = {soil.name: soil for soil in (found_soil, found_rock)}
+        for ground in grounds.values():
+            self.problems += ground_problems(config, ground, self._soils[ground.name])
         found = machine_problems(config, urdf, bus[0], sensors[0], arm[0], drive[0], documents)
         if found:
             self.problems += found
@@ -127,6 +137,7 @@ class BundleReader:
             body=found_body,
             soil=found_soil,
             rock_soil=found_rock,
+            extra_soils=extra,
             battery=battery[0],
             bus=bus[0],
             power_manager=PowerManagerParams(battery=battery[0], loads=bus[0].loads, law=law[0]),
@@ -165,6 +176,8 @@ class BundleReader:
             allowed = f"allowed is the name of the file, {path.stem}"
             self.problems.append(document.problem(("name",), own_name, allowed))
             return None
+        if kind == "soils":
+            self._soils[path.stem] = document
         return params
 
     def _urdf(self, name: str, document: YamlDocument, path: Path) -> UrdfSummary | None:

@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator, Mapping
 
-from sojourn_config.errors import Problem, names_text
+from sojourn_config.errors import MISSING, Problem, names_text
 from sojourn_config.rover import RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.power.loads import BusParams
 from sojourn_mechanics.sensors.params import SensorSuiteParams
+from sojourn_mechanics.soil.params import SoilParams
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams, geometry_from_placements
 
 SAME_LENGTH = 1e-6
@@ -40,6 +41,18 @@ def machine_problems(
     if not problems:
         problems += _limit_problems(rover, urdf, drive, documents["drive"])
     return problems
+
+
+def ground_problems(rover: RoverConfig, soil: SoilParams, document: YamlDocument) -> list[Problem]:
+    """What the contact models of the wheels need of a soil and its file does not give, one problem a key."""
+    askers: dict[str, list[str]] = {}
+    for wheel in rover.wheels:
+        for name in wheel.contact.missing_in(soil):
+            askers.setdefault(name, []).append(f"{wheel.name} ({wheel.contact.model})")
+    return [
+        document.problem((name,), MISSING, "the key is missing: needed by the contact model of " + ", ".join(wheels))
+        for name, wheels in askers.items()
+    ]
 
 
 def steering_geometry(rover: RoverConfig, urdf: UrdfSummary) -> SteeringGeometryParams:

@@ -11,7 +11,18 @@ from pathlib import Path
 from sojourn_config.errors import MISSING, names_text, single
 
 ENVIRONMENT_VARIABLE = "SOJOURN_CONFIG_DIR"
-KINDS: tuple[str, ...] = ("arms", "bodies", "nodes", "power", "rovers", "scenarios", "sensors", "soils", "vehicles")
+KINDS: tuple[str, ...] = (
+    "arms",
+    "bodies",
+    "nodes",
+    "power",
+    "rovers",
+    "scenarios",
+    "sensors",
+    "soils",
+    "vehicles",
+    "wheels",
+)
 """Folders of `config/`."""
 SUFFIX = ".yaml"
 

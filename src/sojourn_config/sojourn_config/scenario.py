@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pydantic import Field
 
@@ -20,6 +21,9 @@ from sojourn_mechanics.params import Params
 from sojourn_mechanics.plant.params import SimulationParams
 from sojourn_mechanics.terrain.height_field import HeightField
 from sojourn_mechanics.terrain.params import TerrainParams
+
+if TYPE_CHECKING:
+    from sojourn_mechanics.terrain.raster import Raster
 
 HEADS = ("rover", "body", "soil", "rock_soil", "battery", "loads", "power_manager", "sensors", "arm", "drive")
 """First word of an override that is for another file than the scenario's."""
@@ -66,11 +70,15 @@ class LoadedScenario(Bundle):
         name: name of the scenario, or its file without suffix.
         config: the scenario itself.
         overrides: the KEY=VALUE texts that went over the files.
+        raster: what was read from the file of the terrain, if it has one.
+        digests: SHA-256 of the data files that were read (elevation model, soil raster), by name.
     """
 
     name: str
     config: ScenarioConfig
     overrides: tuple[str, ...]
+    raster: "Raster | None" = None
+    digests: dict[str, str] = field(default_factory=dict)
 
     @property
     def terrain(self) -> TerrainParams:
@@ -97,7 +105,7 @@ class LoadedScenario(Bundle):
         from sojourn_mechanics.terrain.generate import generate
 
         try:
-            return generate(self.terrain, *self.soil_names, self.config.seed)
+            return generate(self.terrain, *self.soil_names, self.config.seed, self.raster)
         except MechanicsError as error:
             raise single(next(iter(self.files)), "terrain", self.terrain.kind, str(error)) from error
 
@@ -118,8 +126,24 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
     document = override_document(read_yaml(path), own)
     config = validate(document, ScenarioConfig)
     reader = BundleReader(document, path, routed)
-    bundle = reader.read(config.rover, config.body, config.soil, config.rock_soil)
+    bundle = reader.read(config.rover, config.body, config.soil, config.rock_soil, config.terrain.extra_soils)
     problems = [*reader.problems, *scenario_problems(config, bundle, document)]
+    raster, digests = None, {}
+    if config.terrain.file is not None:
+        from sojourn_config.raster_file import RasterReader  # loads scipy and GDAL
+
+        rasters = RasterReader(document, path.parent, config.terrain, config.terrain.file)
+        try:
+            raster, digests = rasters.read(), rasters.digests
+        except ConfigError as error:
+            problems += error.problems
     if problems or bundle is None:
         raise ConfigError(problems)
-    return LoadedScenario(**bundle.fields(), name=Path(name).stem, config=config, overrides=tuple(overrides))
+    return LoadedScenario(
+        **bundle.fields(),
+        name=Path(name).stem,
+        config=config,
+        overrides=tuple(overrides),
+        raster=raster,
+        digests=digests,
+    )

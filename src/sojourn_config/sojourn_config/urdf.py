@@ -90,9 +90,19 @@ def read_urdf(path: Path) -> UrdfSummary:
     file = display(path)
     try:
         text = path.read_text(encoding="utf-8")
-        root = ElementTree.fromstring(text.encode("utf-8"))
     except (OSError, UnicodeDecodeError) as error:
         raise single(file, "", MISSING, f"cannot be read: {error}") from error
+    return parse_urdf(text, file)
+
+
+def parse_urdf(text: str, file: str) -> UrdfSummary:
+    """Read the text of a URDF. `file`: its name, for messages.
+
+    Raises:
+        ConfigError: it is not XML, or lacks what a URDF must have.
+    """
+    try:
+        root = ElementTree.fromstring(text.encode("utf-8"))
     except ElementTree.ParseError as error:
         raise single(file, "", MISSING, f"not an XML document: {error}", error.position[0]) from error
     if root.tag != "robot":

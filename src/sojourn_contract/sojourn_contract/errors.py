@@ -35,6 +35,8 @@ class RefusedMessageError(ContractError):
         super().__init__(f"{topic}.{field} = {value}: allowed is {allowed}")
         self.topic = topic
         self.field = field
+        self.value = value
+        self.allowed = allowed
 
 
 class SilentNodeError(ContractError):

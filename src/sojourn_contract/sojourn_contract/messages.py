@@ -19,6 +19,7 @@ from sojourn_contract import stamps
 ABSOLUTE_ZERO_C = -273.15
 CONTACT_FIELDS = (
     "x", "y", "z", "sinkage", "slip_ratio", "slip_angle", "force_x", "force_y", "force_z", "torque", "soil",
+    "deflection", "rolling_resistance", "compaction_resistance", "bulldozing_resistance", "power",
 )  # fmt: skip
 """Fields of /truth/contacts, all float64."""
 
@@ -146,7 +147,7 @@ def contact_cloud() -> PointCloud2:
 
 
 def fill_contact_cloud(cloud: PointCloud2, stamp: int, report: NDArray[np.float64]) -> PointCloud2:
-    """Fill and return `cloud`. report: (contacts, 11), columns as CONTACT_FIELDS, contiguous."""
+    """Fill and return `cloud`. report: (contacts, 16), columns as CONTACT_FIELDS, contiguous."""
     cloud.header.stamp = stamps.to_message(stamp)
     cloud.width = report.shape[0]
     cloud.row_step = report.shape[0] * cloud.point_step

@@ -237,17 +237,15 @@ class ContractNode(Node):
         fastest = min(row.every for row in self._awaited)
         return [row.name for row in self._awaited if row.every == fastest][-1]
 
-    def _stamp_of(self, row: Topic, message: Any) -> int:
+    def _stamp_of(self, message: Any) -> int:
         if isinstance(message, bytes):
             return stamps.from_cdr(message)
-        if row.type == "std_msgs/Header":
-            return stamps.from_message(message.stamp)
-        return stamps.from_message(message.header.stamp)
+        return stamps.of_message(message)
 
     def _receive(self, row: Topic, message: Any) -> None:
         """Take one message: refuse it, queue it as a goal, or give it to the barrier."""
         try:
-            stamp = self._stamp_of(row, message)
+            stamp = self._stamp_of(message)
             if row.publisher == "all":
                 self.on_heartbeat(message)
             elif row.is_event:

@@ -30,7 +30,12 @@ class FieldRule:
         unit: SI unit, or "" for text and flags.
         frame: frame the value is expressed in, "" where it has none.
         low, high: plausible range in that unit, both included.
-        tolerance: largest difference in a replay that still counts as the same answer.
+        tolerance: largest difference in a replay that still counts as the same answer. The default is far above
+            the rounding of float64 and below that of float32, which is a fault where the field is a float64. A
+            field without a rule has no tolerance at all; see `tolerance.py`.
+        optional: a number may be NaN where it is not measured; an array may be empty.
+        rate_of: field whose change over time this one is, "" for none.
+        rate_tolerance: by how much it may differ from the change of that field over one period.
     """
 
     path: str
@@ -39,6 +44,9 @@ class FieldRule:
     low: float = -INFINITY
     high: float = INFINITY
     tolerance: float = 1e-9
+    optional: bool = False
+    rate_of: str = ""
+    rate_tolerance: float = INFINITY
 
 
 @dataclass(frozen=True)
@@ -54,6 +62,8 @@ class Topic:
         max_age_s: older than this it counts as lost [s]; for events: older stamps are refused.
         lag: the consumer at period k waits for the message of period k - lag (pipelined participants).
         logged: whether the recorder writes it.
+        frames: what header.frame_id may be; empty where it carries no frame. child_frame: child_frame_id.
+        joints: set of joints that a message names, see JOINT_SETS; "" where it names none.
     """
 
     name: str
@@ -67,6 +77,9 @@ class Topic:
     reliability: Reliability = Reliability.RELIABLE
     lag: int = 0
     logged: bool = True
+    frames: tuple[str, ...] = ()
+    child_frame: str = ""
+    joints: str = ""
 
     @property
     def is_event(self) -> bool:
@@ -77,32 +90,68 @@ class Topic:
 ROLES = ("plant", "sensors", "drive", "arm", "power", "operator", "recorder")
 """Every role, in the order in which a period passes through them."""
 
+JOINT_SETS = {
+    "moving": "names every joint of the URDF that moves",
+    "measured": "names every drive, steer and arm joint, and no joint that the URDF does not have",
+    "wheels": "names drive and steer joints only",
+    "arm": "names arm joints only",
+}
+"""Sets of joints that a row may ask for, in words."""
+
 OPERATOR_LAG = 5
 """Periods between the operator's look at the machine and the effect of its goals, in lock-step."""
 RECORDER_LAG = 25
 """Periods that the recorder may lag behind the plant, in lock-step."""
 
 _RATE = FieldRule("velocity", "rad/s", low=-200.0, high=200.0)
+_MEASURED_RATE = replace(_RATE, rate_of="position", rate_tolerance=0.05)
 _ANGLE = FieldRule("position", "rad", low=-1e6, high=1e6)
+_TORQUE_TOLERANCE = 1e-7
+"""Of torques [N m], which are some hundred times larger than the angles that they follow from."""
+_FORCE_TOLERANCE = 1e-6
+_FLOAT32_TOLERANCE = 1e-5
+"""Of fields that the type declares as float32: above its spacing up to 128."""
+_EFFORT = FieldRule("effort", "N m", low=-1e4, high=1e4, tolerance=_TORQUE_TOLERANCE)
+_TEXTS = FieldRule("status.values", "")
 _POSE = (
     FieldRule("pose.pose.position", "m", low=-1e5, high=1e5),
     FieldRule("pose.pose.orientation", "", low=-1.0, high=1.0),
 )
+_COVARIANCE = (FieldRule("pose.covariance", ""), FieldRule("twist.covariance", ""))
 _TWIST = (
-    FieldRule("twist.twist.linear", "m/s", frame="base_link", low=-50.0, high=50.0),
-    FieldRule("twist.twist.angular", "rad/s", frame="base_link", low=-50.0, high=50.0),
+    FieldRule(
+        "twist.twist.linear",
+        "m/s",
+        frame="base_link",
+        low=-50.0,
+        high=50.0,
+        rate_of="pose.pose.position",
+        rate_tolerance=0.02,
+    ),
+    FieldRule(
+        "twist.twist.angular",
+        "rad/s",
+        frame="base_link",
+        low=-50.0,
+        high=50.0,
+        rate_of="pose.pose.orientation",
+        rate_tolerance=0.02,
+    ),
 )
+_ESTIMATED_TWIST = (_TWIST[0], replace(_TWIST[1], rate_tolerance=0.5))  # roll and pitch are set anew, not integrated
+_GOAL_FRAMES = ("map", "odom", "base_link")
 _GOAL = (
     FieldRule("pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),
     FieldRule("pose.orientation", "", low=-1.0, high=1.0),
 )
 _ARM_GOAL = tuple(replace(rule, frame=rule.frame and "base_link") for rule in _GOAL)
 _BATTERY = (
-    FieldRule("voltage", "V", low=0.0, high=100.0),
-    FieldRule("current", "A, negative while discharging", low=-500.0, high=500.0),
-    FieldRule("temperature", "degree Celsius", low=-150.0, high=150.0),
-    FieldRule("charge", "Ah", low=0.0, high=1000.0),
-    FieldRule("percentage", "1", low=0.0, high=1.0),
+    FieldRule("voltage", "V", low=0.0, high=100.0, tolerance=_FLOAT32_TOLERANCE),
+    FieldRule("current", "A, negative while discharging", low=-500.0, high=500.0, tolerance=_FLOAT32_TOLERANCE),
+    FieldRule("temperature", "degree Celsius", low=-150.0, high=150.0, tolerance=_FLOAT32_TOLERANCE),
+    FieldRule("charge", "Ah", low=0.0, high=1000.0, tolerance=_FLOAT32_TOLERANCE, optional=True),
+    FieldRule("capacity", "Ah", low=0.0, high=1000.0, tolerance=_FLOAT32_TOLERANCE, optional=True),
+    FieldRule("percentage", "1", low=0.0, high=1.0, tolerance=1e-7, optional=True),
 )
 
 TOPICS: tuple[Topic, ...] = (
@@ -116,6 +165,8 @@ TOPICS: tuple[Topic, ...] = (
         0.1,
         "true pose of base_link in map, true twist in base_link",
         _POSE + _TWIST,
+        frames=("map",),
+        child_frame="base_link",
     ),
     Topic(
         "/truth/contacts",
@@ -124,16 +175,21 @@ TOPICS: tuple[Topic, ...] = (
         (),
         1,
         0.1,
-        "one point a wheel or pad: x y z, sinkage, slip_ratio, slip_angle, force_x force_y force_z, torque, soil",
+        "one point a wheel or pad: x y z, sinkage, slip_ratio, slip_angle, force_x force_y force_z, torque, soil, "
+        "deflection, rolling_resistance, compaction_resistance, bulldozing_resistance, power",
         (
             FieldRule("x y z", "m", frame="map", low=-1e5, high=1e5),
             FieldRule("sinkage", "m", low=-1.0, high=1.0),
             FieldRule("slip_ratio", "1", low=-1.0, high=1.0),
             FieldRule("slip_angle", "rad", low=-3.2, high=3.2),
-            FieldRule("force_x force_y force_z", "N", frame="map", low=-1e6, high=1e6),
-            FieldRule("torque", "N m", low=-1e5, high=1e5),
+            FieldRule("force_x force_y force_z", "N", frame="map", low=-1e6, high=1e6, tolerance=_FORCE_TOLERANCE),
+            FieldRule("torque", "N m", low=-1e5, high=1e5, tolerance=_TORQUE_TOLERANCE),
             FieldRule("soil", "index", low=0.0, high=255.0),
+            FieldRule("deflection", "m", low=0.0, high=5.0),
+            FieldRule("rolling_resistance compaction_resistance bulldozing_resistance", "N", low=0.0, high=1e6),
+            FieldRule("power", "W", low=-1e6, high=1e6),
         ),
+        frames=("map",),
     ),
     Topic(
         "/truth/electrical",
@@ -163,7 +219,8 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.1,
         "true position, rate and effort of every joint",
-        (_ANGLE, _RATE, FieldRule("effort", "N m", low=-1e4, high=1e4)),
+        (_ANGLE, _MEASURED_RATE, _EFFORT),
+        joints="moving",
     ),
     Topic(
         "/bus/state",
@@ -183,7 +240,8 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.1,
         "measured position and rate of every joint with an encoder",
-        (_ANGLE, _RATE, FieldRule("effort", "N m", low=-1e4, high=1e4)),
+        (_ANGLE, _MEASURED_RATE, replace(_EFFORT, optional=True)),
+        joints="measured",
     ),
     Topic(
         "/imu/data",
@@ -195,9 +253,18 @@ TOPICS: tuple[Topic, ...] = (
         "measured angular velocity and specific force, estimated attitude",
         (
             FieldRule("orientation", "", frame="map to imu_link", low=-1.0, high=1.0),
-            FieldRule("angular_velocity", "rad/s", frame="imu_link", low=-20.0, high=20.0),
+            FieldRule(
+                "angular_velocity",
+                "rad/s",
+                frame="imu_link",
+                low=-20.0,
+                high=20.0,
+                rate_of="orientation",
+                rate_tolerance=0.5,
+            ),
             FieldRule("linear_acceleration", "m/s^2", frame="imu_link", low=-500.0, high=500.0),
         ),
+        frames=("imu_link",),
     ),
     Topic(
         "/power/switches",
@@ -207,7 +274,7 @@ TOPICS: tuple[Topic, ...] = (
         5,
         0.5,
         "for each load: on, off, or the fraction of its power that it may draw",
-        (FieldRule("status.values.limit", "1", low=0.0, high=1.0),),
+        (FieldRule("status.values", "1", low=0.0, high=1.0),),
     ),
     Topic(
         "/battery_state",
@@ -227,6 +294,7 @@ TOPICS: tuple[Topic, ...] = (
         50,
         3.0,
         "what the power manager does and why",
+        (_TEXTS,),
     ),
     Topic(
         "/odom",
@@ -236,7 +304,9 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.1,
         "estimated pose of base_link in odom with covariance, twist in base_link",
-        _POSE + _TWIST,
+        _POSE + _ESTIMATED_TWIST + _COVARIANCE,
+        frames=("odom",),
+        child_frame="base_link",
     ),
     Topic(
         "/drive/status",
@@ -246,6 +316,7 @@ TOPICS: tuple[Topic, ...] = (
         50,
         3.0,
         "goal, state, distance to go and reason",
+        (_TEXTS,),
     ),
     Topic(
         "/wheel_command",
@@ -255,7 +326,8 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.2,
         "drive joints: velocity; steer joints: position and velocity",
-        (_ANGLE, _RATE),
+        (replace(_ANGLE, optional=True), replace(_RATE, optional=True)),
+        joints="wheels",
     ),
     Topic(
         "/arm_command",
@@ -265,7 +337,8 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.2,
         "position, velocity and feed-forward effort of the arm's joints",
-        (_ANGLE, _RATE, FieldRule("effort", "N m", low=-1e4, high=1e4)),
+        (_ANGLE, replace(_RATE, optional=True), replace(_EFFORT, optional=True)),
+        joints="arm",
     ),
     Topic(
         "/arm/status",
@@ -275,6 +348,7 @@ TOPICS: tuple[Topic, ...] = (
         50,
         3.0,
         "goal, state, progress and reason",
+        (_TEXTS,),
     ),
     Topic(
         "/cmd_vel",
@@ -288,8 +362,19 @@ TOPICS: tuple[Topic, ...] = (
             FieldRule("twist.linear", "m/s", frame="base_link", low=-10.0, high=10.0),
             FieldRule("twist.angular", "rad/s", frame="base_link", low=-10.0, high=10.0),
         ),
+        frames=("base_link", ""),
     ),
-    Topic("/goal_pose", "geometry_msgs/PoseStamped", "operator", ("drive",), 0, 10.0, "drive there", _GOAL),
+    Topic(
+        "/goal_pose",
+        "geometry_msgs/PoseStamped",
+        "operator",
+        ("drive",),
+        0,
+        10.0,
+        "drive there",
+        _GOAL,
+        frames=_GOAL_FRAMES,
+    ),
     Topic(
         "/waypoints",
         "nav_msgs/Path",
@@ -299,6 +384,7 @@ TOPICS: tuple[Topic, ...] = (
         10.0,
         "drive along these",
         (FieldRule("poses.pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),),
+        frames=_GOAL_FRAMES,
     ),
     Topic(
         "/arm/goal_pose",
@@ -309,6 +395,7 @@ TOPICS: tuple[Topic, ...] = (
         10.0,
         "place the arm's tip there; an orientation other than identity or zero asks for the direction of its z axis",
         _ARM_GOAL,
+        frames=("base_link",),
     ),
     Topic(
         "/arm/joint_goal",
@@ -318,7 +405,8 @@ TOPICS: tuple[Topic, ...] = (
         0,
         10.0,
         "move to these joint positions; a header.frame_id of stow or unfold and no joints asks for that pose",
-        (_ANGLE,),
+        (replace(_ANGLE, optional=True),),
+        joints="arm",
     ),
     Topic(
         "/arm/joint_trajectory",
@@ -329,6 +417,7 @@ TOPICS: tuple[Topic, ...] = (
         10.0,
         "move through these joint positions",
         (FieldRule("points.positions", "rad", low=-10.0, high=10.0),),
+        joints="arm",
     ),
     Topic("/arm/stop", "std_msgs/Header", "operator", ("arm",), 0, 10.0, "stop the arm and hold"),
     Topic(

@@ -42,6 +42,7 @@ class DriveNode(ContractNode):
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         start = scenario.config.start
         self.model = DriveModel(scenario.drive, scenario.steering)
+        self.model.warm_up()
         self.state = self.model.initial_state(start.x, start.y, start.yaw)
         self._measurements = WheelMeasurements(scenario.rover.wheels, scenario.urdf_xml)
         self._goals = GoalDesk(scenario.terrain)

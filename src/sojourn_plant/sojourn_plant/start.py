@@ -4,12 +4,16 @@ from sojourn_config.scenario import LoadedScenario
 from sojourn_mechanics.plant.model import PlantModel
 from sojourn_mechanics.plant.state import PlantState
 from sojourn_mechanics.plant.step import initial_state
+from sojourn_mechanics.terrain.height_field import HeightField
 
 STOWED = "stow"
 
 
-def build_plant(scenario: LoadedScenario) -> tuple[PlantModel, PlantState]:
+def build_plant(scenario: LoadedScenario, terrain: HeightField | None = None) -> tuple[PlantModel, PlantState]:
     """Model and first state: the machine at the scenario's start, arm stowed, at rest on its soil.
+
+    Args:
+        terrain: another ground than that of the scenario.
 
     Raises:
         MechanicsError: parameters that do not fit together. ConfigError: a terrain that cannot be made.
@@ -18,11 +22,12 @@ def build_plant(scenario: LoadedScenario) -> tuple[PlantModel, PlantState]:
         scenario.urdf_xml,
         scenario.rover,
         scenario.gravity,
-        scenario.height_field(),
+        terrain or scenario.height_field(),
         list(scenario.soils.values()),
         scenario.battery,
         scenario.bus,
         scenario.simulation,
+        scenario.terrain.memory_cell if scenario.terrain.memory else 0.0,
     )
     start = scenario.config.start
     stowed = dict(zip(scenario.arm.joint_names, scenario.arm.named_poses[STOWED], strict=True))

@@ -34,6 +34,7 @@ class PowerNode(ContractNode):
     ) -> None:
         super().__init__("power", context=context, overrides=overrides, namespace=namespace)
         self.params = load_scenario(self.scenario_name, self.scenario_overrides).power_manager
+        manager.warm_up(self.params)
         self.state = manager.initial_state(self.params)
         self._last: int | None = None
         self._telemetry: manager.PowerManagerInput | None = None

@@ -46,6 +46,7 @@ class SensorsNode(ContractNode):
         self._seed = scenario.config.seed
         self._gravity = scenario.gravity
         self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
+        suite.warm_up(self.params, self._gravity)
         self.state: suite.SensorSuiteState | None = None
         """None until the first truth says which joints there are and how the machine stands."""
         self._electrical = (0.0, 0.0, 293.15)

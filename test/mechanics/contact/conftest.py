@@ -9,14 +9,26 @@ import numpy as np
 import pytest
 import yaml
 
+from sojourn_mechanics.contact.contact_law import (
+    MOTION_COLUMNS,
+    OUT_COLUMNS,
+    STATE_COLUMNS,
+    WHEEL_COLUMNS,
+    ContactModel,
+    MotionColumn,
+    OutColumn,
+    WheelColumn,
+)
 from sojourn_mechanics.contact.contact_set import REPORT_COLUMNS, contact_forces
+from sojourn_mechanics.contact.dispatch import apply_law
+from sojourn_mechanics.contact.examples import example_row
 from sojourn_mechanics.contact.ground_plane import RIM_COS, RIM_SIN
-from sojourn_mechanics.contact.wheel_on_soil import NODES, WEIGHTS
-from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.soil.params import SoilColumn, SoilParams, kernel_table
+from sojourn_mechanics.terrain.height_field import SoilArray
+from sojourn_mechanics.terrain.memory import GroundMemory, MemoryBoard
 
 SOIL_FOLDER = Path(__file__).resolve().parents[3] / "config" / "soils"
-QUADRATURE = np.stack([NODES, WEIGHTS])
 RIM = np.stack([RIM_SIN, RIM_COS])
 
 
@@ -34,6 +46,7 @@ class Rig:
     """A wheel (or a pad) that is held and moved by hand over a height field of 20 x 20 m.
 
     slope_x, slope_y: gradient of the plane. step: rise of the ground where x > 0 [m].
+    cell: of the ground's memory [m]; 0 is ground that remembers nothing.
     """
 
     soils: FloatArray
@@ -46,16 +59,25 @@ class Rig:
     shear_radius: float = 0.131
     width: float = 0.16
     dt: float = 0.001
-    state: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
+    cell: float = 0.0
+    state: FloatArray = field(default_factory=lambda: np.zeros((1, STATE_COLUMNS)))
     report: FloatArray = field(default_factory=lambda: np.zeros((1, REPORT_COLUMNS)))
     on_map: bool = True
 
     def __post_init__(self) -> None:
-        self.grid = np.array([-10.0, -10.0, 0.05])
+        self.grid = np.array([-10.0, -10.0, 0.05, 0.0])
         axis = -10.0 + 0.05 * np.arange(401)
         x, y = np.meshgrid(axis, axis)
         self.heights: FloatArray = self.slope_x * x + self.slope_y * y + np.where(x > 1e-9, self.step, 0.0)
-        self.soil_index: IntArray = np.where(x > 1e-9, self.soil_where_positive_x, 0).astype(np.int64)
+        self.soil_index: SoilArray = np.where(x > 1e-9, self.soil_where_positive_x, 0).astype(np.uint8)
+
+        self.memory = MemoryBoard(GroundMemory(self.cell, -10.0, -10.0))
+
+        self.row: FloatArray = np.zeros(WHEEL_COLUMNS)
+        self.row[WheelColumn.RADIUS] = self.radius
+        self.row[WheelColumn.SHEAR_RADIUS] = self.shear_radius
+        self.row[WheelColumn.WIDTH] = self.width
+        self.row[WheelColumn.MODEL] = ContactModel.RIGID_WHEEL_ON_SOIL
 
     @property
     def normal(self) -> FloatArray:
@@ -74,10 +96,10 @@ class Rig:
         twist = np.concatenate([velocity - np.cross(angular, centre), angular])
         force = np.zeros(6)
         self.on_map = contact_forces(
-            np.array([[self.radius, self.shear_radius, self.width]]), np.zeros(1, dtype=np.int64),
+            self.row[np.newaxis, :], np.zeros(1, dtype=np.int64),
             np.array([[0, 1, 2, 3, 4, 5, -1]]), np.zeros((1, 3)), 1 if self.wheel else 0,
             np.ascontiguousarray(placement), np.eye(6), twist, self.heights, self.soil_index, self.grid, self.soils,
-            QUADRATURE, RIM, self.dt, self.state, self.report, force,
+            RIM, self.memory.tables, self.dt, self.state, self.report, force,
         )  # fmt: skip
         return force[:3], force[3:] - np.cross(centre, force[:3])
 
@@ -112,6 +134,65 @@ def rig() -> Callable[..., Rig]:
 
     def make(*soils: str, damping: float | None = None, **options: float) -> Rig:
         return Rig(soil_table(*soils, damping=damping), **options)  # type: ignore[arg-type]
+
+    return make
+
+
+@dataclass
+class LawRig:
+    """One contact under a law of its own, without terrain: motion in, forces out."""
+
+    wheel: FloatArray
+    soil: FloatArray
+    dt: float = 0.001
+    state: FloatArray = field(default_factory=lambda: np.zeros(STATE_COLUMNS))
+
+    def step(self, steps: int = 1, **motion: float) -> dict[str, float]:
+        """Forces by the names of `OutColumn` after so many steps of one motion, by the names of `MotionColumn`.
+
+        POWER is filled in: what the wheel gives to the contact.
+        """
+        row = np.zeros(MOTION_COLUMNS)
+        for name, value in motion.items():
+            row[MotionColumn[name.upper()]] = value
+        out = np.zeros(OUT_COLUMNS)
+        for _ in range(steps):
+            out[:] = 0.0
+            apply_law(self.wheel, self.soil, row, self.dt, self.state, out)
+        found = {column.name.lower(): float(out[column]) for column in OutColumn}
+        column = MotionColumn
+        spin = row[column.RIM_SPEED] / self.wheel[WheelColumn.RADIUS]
+        found["power"] = -(
+            found["force_x"] * row[column.V_ALONG]
+            + found["force_y"] * row[column.V_SIDE]
+            + found["force_z"] * row[column.V_NORMAL]
+            + found["moment_x"] * row[column.ROLL_RATE]
+            + found["moment_z"] * row[column.YAW_RATE]
+            - found["torque"] * spin
+        )
+        return found
+
+    def penetration_for(self, load: float, **motion: float) -> float:
+        """Penetration at which a fresh contact carries a load [N]."""
+        low, high = 1e-9, 0.3
+        for _ in range(80):
+            middle = 0.5 * (low + high)
+            self.state[:] = 0.0
+            if self.step(penetration=middle, **motion)["force_z"] < load:
+                low = middle
+            else:
+                high = middle
+        self.state[:] = 0.0
+        return 0.5 * (low + high)
+
+
+@pytest.fixture(scope="session")
+def law() -> Callable[..., LawRig]:
+    """Maker of rigs of one law: `law(ContactModel.BRUSH, "rigid_rock")`, or with a row of one's own."""
+
+    def make(wheel: ContactModel | FloatArray, soil: str | FloatArray, dt: float = 0.001) -> LawRig:
+        row = example_row(wheel) if isinstance(wheel, ContactModel) else wheel
+        return LawRig(row, soil_table(soil)[0] if isinstance(soil, str) else soil, dt)
 
     return make
 

@@ -22,8 +22,21 @@ from sojourn_mechanics.soil.params import SoilColumn, SoilParams, kernel_row
 RADIUS, SHEAR_RADIUS, WIDTH = 0.125, 0.131, 0.16
 SAND = {"n": 1.0, "k_c": 1400.0, "k_phi": 820e3, "cohesion": 170.0, "friction_angle_deg": 35.0}
 
+REFINED: dict[str, object] = {
+    "interface_friction_angle_deg": 18.0,
+    "interface_adhesion": 50.0,
+    "residual_shear_ratio": 0.7,
+    "slip_sinkage": 0.6,
+    "skid_sinkage": 1.5,
+    "side_sinkage": 1.2,
+    "theta_m_c3": 0.3,
+    "grouser_side_shear": True,
+}
+"""All terms beyond Wong and Reece's, but for the soil that a wheel pushes."""
+EARTH = 9.81
 
-def make_soil(**changes: float | str) -> FloatArray:
+
+def make_soil(**changes: object) -> FloatArray:
     values: dict[str, object] = {
         "name": "sand",
         "citation": "test",
@@ -58,6 +71,7 @@ def soils(draw: st.DrawFn) -> FloatArray:
         theta_m_c1=draw(st.floats(0.1, 0.5)),
         theta_m_c2=draw(st.floats(0.0, 0.4)),
         exit_angle=draw(st.sampled_from(["zero", "lambda:0.3", "lambda:0.9", "lambda:1.2"])),
+        **draw(st.sampled_from([{}, REFINED])),
     )
 
 
@@ -76,7 +90,7 @@ def rim(
 def integrated(soil: FloatArray, sinkage: float, slip: float, side_slip: float, rolling: float) -> tuple[float, ...]:
     """F_x, F_y, F_z, T, M_x, M_z by adaptive quadrature of the stresses of the module's equations."""
     column = SoilColumn
-    n, tan_phi, cohesion = soil[column.N], soil[column.TAN_PHI], soil[column.COHESION]
+    n = soil[column.N]
     if soil[column.FORM] == 0.0:
         modulus = soil[column.K_C] / WIDTH + soil[column.K_PHI]
     else:
@@ -84,8 +98,15 @@ def integrated(soil: FloatArray, sinkage: float, slip: float, side_slip: float, 
     theta_1 = math.acos(1.0 - sinkage / RADIUS)
     ratio = soil[column.EXIT_LAMBDA]
     behind = 0.0 if ratio < 0.0 else math.acos(1.0 - ratio * sinkage / RADIUS)
+    rim_speed, ahead, total_slip, sideways = motion(slip, side_slip)
     theta_2 = -rolling * behind - (1.0 - rolling) * theta_1
-    theta_m = rolling * max(soil[column.THETA_M_C1] + soil[column.THETA_M_C2] * slip, 0.0) * theta_1
+    share = soil[column.THETA_M_C1] + soil[column.THETA_M_C2] * slip + soil[column.THETA_M_C3] * sideways
+    theta_m = rolling * min(max(share, 0.0), 0.95) * theta_1
+    driven = soil[column.SLIP_SINKAGE] * total_slip
+    if total_slip < 0.0:
+        driven = soil[column.SKID_SINKAGE] * total_slip**2
+    deeper = 1.0 + rolling * ((1.0 - sideways) * driven + sideways * soil[column.SIDE_SINKAGE])
+    cohesion, tan_phi = lugged_strength(soil)
     slip_angle = math.atan2(abs(side_slip), max(1.0 - rolling * max(slip, 0.0), 1e-3))
     k_x = soil[column.SHEAR_MODULUS_LONGITUDINAL]
     k_x += soil[column.SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE] * slip_angle
@@ -97,7 +118,7 @@ def integrated(soil: FloatArray, sinkage: float, slip: float, side_slip: float, 
         front = theta
         if theta < theta_m:
             front = theta_1 - (theta - theta_2) * (theta_1 - theta_m) / (theta_m - theta_2)
-        sigma = modulus * max(RADIUS * (math.cos(front) - math.cos(theta_1)), 0.0) ** n
+        sigma = modulus * (max(RADIUS * (math.cos(front) - math.cos(theta_1)), 0.0) / deeper) ** n
         if slip >= 0.0:  # Wong and Reece: r [θ1 - θ - (1 - s)(sin θ1 - sin θ)]
             rolled = theta_1 - theta - (1.0 - slip) * (math.sin(theta_1) - math.sin(theta))
         else:
@@ -107,7 +128,8 @@ def integrated(soil: FloatArray, sinkage: float, slip: float, side_slip: float, 
         j = math.hypot(x, y)
         if j == 0.0:
             return sigma, 0.0, 0.0
-        tau = (cohesion + sigma * tan_phi) * (1.0 - math.exp(-j))
+        rest = math.exp(-j)
+        tau = (cohesion + sigma * tan_phi) * (1.0 - rest) * (soil[column.RESIDUAL] + soil[column.HUMP] * rest)
         return sigma, tau * x / j, tau * y / j
 
     r, b, q = RADIUS, WIDTH, SHEAR_RADIUS
@@ -119,14 +141,42 @@ def integrated(soil: FloatArray, sinkage: float, slip: float, side_slip: float, 
         return float(sum(parts))
 
     spans = [(theta_2, theta_m), (theta_m, theta_1)]
-    return (
-        total(lambda t, s, x, y: b * (q * x * math.cos(t) - r * s * math.sin(t))),
-        total(lambda t, s, x, y: b * q * y),
-        max(total(lambda t, s, x, y: b * (q * x * math.sin(t) + r * s * math.cos(t))), 0.0),
-        total(lambda t, s, x, y: b * q * q * x),
-        total(lambda t, s, x, y: b * q * q * y * math.cos(t)),
-        total(lambda t, s, x, y: b * q * q * y * math.sin(t)),
+    pressed_back = min(total(lambda t, s, x, y: -b * r * s * math.sin(t)), 0.0)
+    pressed_up = total(lambda t, s, x, y: b * r * s * math.cos(t))
+    sheared = np.array(
+        [
+            total(lambda t, s, x, y: b * q * x * math.cos(t)),
+            total(lambda t, s, x, y: b * q * y),
+            total(lambda t, s, x, y: b * q * x * math.sin(t)),
+            total(lambda t, s, x, y: b * q * q * x),
+            total(lambda t, s, x, y: b * q * q * y * math.cos(t)),
+            total(lambda t, s, x, y: b * q * q * y * math.sin(t)),
+        ]
     )
+    # shear never gives more than the pressure takes
+    given_back = -(sheared[3] * rim_speed / r - sheared[0] * ahead + sheared[1] * side_slip)
+    if rolling == 1.0 and given_back > -pressed_back * ahead:
+        sheared *= -pressed_back * ahead / given_back
+    sheared[0] += pressed_back
+    sheared[2] = max(sheared[2] + pressed_up, 0.0)
+    return tuple(float(value) for value in sheared)
+
+
+def motion(slip: float, side_slip: float) -> tuple[float, float, float, float]:
+    """rω, v_x, s', e over V = max(rω, |v|), from the definitions of the slips: one of the two speeds is 1."""
+    rim_speed, ahead = 1.0, 1.0 - slip
+    if math.hypot(ahead, side_slip) > 1.0:
+        ahead = math.sqrt(1.0 - side_slip**2)
+        rim_speed = min(max(ahead + slip, 0.0), 1.0)
+    speed = min(math.hypot(ahead, side_slip), 1.0)
+    return rim_speed, ahead, rim_speed - speed, 1.0 - ahead / math.hypot(speed, 0.04)
+
+
+def lugged_strength(soil: FloatArray) -> tuple[float, float]:
+    """Strength between grousers that stand close together: that of the soil, with the sides of the block (Bekker)."""
+    slim = (SHEAR_RADIUS - RADIUS) / WIDTH * soil[SoilColumn.GROUSER_SIDE_SHEAR]
+    friction = 1.0 + (0.64 * slim * math.atan2(1.0, slim) if slim else 0.0)
+    return soil[SoilColumn.COHESION] * (1.0 + 2.0 * slim), soil[SoilColumn.TAN_PHI] * friction
 
 
 @settings(max_examples=60, deadline=None)
@@ -137,8 +187,9 @@ def test_forces_are_the_integrals_of_the_stresses(
     expected = integrated(soil, sinkage, slip, side_slip, rolling)
     found = rim(soil, sinkage, slip, side_slip, rolling)
     scale = math.hypot(*expected[:3]) + 1e-3
-    assert np.allclose(found[:3], expected[:3], rtol=0.0, atol=2e-4 * scale)
-    assert np.allclose(found[3:6], expected[3:6], rtol=0.0, atol=2e-4 * scale * RADIUS)
+    error = 2e-4 if soil[SoilColumn.THETA_M_C3] == 0.0 else 1e-3  # see the next test
+    assert np.allclose(found[:3], expected[:3], rtol=0.0, atol=error * scale)
+    assert np.allclose(found[3:6], expected[3:6], rtol=0.0, atol=error * scale * RADIUS)
 
 
 @settings(max_examples=20, deadline=None)
@@ -151,7 +202,9 @@ def test_quadrature_error_of_the_few_points(
     fine = rim_forces(*arguments, 0.5 * (points + 1.0), 0.5 * weights)
     coarse = rim_forces(*arguments, NODES, WEIGHTS)
     scale = math.hypot(*fine[:3]) + 1e-3
-    assert np.allclose(coarse[:3], fine[:3], rtol=0.0, atol=2e-4 * scale)
+    # With c3, θm comes up to 0.95 θ1 and one side of it gets nearly the whole contact.
+    error = 2e-4 if soil[SoilColumn.THETA_M_C3] == 0.0 else 1e-3
+    assert np.allclose(coarse[:3], fine[:3], rtol=0.0, atol=error * scale)
 
 
 def test_quadrature_error_on_lunar_soil() -> None:
@@ -231,7 +284,8 @@ def strength(soil: FloatArray, sinkage: float, slip: float, rolling: float) -> f
     mapped = np.where(theta < theta_m, front, theta)
     depth = np.maximum(RADIUS * (np.cos(mapped) - math.cos(theta_1)), 0.0)
     sigma = pressure_modulus(soil, WIDTH) * depth ** soil[SoilColumn.N]
-    tau = soil[SoilColumn.COHESION] + sigma * soil[SoilColumn.TAN_PHI]
+    cohesion, tan_phi = lugged_strength(soil)
+    tau = 1.06 * (cohesion + sigma * tan_phi)  # Wong's hump stands up to 6 % above the limit
     return float(WIDTH * SHEAR_RADIUS**2 * np.trapezoid(tau, theta))
 
 

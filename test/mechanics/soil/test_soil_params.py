@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.soil.bearing import bearing_factors
 from sojourn_mechanics.soil.params import (
     SOIL_COLUMNS,
     SoilColumn,
@@ -192,6 +193,12 @@ def test_kernel_row_holds_every_number_in_its_column() -> None:
         "shear_modulus_longitudinal": 0.036, "shear_modulus_lateral": 0.013, "theta_m_c1": 0.40,
         "theta_m_c2": 0.15, "exit_lambda": 0.9, "contact_damping": 5.0, "density": 1600.0,
         "shear_modulus_longitudinal_per_slip_angle": 0.043, "shear_modulus_lateral_per_slip_angle": 0.020,
+        "interface_adhesion": 800.0, "interface_tan_phi": named["tan_phi"], "residual": 1.0, "hump": 0.0,
+        "slip_sinkage": 0.0, "skid_sinkage": 0.0, "side_sinkage": 0.0, "theta_m_c3": 0.0, "front_bulldozing": 0.0,
+        "side_bulldozing": 0.0, "bulldozing_cohesion": 800.0, "bulldozing_tan_phi": pytest.approx(named["tan_phi"]),
+        "bulldozing_k_c": pytest.approx(bearing_factors(soil.friction_angle).k_c),
+        "bulldozing_k_gamma": pytest.approx(bearing_factors(soil.friction_angle).k_gamma),
+        "bulldozing_modulus": 0.02, "grouser_side_shear": 0.0,
     }  # fmt: skip
     reece = SoilParams(**{**read("jsc_1a"), "form": "reece"})
     assert kernel_row(reece)[SoilColumn.FORM] == 1.0

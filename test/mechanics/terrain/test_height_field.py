@@ -27,7 +27,7 @@ in_y = st.floats(Y_MIN, Y_MAX)
 
 def field(**changes: Any) -> HeightField:
     generator = np.random.default_rng(7)
-    soil_index = np.zeros(SHAPE, dtype=np.int64)
+    soil_index = np.zeros(SHAPE, dtype=np.uint8)
     soil_index[4, 6] = 1
     values: dict[str, Any] = dict(
         heights=generator.normal(size=SHAPE),
@@ -144,7 +144,7 @@ def test_other_layouts_are_made_contiguous() -> None:
     heights = np.asfortranarray(np.random.default_rng(0).normal(size=SHAPE).astype(np.float32))
     ground = field(heights=heights, soil_index=np.zeros(SHAPE, dtype=np.uint8))
     assert ground.heights.flags.c_contiguous and ground.heights.dtype == np.float64
-    assert ground.soil_index.flags.c_contiguous and ground.soil_index.dtype == np.int64
+    assert ground.soil_index.flags.c_contiguous and ground.soil_index.dtype == np.uint8
     assert np.array_equal(ground.heights, heights)
 
 

@@ -14,9 +14,9 @@ import numpy as np
 from numba import njit
 
 from sojourn_mechanics.contact.wheel_on_soil import pressure_modulus
-from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.soil.params import FORM_BEKKER, SoilColumn
-from sojourn_mechanics.terrain.height_field import sample_height, sample_soil
+from sojourn_mechanics.terrain.height_field import HeightArray, SoilArray, sample_ground, sample_soil
 
 RIM_SAMPLES = 13
 RIM_SAMPLE_RANGE = 1.35
@@ -74,8 +74,8 @@ def blend_soils(soils: FloatArray, shares: FloatArray, width: float, blended: Fl
 
 @njit(cache=True)
 def contact_plane(
-    heights: FloatArray,
-    soil_index: IntArray,
+    heights: HeightArray,
+    soil_index: SoilArray,
     grid: FloatArray,
     centre: FloatArray,
     forward: FloatArray,
@@ -88,7 +88,7 @@ def contact_plane(
     """Plane that stands for the ground under one wheel.
 
     Args:
-        heights, soil_index, grid: of the height field; grid = (origin_x, origin_y, resolution) [m].
+        heights, soil_index, grid: of the height field; see `HeightField`.
         centre: of the wheel in map, shape (3,) [m].
         forward, up: unit vectors in the wheel's plane, shape (3,).
         shares: (soils,), written: weight of each soil in the contact.
@@ -112,7 +112,7 @@ def contact_plane(
         x = centre[0] + ahead * forward[0] - below * up[0]
         y = centre[1] + ahead * forward[1] - below * up[1]
         z = centre[2] + ahead * forward[2] - below * up[2]
-        height, dh_dx, dh_dy, inside = sample_height(heights, grid[0], grid[1], grid[2], x, y)
+        height, dh_dx, dh_dy, inside = sample_ground(heights, grid, x, y)
         depth = height - z + margin
         if depth > 0.0:
             weight = depth * depth

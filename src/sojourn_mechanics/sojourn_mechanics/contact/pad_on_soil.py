@@ -16,9 +16,9 @@ from numba import njit
 
 from sojourn_mechanics.contact.shear_memory import MAX_DAMPING_GAIN, clip, shear_lead
 from sojourn_mechanics.contact.wheel_on_soil import pressure_modulus
-from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.soil.params import SoilColumn
-from sojourn_mechanics.terrain.height_field import sample_height, sample_soil
+from sojourn_mechanics.terrain.height_field import HeightArray, SoilArray, sample_ground, sample_soil
 
 PAD_MEMORY = 4.0
 """Distance after which a sliding pad forgets where it stood, in shear moduli."""
@@ -35,8 +35,8 @@ def pad_forces(
     radius: float,
     centre: FloatArray,
     velocity: FloatArray,
-    heights: FloatArray,
-    soil_index: IntArray,
+    heights: HeightArray,
+    soil_index: SoilArray,
     grid: FloatArray,
     soils: FloatArray,
     dt: float,
@@ -49,13 +49,14 @@ def pad_forces(
     Args:
         radius: of the pad [m]. centre, velocity: in map, (3,) [m], [m/s]. dt: [s].
         heights, soil_index, grid, soils: as in `contact_forces`.
-        state: (3,), displacement against the ground in map [m]. wrench: (6,), force and moment at the centre.
+        state: (STATE_COLUMNS,); its first three are the displacement against the ground in map [m].
+        wrench: (6,), force and moment at the centre.
         report: (REPORT_COLUMNS,), see `contact_set`.
     """
     wrench[:] = 0.0
     report[:] = 0.0
     report[0:3] = centre
-    height, slope_x, slope_y, inside = sample_height(heights, grid[0], grid[1], grid[2], centre[0], centre[1])
+    height, slope_x, slope_y, inside = sample_ground(heights, grid, centre[0], centre[1])
     norm = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     sinkage = (height - centre[2]) * norm
     if sinkage <= 0.0:

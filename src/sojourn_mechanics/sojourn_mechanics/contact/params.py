@@ -1,8 +1,38 @@
 """Parameters of what touches the ground: wheels, and pads on bodies."""
 
+from collections.abc import Sequence
+from typing import Annotated, TypeAlias
+
+import numpy as np
 from pydantic import Field
 
-from sojourn_mechanics.params import Params
+from sojourn_mechanics.contact.bekker_wheel import BekkerWheelParams
+from sojourn_mechanics.contact.brush import BrushParams
+from sojourn_mechanics.contact.compliant_wheel_on_soil import CompliantWheelOnSoilParams
+from sojourn_mechanics.contact.contact_law import WHEEL_COLUMNS, WheelColumn
+from sojourn_mechanics.contact.firm_wheel_laws import (
+    CompliantWheelOnRigidGroundParams,
+    RigidWheelOnRigidGroundParams,
+    WheelAndGroundInSeriesParams,
+)
+from sojourn_mechanics.contact.magic_formula import MagicFormulaParams
+from sojourn_mechanics.contact.rigid_wheel_on_soil import RigidWheelOnSoilParams
+from sojourn_mechanics.contact.roller_wheel import RollerWheelParams
+from sojourn_mechanics.params import FloatArray, Params
+
+ContactParams: TypeAlias = Annotated[
+    RigidWheelOnSoilParams
+    | BekkerWheelParams
+    | CompliantWheelOnSoilParams
+    | RigidWheelOnRigidGroundParams
+    | WheelAndGroundInSeriesParams
+    | CompliantWheelOnRigidGroundParams
+    | BrushParams
+    | MagicFormulaParams
+    | RollerWheelParams,
+    Field(discriminator="model"),
+]
+"""A contact law with its own parameters; the key `model` says which."""
 
 
 class WheelParams(Params):
@@ -15,6 +45,7 @@ class WheelParams(Params):
     width: float = Field(gt=0.0, le=3.0, description="width of the rim [m]")
     grouser_height: float = Field(default=0.0, ge=0.0, le=0.2, description="height of the grousers [m]")
     grouser_count: int = Field(default=0, ge=0, le=500, description="number of grousers on the rim [-]")
+    contact: ContactParams = Field(default=RigidWheelOnSoilParams(), description="contact model and its own parameters")
 
     @property
     def shear_radius(self) -> float:
@@ -29,3 +60,24 @@ class PadParams(Params):
     link: str = Field(min_length=1, description="link of the URDF that carries it")
     position: tuple[float, float, float] = Field(description="centre of the pad in the link's frame, shape (3,) [m]")
     radius: float = Field(gt=0.0, le=2.0, description="radius of the pad [m]")
+
+
+def kernel_rows(wheels: Sequence[WheelParams], pads: Sequence[PadParams], gravity: float) -> FloatArray:
+    """Rows of wheels and then of pads for the kernels: shape (len(wheels) + len(pads), WHEEL_COLUMNS).
+
+    Args:
+        gravity: where the machine is [m/s^2].
+    """
+    rows = np.zeros((len(wheels) + len(pads), WHEEL_COLUMNS))
+    rows[:, WheelColumn.GRAVITY] = gravity
+    for row, wheel in zip(rows, wheels, strict=False):
+        row[WheelColumn.RADIUS] = wheel.radius
+        row[WheelColumn.SHEAR_RADIUS] = wheel.shear_radius
+        row[WheelColumn.WIDTH] = wheel.width
+        row[WheelColumn.GROUSER_HEIGHT] = wheel.grouser_height if wheel.grouser_count else 0.0
+        row[WheelColumn.GROUSER_COUNT] = wheel.grouser_count
+        row[WheelColumn.MODEL] = wheel.contact.number
+        wheel.contact.fill(row)
+    for row, pad in zip(rows[len(wheels) :], pads, strict=True):
+        row[WheelColumn.RADIUS] = pad.radius
+    return rows

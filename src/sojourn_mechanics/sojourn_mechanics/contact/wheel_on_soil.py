@@ -1,12 +1,12 @@
 """Rigid wheel on deformable soil: stresses under the rim, integrated to forces (Wong-Reece, Janosi-Hanamoto).
 
 Angles θ run along the rim from the contact normal, positive towards the direction of travel; θ1 is the entry,
-θ2 the exit, θm the angle of greatest normal stress. With h(θ) = r (cos θ - cos θ1):
+θ2 the exit, θm the angle of greatest normal stress. With h(θ) = r (cos θ - 1) + z:
 
-    σ(θ) = k h^n            for θm <= θ <= θ1, k = k_c/b + k_φ (Bekker form) or (k_c + b k_φ)/b^n (Reece form)
+    σ(θ) = k (h/S)^n        for θm <= θ <= θ1, k = k_c/b + k_φ (Bekker form) or (k_c + b k_φ)/b^n (Reece form)
     σ(θ) = σ(θ'),  θ' = θ1 - (θ - θ2)(θ1 - θm)/(θm - θ2)     for θ2 <= θ < θm
-    θm = (c1 + c2 s) θ1;  θ2 = 0, or θ2 = -acos(1 - λ z / r)
-    τ = (c + σ tan φ)(1 - exp(-J)),  J^2 = (jx/Kx)^2 + (jy/Ky)^2, directed along (jx/Kx, jy/Ky)
+    θm = (c1 + c2 s + c3 e) θ1;  θ2 = 0, or θ2 = -acos(1 - λ z / r)
+    τ = τ_max f(J),  J^2 = (jx/Kx)^2 + (jy/Ky)^2, directed along (jx/Kx, jy/Ky), f(J) = 1 - exp(-J) or Wong's hump
     F_x = b ∫ (r_s τx cos θ - r σ sin θ) dθ,  F_z = b ∫ (r_s τx sin θ + r σ cos θ) dθ,  F_y = b r_s ∫ τy dθ,
     T = b r_s² ∫ τx dθ
     (Wong & Reece 1967, J. Terramechanics 4(1):81 and 4(2):7; Janosi & Hanamoto 1961; lateral stress as in
@@ -21,13 +21,47 @@ which is Wong and Reece's integral for s >= 0, and stays finite down to the lock
 where a soil particle is sheared by the length of rim that has passed over it. r_s = r + grouser height:
 behind grousers the soil shears on soil, on the circle through their tips.
 
+**What slip and sideslip do to the sinkage** (S, and e; `soil` parameters, zero in a plain soil). Soil that is sheared
+bears less, and is carried out of the contact, so a pressure is reached only at a greater depth:
+
+    S = 1 + (1 - e)(m_d max(s',0) + m_b min(s',0)²) + m_y e,     s' = (rω - |v|)/max(rω, |v|),    e = 1 - v_x/|v|
+
+m_d is Lyasko's slip sinkage (2010, J. Terramechanics 47(1):21: sinkage grows by a factor of the slip), m_b the same in
+skid, where pushing soil ahead of the wheel grows with the square, m_y the loss of the fresh ground that rolling onto it
+gives: e is 0 straight ahead and 1 for a wheel that goes sideways, or spins on the spot. (Ding et al. 2010 let the
+exponent n grow instead; a factor of z has no units to go wrong.) c3 moves θm for the same reason.
+
+**Bare rim and grousers.** On a bare rim the soil slides on metal, τ_max = c_a + σ tan δ (Potyondy 1961, Géotechnique
+11(4):339: sand on steel, δ = 0.5 to 0.8 φ). A grouser of height h adds the passive thrust of its face (Bekker 1969;
+Wong 2008, sec. 2.6: F/b = 2 c h √N_φ + σ N_φ h, N_φ = tan²(45° + φ/2)), spread over the pitch p = 2 π r / N and never
+more than the soil between the tips can take:
+
+    τ_max = min(c, c_a + 2 c √N_φ h/p) + σ min(tan φ, tan δ + N_φ h/p),
+
+less the share of the tips themselves, N t/(2 π r_s), which is metal on soil. `grouser_side_shear` counts the two sides
+of the soil block as well, c (1 + 2 h/b) and tan φ (1 + 0.64 (h/b) acot(h/b)) (Bekker 1969). Without a δ there is no
+difference between rim and soil, and grousers count by r_s alone.
+
+**Soil pushed by the wheel** (optional). Ahead, Bekker's bulldozing resistance R_b (`soil.bearing`), against v_x. By the
+side, the passive pressure on the sunk segment of the side face (Hegedus 1960; Terzaghi's factors at a vertical wall):
+
+    N = m ∫ (γ h² K_γ/2 + c K_c h) dx,  m = 1 - exp(-|v_y| L /(K_b v_t)),  v_t² = v_x² + (0.04 V)²
+
+against v_y, and its friction N tan δ on the turning face, against the velocity of the face's middle, r - z/2 below the axle,
+softened by the flow of soil up the face at half of v_y. L is the contact's length.
+
 D in -1..1 is the memory of the direction of travel (see `contact_set`): at D = 0 the wheel has been pressed
-straight down, and the contact is symmetric, θ2 = -θ1, θm = 0 (static sinkage; Ishigami 2007 eq. 9), and all
+straight down, and the contact is symmetric, θ2 = -θ1, θm = 0, S = 1 (static sinkage; Ishigami 2007 eq. 9), and all
 of it has been sheared by the same displacement, jx = s L, jy = s_y L, L = 2 r sin θ1; at |D| = 1 it is the
 rolling contact above. Both are blended linearly in |D|.
 
+Steady motion gives no energy: the pressure never pushes ahead (it would for λ > 1), and where soil that springs back
+under a lightly braked wheel would give more than the pressure takes (2 % of the power exchanged at most), the shear is
+reduced to that.
+
 Assumes homogeneous soil, a plane ground over the length of one contact, and quasi-static stress. Valid for
-sinkage up to about 0.7 r. Quadrature: Gauss-Legendre on each side of θm.
+sinkage up to about 0.7 r; beyond the axle (z > r) the rim under it goes on to bear, the rest does not. Quadrature:
+Gauss-Legendre on each side of θm.
 """
 
 import math
@@ -35,12 +69,19 @@ import math
 import numpy as np
 from numba import njit
 
+from sojourn_mechanics.contact.pushed_soil import front_push, side_push
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.soil.params import SoilColumn
 from sojourn_mechanics.soil.pressure_sinkage import sinkage_modulus
 
-MAX_ENTRY_ANGLE = 1.4
-"""Largest entry angle that is integrated [rad]; deeper contact goes on linearly in the sinkage."""
+MAX_ENTRY_ANGLE = 0.5 * math.pi
+"""Largest entry angle [rad]: that of a wheel sunk to its axle."""
+STANDING_SPEED = 0.04
+"""Speed over the ground, over max(rω, v), below which a wheel counts as one that spins on the spot [-]."""
+STEADY = 0.9
+"""|D| beyond which the motion counts as steady, so that its power is what the slips say [-]."""
+FACE_FLOW = 0.5
+"""Speed of the soil up the side face, over the speed of the wheel to that side [-]."""
 QUADRATURE_POINTS = 6
 """Points on each side of the angle of greatest stress; test_wheel_on_soil states the error."""
 
@@ -62,6 +103,15 @@ _C2 = int(SoilColumn.THETA_M_C2)
 _LAMBDA = int(SoilColumn.EXIT_LAMBDA)
 _K_X_SLOPE = int(SoilColumn.SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE)
 _K_Y_SLOPE = int(SoilColumn.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE)
+_INTERFACE_ADHESION = int(SoilColumn.INTERFACE_ADHESION)
+_INTERFACE_TAN_PHI = int(SoilColumn.INTERFACE_TAN_PHI)
+_HUMP = int(SoilColumn.HUMP)
+_RESIDUAL = int(SoilColumn.RESIDUAL)
+_SLIP_SINKAGE = int(SoilColumn.SLIP_SINKAGE)
+_SKID_SINKAGE = int(SoilColumn.SKID_SINKAGE)
+_SIDE_SINKAGE = int(SoilColumn.SIDE_SINKAGE)
+_C3 = int(SoilColumn.THETA_M_C3)
+_GROUSER_SIDE_SHEAR = int(SoilColumn.GROUSER_SIDE_SHEAR)
 
 
 @njit(cache=True)
@@ -76,14 +126,62 @@ def pressure_modulus(soil: FloatArray, width: float) -> float:
 
 @njit(cache=True)
 def contact_angles(
-    radius: float, sinkage: float, slip: float, rolling: float, soil: FloatArray
+    radius: float, sinkage: float, slip: float, rolling: float, soil: FloatArray, sideways: float = 0.0
 ) -> tuple[float, float, float]:
-    """Entry, exit and greatest-stress angle [rad] at a sinkage [m]; `rolling` = |D| in 0..1."""
-    entry = math.acos(min(max(1.0 - sinkage / radius, math.cos(MAX_ENTRY_ANGLE)), 1.0))
+    """Entry, exit and greatest-stress angle [rad] at a sinkage [m]; `rolling` = |D| and `sideways` = e in 0..1."""
+    entry = math.acos(min(max(1.0 - sinkage / radius, 0.0), 1.0))
     exit_ratio = max(soil[_LAMBDA], 0.0)
     rolling_exit = -math.acos(min(max(1.0 - exit_ratio * (1.0 - math.cos(entry)), -1.0), 1.0))
-    greatest = min(max((soil[_C1] + soil[_C2] * slip) * entry, 0.0), 0.95 * entry)
+    share = soil[_C1] + soil[_C2] * slip + soil[_C3] * sideways
+    greatest = min(max(share * entry, 0.0), 0.95 * entry)
     return entry, rolling * rolling_exit - (1.0 - rolling) * entry, rolling * greatest
+
+
+@njit(cache=True)
+def travel(slip: float, lateral_slip: float) -> tuple[float, float, float, float]:
+    """Motion behind a slip and lateral slip, all over V = max(|rω|, |v|).
+
+    Returns:
+        rim speed, v_x (ahead), the slip s' against the whole speed over the ground, and e: how much of the way is
+        sideways or spent on the spot, 0..1.
+    """
+    ahead = 1.0 - slip
+    if slip >= 0.0 and ahead * ahead + lateral_slip * lateral_slip <= 1.0:
+        rim = 1.0
+        speed = math.sqrt(ahead * ahead + lateral_slip * lateral_slip)
+        total_slip = 1.0 - speed
+    else:
+        ahead = math.sqrt(max(1.0 - lateral_slip * lateral_slip, 0.0))
+        rim = min(max(slip + ahead, 0.0), 1.0)
+        speed = 1.0
+        total_slip = rim - 1.0
+    sideways = 1.0 - ahead / math.sqrt(speed * speed + STANDING_SPEED * STANDING_SPEED)
+    return rim, ahead, total_slip, sideways
+
+
+@njit(cache=True)
+def shear_strength(
+    radius: float, shear_radius: float, width: float, grouser_count: float, grouser_thickness: float, soil: FloatArray
+) -> tuple[float, float]:
+    """c [Pa] and tan φ [-] of the limit of shear on the rim or on the circle of the grouser tips."""
+    cohesion, tan_phi = soil[_COHESION], soil[_TAN_PHI]
+    adhesion, tan_delta = soil[_INTERFACE_ADHESION], soil[_INTERFACE_TAN_PHI]
+    height = shear_radius - radius
+    if height <= 0.0 or (tan_delta == tan_phi and adhesion == cohesion and soil[_GROUSER_SIDE_SHEAR] == 0.0):
+        return adhesion, tan_delta
+    root = tan_phi + math.sqrt(1.0 + tan_phi * tan_phi)  # √N_φ = tan(45° + φ/2)
+    per_pitch = height * grouser_count / (2.0 * math.pi * radius)
+    tips = min(max(grouser_count * grouser_thickness / (2.0 * math.pi * shear_radius), 0.0), 1.0)
+    slim = height / width
+    sides = soil[_GROUSER_SIDE_SHEAR]
+    side_cohesion = 1.0 + sides * 2.0 * slim
+    side_friction = 1.0 + sides * 0.64 * slim * (0.5 * math.pi - math.atan(slim))
+    between = min(cohesion, adhesion + 2.0 * cohesion * root * per_pitch)
+    between_tan = min(tan_phi, tan_delta + root * root * per_pitch)
+    return (
+        tips * adhesion + (1.0 - tips) * between * side_cohesion,
+        tips * tan_delta + (1.0 - tips) * between_tan * side_friction,
+    )
 
 
 @njit(cache=True)
@@ -99,34 +197,68 @@ def rim_forces(
     nodes: FloatArray,
     weights: FloatArray,
 ) -> tuple[float, float, float, float, float, float, float]:
+    """Forces as `wheel_forces` gives them, of a wheel whose grousers stand close together, where soil has no weight.
+
+    Returns:
+        the first seven values of `wheel_forces`.
+    """
+    close = 1e9 if shear_radius > radius else 0.0
+    found = wheel_forces(
+        radius, shear_radius, width, close, 0.0, 0.0, sinkage, slip, lateral_slip, rolling, soil, nodes, weights
+    )
+    return found[0], found[1], found[2], found[3], found[4], found[5], found[6]
+
+
+@njit(cache=True)
+def wheel_forces(
+    radius: float,
+    shear_radius: float,
+    width: float,
+    grouser_count: float,
+    grouser_thickness: float,
+    gravity: float,
+    sinkage: float,
+    slip: float,
+    lateral_slip: float,
+    rolling: float,
+    soil: FloatArray,
+    nodes: FloatArray,
+    weights: FloatArray,
+) -> tuple[float, float, float, float, float, float, float, float, float]:
     """Forces of the ground on one wheel that travels towards +x.
 
     Args:
         radius, shear_radius, width: of the rim, of the grouser tips, of the wheel [m].
+        grouser_count: [-]. grouser_thickness: along the rim [m].
+        gravity: [m/s^2].
         sinkage: of the lowest rim point under the ground plane [m].
-        slip: -1..1. lateral_slip: s_y. rolling: |D| in 0..1.
+        slip: -1..1. lateral_slip: s_y, -1..1. rolling: |D| in 0..1.
         soil: kernel row. nodes, weights: quadrature on (0, 1), each shape (m,).
 
     Returns:
         F_x, F_y, F_z [N] through the wheel's centre, T [N m] that the motor must supply, moments of the
-        lateral stress about x and z [N m], and the contact's length along the rim [m]. All zero without
-        contact.
+        lateral stress about x and z [N m], the contact's length along the rim [m], and the resistances of compaction
+        and bulldozing [N], parts of F_x, at least 0. All zero without contact.
     """
     if sinkage <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    entry, exit_angle, greatest = contact_angles(radius, sinkage, slip, rolling, soil)
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    rim_speed, ahead, total_slip, sideways = travel(slip, lateral_slip)
+    entry, exit_angle, greatest = contact_angles(radius, sinkage, slip, rolling, soil, sideways)
     if entry <= 0.0:  # a sinkage that is lost in the rounding of 1 - z/r
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     n = soil[_N]
-    # The pressure is k r^n (cos θ - cos θ1)^n; beyond the last entry angle it goes on with the sinkage.
-    depth = radius * (1.0 - math.cos(entry))
-    scale = pressure_modulus(soil, width) * radius**n * max(sinkage / depth, 1.0)
+    # The pressure is k r^n (cos θ - cos θ1)^n, with the cosine going on below zero for a wheel sunk beyond its axle.
+    scale = pressure_modulus(soil, width) * radius**n
+    driven = soil[_SLIP_SINKAGE] * max(total_slip, 0.0) + soil[_SKID_SINKAGE] * min(total_slip, 0.0) ** 2
+    growth = rolling * ((1.0 - sideways) * driven + sideways * soil[_SIDE_SINKAGE])
+    if growth > 0.0:
+        scale *= (1.0 + growth) ** -n
     slip_angle = math.atan2(abs(lateral_slip), max(1.0 - rolling * max(slip, 0.0), 1e-3))
     modulus_x = soil[_K_X] + soil[_K_X_SLOPE] * slip_angle
     modulus_y = soil[_K_Y] + soil[_K_Y_SLOPE] * slip_angle
-    cohesion = soil[_COHESION]
-    tan_phi = soil[_TAN_PHI]
-    cos_entry = math.cos(entry)
+    cohesion, tan_phi = shear_strength(radius, shear_radius, width, grouser_count, grouser_thickness, soil)
+    residual, hump = soil[_RESIDUAL], soil[_HUMP]
+    cos_entry = 1.0 - sinkage / radius
     sin_entry = math.sin(entry)
     drive_slip = max(slip, 0.0)
     brake_slip = min(slip, 0.0)
@@ -135,12 +267,14 @@ def rim_forces(
     pressed = 1.0 - rolling
     pressed_length = 2.0 * radius * sin_entry
 
-    force_x = 0.0
-    force_y = 0.0
-    force_z = 0.0
+    shear_x = 0.0
+    shear_y = 0.0
+    shear_z = 0.0
     torque = 0.0
     moment_x = 0.0
     moment_z = 0.0
+    normal_x = 0.0
+    normal_z = 0.0
     for side in range(2):
         span = front if side == 0 else rear
         for i in range(nodes.shape[0]):
@@ -160,17 +294,60 @@ def rim_forces(
             jy = lateral_slip * (rolling * shear_radius * arc + pressed * pressed_length) / modulus_y
             j = math.sqrt(jx * jx + jy * jy)
             # (1 - e^-j)/j without the loss of digits at zero
-            gain = -math.expm1(-j) / j if j > 1e-9 else 1.0
+            mobilised = -math.expm1(-j)
+            gain = (mobilised / j if j > 1e-9 else 1.0) * (residual + hump * (1.0 - mobilised))
             limit = (cohesion + sigma * tan_phi) * gain
             tau_x = limit * jx * shear_radius * measure
             tau_y = limit * jy * shear_radius * measure
             normal = sigma * radius * measure
-            force_x += tau_x * cos_theta - normal * sin_theta
-            force_z += tau_x * sin_theta + normal * cos_theta
-            force_y += tau_y
+            shear_x += tau_x * cos_theta
+            shear_z += tau_x * sin_theta
+            normal_x -= normal * sin_theta
+            normal_z += normal * cos_theta
+            shear_y += tau_y
             torque += tau_x * shear_radius
             moment_x += tau_y * shear_radius * cos_theta
             moment_z += tau_y * shear_radius * sin_theta
-    # Cohesion before soil that bears nothing yet would pull a locked wheel down: soil does not do that.
-    force_z = max(force_z, 0.0)
-    return force_x, force_y, force_z, torque, moment_x, moment_z, radius * (entry - exit_angle)
+
+    normal_x = min(normal_x, 0.0)
+    # Power into the ground over V: what the motor gives, less what the wheel's motion takes out.
+    shear_power = torque * rim_speed / radius - shear_x * ahead + shear_y * lateral_slip
+    normal_power = -normal_x * ahead
+    if shear_power < 0.0 and -shear_power > normal_power:
+        steady = min(max((rolling - STEADY) / (1.0 - STEADY), 0.0), 1.0)
+        share = 1.0 - steady * (1.0 - normal_power / -shear_power)
+        shear_x *= share
+        shear_y *= share
+        shear_z *= share
+        torque *= share
+        moment_x *= share
+        moment_z *= share
+    length = radius * (entry - exit_angle)
+    ground_length = radius * (sin_entry - math.sin(exit_angle))
+    ahead_push = rolling * front_push(radius, width, gravity, sinkage, soil)
+    side_x, side_y, side_torque, side_moment_x, side_moment_z = side_push(
+        radius,
+        width,
+        gravity,
+        sinkage,
+        ground_length,
+        rim_speed,
+        ahead,
+        lateral_slip,
+        rolling,
+        FACE_FLOW,
+        STANDING_SPEED,
+        soil,
+    )
+    return (
+        shear_x + normal_x - ahead_push + side_x,
+        shear_y + side_y,
+        # Cohesion before soil that bears nothing yet would pull a locked wheel down: soil does not do that.
+        max(shear_z + normal_z, 0.0),
+        torque + side_torque,
+        moment_x + side_moment_x,
+        moment_z + side_moment_z,
+        length,
+        -normal_x,
+        ahead_push,
+    )

@@ -9,6 +9,8 @@ from numba import njit
 from sojourn_mechanics.actuators.joint_drive import joint_torques, settle_joints
 from sojourn_mechanics.contact.contact_set import contact_forces
 from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.terrain.height_field import HeightArray, SoilArray
+from sojourn_mechanics.terrain.memory import MemoryTables
 
 COUPLING_DRIFT_GAIN = 0.1
 """Part of a coupling's drift that is taken back in one step."""
@@ -23,7 +25,7 @@ def applied_forces(
     kinds: IntArray,
     columns: IntArray,
     loads: IntArray,
-    shapes: FloatArray,
+    wheels: FloatArray,
     bodies: IntArray,
     supports: IntArray,
     offsets: FloatArray,
@@ -31,12 +33,12 @@ def applied_forces(
     placements: FloatArray,
     jacobian: FloatArray,
     velocity: FloatArray,
-    heights: FloatArray,
-    soil_index: IntArray,
+    heights: HeightArray,
+    soil_index: SoilArray,
     grid: FloatArray,
     soils: FloatArray,
-    quadrature: FloatArray,
     rim: FloatArray,
+    memory: MemoryTables,
     joint_states: FloatArray,
     contact_states: FloatArray,
     reference: FloatArray,
@@ -60,8 +62,8 @@ def applied_forces(
     """
     contact_force[:] = 0.0
     on_map: bool = contact_forces(
-        shapes, bodies, supports, offsets, wheel_count, placements, jacobian, velocity, heights, soil_index,
-        grid, soils, quadrature, rim, dt, contact_states, report, contact_force,
+        wheels, bodies, supports, offsets, wheel_count, placements, jacobian, velocity, heights, soil_index,
+        grid, soils, rim, memory, dt, contact_states, report, contact_force,
     )  # fmt: skip
     force[:] = contact_force
     joint_torques(

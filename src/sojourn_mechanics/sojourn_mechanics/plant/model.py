@@ -18,7 +18,8 @@ import numpy as np
 import pinocchio as pin
 
 from sojourn_mechanics.actuators import joint_drive
-from sojourn_mechanics.contact import contact_set, ground_plane, wheel_on_soil
+from sojourn_mechanics.contact import contact_set, ground_plane
+from sojourn_mechanics.contact.params import kernel_rows
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, IntArray
 from sojourn_mechanics.plant.params import MachineParams, SimulationParams
@@ -26,6 +27,7 @@ from sojourn_mechanics.power.battery import BatteryParams
 from sojourn_mechanics.power.loads import BusParams
 from sojourn_mechanics.soil.params import SoilParams, kernel_table
 from sojourn_mechanics.terrain.height_field import HeightField
+from sojourn_mechanics.terrain.memory import GroundMemory, MemoryBoard
 
 PLACEMENT_SIZE = 12
 
@@ -49,7 +51,8 @@ class ContactTables:
 
     names: tuple[str, ...]
     wheel_count: int
-    shapes: FloatArray
+    wheels: FloatArray
+    """Rows of wheels and of pads, see `contact_law`."""
     bodies: IntArray
     supports: IntArray
     offsets: FloatArray
@@ -65,10 +68,11 @@ class PlantModel:
         terrain: the ground. soils: parameters of the soils that it names, in any order.
         battery, bus: energy supply and its loads.
         simulation: steps.
+        memory_cell: distance of the nodes at which the ground remembers wheels [m]; 0: it does not.
 
     Raises:
         InvalidValueError: a joint or link that the URDF does not have, a drive whose load the bus does not
-            have, a soil that is missing.
+            have, a soil that is missing or lacks what the contact model of a wheel needs.
     """
 
     def __init__(
@@ -81,6 +85,7 @@ class PlantModel:
         battery: BatteryParams,
         bus: BusParams,
         simulation: SimulationParams | None = None,
+        memory_cell: float = 0.0,
     ) -> None:
         self.machine = machine
         self.terrain = terrain
@@ -99,10 +104,13 @@ class PlantModel:
         for name in terrain.soil_names:
             if name not in by_name:
                 raise InvalidValueError("soil of the terrain", name, "one of " + ", ".join(sorted(by_name)))
-        self.soils = kernel_table([by_name[name] for name in terrain.soil_names])
-        self.grid = np.array([terrain.origin_x, terrain.origin_y, terrain.resolution])
-        self.quadrature = np.stack([wheel_on_soil.NODES, wheel_on_soil.WEIGHTS])
+        ground = [by_name[name] for name in terrain.soil_names]
+        _check_ground(machine, ground)
+        self.soils = kernel_table(ground)
+        self.grid = terrain.grid
         self.rim = np.stack([ground_plane.RIM_SIN, ground_plane.RIM_COS])
+        self.untouched_ground = GroundMemory(memory_cell, terrain.origin_x, terrain.origin_y)
+        self.memory = MemoryBoard(self.untouched_ground)
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
         self._make_workspace()
 
@@ -178,20 +186,17 @@ class PlantModel:
         model = self.multibody
         bodies: list[int] = []
         offsets: list[FloatArray] = []
-        shapes: list[tuple[float, float, float]] = []
         for wheel in machine.wheels:
             for joint in filter(None, (wheel.joint, wheel.steer_joint)):
                 self._index_of(joint)
             bodies.append(model.getJointId(wheel.joint))
             offsets.append(np.zeros(3))
-            shapes.append((wheel.radius, wheel.shear_radius, wheel.width))
         for pad in machine.pads:
             if not model.existFrame(pad.link):
                 raise InvalidValueError(f"link of pad {pad.name}", pad.link, "a link of the URDF")
             frame = model.frames[model.getFrameId(pad.link)]
             bodies.append(frame.parentJoint)
             offsets.append(frame.placement.act(np.array(pad.position)))
-            shapes.append((pad.radius, 0.0, 0.0))
         chains = [self._support(body) for body in bodies]
         supports = np.full((len(bodies), max(map(len, chains)) + 1), -1, dtype=np.int64)
         for i, chain in enumerate(chains):
@@ -200,7 +205,7 @@ class PlantModel:
         return ContactTables(
             names,
             len(machine.wheels),
-            np.array(shapes),
+            kernel_rows(machine.wheels, machine.pads, self.gravity),
             np.array(bodies, dtype=np.int64),
             supports,
             np.ascontiguousarray(offsets),
@@ -247,3 +252,13 @@ class PlantModel:
         self.armature = np.zeros(model.nv)
         self.force = np.zeros(model.nv)
         self.contact_force = np.zeros(model.nv)
+
+
+def _check_ground(machine: MachineParams, ground: Sequence[SoilParams]) -> None:
+    """Every wheel finds in every soil what its contact model needs."""
+    for soil in ground:
+        for wheel in machine.wheels:
+            missing = wheel.contact.missing_in(soil)
+            if missing:
+                allowed = f"a soil with what {wheel.contact.model} of wheel {wheel.name} needs; missing: "
+                raise InvalidValueError("soil", soil.name, allowed + ", ".join(missing))

@@ -10,6 +10,7 @@ import numpy as np
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.power.battery import BatteryState
 from sojourn_mechanics.power.loads import BusState
+from sojourn_mechanics.terrain.memory import GroundMemory
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,9 @@ class PlantState:
     joints: FloatArray
     """(3, joints): angle, not wrapped [rad]; servo integral; friction deflection [rad]."""
     contacts: FloatArray
-    """(contacts, 3): memory of each contact, see `contact_set`."""
+    """(contacts, STATE_COLUMNS): memory of each contact, see `contact_law`."""
+    ground: GroundMemory
+    """Ruts, see `terrain/memory`."""
     battery: BatteryState
     bus: BusState
     bus_voltage: float
@@ -69,7 +72,7 @@ class PlantState:
     """A contact is, or has been, beyond the edge of the map."""
 
     def copy(self) -> "PlantState":
-        """A branch that shares no array with this state."""
+        """A branch that shares no array with this state, but for the ground's tiles, which nobody writes."""
         return replace(
             self,
             configuration=self.configuration.copy(),
@@ -97,7 +100,7 @@ class PlantOutput:
     """What can be seen of the period that has passed, beyond the state."""
 
     contacts: FloatArray
-    """(contacts, 11): see `contact_set.REPORT_COLUMNS`."""
+    """(contacts, REPORT_COLUMNS): see `contact_set.REPORT_COLUMNS`."""
     efforts: FloatArray
     """(joints,) torque at each joint, gear friction included [N m]."""
     currents: FloatArray

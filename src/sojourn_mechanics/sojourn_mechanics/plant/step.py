@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from sojourn_mechanics.contact.contact_law import STATE_COLUMNS, WheelColumn
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.plant.kernels import (
@@ -63,9 +64,10 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     joints, contacts, terrain = model.joints, model.contacts, model.terrain
     # Bound to locals: twenty times through here is most of what the plant costs outside its kernels.
     joint_tables = (joints.parameters, joints.kinds, joints.columns, joints.loads)
-    ground = (terrain.heights, terrain.soil_index, model.grid, model.soils, model.quadrature, model.rim)
+    model.memory.load(state.ground)
+    ground = (terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim, model.memory.tables)
     contact_tables = (
-        contacts.shapes, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count,
+        contacts.wheels, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count,
     )  # fmt: skip
     memory = (new.joints, new.contacts, command.reference, command.load_fractions * state.served)
     outputs = (model.report, model.work, model.contact_force, model.force, model.armature, model.mass_matrix)
@@ -139,6 +141,7 @@ def _close_period(
         velocity=velocity,
         joints=state.joints,
         contacts=state.contacts,
+        ground=model.memory.store(),
         battery=new_battery,
         bus=bus,
         bus_voltage=supply.voltage,
@@ -225,7 +228,8 @@ def _settled(model: PlantModel, posture: FloatArray, command: PlantCommand, aim:
         configuration=configuration,
         velocity=np.zeros(model.multibody.nv),
         joints=joints,
-        contacts=np.zeros((len(model.contacts.names), 3)),
+        contacts=np.zeros((len(model.contacts.names), STATE_COLUMNS)),
+        ground=model.untouched_ground,
         battery=supply,
         bus=loads.BusState(),
         bus_voltage=source,
@@ -239,6 +243,7 @@ def _settled(model: PlantModel, posture: FloatArray, command: PlantCommand, aim:
     return replace(
         state,
         tick=0,
+        ground=start.ground,
         battery=start.battery,
         bus=start.bus,
         bus_voltage=start.bus_voltage,
@@ -261,4 +266,7 @@ def _standing_height(model: PlantModel, configuration: FloatArray) -> float:
     pin.forwardKinematics(model.multibody, model.data, level)
     tables = model.contacts
     wheels = range(tables.wheel_count)
-    return max(float(tables.shapes[i, 0] - model.data.oMi[int(tables.bodies[i])].translation[2]) for i in wheels)
+    return max(
+        float(tables.wheels[i, WheelColumn.RADIUS] - model.data.oMi[int(tables.bodies[i])].translation[2])
+        for i in wheels
+    )

@@ -122,6 +122,11 @@ def initial_state(params: PowerManagerParams, soc: float | None = None) -> Power
     return PowerManagerState(soc=soc, wanted=(True,) * len(params.loads))
 
 
+def warm_up(params: PowerManagerParams) -> None:
+    """Have every compiled kernel ready, so that no later step waits for the compiler or its libraries."""
+    step(params, initial_state(params), PowerManagerInput(voltage=28.0, current=1.0, temperature=290.0), 0.02)
+
+
 def step(
     params: PowerManagerParams, state: PowerManagerState, inputs: PowerManagerInput, dt: float
 ) -> tuple[PowerManagerState, PowerManagerOutput]:

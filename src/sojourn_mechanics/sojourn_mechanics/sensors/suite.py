@@ -143,6 +143,17 @@ def initial_state(
     )
 
 
+def warm_up(params: SensorSuiteParams, gravity: float) -> None:
+    """Have every compiled kernel ready, so that no later step waits for the compiler or its libraries."""
+    joints = tuple(joint for group in params.joint_groups.values() for joint in group.joints)
+    zeros, one = np.zeros(len(joints)), np.ones(1)
+    still, up = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, gravity])
+    state = initial_state(params, 0, joints, zeros, ("store",), still, gravity)
+    truth = SensorTruth(zeros, zeros, np.zeros(3), up, 28.0 * one, one, 290.0 * one)
+    for _ in range(2):  # the first finds the attitude, the others follow it
+        state, _ = step(params, state, truth, 0.02)
+
+
 def step(
     params: SensorSuiteParams, state: SensorSuiteState, truth: SensorTruth, dt: float
 ) -> tuple[SensorSuiteState, SensorMeasurements]:

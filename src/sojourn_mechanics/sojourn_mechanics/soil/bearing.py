@@ -64,6 +64,33 @@ def bearing_factors(friction_angle: float) -> BearingFactors:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class FailureStrength:
+    """Strength with which a soil fails under a footing or before a blade."""
+
+    cohesion: float
+    """[Pa]"""
+    friction_angle: float
+    """[rad]"""
+    factors: BearingFactors
+
+
+def failure_strength(cohesion: float, friction_angle: float, local: bool) -> FailureStrength:
+    """Strength to fail with: the soil's own in general shear failure, 2/3 of it in local (Terzaghi 1943, sec. 47).
+
+    A friction angle beyond MAX_FRICTION_ANGLE (rock) counts as that.
+
+    Args:
+        cohesion: [Pa]. friction_angle: [rad].
+        local: whether the soil is loose, so that it gives way before a slip surface has formed throughout.
+    """
+    angle = min(friction_angle, MAX_FRICTION_ANGLE)
+    if local:
+        angle = math.atan(2.0 / 3.0 * math.tan(angle))
+        cohesion *= 2.0 / 3.0
+    return FailureStrength(cohesion, angle, bearing_factors(angle))
+
+
 def bearing_capacity(
     friction_angle: float, cohesion: float, unit_weight: float, width: float, surcharge: float = 0.0
 ) -> float:

@@ -10,10 +10,16 @@ Shear stress after a shear displacement j (Janosi & Hanamoto 1961): tau = (c + p
 The modulus K may grow with the slip angle beta of the wheel, K = K_0 + K_1 |beta| (Ishigami et al. 2007,
 J. Field Robotics 24(3):233, table 2); K_1 is zero where nobody has measured it.
 
+Unloading and reloading follow a line of the stiffness k_0 + A_u z_u (`repeated_loading`).
+
 Angle of greatest normal stress under a rigid wheel (Wong & Reece 1967): theta_m = (c1 + c2 s) theta_1.
 Exit angle: `zero` (the contact ends under the axle), or `lambda:L`: theta_2 = -acos(1 - L h / r), where L is
 the height of the rut behind the wheel over the sinkage h (Ishigami et al. 2007); L > 1 is soil that is
 carried up behind the wheel.
+
+Terms beyond Wong and Reece's, each off unless a soil gives it (`wheel_on_soil` has the equations): friction and
+adhesion of the soil on a bare rim, peak and residual shear stress (Wong 2008, sec. 2.4.3), growth of the sinkage with
+slip, skid and sideslip, growth of theta_m with the sideslip, and soil pushed by the front and by the side of a wheel.
 
 Normal damping is of the Hunt-Crossley kind (Hunt & Crossley 1975, J. Appl. Mech. 42:440): p (1 + d dz/dt), d
 in s/m. No soil table gives d: it is an estimate in every file. Rigid rock is the same law with n = 1, no
@@ -32,10 +38,20 @@ from pydantic import Field, field_validator, model_validator
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, Params
+from sojourn_mechanics.soil.bearing import MAX_FRICTION_ANGLE, failure_strength
+from sojourn_mechanics.soil.shear import hump_coefficients
+from sojourn_mechanics.soil.spread import check_spread
 
 MAX_EXIT_LAMBDA = 2.0
 EXIT_LAMBDA_ZERO = -1.0
 """Value of the column `exit_lambda` for exit angle `zero`."""
+
+LETE_SAND_A_U = 503.0e6
+"""A_u of LETE sand, with k_0 = 0 (Wong 1989, Terramechanics and Off-Road Vehicles, ch. 4): stands in where a soil's own
+unloading has not been measured [N/m^4]."""
+
+SOIL_ONLY = ("cohesion", "shear_modulus", "shear_modulus_lateral", "density", "theta_m_c1", "theta_m_c2")
+"""Fields that rigid ground may leave out: what shears and flows has them. Their defaults stand for no soil at all."""
 
 FORM_BEKKER = 0.0
 FORM_REECE = 1.0
@@ -59,6 +75,24 @@ class SoilColumn(IntEnum):
     DENSITY = 12
     SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE = 13
     SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE = 14
+    UNLOADING_STIFFNESS = 15
+    UNLOADING_STIFFNESS_PER_SINKAGE = 16
+    INTERFACE_ADHESION = 17
+    INTERFACE_TAN_PHI = 18
+    HUMP = 19
+    RESIDUAL = 20
+    SLIP_SINKAGE = 21
+    SKID_SINKAGE = 22
+    SIDE_SINKAGE = 23
+    THETA_M_C3 = 24
+    FRONT_BULLDOZING = 25
+    SIDE_BULLDOZING = 26
+    BULLDOZING_COHESION = 27
+    BULLDOZING_TAN_PHI = 28
+    BULLDOZING_K_C = 29
+    BULLDOZING_K_GAMMA = 30
+    BULLDOZING_MODULUS = 31
+    GROUSER_SIDE_SHEAR = 32
 
 
 SOIL_COLUMNS: tuple[str, ...] = tuple(column.name.lower() for column in SoilColumn)
@@ -103,21 +137,52 @@ class SoilParams(Params):
         description="cohesive modulus [bekker: N/m^(n+1), reece: N/m^2]; negative in some fits",
     )
     k_phi: float = Field(ge=0.0, le=1e11, description="frictional modulus [bekker: N/m^(n+2), reece: N/m^3]")
-    cohesion: float = Field(ge=0.0, le=1e6, description="cohesion [Pa]")
+    cohesion: float = Field(default=0.0, ge=0.0, le=1e6, description="cohesion [Pa]")
     friction_angle_deg: float = Field(ge=0.0, lt=80.0, description="angle of internal friction [degree]")
-    shear_modulus: float = Field(gt=0.0, le=1.0, description="Janosi K along the wheel [m]")
-    shear_modulus_lateral: float = Field(gt=0.0, le=1.0, description="Janosi K across the wheel [m]")
+    shear_modulus: float = Field(default=5e-4, gt=0.0, le=1.0, description="Janosi K along the wheel [m]")
+    shear_modulus_lateral: float = Field(default=5e-4, gt=0.0, le=1.0, description="Janosi K across the wheel [m]")
     shear_modulus_per_slip_angle: float = Field(
         default=0.0, ge=0.0, le=1.0, description="growth of shear_modulus with the slip angle [m/rad]"
     )
     shear_modulus_lateral_per_slip_angle: float = Field(
         default=0.0, ge=0.0, le=1.0, description="growth of shear_modulus_lateral with the slip angle [m/rad]"
     )
-    density: float = Field(gt=0.0, le=10000.0, description="bulk density [kg/m3]")
-    theta_m_c1: float = Field(ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
-    theta_m_c2: float = Field(ge=-1.0, le=1.0, description="c2 of theta_m = (c1 + c2 s) theta_1 [-]")
+    unloading_stiffness: float = Field(
+        default=0.0, ge=0.0, le=1e12, description="k_0 of the unloading stiffness k_0 + A_u z_u [N/m^3]"
+    )
+    unloading_stiffness_per_sinkage: float = Field(
+        default=LETE_SAND_A_U, ge=0.0, le=1e14, description="A_u of the unloading stiffness k_0 + A_u z_u [N/m^4]"
+    )
+    density: float = Field(default=3000.0, gt=0.0, le=10000.0, description="bulk density [kg/m3]")
+    theta_m_c1: float = Field(default=0.0, ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
+    theta_m_c2: float = Field(default=0.0, ge=-1.0, le=1.0, description="c2 of theta_m = (c1 + c2 s) theta_1 [-]")
     exit_angle: str = Field(default="zero", description="'zero' or 'lambda:L', L = rut height / sinkage [-]")
+    theta_m_c3: float = Field(default=0.0, ge=-1.0, le=1.0, description="c3 of theta_m, growth with the sideslip [-]")
     contact_damping: float = Field(ge=0.0, le=100.0, description="Hunt-Crossley normal damping d [s/m]")
+    interface_friction_angle_deg: float | None = Field(
+        default=None, ge=0.0, lt=80.0, description="friction of the soil on a bare rim [degree]; none: as in the soil"
+    )
+    interface_adhesion: float = Field(
+        default=0.0, ge=0.0, le=1e6, description="adhesion on a bare rim, where the friction on it is given [Pa]"
+    )
+    residual_shear_ratio: float | None = Field(
+        default=None, gt=0.0, le=1.0, description="residual over peak shear stress, the peak at j = K [-]; none: Janosi"
+    )
+    slip_sinkage: float = Field(default=0.0, ge=0.0, le=20.0, description="growth of the sinkage with slip [-]")
+    skid_sinkage: float = Field(default=0.0, ge=0.0, le=20.0, description="growth with the square of the skid [-]")
+    side_sinkage: float = Field(default=0.0, ge=0.0, le=20.0, description="growth with the sideslip [-]")
+    front_bulldozing: bool = Field(default=False, description="whether soil pushed ahead of a wheel resists")
+    side_bulldozing: bool = Field(default=False, description="whether soil pushed by the side of a wheel resists")
+    bulldozing_failure: Literal["general", "local"] = Field(
+        default="general", description="general shear failure (dense soil) or local (loose: 2/3 of c and tan phi)"
+    )
+    bulldozing_modulus: float = Field(
+        default=0.02, gt=0.0, le=1.0, description="displacement that mobilises the push on the side [m]"
+    )
+    grouser_side_shear: bool = Field(default=False, description="whether the sides of the soil in grousers shear too")
+    spread: dict[str, float | tuple[float, float]] = Field(
+        default={}, description="uncertainty of fields: a standard deviation, or a lowest and highest value"
+    )
 
     @field_validator("exit_angle")
     @classmethod
@@ -126,13 +191,32 @@ class SoilParams(Params):
         return text
 
     @model_validator(mode="after")
+    def _soil_is_complete(self) -> Self:
+        missing = self.missing(SOIL_ONLY) if self.kind == "soil" else ()
+        if missing:
+            raise InvalidValueError(
+                "kind", self.kind, "rigid, or soil with all of its keys; missing: " + ", ".join(missing)
+            )
+        return self
+
+    def missing(self, fields: Sequence[str]) -> tuple[str, ...]:
+        """Those of the fields that this set does not give, in their order."""
+        given = self.model_fields_set
+        return tuple(name for name in fields if name not in given)
+
+    @model_validator(mode="after")
     def _stiffness_and_estimates(self) -> Self:
         if self.k_c <= 0.0 and self.k_phi <= 0.0:
             allowed = f"more than 0 where k_c = {self.k_c:g} is not positive"
             raise InvalidValueError("k_phi", self.k_phi, allowed)
+        if self.friction_angle > MAX_FRICTION_ANGLE and (self.front_bulldozing or self.side_bulldozing):
+            raise InvalidValueError(
+                "friction_angle_deg", self.friction_angle_deg, "at most 60 for a soil that is pushed"
+            )
         largest = self.theta_m_c1 + self.theta_m_c2
         if largest > 1.0:
             raise InvalidValueError("theta_m_c1 + theta_m_c2", largest, "at most 1: theta_m is below theta_1")
+        check_spread(type(self).model_fields, self.spread)
         unknown = sorted(set(self.estimates) - set(type(self).model_fields))
         if unknown:
             raise InvalidValueError("estimates", unknown, "names of fields of a soil")
@@ -178,6 +262,31 @@ def kernel_row(params: SoilParams) -> FloatArray:
     row[SoilColumn.DENSITY] = params.density
     row[SoilColumn.SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE] = params.shear_modulus_per_slip_angle
     row[SoilColumn.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE] = params.shear_modulus_lateral_per_slip_angle
+    # rock springs back along the line that it was loaded on, and keeps no rut
+    yields = params.kind == "soil"
+    row[SoilColumn.UNLOADING_STIFFNESS] = params.unloading_stiffness if yields else 0.0
+    row[SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE] = params.unloading_stiffness_per_sinkage if yields else 0.0
+    bare = params.interface_friction_angle_deg
+    # a soil weaker than its interface shears in itself
+    tan_phi = row[SoilColumn.TAN_PHI]
+    row[SoilColumn.INTERFACE_TAN_PHI] = tan_phi if bare is None else min(math.tan(math.radians(bare)), tan_phi)
+    row[SoilColumn.INTERFACE_ADHESION] = (
+        params.cohesion if bare is None else min(params.interface_adhesion, params.cohesion)
+    )
+    row[SoilColumn.RESIDUAL], row[SoilColumn.HUMP] = hump_coefficients(params.residual_shear_ratio)
+    row[SoilColumn.SLIP_SINKAGE] = params.slip_sinkage
+    row[SoilColumn.SKID_SINKAGE] = params.skid_sinkage
+    row[SoilColumn.SIDE_SINKAGE] = params.side_sinkage
+    row[SoilColumn.THETA_M_C3] = params.theta_m_c3
+    row[SoilColumn.FRONT_BULLDOZING] = float(params.front_bulldozing)
+    row[SoilColumn.SIDE_BULLDOZING] = float(params.side_bulldozing)
+    row[SoilColumn.BULLDOZING_MODULUS] = params.bulldozing_modulus
+    row[SoilColumn.GROUSER_SIDE_SHEAR] = float(params.grouser_side_shear)
+    failing = failure_strength(params.cohesion, params.friction_angle, params.bulldozing_failure == "local")
+    row[SoilColumn.BULLDOZING_COHESION] = failing.cohesion
+    row[SoilColumn.BULLDOZING_TAN_PHI] = math.tan(failing.friction_angle)
+    row[SoilColumn.BULLDOZING_K_C] = failing.factors.k_c
+    row[SoilColumn.BULLDOZING_K_GAMMA] = failing.factors.k_gamma
     return row
 
 

@@ -72,6 +72,17 @@ class DriveModel:
         """One period, see `step`."""
         return step(self, state, inputs, dt)
 
+    def warm_up(self) -> None:
+        """Have every compiled kernel ready, so that no later step waits for the compiler or its libraries."""
+        wheels, dt = np.zeros(self.table.shape[0]), 0.02
+        state = self.initial_state()
+        for goal in (Goal.at(1.0, 1.0), None):
+            turning = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.1), roll_pitch=(0.0, 0.0), goal=goal)
+            state, _ = self.step(state, turning, dt)
+        resting = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.0), roll_pitch=(0.0, 0.0), stop=True)
+        for _ in range(round(2.0 * self.params.odometry.standing_time / dt)):
+            state, _ = self.step(state, resting, dt)
+
 
 @njit(cache=True)
 def _first_bad(values: FloatArray) -> int:

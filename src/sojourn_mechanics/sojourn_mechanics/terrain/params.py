@@ -1,8 +1,8 @@
 """What a scenario says about its ground. The field names are the keys below `terrain:` of a scenario file.
 
-Kinds: `flat`; `slope` (one plane); `step` (two level planes); `generated` (roughness, craters and rocks
-drawn from a seed, on a plane that may slope). Craters and rocks placed by hand go on any kind. Map
-coordinates: x east, y north, metres; height 0 is that of the plane at (0, 0).
+Kinds: `flat`; `slope` (one plane); `step` (two level planes); `generated` (roughness, craters and rocks drawn from a
+seed, on a plane that may slope); `file` (a digital elevation model). Features, craters, rocks and patches of soil
+placed by hand go on any kind. Map coordinates: x east, y north, metres; height 0 is that of the plane at (0, 0).
 """
 
 import math
@@ -12,7 +12,12 @@ from pydantic import Field, model_validator
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import Params
-from sojourn_mechanics.terrain.height_field import MAX_NODES
+from sojourn_mechanics.terrain.feature_params import FeatureParams, SoilPatchParams
+from sojourn_mechanics.terrain.height_field import MAX_NODES, Interpolation
+from sojourn_mechanics.terrain.raster_params import RasterParams
+
+MAX_ROUGH_NODES = 36_000_000
+"""Largest grid with roughness [nodes]: it is synthesised on one four times as large, which takes 3 GB here."""
 
 
 class RoughnessParams(Params):
@@ -107,7 +112,7 @@ class KeepClearParams(Params):
 class TerrainParams(Params):
     """The ground of a scenario."""
 
-    kind: Literal["flat", "slope", "step", "generated"] = Field(description="how the ground is made")
+    kind: Literal["flat", "slope", "step", "generated", "file"] = Field(description="how the ground is made")
     size_x: float = Field(default=40.0, gt=0.0, le=5000.0, description="extent east-west [m]")
     size_y: float = Field(default=40.0, gt=0.0, le=5000.0, description="extent south-north [m]")
     center_x: float = Field(default=0.0, ge=-1e6, le=1e6, description="middle of the map [m]")
@@ -122,12 +127,25 @@ class TerrainParams(Params):
     step_y: float | None = Field(
         default=None, description="and, where this is given, y >= step_y: one side of the machine only [m]"
     )
+    interpolation: Interpolation = Field(default="bilinear", description="of heights between the nodes")
+    memory: bool = Field(default=True, description="whether the ground remembers wheels: ruts")
+    memory_cell: float = Field(default=0.025, ge=0.005, le=0.5, description="distance of the nodes of that memory [m]")
+    file: RasterParams | None = Field(default=None, description="the elevation model, with kind file")
+    features: tuple[FeatureParams, ...] = Field(default=(), description="ramps, steps, trenches, side slopes")
+    soil_patches: tuple[SoilPatchParams, ...] = Field(default=(), description="where the soil is another one")
     roughness: RoughnessParams | None = Field(default=None, description="fractal roughness")
     crater_law: CraterLawParams | None = Field(default=None, description="random craters")
     rock_law: RockLawParams | None = Field(default=None, description="random rocks")
     craters: tuple[CraterParams, ...] = Field(default=(), description="craters placed by hand")
     rocks: tuple[RockParams, ...] = Field(default=(), description="rocks placed by hand")
     keep_clear: tuple[KeepClearParams, ...] = Field(default=(), description="where nothing random goes")
+
+    @property
+    def extra_soils(self) -> tuple[str, ...]:
+        """Names of the soils of patches and of the soil raster, each once, in their order."""
+        classes = self.file.soil_classes if self.file is not None else ()
+        names = [patch.soil for patch in self.soil_patches] + [item.soil for item in classes]
+        return tuple(dict.fromkeys(names))
 
     @property
     def node_counts(self) -> tuple[int, int]:
@@ -148,10 +166,11 @@ class TerrainParams(Params):
     @model_validator(mode="after")
     def _fields_fit_the_kind(self) -> Self:
         foreign = {
-            "flat": ("slope_deg", "step_height", "roughness", "crater_law", "rock_law"),
-            "slope": ("step_height", "roughness", "crater_law", "rock_law"),
-            "step": ("slope_deg", "roughness", "crater_law", "rock_law"),
-            "generated": ("step_height",),
+            "flat": ("slope_deg", "step_height", "roughness", "crater_law", "rock_law", "file"),
+            "slope": ("step_height", "roughness", "crater_law", "rock_law", "file"),
+            "step": ("slope_deg", "roughness", "crater_law", "rock_law", "file"),
+            "generated": ("step_height", "file"),
+            "file": ("slope_deg", "step_height"),
         }[self.kind]
         for name in foreign:
             if getattr(self, name) not in (0.0, None):
@@ -161,6 +180,8 @@ class TerrainParams(Params):
             raise InvalidValueError("slope_deg", self.slope_deg, "more than 0 with terrain kind 'slope'")
         if self.kind == "step" and self.step_height == 0.0:
             raise InvalidValueError("step_height", self.step_height, "not 0 with terrain kind 'step'")
+        if self.kind == "file" and self.file is None:
+            raise InvalidValueError("file", None, "an elevation model with terrain kind 'file'")
         return self
 
     @model_validator(mode="after")
@@ -169,6 +190,11 @@ class TerrainParams(Params):
         if rows * columns > MAX_NODES:
             finest = math.sqrt(self.size_x * self.size_y / MAX_NODES)
             raise InvalidValueError("resolution", self.resolution, f"{finest:.3g} m or more for this map")
+        if self.roughness is not None and rows * columns > MAX_ROUGH_NODES:
+            finest = math.sqrt(self.size_x * self.size_y / MAX_ROUGH_NODES)
+            raise InvalidValueError(
+                "resolution", self.resolution, f"{finest:.3g} m or more for this map with roughness"
+            )
         x_min, y_min = self.origin
         x_max = x_min + (columns - 1) * self.resolution
         y_max = y_min + (rows - 1) * self.resolution

@@ -20,7 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from sojourn_mechanics.params import FloatArray, IntArray
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.terrain.height_field import SoilArray
 from sojourn_mechanics.terrain.params import RockLawParams, RockParams
 
 MAX_ASPECT = 1.5
@@ -102,7 +103,7 @@ def draw_rocks(
 
 def stamp_rocks(
     heights: FloatArray,
-    soil_index: IntArray,
+    soil_index: SoilArray,
     rock_soil_index: int,
     origin: tuple[float, float],
     resolution: float,
@@ -121,7 +122,7 @@ def stamp_rocks(
 @njit(cache=True)
 def _stamp(
     bump: FloatArray,
-    soil_index: IntArray,
+    soil_index: SoilArray,
     rock_soil_index: int,
     x0: float,
     y0: float,

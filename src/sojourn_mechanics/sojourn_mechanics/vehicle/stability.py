@@ -12,8 +12,8 @@ measure of Papadopoulos and Rey (1996, Proc. IEEE ICRA, p. 3111) for gravity alo
 the force. For a level rectangle of width 2 b with the mass at height h it is atan(b / h), and a slope across the edge
 takes its angle away.
 
-Assumptions: quasi-static; contacts are points that push and do not pull; the suspension is locked while the machine tips,
-which for a rocker-bogie holds for the outline and not for a bogie that tips by itself.
+Assumptions: quasi-static; contacts are points that push and do not pull; the suspension is locked while the machine
+tips, which for a rocker-bogie holds for the outline and not for a bogie that tips by itself.
 Range: any contacts of which three span an area. The Mars Exploration Rovers were built to stand at 45 degrees in any
 direction (Lindemann and Voorhees 2005, Proc. IEEE SMC, p. 450).
 """

@@ -1,0 +1,190 @@
+"""Judges a bag by the contract: hands its messages, in the order of the file, to the judge of `sojourn_contract`."""
+
+import json
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import yaml
+from rosbags.serde import SerdeError
+
+from sojourn_bags.description import Run
+from sojourn_bags.errors import BagsError, IncompleteConfigError
+from sojourn_bags.provenance import CONTRACT_NAME, RUN_RECORD
+from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.transforms import TOPIC as TRANSFORMS
+from sojourn_config.errors import ConfigError
+from sojourn_config.urdf import parse_urdf
+from sojourn_contract.conformance.endpoints import BEST_EFFORT, RELIABLE, Endpoint
+from sojourn_contract.conformance.findings import Finding, Report
+from sojourn_contract.conformance.judge import CLOCK, Judge
+from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.description import contract_data, contract_differences, contract_name
+from sojourn_contract.topics import ROLES, TOPICS
+
+_RELIABILITY_CODES = {1: RELIABLE, 2: BEST_EFFORT}
+"""Numbers that older recorders write for words."""
+_SHOWN = 3
+"""Differences of two contracts that a sentence names."""
+
+
+class UnjudgeableBagError(BagsError):
+    """A bag that cannot be judged: recorded under another contract, or without what the judge needs."""
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """How a run was recorded.
+
+    Args:
+        lockstep: mode of time. participants: roles of the run. by_us: whether our recorder wrote it, so that log
+            times are simulation time. notes: what a reader of the verdict should know.
+    """
+
+    lockstep: bool
+    participants: tuple[str, ...]
+    by_us: bool
+    notes: list[str] = field(default_factory=list)
+
+
+def judge_bag(
+    bag: Bag, roles: Collection[str] | None = None, machine: Machine | None = None
+) -> tuple[Report, Recorded]:
+    """Judge the messages of these roles, None for all.
+
+    Args:
+        machine: the rover, None for the one that the bag describes.
+
+    Raises:
+        UnjudgeableBagError: another contract, no message of the contract, a role that took no part.
+    """
+    run = recorded_as(bag)
+    for role in roles or ():
+        if role not in run.participants:
+            took_part = ", ".join(run.participants)
+            raise UnjudgeableBagError(f"{bag.path}: role {role!r} took no part in this run, only {took_part}")
+    unseen = [row.name for row in TOPICS if not row.logged and row.name not in bag]
+    judge = Judge(
+        machine or machine_of(bag),
+        lockstep=run.lockstep,
+        participants=run.participants,
+        roles=roles,
+        unseen=unseen,
+    )
+    for name, messages in bag.topics.items():
+        for endpoint in endpoints_of(messages):
+            judge.endpoint(name, endpoint)
+    for messages, index in in_order(bag):
+        logged = messages.log_times[index] if run.by_us else None
+        try:
+            judge.take(messages.topic, messages.decode(index), logged)
+        except (SerdeError, KeyError) as error:  # KeyError: a type that the type store does not know
+            size = f"{len(messages.data[index])} bytes"
+            judge.report.add("type", messages.topic, logged, [Finding("message", size, f"{messages.type}: {error}")])
+    known = {name: count for name, count in judge.strangers.items() if name != TRANSFORMS}
+    if known:
+        run.notes.append(f"topics that are not of the contract were not judged: {', '.join(sorted(known))}")
+    return judge.finish(), run
+
+
+def recorded_as(bag: Bag) -> Recorded:
+    """How the bag was recorded, from what it says of itself. Raises UnjudgeableBagError."""
+    notes = []
+    text = bag.attachments.get(CONTRACT_NAME)
+    if text is None:
+        notes.append("the bag does not say under which contract it was recorded: judged by the present one")
+    else:
+        _check_contract(bag, text)
+    if not any(row.name in bag for row in TOPICS):
+        raise UnjudgeableBagError(f"{bag.path} holds no message of the contract")
+    if not bag.whole:
+        until = max(messages.log_times[-1] for messages in bag.topics.values()) / 1e9
+        notes.append(f"the bag is cut off: judged as far as it goes, {until:.2f} s")
+    record = bag.records.get(RUN_RECORD, {})
+    participants = tuple(role for role in record.get("participants", "").split(",") if role in ROLES)
+    lockstep = record["lockstep"] == "true" if "lockstep" in record else _clock_is_reliable(bag)
+    # a bag of ours that was cut off has no record of the run yet, but its attachments
+    by_us = bool(record) or text is not None
+    return Recorded(lockstep, participants or _speakers(bag, by_us), by_us, notes)
+
+
+def machine_of(bag: Bag) -> Machine:
+    """The rover that the bag describes. Raises UnjudgeableBagError if it describes none."""
+    try:
+        run = Run.of_bag(bag)
+        name, urdf = next((name, text) for name, text in run.files.items() if name.endswith(".urdf"))
+        return Machine.of(
+            run.scenario.rover,
+            run.rover,
+            parse_urdf(urdf, name),
+            run.resolved["arm"]["joint_names"],
+            [load["name"] for load in run.resolved["bus"]["loads"]],
+            tuple(run.resolved["arm"]["named_poses"]),
+        )
+    except (IncompleteConfigError, ConfigError, KeyError) as error:
+        text = f"{bag.path} does not describe its rover ({error}): name a scenario with it, --scenario NAME"
+        raise UnjudgeableBagError(text) from error
+
+
+def in_order(bag: Bag) -> Iterator[tuple[Messages, int]]:
+    """All messages by log time, and at the same time in the order of the topic table: topic and index."""
+    ranks = {row.name: rank for rank, row in enumerate(TOPICS)}
+    order = sorted(
+        (log_time, ranks.get(name, len(ranks)), name, index)
+        for name, messages in bag.topics.items()
+        for index, log_time in enumerate(messages.log_times)
+    )
+    for _, _, name, index in order:
+        yield bag.topics[name], index
+
+
+def endpoints_of(messages: Messages) -> Iterator[Endpoint]:
+    """Publishers of a topic, as its channel tells of them: at least the type."""
+    package, _, short = messages.type.partition("/msg/")
+    kind = f"{package}/{short}"
+    profiles = _profiles(messages.offered_qos)
+    for profile in profiles:
+        code = profile.get("reliability", "")
+        yield Endpoint(kind, reliability=_RELIABILITY_CODES.get(code, str(code)))
+    if not profiles:
+        yield Endpoint(kind)
+
+
+def _profiles(text: str) -> Sequence[dict[str, Any]]:
+    try:
+        found = yaml.safe_load(text) if text else None
+    except yaml.YAMLError:
+        found = None
+    return [entry for entry in found if isinstance(entry, dict)] if isinstance(found, list) else []
+
+
+def _check_contract(bag: Bag, text: bytes) -> None:
+    """Raise UnjudgeableBagError if the bag's contract is not ours."""
+    ours = contract_data()
+    try:
+        theirs = json.loads(text)
+        same = theirs["digest"] == ours["digest"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise UnjudgeableBagError(f"{bag.path}: its {CONTRACT_NAME} cannot be read: {error}") from error
+    if same:
+        return
+    differences = list(contract_differences(theirs, ours))
+    more = f"; and {len(differences) - _SHOWN} more" if len(differences) > _SHOWN else ""
+    raise UnjudgeableBagError(
+        f"{bag.path} was recorded under contract {contract_name(theirs)}, ours is {contract_name(ours)} "
+        f"({'; '.join(differences[:_SHOWN])}{more}): judge it with the Sojourn that recorded it"
+    )
+
+
+def _clock_is_reliable(bag: Bag) -> bool:
+    """Only in lock-step /clock is reliable."""
+    profiles = _profiles(bag[CLOCK].offered_qos) if CLOCK in bag else []
+    return any(
+        _RELIABILITY_CODES.get(entry.get("reliability", ""), entry.get("reliability")) == RELIABLE for entry in profiles
+    )
+
+
+def _speakers(bag: Bag, by_us: bool) -> tuple[str, ...]:
+    """Roles of which something has been recorded, and our recorder, whose own topic is in no bag."""
+    found = {row.publisher for row in TOPICS if row.name in bag} | ({"recorder"} if by_us else set())
+    return tuple(role for role in ROLES if role in found)

@@ -1,0 +1,136 @@
+"""Sections about motion: wheels on the ground, attitude, position, margin against tipping over."""
+
+import numpy as np
+
+from sojourn_bags.curves import COLORS, FloatArray
+from sojourn_bags.machine import euler_angles
+from sojourn_bags.page.chart import Curve, chart, wheel_curves
+from sojourn_bags.page.html import Section, figure, paragraph
+from sojourn_bags.page.story import CLOUD, IMU, JOINTS, POSE, Story
+from sojourn_bags.reading import Messages
+
+MER_CLASS_DEG = 45.0
+"""Tilt at which the Mars Exploration Rovers still stand (Lindemann and Voorhees 2005)."""
+_QUATERNION = tuple(f"orientation.{axis}" for axis in "xyzw")
+
+
+def wheels(story: Story) -> Section:
+    """Slip, sinkage, loads and torques of the wheels."""
+    contacts = story.find("/truth/contacts", CLOUD)
+    if contacts is None or story.run is None:
+        return Section(
+            "wheels", "Wheels", paragraph("The bag has no true contacts of a known machine on /truth/contacts.")
+        )
+    times, parts = story.times(contacts), []
+    drives = [wheel.joint for wheel in story.run.rover.wheels]
+    driven = story.moved(drives)
+    if not driven:
+        parts.append(paragraph("No wheel has turned: slip and drive torque are left out."))
+    count = len(story.wheels)
+
+    def draw(title: str, values: FloatArray, label: str, note: str = "") -> None:
+        parts.append(figure(title, chart(story.axis, wheel_curves(times, values, story.wheels), label), note))
+
+    if driven and "slip_ratio" in story.points:
+        note = "1: the wheel spins on the spot; 0: it rolls; below: it skids. At standstill it has no meaning."
+        draw("Slip of each wheel", story.points["slip_ratio"][:, :count], "slip ratio [-]", note)
+    if driven and "slip_angle" in story.points:
+        draw("Slip angle of each wheel", np.degrees(story.points["slip_angle"][:, :count]), "slip angle [degree]")
+    if "sinkage" in story.points:
+        draw("Sinkage of each wheel", 1000.0 * story.points["sinkage"][:, :count], "sinkage [mm]")
+    if "force_z" in story.points:
+        draw("Upward contact force of each wheel", story.points["force_z"][:, :count], "force [N]")
+        level = np.hypot(story.points["force_x"], story.points["force_y"])
+        draw("Horizontal contact force of each wheel", level[:, :count], "force [N]")
+        parts.append(_pads(story, times))
+    parts.append(_torques(story, drives if driven else [], "Torque of the wheel drives"))
+    steered = [wheel.steer_joint for wheel in story.run.rover.wheels if wheel.steer_joint]
+    parts.append(_torques(story, steered if story.moved(steered) else [], "Torque of the steering joints"))
+    return Section("wheels", "Wheels", "".join(parts))
+
+
+def _pads(story: Story, times: FloatArray) -> str:
+    """Forces on what else touches the ground: belly, deck, arm."""
+    count = len(story.wheels)
+    forces = np.sqrt(sum(story.points[f"force_{axis}"][:, count:] ** 2 for axis in "xyz"))
+    pads = [(name, forces[:, column]) for column, name in enumerate(story.pads) if column < forces.shape[1]]
+    touched = [(name, force) for name, force in pads if np.nanmax(np.append(force, 0.0)) > 0.0]
+    if not touched:
+        return paragraph("Nothing but the wheels has touched the ground.", quiet=True)
+    curves = [Curve(times, force, name.replace("_", " "), COLORS[number % len(COLORS)], number // len(COLORS))
+              for number, (name, force) in enumerate(touched)]  # fmt: skip
+    return figure("Contact force of what else has touched the ground", chart(story.axis, curves, "force [N]"))
+
+
+def _torques(story: Story, joints: list[str], title: str) -> str:
+    states, found = story.find("/truth/joint_states", JOINTS), story.true_joints
+    known = [name for name in joints if found is not None and name in found.names]
+    if states is None or found is None or not known:
+        return ""
+    values = found.effort[:, [found.index(name) for name in known]]
+    names = [name.removesuffix("_joint").split("_", 1)[-1] for name in known]
+    return figure(title, chart(story.axis, wheel_curves(story.times(states), values, names), "torque [N m]"))
+
+
+def attitude(story: Story) -> Section:
+    """Roll, pitch and yaw, true and estimated; error of the estimated position; margin against tipping over."""
+    sources: list[tuple[str, Messages, FloatArray]] = []
+    for topic, name in (("/truth/odom", "true"), ("/odom", "odometry")):
+        messages = story.find(topic, POSE)
+        if messages is not None:
+            columns = messages.columns(*(f"pose.pose.{part}" for part in _QUATERNION))
+            sources.append((name, messages, np.degrees(euler_angles(columns))))
+    imu = story.find("/imu/data", IMU)
+    if imu is not None:
+        sources.append(("inertial unit", imu, np.degrees(euler_angles(imu.columns(*_QUATERNION)))))
+    if not sources:
+        text = "The bag has neither /truth/odom nor /odom nor /imu/data of the usual types."
+        return Section("attitude", "Attitude and position", paragraph(text))
+    parts = []
+    for number, angle in enumerate(("Roll", "Pitch", "Yaw")):
+        curves = [
+            Curve(story.times(messages), values[:, number], name, COLORS[index], index)
+            for index, (name, messages, values) in enumerate(sources)
+        ]
+        parts.append(figure(angle, chart(story.axis, curves, f"{angle.lower()} [degree]", height=150.0)))
+    parts.append(_position_error(story))
+    parts.append(_margin(story))
+    return Section("attitude", "Attitude, position and tip-over margin", "".join(parts))
+
+
+def _position_error(story: Story) -> str:
+    truth, belief = story.find("/truth/odom", POSE), story.find("/odom", POSE)
+    if truth is None or belief is None:
+        missing = "/truth/odom" if truth is None else "/odom"
+        return paragraph(f"The error of the estimated position cannot be known: {missing} is not in the bag.")
+    _, rows, others = np.intersect1d(truth.times, belief.times, return_indices=True)
+    if not rows.size:
+        return paragraph("No two messages of /truth/odom and /odom have the same stamp.")
+    place = [f"pose.pose.position.{axis}" for axis in "xyz"]
+    error = belief.columns(*place)[others] - truth.columns(*place)[rows]
+    times = story.times(truth)[rows]
+    heading = np.degrees(_yaw(belief)[others] - _yaw(truth)[rows])
+    plane = [Curve(times, 1000.0 * np.hypot(error[:, 0], error[:, 1]), "in the plane")]
+    turned = [Curve(times, heading, "heading")]
+    return figure(
+        "Distance of the estimated from the true position", chart(story.axis, plane, "error [mm]", height=150.0)
+    ) + (figure("Estimated less true heading", chart(story.axis, turned, "error [degree]", height=130.0)))
+
+
+def _yaw(messages: Messages) -> FloatArray:
+    return euler_angles(messages.columns(*(f"pose.pose.{part}" for part in _QUATERNION)))[:, 2]
+
+
+def _margin(story: Story) -> str:
+    title = "Static tip-over margin"
+    if story.margin is None:
+        return paragraph(
+            "The tip-over margin cannot be known: that takes the machine and its true contacts and joints."
+        )
+    note = (
+        "Angle by which the line of gravity, through the true centre of mass, is inside the outline of the wheels that "
+        "carry; at 0 the rover tips. A gap: fewer than three wheels carry, or they stand in a line."
+    )
+    curves = [Curve(story.margin.times, np.degrees(story.margin.values), "least over all edges")]
+    marks = [(MER_CLASS_DEG, f"{MER_CLASS_DEG:.0f}°: rovers of the MER class, on the level")]
+    return figure(title, chart(story.axis, curves, "margin [degree]", marks), note)

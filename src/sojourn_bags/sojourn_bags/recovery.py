@@ -1,0 +1,239 @@
+"""Mends a bag that a crash has cut off, and says what is lost.
+
+The new bag holds every whole message of the old one with its times and number, the schemas, channels, attachments and
+metadata, and rosbag2's metadata.yaml. The old one is only read. What is certainly lost follows from the last heartbeats
+in the bag: by then the nodes had published so many messages of each topic. What came after them nobody can know.
+"""
+
+import json
+import shutil
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+from mcap.records import Attachment, Channel, McapRecord, Message, Metadata, Schema
+from mcap.writer import CompressionType, Writer
+
+from sojourn_bags.completeness import HEARTBEATS, RECORD, Completeness, Count, PublishedCounts
+from sojourn_bags.definitions import typestore
+from sojourn_bags.errors import BagExistsError, NothingToRecoverError, UnwritableBagError
+from sojourn_bags.metadata_file import METADATA_FILE, TopicEntry, bag_information, write_metadata_file
+from sojourn_bags.reading import bag_file
+from sojourn_bags.salvage import Salvage
+from sojourn_contract.heartbeat import read_heartbeats
+from sojourn_contract.topics import TOPICS
+
+RECOVERY_RECORD = "sojourn_recovery"
+"""Name of the metadata record that says that a bag has been mended, and from what."""
+_HEARTBEAT_TYPE = "diagnostic_msgs/msg/DiagnosticArray"
+
+
+@dataclass
+class Findings:
+    """What a reading of a damaged bag gives.
+
+    Attributes:
+        path: the MCAP file. whole: nothing is damaged. all_messages: the damage is behind the last message.
+        damage, at: what is wrong, and from which byte of `size`.
+        counts: whole messages, by topic. last: newest log time of each topic [ns].
+        published: messages sent, by topic, as the last heartbeats say. heartbeat: stamp of the last one [ns], None
+            without any. names: metadata records that are there.
+    """
+
+    path: Path
+    whole: bool = False
+    all_messages: bool = False
+    damage: str = ""
+    at: int = 0
+    size: int = 0
+    counts: dict[str, int] = field(default_factory=dict)
+    first: dict[str, int] = field(default_factory=dict)
+    last: dict[str, int] = field(default_factory=dict)
+    published: dict[str, int] = field(default_factory=dict)
+    heartbeat: int | None = None
+    names: set[str] = field(default_factory=set)
+
+    @property
+    def total(self) -> int:
+        """Messages that can be recovered."""
+        return sum(self.counts.values())
+
+    @property
+    def lost(self) -> dict[str, int]:
+        """Messages that are certainly lost, by topic: published and not there."""
+        known = {name: count - self.counts.get(name, 0) for name, count in self.published.items()}
+        return {name: count for name, count in known.items() if count > 0 and self._is_recorded(name)}
+
+    def _is_recorded(self, name: str) -> bool:
+        """Whether the recorder wrote this topic: not the tick by which it answers the plant."""
+        return name in self.counts or name in _LOGGED
+
+
+_LOGGED = frozenset(row.name for row in TOPICS if row.logged)
+
+
+def examine(path: Path) -> Findings:
+    """Read a bag and find out what is there. Raises UnreadableBagError for what is no bag."""
+    found = Findings(bag_file(path))
+    found.size = found.path.stat().st_size
+    salvage = Salvage(found.path)
+    topics: dict[int, str] = {}
+    counts = PublishedCounts()
+    for record in salvage.records:
+        if isinstance(record, Channel):
+            topics[record.id] = record.topic
+        elif isinstance(record, Metadata):
+            found.names.add(record.name)
+        elif isinstance(record, Message):
+            name = topics[record.channel_id]
+            found.counts[name] = found.counts.get(name, 0) + 1
+            found.first[name] = min(record.log_time, found.first.get(name, record.log_time))
+            found.last[name] = max(record.log_time, found.last.get(name, 0))
+            if name == HEARTBEATS:
+                _hear(record.data, counts, found)
+    found.published = counts.totals()
+    found.whole, found.all_messages = salvage.whole, salvage.all_messages
+    found.damage, found.at = salvage.damage, salvage.at
+    return found
+
+
+def recovered_folder(file: Path) -> Path:
+    """Where a mended bag goes if nobody says: beside the bag's folder, or beside a file that stands alone."""
+    if (file.parent / METADATA_FILE).exists():
+        return file.parent.with_name(file.parent.name + "_recovered")
+    return file.with_name(file.stem + "_recovered")
+
+
+def recover(found: Findings, folder: Path) -> Path:
+    """Write what is whole of an examined bag into a new one. Returns its MCAP file.
+
+    Raises:
+        NothingToRecoverError: there is no whole message. BagExistsError: there is a bag in the folder.
+        UnwritableBagError: it cannot be written; what was written of it is removed.
+    """
+    if not found.total:
+        raise NothingToRecoverError(found.path)
+    if folder.exists() and ((folder / METADATA_FILE).exists() or any(folder.glob("*.mcap"))):
+        raise BagExistsError(folder)
+    made = not folder.exists()
+    file = folder / f"{folder.name}_0.mcap"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        _write(found, file)
+    except OSError as error:
+        if made:
+            shutil.rmtree(folder, ignore_errors=True)
+        else:
+            file.unlink(missing_ok=True)
+        raise UnwritableBagError(folder, error.strerror or str(error)) from error
+    return file
+
+
+def _hear(data: bytes, counts: PublishedCounts, found: Findings) -> None:
+    """Take the counters of a heartbeat; what is none, as other people's diagnostics, is passed over."""
+    try:
+        heartbeats = read_heartbeats(typestore().deserialize_cdr(data, _HEARTBEAT_TYPE))
+    except (ValueError, IndexError, KeyError, AssertionError, struct.error):
+        return
+    for heartbeat in heartbeats:
+        counts.hear(heartbeat)
+        if heartbeat.published:
+            found.heartbeat = max(found.heartbeat or 0, heartbeat.stamp)
+
+
+class _Copy:
+    """A new MCAP file in the making, with numbers of schemas and channels of its own."""
+
+    def __init__(self, writer: Writer) -> None:
+        self.writer = writer
+        self.channels: dict[int, tuple[int, Channel]] = {}
+        self.schemas: dict[int, tuple[int, Schema]] = {0: (0, Schema(0, b"", "", ""))}
+        self.texts: dict[str, str] = {}
+
+    def take(self, record: McapRecord) -> None:
+        """Copy a record."""
+        writer = self.writer
+        if isinstance(record, Message):
+            number = self.channels[record.channel_id][0]
+            writer.add_message(number, record.log_time, record.data, record.publish_time, record.sequence)
+        elif isinstance(record, Schema) and record.id not in self.schemas:
+            number = writer.register_schema(record.name, record.encoding, record.data)
+            self.schemas[record.id] = (number, record)
+        elif isinstance(record, Channel) and record.id not in self.channels:
+            schema = self.schemas.get(record.schema_id, self.schemas[0])[0]
+            number = writer.register_channel(record.topic, record.message_encoding, schema, record.metadata)
+            self.channels[record.id] = (number, record)
+        elif isinstance(record, Attachment):
+            writer.add_attachment(record.create_time, record.log_time, record.name, record.media_type, record.data)
+        elif isinstance(record, Metadata) and record.name != "rosbag2":  # which holds the counts of the old file
+            self.add_metadata(record.name, record.metadata)
+
+    def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
+        """A metadata record, in the file and for metadata.yaml."""
+        self.writer.add_metadata(name, dict(values))
+        self.texts[name] = json.dumps(dict(values))
+
+    def topics(self, counts: Mapping[str, int]) -> list[TopicEntry]:
+        """Entries for metadata.yaml; a topic of several channels is one."""
+        entries: dict[str, TopicEntry] = {}
+        for _, channel in self.channels.values():
+            qos = _qos(channel)
+            if channel.topic in entries:
+                entries[channel.topic].qos.extend(qos)
+                continue
+            type_name = self.schemas.get(channel.schema_id, self.schemas[0])[1].name
+            hash_text = channel.metadata.get("topic_type_hash", "")
+            entries[channel.topic] = TopicEntry(channel.topic, type_name, qos, hash_text, counts.get(channel.topic, 0))
+        return list(entries.values())
+
+
+def _write(found: Findings, file: Path) -> None:
+    with file.open("xb") as stream:
+        writer = Writer(stream, compression=CompressionType.ZSTD)
+        writer.start(profile="ros2", library="sojourn_bags")
+        copy = _Copy(writer)
+        for record in Salvage(found.path).records:
+            copy.take(record)
+        copy.add_metadata(RECOVERY_RECORD, _recovery_record(found))
+        if RECORD not in found.names and found.published:
+            copy.add_metadata(RECORD, _account(found).as_record() | {"complete": "false"})
+        information = bag_information(
+            file.name, copy.topics(found.counts), min(found.first.values()), max(found.last.values()), copy.texts
+        )
+        text = yaml.safe_dump(information["rosbag2_bagfile_information"], sort_keys=False)
+        writer.add_metadata("rosbag2", {"serialized_metadata": text})
+        writer.finish()
+    write_metadata_file(file.parent, information)
+
+
+def _recovery_record(found: Findings) -> dict[str, str]:
+    return {
+        "original": found.path.name,
+        "original_bytes": str(found.size),
+        "damage": found.damage,
+        "damage_at_byte": str(found.at),
+        "messages": str(found.total),
+        "certainly_lost": json.dumps(found.lost),
+        "last_heartbeat_ns": "" if found.heartbeat is None else str(found.heartbeat),
+    }
+
+
+def _account(found: Findings) -> Completeness:
+    """Account of the mended bag, from the heartbeats in it."""
+    names = dict.fromkeys([*found.counts, *found.lost])
+    counts = {name: Count(found.published.get(name), found.counts.get(name, 0)) for name in names}
+    return Completeness(counts)
+
+
+def _qos(channel: Channel) -> list[dict[str, Any]]:
+    """Offered quality of service of a channel, [] where it says none that can be read."""
+    try:
+        profiles = yaml.safe_load(channel.metadata.get("offered_qos_profiles", "")) or []
+    except yaml.YAMLError:
+        return []
+    if not isinstance(profiles, list):
+        return []
+    return [profile for profile in profiles if isinstance(profile, dict)]

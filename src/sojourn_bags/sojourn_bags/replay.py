@@ -1,0 +1,78 @@
+"""Replays one role of a bag: the candidate hears what the run's node heard, and its answers are compared.
+
+with run_configuration(bag) as configuration:
+    result = replay(bag, "drive", NodeCandidate(DriveNode), configuration, domain=7)
+result.comparison.verdict, result.answers["/odom"]
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from sojourn_bags.candidate import Candidate
+from sojourn_bags.comparison import compare, stamps_of
+from sojourn_bags.comparison_result import Comparison
+from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.replay_harness import Listener, ReplayHarness
+from sojourn_bags.replay_script import ReplayScript, script_of
+from sojourn_bags.run_configuration import RunConfiguration
+
+PREFIX = "/replay"
+DEFAULT_TIMEOUT_S = 10.0
+
+
+@dataclass(frozen=True)
+class Replay:
+    """What came of a replay.
+
+    Args:
+        script: what was played. answers: what the candidate said, by topic. comparison: of the recorded answers with
+            these.
+    """
+
+    script: ReplayScript
+    answers: Mapping[str, Messages]
+    comparison: Comparison
+
+
+def replay(
+    bag: Bag,
+    role: str,
+    candidate: Candidate,
+    configuration: RunConfiguration,
+    domain: int,
+    namespace: str = "",
+    timeout_s: float = DEFAULT_TIMEOUT_S,
+    ready_timeout_s: float = 60.0,
+    listener: Listener | None = None,
+) -> Replay:
+    """Replay a bag through a candidate.
+
+    Args:
+        role: whom it stands in for. domain, namespace: where they meet; nobody else may be there.
+        timeout_s: wall time after which a missing answer is an error. ready_timeout_s: for the start.
+        listener: gets every message of the candidate as it comes.
+
+    Raises:
+        ReplayError: the bag cannot be replayed through this role. UnansweredError: the candidate does not answer.
+        OtherContractError, IncompleteConfigError: of the bag.
+    """
+    script = script_of(bag, role)
+    with ReplayHarness(script, domain, namespace, timeout_s, ready_timeout_s, listener) as harness:
+        answers = harness.run(candidate, configuration.parameters(script.participants, timeout_s))
+    if script.cut_off:
+        answers = {name: _up_to(messages, script.end) for name, messages in answers.items()}
+    return Replay(script, answers, compare(script.recorded, answers))
+
+
+def _up_to(messages: Messages, end: int) -> Messages:
+    """Messages stamped `end` [ns] or earlier: what follows, the bag does not know."""
+    chosen = [index for index, stamp in enumerate(stamps_of(messages)) if stamp <= end]
+    return Messages(
+        messages.topic,
+        messages.type,
+        [messages.log_times[index] for index in chosen],
+        [messages.data[index] for index in chosen],
+    )
+
+
+__all__ = ["DEFAULT_TIMEOUT_S", "PREFIX", "Replay", "replay"]

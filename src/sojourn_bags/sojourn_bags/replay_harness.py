@@ -1,0 +1,299 @@
+"""Plays all other participants of a run for one candidate, over real topics, in lock-step, from a bag.
+
+It publishes every input of the role as recorded, has a listener on each output for each participant that would
+listen, says that they are ready, and goes on to the next period when the candidate has answered.
+"""
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import rclpy
+from rclpy.context import Context
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from std_msgs.msg import Header
+
+from sojourn_bags.candidate import Candidate
+from sojourn_bags.comparison import stamps_of
+from sojourn_bags.completeness import OUTSIDE_THE_RECORD
+from sojourn_bags.errors import UnansweredError
+from sojourn_bags.reading import Messages
+from sojourn_bags.replay_answers import Answers
+from sojourn_bags.replay_script import HEARTBEATS, Script, Step
+from sojourn_contract import qos, stamps
+from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats
+from sojourn_contract.topics import Topic, outputs_of, topic
+from sojourn_contract.types import message_class
+
+GRACE_S = 0.25
+"""Wall time after which a topic that is missing may lag by a period more."""
+POLL_S = 0.02
+"""Wall time between two looks at the candidate's process."""
+READY_REPEAT_S = 0.2
+DRAIN_S = 2.0
+"""Wall time without a message after which what is still missing at the end is not waited for."""
+ACKNOWLEDGE_S = 5.0
+RECORDER_TICK = "/recorder/tick"
+
+Listener = Callable[[Topic, int, bytes], None]
+"""Gets every message of the candidate as it comes: row, stamp [ns], CDR."""
+
+
+class ReplayHarness:
+    """One replay. A context manager; nothing is left behind.
+
+    Args:
+        script: what to play. domain, namespace: where. timeout_s: wall time after which a missing answer is an error.
+        ready_timeout_s: wall time within which the candidate must be ready.
+        listener: gets every message of the candidate, also those from before the run.
+    """
+
+    def __init__(
+        self,
+        script: Script,
+        domain: int,
+        namespace: str = "",
+        timeout_s: float = 10.0,
+        ready_timeout_s: float = 60.0,
+        listener: Listener | None = None,
+    ) -> None:
+        self.script = script
+        self.namespace = namespace
+        self._domain = domain
+        self._timeout_s, self._ready_timeout_s = timeout_s, ready_timeout_s
+        self._listener = listener
+        self.answers = Answers(script.due, script.lead)
+        self._heartbeats = Answers({}, 0)
+        self._ready_state, self._ready_detail = "", ""
+        self._candidate: Candidate | None = None
+        self._polled_at = self._said_ready_at = 0.0
+
+    def __enter__(self) -> "ReplayHarness":
+        self.context = Context()
+        rclpy.init(args=[], context=self.context, domain_id=self._domain)
+        self._executor = EventsExecutor(context=self.context)
+        self._node = self._make_node("participants")
+        self._others = self._make_node("listeners")
+        """Never spun: its subscriptions are only counted by the candidate."""
+        self._executor.add_node(self._node)
+        self._senders = {row.name: self._sender(row) for row in self.script.inputs}
+        self._outputs = outputs_of(self.script.role)
+        for row in self._outputs:
+            self._listen(row)
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        try:
+            if self._candidate is not None:
+                self._candidate.stop()
+        finally:
+            self._executor.remove_node(self._node)
+            self._executor.shutdown()
+            self._node.destroy_node()
+            self._others.destroy_node()
+            rclpy.try_shutdown(context=self.context)
+
+    def run(self, candidate: Candidate, parameters: Mapping[str, Any]) -> dict[str, Messages]:
+        """Replay all of the script. Returns everything that the candidate has said during the run, by topic.
+
+        Args:
+            candidate: not started yet. parameters: ROS parameters of its node.
+
+        Raises:
+            UnansweredError: it was never ready, does not answer any more, or has ended.
+        """
+        self._candidate = candidate
+        candidate.start(self.context, self._executor, parameters)
+        self._get_ready()
+        for step in self.script.steps:
+            self._play(step)
+            self._wait_for_answers(step.period)
+        self._drain()
+        return self.answers.messages() | self._heartbeats.messages()
+
+    # Before the run
+
+    def _get_ready(self) -> None:
+        """Until candidate and harness have found each other and it says that it is ready, or (the plant) begins."""
+        begun = time.monotonic()
+        while not self._is_ready():
+            self._spin(POLL_S)
+            waited = time.monotonic() - begun
+            self._say_ready()
+            if ended := self._ended():
+                raise UnansweredError(f"{self.script.role} {ended} (it was not ready yet)")
+            if unfit := self._unfit():
+                raise UnansweredError(f"{self.script.role} cannot be heard: {unfit}")
+            if waited > self._ready_timeout_s:
+                raise UnansweredError(
+                    f"{self.script.role} is not ready after {waited:.0f} s of wall time: {self._why_not_ready()}"
+                )
+
+    def _is_ready(self) -> bool:
+        if self.script.role == "plant":
+            return self.answers.newest > 0
+        return self._ready_state == READY and not self._unheard()
+
+    def _say_ready(self) -> None:
+        """The plant waits for everybody's word; the harness speaks for all."""
+        if self.script.role != "plant" or time.monotonic() - self._said_ready_at < READY_REPEAT_S:
+            return
+        self._said_ready_at = time.monotonic()
+        for role in self.script.participants:
+            if role != self.script.role:
+                self._senders[HEARTBEATS].publish(heartbeat_message(role, READY, 0, Counters()))
+
+    def _unheard(self) -> list[str]:
+        """Inputs of the role that the candidate does not listen to. The clock is there for whoever wants it."""
+        return [
+            name
+            for name, sender in self._senders.items()
+            if name != "/clock" and sender.get_subscription_count() <= (name == HEARTBEATS)
+        ]
+
+    def _why_not_ready(self) -> str:
+        """The first reason that can be seen from outside."""
+        for row in self._outputs:
+            if not self._offers(row):
+                return f"it does not publish {row.name}"
+        if unheard := self._unheard():
+            return f"it does not listen to {unheard[0]}"
+        if not self._ready_state:
+            return f"no heartbeat of {self.script.role} with stamp zero has come on {HEARTBEATS}"
+        detail = f" ({self._ready_detail})" if self._ready_detail else ""
+        return f"its heartbeat says {self._ready_state!r}{detail}"
+
+    def _unfit(self) -> str:
+        """An output whose quality of service the others' subscriptions cannot take, in words; "" without one."""
+        for row in self._outputs:
+            wanted = qos.profile(row, True).reliability
+            for offer in self._offers(row):
+                if wanted is ReliabilityPolicy.RELIABLE and offer.qos_profile.reliability is not wanted:
+                    return f"it offers {row.name} as best effort, the contract says reliable"
+        return ""
+
+    def _offers(self, row: Topic) -> list[Any]:
+        """Publishers of a topic that are not the harness's own."""
+        found = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(row.name.lstrip("/")))
+        own = (self._node.get_name(), self._others.get_name())
+        return [info for info in found if info.node_name not in own]
+
+    # During the run
+
+    def _play(self, step: Step) -> None:
+        """Send all of a period: goals first, and where there are any they arrive before the rest."""
+        for name, data in step.goals:
+            self._senders[name].publish(data)
+        for name in {name for name, _ in step.goals}:
+            self._senders[name].wait_for_all_acked(rclpy.duration.Duration(seconds=ACKNOWLEDGE_S))
+        for name, data in step.inputs:
+            self._senders[name].publish(data)
+        if RECORDER_TICK in self._senders and step.period % topic(RECORDER_TICK).every == 0:
+            stamp = stamps.to_message(step.period * stamps.CONTROL_PERIOD_NS)
+            self._senders[RECORDER_TICK].publish(Header(stamp=stamp))
+
+    def _wait_for_answers(self, period: int) -> None:
+        begun = patient_at = time.monotonic()
+        newest = self.answers.newest
+        while missing := self.answers.missing(period):
+            self._spin(POLL_S)
+            now = time.monotonic()
+            if self.answers.newest > newest:
+                newest, begun = self.answers.newest, now
+            if now - patient_at < GRACE_S:
+                continue
+            if ended := self._ended():
+                raise UnansweredError(f"{self.script.role} {ended} (it had not answered {_named(missing[0])})")
+            patient_at = now
+            if not self.answers.be_patient(period) and now - begun > self._timeout_s:
+                waited = f"{self._timeout_s:g} s of wall time"
+                raise UnansweredError(
+                    f"{self.script.role} does not answer: {_named(missing[0])} is missing after {waited}"
+                )
+
+    def _drain(self) -> None:
+        """Take what is still on its way, until all is there or nothing has come for a while."""
+        beats = self.script.recorded.get(HEARTBEATS)
+        last_beat = stamps_of(beats)[-1] if beats else 0
+        count, quiet_since = -1, time.monotonic()
+        while self.answers.unsettled() or self._heartbeats.newest < last_beat:
+            self._spin(POLL_S)
+            now = time.monotonic()
+            if self.answers.count + self._heartbeats.count != count:
+                count, quiet_since = self.answers.count + self._heartbeats.count, now
+            if now - quiet_since > DRAIN_S:
+                break
+        self._spin(POLL_S)
+
+    def _ended(self) -> str:
+        return self._candidate.how_it_ended() if self._candidate is not None else ""
+
+    # Endpoints
+
+    def _make_node(self, name: str) -> Node:
+        return Node(
+            name,
+            context=self.context,
+            namespace=self.namespace or None,
+            enable_rosout=False,
+            start_parameter_services=False,
+        )
+
+    def _sender(self, row: Topic) -> Any:
+        return self._node.create_publisher(message_class(row.type), row.name.lstrip("/"), qos.profile(row, True))
+
+    def _listen(self, row: Topic) -> None:
+        """One subscription that takes the messages, and as many more as participants would listen."""
+        listeners = [role for role in row.subscribers if role in self.script.participants]
+        listeners += ["recorder"] if row.logged and "recorder" in self.script.participants else []
+        listeners = [role for role in listeners if role != self.script.role or row.publisher == "all"]
+        kind, name = message_class(row.type), row.name.lstrip("/")
+        self._node.create_subscription(
+            kind, name, lambda data: self._take(row, data), qos.profile(row, True, "recorder"), raw=True
+        )
+        wanted = qos.profile(row, True)
+        silent = QoSProfile(history=wanted.history, depth=1, reliability=wanted.reliability)
+        for _ in listeners[1:]:
+            self._others.create_subscription(kind, name, _ignore, silent, raw=True)
+
+    def _take(self, row: Topic, data: bytes) -> None:
+        stamp = stamps.from_cdr(data)
+        if row.name == HEARTBEATS:
+            self._take_heartbeat(row, stamp, data)
+            return
+        if self._listener is not None:
+            self._listener(row, stamp, data)
+        self.answers.take(row.name, stamp, data)
+
+    def _take_heartbeat(self, row: Topic, stamp: int, data: bytes) -> None:
+        """Of the candidate only: the harness hears its own, too."""
+        beats = read_heartbeats(deserialize_message(data, message_class(row.type)))
+        beats = [beat for beat in beats if beat.role == self.script.role]
+        if not beats:
+            return
+        if self._listener is not None:
+            self._listener(row, stamp, data)
+        if stamp == 0:
+            self._ready_state, self._ready_detail = beats[0].state, beats[0].detail
+        elif beats[0].state not in OUTSIDE_THE_RECORD:
+            self._heartbeats.take(row.name, stamp, data)
+
+    def _spin(self, seconds: float) -> None:
+        """Take what comes, at most for so long, and look after the candidate."""
+        self._executor.spin_once(timeout_sec=seconds)
+        now = time.monotonic()
+        if self._candidate is not None and now - self._polled_at > POLL_S:
+            self._polled_at = now
+            self._candidate.poll()
+
+
+def _named(answer: tuple[str, int]) -> str:
+    name, stamp = answer
+    return f"{name} stamped {stamps.seconds(stamp):.2f} s"
+
+
+def _ignore(_data: bytes) -> None:
+    """For a subscription that is only counted."""

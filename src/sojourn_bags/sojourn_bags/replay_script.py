@@ -1,0 +1,210 @@
+"""What a bag says that a role heard, in which order, and what it answered: the script of a replay. No ROS in here.
+
+A step is a control period. In it stand the messages stamped with it, in the order of the file. A goal of the
+scripted operator stands in the step of the tick that announces it, some periods before it takes effect; a goal
+sent by hand in the step under which the recorder has filed it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from sojourn_bags.comparison import stamps_of, until
+from sojourn_bags.contract_version import check_contract
+from sojourn_bags.errors import ReplayError
+from sojourn_bags.provenance import run_of
+from sojourn_bags.reading import Bag, Messages
+from sojourn_contract.barrier import awaited_inputs
+from sojourn_contract.events import parse_tick
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topics import OPERATOR_LAG, Topic, inputs_of, outputs_of, topic
+
+ROLES_TO_REPLAY = ("plant", "sensors", "drive", "arm", "power")
+CLOCK, TICK, HEARTBEATS = "/clock", "/operator/tick", "/diagnostics"
+
+
+@dataclass
+class Step:
+    """One control period.
+
+    Args:
+        period: number. goals: (topic, CDR), to be there before the inputs. inputs: (topic, CDR) in the order of the
+            file.
+    """
+
+    period: int
+    goals: list[tuple[str, bytes]] = field(default_factory=list)
+    inputs: list[tuple[str, bytes]] = field(default_factory=list)
+
+
+class Script(Protocol):
+    """What a harness has to know of what it plays; attributes as in `ReplayScript`."""
+
+    @property
+    def role(self) -> str: ...
+    @property
+    def participants(self) -> tuple[str, ...]: ...
+    @property
+    def steps(self) -> tuple[Step, ...]: ...
+    @property
+    def inputs(self) -> tuple[Topic, ...]: ...
+    @property
+    def recorded(self) -> Mapping[str, Messages]: ...
+    @property
+    def lead(self) -> int: ...
+    @property
+    def due(self) -> Mapping[str, Sequence[int]]: ...
+
+
+@dataclass(frozen=True)
+class ReplayScript:
+    """All of a replay.
+
+    Args:
+        role: who is replayed. participants: roles of the run.
+        steps: by period, from the first. inputs: rows that the role hears; those after the first `awaited` are
+            goals and others that it does not wait for.
+        recorded: what the role answered in the run, by topic. cut_off: whether the bag is.
+    """
+
+    role: str
+    participants: tuple[str, ...]
+    steps: tuple[Step, ...]
+    inputs: tuple[Topic, ...]
+    recorded: Mapping[str, Messages]
+    cut_off: bool = False
+
+    @property
+    def lead(self) -> int:
+        """Periods by which an answer is stamped later than what it answers: the plant's truth is of the next one."""
+        return 1 if self.role == "plant" else 0
+
+    @property
+    def due(self) -> dict[str, list[int]]:
+        """Stamps [ns] at which the run has an answer, by topic. Heartbeats are not waited for."""
+        return {name: sorted(set(stamps_of(each))) for name, each in self.recorded.items() if name != HEARTBEATS}
+
+    @property
+    def end(self) -> int:
+        """Stamp [ns] of the last answer."""
+        return max(stamps_of(messages)[-1] for messages in self.recorded.values())
+
+
+def script_of(bag: Bag, role: str) -> ReplayScript:
+    """The script of a role in a bag, as far as the bag goes.
+
+    Raises:
+        ReplayError: the role did not take part, the run was in real time, or a topic is missing.
+        OtherContractError: the bag is of another contract. IncompleteConfigError: it does not say who took part.
+    """
+    check_contract(bag)
+    run = run_of(bag)
+    participants = tuple(run["participants"].split(","))
+    if role not in ROLES_TO_REPLAY:
+        raise ReplayError(f"role {role!r} cannot be replayed, allowed is one of {', '.join(ROLES_TO_REPLAY)}")
+    if role not in participants:
+        raise ReplayError(f"{bag.path} is of a run without {role}: there were {', '.join(participants)}")
+    if run["lockstep"] != "true":
+        reason = "was recorded in real time, where a node's inputs depend on when they come: replay needs lock-step"
+        raise ReplayError(f"{bag.path} {reason}")
+    topics = dict(bag.topics)
+    if not bag.whole:
+        topics = until(topics, max((each.log_times[-1] for each in topics.values()), default=0))
+    if not topics:
+        raise ReplayError(f"{bag.path} holds no whole period")
+    inputs = _inputs(role, participants, topics)
+    recorded = {name: messages for name, messages in _answers(role, topics).items() if len(messages)}
+    _check_topics(bag, role, participants, topics, recorded)
+    end = max(stamps_of(messages)[-1] for messages in recorded.values())
+    return ReplayScript(role, participants, _steps(role, inputs, topics, end), inputs, recorded, not bag.whole)
+
+
+def own_heartbeats(messages: Messages, role: str) -> Messages:
+    """The heartbeats of one role."""
+    chosen = [index for index in range(len(messages)) if _sender(messages, index) == role]
+    return Messages(
+        messages.topic,
+        messages.type,
+        [messages.log_times[index] for index in chosen],
+        [messages.data[index] for index in chosen],
+        [messages.places[index] for index in chosen],
+    )
+
+
+def _inputs(role: str, participants: Sequence[str], topics: Mapping[str, Messages]) -> tuple[Topic, ...]:
+    """Rows that the role may hear: what it waits for, goals, heartbeats, and the clock where the plant is another."""
+    awaited = {row.name for row in awaited_inputs(role, participants)}
+    rows = [row for row in inputs_of(role) if row.name in awaited or row.is_event or row.publisher == "all"]
+    clock = () if role == "plant" or CLOCK not in topics else (topic(CLOCK),)
+    return (*clock, *rows)
+
+
+def _answers(role: str, topics: Mapping[str, Messages]) -> dict[str, Messages]:
+    found = {row.name: topics[row.name] for row in outputs_of(role) if row.name in topics}
+    if HEARTBEATS in found:
+        found[HEARTBEATS] = own_heartbeats(found[HEARTBEATS], role)
+    return found
+
+
+def _check_topics(
+    bag: Bag, role: str, participants: Sequence[str], topics: Mapping[str, Messages], recorded: Mapping[str, Messages]
+) -> None:
+    """Raise ReplayError if a topic of the role is not in the bag, unless the run was too short for it."""
+    periods = max(each.log_times[-1] for each in topics.values()) // CONTROL_PERIOD_NS
+    for row in awaited_inputs(role, participants):
+        if row.logged and row.name not in topics and periods >= row.every:
+            raise ReplayError(f"{bag.path} lacks {row.name}, without which {role} cannot be replayed")
+    for row in outputs_of(role):
+        if not row.is_event and row.name not in recorded and periods > row.every:
+            raise ReplayError(f"{bag.path} lacks {row.name} of {role}: there is nothing to compare its answers with")
+
+
+def _steps(role: str, inputs: Sequence[Topic], topics: Mapping[str, Messages], end: int) -> tuple[Step, ...]:
+    ticks = _ticks(topics)
+    last = end // CONTROL_PERIOD_NS
+    if role == "plant" and not any(ends and period + OPERATOR_LAG <= last for period, (_, ends) in ticks.items()):
+        last -= 1  # it would answer what the run did not ask for
+    steps = {period: Step(period) for period in range(1, last + 1)}
+    entries = []
+    for row in inputs:
+        if row.name == "/recorder/tick" or row.name not in topics:
+            continue
+        messages = topics[row.name]
+        for index, stamp in enumerate(stamps_of(messages)):
+            if row.publisher == "all" and _sender(messages, index) == role:
+                continue
+            entries.append((messages.places[index], row, stamp, messages.log_times[index], messages.data[index]))
+    for _, row, stamp, log_time, data in sorted(entries, key=lambda entry: entry[0]):
+        if row.is_event:
+            period = _period_of_goal(row, stamp, log_time, ticks)
+            if period in steps:
+                steps[period].goals.append((row.name, data))
+        elif stamp // CONTROL_PERIOD_NS in steps:
+            steps[stamp // CONTROL_PERIOD_NS].inputs.append((row.name, data))
+    return tuple(steps.values())
+
+
+def _ticks(topics: Mapping[str, Messages]) -> dict[int, tuple[dict[str, int], bool]]:
+    """Of each tick, by period: the goals sent so far, and whether it ends the run."""
+    if TICK not in topics:
+        return {}
+    messages = topics[TICK]
+    return {
+        stamp // CONTROL_PERIOD_NS: parse_tick(messages.decode(index).frame_id)
+        for index, stamp in enumerate(stamps_of(messages))
+    }
+
+
+def _period_of_goal(row: Topic, stamp: int, log_time: int, ticks: Mapping[int, tuple[dict[str, int], bool]]) -> int:
+    """The step in which a goal is sent."""
+    announced = stamp // CONTROL_PERIOD_NS - OPERATOR_LAG
+    before = topic(TICK).every
+    now, earlier = ticks.get(announced, ({}, False))[0], ticks.get(announced - before, ({}, False))[0]
+    if now.get(row.name, 0) > earlier.get(row.name, 0):
+        return announced
+    return max(1, log_time // CONTROL_PERIOD_NS)
+
+
+def _sender(messages: Messages, index: int) -> str:
+    statuses = messages.decode(index).status
+    return statuses[0].name if statuses else ""

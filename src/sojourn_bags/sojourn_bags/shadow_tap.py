@@ -1,0 +1,107 @@
+"""Listens to a running stack for one role: what the role hears, period by period, and what its node says.
+
+It waits for nobody and nobody waits for it: its queues are deep, so that it loses nothing while it lags behind.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+from sojourn_bags.definitions import full_type
+from sojourn_bags.errors import UnansweredError
+from sojourn_bags.reading import Messages
+from sojourn_bags.replay_script import CLOCK, HEARTBEATS, Step
+from sojourn_contract import qos, stamps
+from sojourn_contract.barrier import Barrier, awaited_inputs
+from sojourn_contract.topics import Topic, inputs_of, outputs_of, topic
+from sojourn_contract.types import message_class
+
+DEPTH = 20_000
+"""Messages of a topic that may wait: minutes of a run."""
+MOST_MISSED = 250
+"""Periods that the stack may be ahead of one of which a message has not come: more, and it was lost."""
+
+
+class Tap:
+    """What a role of a running stack hears and says.
+
+    Args:
+        role: the role. participants: of the run. lockstep: mode of time.
+        node: in the stack's namespace; the subscriptions are made on it.
+    """
+
+    def __init__(self, role: str, participants: Sequence[str], lockstep: bool, node: Node) -> None:
+        self.role, self.lockstep = role, lockstep
+        self.newest = 0
+        """Latest stamp heard on what the role waits for [ns]."""
+        self.ours: dict[str, Messages] = {}
+        """What our node has said, by topic, without heartbeats."""
+        awaited = awaited_inputs(role, participants)
+        self._awaited = {row.name: row for row in awaited}
+        self._barrier: Barrier[bytes] = Barrier(awaited)
+        self._goals: deque[tuple[int, str, bytes]] = deque()
+        self._waiting: deque[tuple[str, bytes]] = deque()
+        self.inputs = (topic(CLOCK), *(row for row in inputs_of(role) if row.name in self._awaited or row.is_event))
+        for row in self.inputs:
+            self._listen(node, row, self._hear)
+        for row in outputs_of(role):
+            if row.name != HEARTBEATS:
+                self.ours[row.name] = Messages(row.name, full_type(row.type))
+                self._listen(node, row, self._hear_ours)
+
+    def next_step(self) -> Step | None:
+        """The next period whose inputs are all here, with the goals that came before it; in real time what has come.
+
+        Raises:
+            UnansweredError: a message of the stack was lost on its way here.
+        """
+        if not self.lockstep:
+            return self._all_that_waits()
+        if not self._barrier.is_complete():
+            ahead = (self.newest - self._barrier.stamp) // stamps.CONTROL_PERIOD_NS
+            if ahead > MOST_MISSED:
+                row = self._barrier.missing()[0]
+                raise UnansweredError(
+                    f"{row.name} stamped {stamps.seconds(self._barrier.stamp):.2f} s has not come from the stack: "
+                    "the shadow cannot go on"
+                )
+            return None
+        step = Step(self._barrier.period)
+        while self._goals and self._goals[0][0] < self._barrier.stamp:
+            step.goals.append(self._goals.popleft()[1:])
+        step.inputs = list(self._barrier.take().items())
+        return step
+
+    def _all_that_waits(self) -> Step | None:
+        if not self._waiting:
+            return None
+        step = Step(self.newest // stamps.CONTROL_PERIOD_NS, inputs=list(self._waiting))
+        self._waiting.clear()
+        return step
+
+    def _listen(self, node: Node, row: Topic, take: Any) -> None:
+        offered = qos.profile(row, self.lockstep)
+        profile = QoSProfile(history=offered.history, depth=DEPTH, reliability=offered.reliability)
+        name = row.name.lstrip("/")
+        node.create_subscription(message_class(row.type), name, lambda data: take(row, data), profile, raw=True)
+
+    def _hear(self, row: Topic, data: bytes) -> None:
+        stamp = stamps.from_cdr(data)
+        if not self.lockstep:
+            self.newest = max(self.newest, stamp if row.name in self._awaited else 0)
+            self._waiting.append((row.name, data))
+        elif row.is_event:
+            # one that is stamped ahead takes effect at its stamp; one for now, after what our node has heard by now
+            self._goals.append((self.newest, row.name, data))
+        elif row.name in self._awaited:
+            self.newest = max(self.newest, stamp)
+            if stamp + row.lag * stamps.CONTROL_PERIOD_NS >= self._barrier.stamp:  # the candidate may be far behind
+                self._barrier.offer(row, stamp, data)
+
+    def _hear_ours(self, row: Topic, data: bytes) -> None:
+        stamp = stamps.from_cdr(data)
+        self.ours[row.name].log_times.append(stamp)
+        self.ours[row.name].data.append(data)

@@ -1,0 +1,125 @@
+"""Shows the contract, and judges a bag or a running stack by it: scripts/contract."""
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from sojourn_bags.errors import BagsError
+from sojourn_bags.judging import judge_bag
+from sojourn_bags.reading import read_bag
+from sojourn_bringup import options
+from sojourn_bringup.contract_live import LiveSource
+from sojourn_bringup.contract_screen import console, show_contract, show_report
+from sojourn_bringup.errors import UsageError
+from sojourn_bringup.process_table import check_roles
+from sojourn_config.scenario import load_scenario
+from sojourn_contract.conformance.findings import Report
+from sojourn_contract.conformance.judge import Judge
+from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.description import contract_data
+from sojourn_contract.page import contract_page
+
+SCENARIO = "lunar_sample"
+"""Whose rover is meant where nothing else says."""
+LIVE_S = 10.0
+
+
+def parser() -> argparse.ArgumentParser:
+    """Options of scripts/contract."""
+    result = options.Parser(prog="contract", description="Show the contract, or judge messages by it.")
+    commands = result.add_subparsers(dest="command", required=True)
+    show = commands.add_parser("show", help="print topics, fields, rules and joints")
+    show.add_argument("--format", choices=("table", "json", "html"), default="table", help="default: %(default)s")
+    show.add_argument("--scenario", default=SCENARIO, metavar="NAME", help="whose rover to show (default: %(default)s)")
+    check = commands.add_parser("check", help="judge every message; exit status 1 if there is any violation")
+    source = check.add_mutually_exclusive_group(required=True)
+    source.add_argument("--bag", type=Path, metavar="BAG", help="a bag, its folder, or the folder of a run")
+    source.add_argument("--live", action="store_true", help="a running stack")
+    check.add_argument("--node", metavar="NAME", help="judge this role alone (default: all)")
+    check.add_argument("--scenario", metavar="NAME", help=f"whose rover runs (default: the bag's own; live {SCENARIO})")
+    check.add_argument(
+        "--seconds", type=options.positive_seconds, default=LIVE_S, metavar="S",
+        help="how long to listen, wall time (default: %(default)g)",
+    )  # fmt: skip
+    check.add_argument("--json", type=Path, metavar="FILE", help="write all findings there")
+    options.add_place(check)
+    return result
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Show or check. 0 without a violation, 1 with any, 2 if there was nothing to judge."""
+    given = parser().parse_args(arguments)
+    if given.command == "show":
+        show_as(given.format, _machine(given.scenario))
+        return 0
+    report, facts = _check_live(given) if given.live else _check_bag(given)
+    if not report.messages:
+        raise UsageError(f"{facts['source']}: there was no message to judge")
+    show_report(console(), report, facts["notes"], facts["source"])
+    if given.json is not None:
+        _write_json(given.json, facts | report.as_data())
+    return 1 if report.violations else 0
+
+
+def show_as(form: str, machine: Machine) -> None:
+    """Print the contract as a table, as JSON or as a page."""
+    if form == "html":
+        print(contract_page(machine), end="")
+    elif form == "json":
+        print(json.dumps(contract_data() | {"rover": machine.as_data()}, indent=2, ensure_ascii=False))
+    else:
+        show_contract(console(), machine)
+
+
+def _check_bag(given: argparse.Namespace) -> tuple[Report, dict[str, Any]]:
+    roles = None if given.node is None else check_roles((given.node,), "--node")
+    machine = None if given.scenario is None else _machine(given.scenario)
+    try:
+        bag = read_bag(given.bag)
+        report, run = judge_bag(bag, roles, machine)
+    except BagsError as error:
+        raise UsageError(str(error)) from error
+    return report, _facts(str(bag.path), run.lockstep, run.participants, run.notes)
+
+
+def _check_live(given: argparse.Namespace) -> tuple[Report, dict[str, Any]]:
+    machine = _machine(given.scenario or SCENARIO)
+    with LiveSource(given.domain, given.namespace) as source:
+        stack = source.find()
+        roles = tuple(stack.nodes) if given.node is None else (stack.role_of(given.node),)
+        judge = Judge(machine, lockstep=stack.lockstep, participants=tuple(stack.nodes), roles=roles, from_start=False)
+        stack.judge_endpoints(judge, roles)
+        listened = source.listen(stack, judge, given.seconds)
+    report = judge.finish()
+    mode = "lock-step" if stack.lockstep else "real time"
+    notes = [f"{mode}, listened for {listened:.1f} s of wall time, {judge.simulated_s:.2f} s of simulation"]
+    what = f"the stack on domain {given.domain}{given.namespace}"
+    return report, _facts(what, stack.lockstep, tuple(stack.nodes), notes)
+
+
+def _machine(scenario: str) -> Machine:
+    return Machine.of_scenario(load_scenario(scenario))
+
+
+def _facts(source: str, lockstep: bool, participants: Sequence[str], notes: Sequence[str]) -> dict[str, Any]:
+    contract = contract_data()
+    return {
+        "source": source,
+        "contract": {"version": contract["version"], "digest": contract["digest"]},
+        "lockstep": lockstep,
+        "participants": list(participants),
+        "notes": list(notes),
+    }
+
+
+def _write_json(file: Path, data: dict[str, Any]) -> None:
+    try:
+        file.write_text(json.dumps(data, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"--json: {file} cannot be written: {error}") from error
+
+
+if __name__ == "__main__":
+    options.run_script(main)

@@ -1,0 +1,136 @@
+"""Replays a bag through one node or candidate and compares its answers with the recorded ones: scripts/replay."""
+
+import argparse
+import os
+import signal
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+from sojourn_bags.comparison_result import at
+from sojourn_bags.comparison_words import comparison_lines
+from sojourn_bags.errors import BagsError, UnansweredError
+from sojourn_bags.reading import Bag
+from sojourn_bags.replay import DEFAULT_TIMEOUT_S, PREFIX, Replay, replay
+from sojourn_bags.replay_script import ROLES_TO_REPLAY
+from sojourn_bags.run_configuration import run_configuration
+from sojourn_bringup import options
+from sojourn_bringup.candidate_process import ProcessCandidate
+from sojourn_bringup.compare import exit_status, read_runs, write_result
+from sojourn_bringup.environment import ros_variables
+from sojourn_bringup.errors import BringupError, UsageError
+from sojourn_bringup.instance import RoleTokens
+from sojourn_bringup.plan import replacement_of
+
+
+def parser() -> argparse.ArgumentParser:
+    """Options of scripts/replay."""
+    result = options.Parser(
+        prog="replay",
+        description="Feed the recorded inputs of a role to a node, in lock-step over real topics, and compare its "
+        "answers with the recorded ones. The status is 0 if they are identical or within the contract's tolerance, "
+        "1 if not.",
+    )
+    roles = ", ".join(ROLES_TO_REPLAY)
+    result.add_argument("bag", type=Path, metavar="BAG", help="a run's folder or a bag, recorded in lock-step")
+    result.add_argument("--node", metavar="ROLE", help=f"replay our own node: {roles}")
+    result.add_argument("--exec", metavar="COMMAND", help="replay this program; it gets the ROS arguments of our node")
+    result.add_argument("--role", metavar="ROLE", help="with --exec: whom it stands in for")
+    result.add_argument("--exact", action="store_true", help="status 1 also for what is within tolerance")
+    options.add_result(result, f"the replayed topics under {PREFIX}/...")
+    result.add_argument("--log", type=Path, metavar="FILE", help="what the program prints (default: not kept)")
+    options.add_place(result)
+    result.add_argument(
+        "--timeout", type=options.positive_seconds, default=DEFAULT_TIMEOUT_S, metavar="S",
+        help="wall time after which a missing answer is an error (default: %(default)g s)",
+    )  # fmt: skip
+    result.add_argument(
+        "--start-timeout", type=options.positive_seconds, default=60.0, metavar="S",
+        help="wall time within which it must be ready (default: %(default)g s)",
+    )  # fmt: skip
+    return result
+
+
+def wanted(given: argparse.Namespace) -> tuple[str, str]:
+    """Role and command ("" for our own node). Raises UsageError."""
+    if bool(given.node) == bool(given.exec):
+        raise UsageError("replay: give either --node ROLE or --exec COMMAND --role ROLE")
+    if given.exec and not given.role:
+        raise UsageError("replay: --exec needs --role: whom it stands in for")
+    if given.node and given.role and given.role != given.node:
+        raise UsageError(f"replay: --node {given.node} and --role {given.role} are two roles")
+    role = given.node or given.role
+    if role not in ROLES_TO_REPLAY:
+        option = "--node" if given.node else "--role"
+        raise UsageError(f"{option}: role {role!r} is unknown, allowed is one of {', '.join(ROLES_TO_REPLAY)}")
+    return replacement_of(f"{role}={given.exec}") if given.exec else (role, "")
+
+
+def run_replay(given: argparse.Namespace, bag: Bag, role: str, command: str) -> Replay:
+    """Replay, and leave no process and no file behind.
+
+    Raises:
+        UsageError: the bag cannot be replayed. BringupError: the candidate does not answer.
+    """
+    ros = ros_variables(given.domain)  # before the run's configuration takes the place of ours
+    os.environ.update(ros)
+    try:
+        with (
+            tempfile.TemporaryDirectory(prefix="sojourn-replay-") as folder,
+            run_configuration(bag) as configuration,
+            RoleTokens(given.domain, given.namespace, ROLES_TO_REPLAY),
+            ended_by_signals(),
+        ):
+            for warning in configuration.warnings():
+                print(f"note: {warning}")
+            log = given.log or Path(folder) / f"{role}.log"
+            candidate = ProcessCandidate(role, command, ros, given.namespace, log)
+            return replay(
+                bag, role, candidate, configuration, given.domain, given.namespace, given.timeout, given.start_timeout
+            )
+    except UnansweredError as error:
+        raise BringupError(str(error)) from error
+    except BagsError as error:
+        raise UsageError(str(error)) from error
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """SIGTERM and SIGHUP end the program as Ctrl-C does: after everything that it has started."""
+
+    def interrupt(_number: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = {number: signal.signal(number, interrupt) for number in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Replay, compare and tell. Returns the exit status."""
+    given = parser().parse_args(arguments)
+    role, command = wanted(given)
+    (bag,) = read_runs([given.bag])
+    begun = time.monotonic()
+    result = run_replay(given, bag, role, command)
+    script = result.script
+    cut = ", which is cut off: as far as it goes" if script.cut_off else ""
+    print(
+        f"{command or role}: {len(script.steps)} periods of {bag.path}{cut}, "
+        f"{at(script.end)} replayed in {time.monotonic() - begun:.1f} s"
+    )
+    print("\n".join(comparison_lines(result.comparison, "recorded", "replayed")))
+    data = {"bag": str(bag.path), "role": role, "command": command, "cut_off": script.cut_off}
+    sides = (dict(script.recorded), dict(result.answers))
+    write_result(given, result.comparison, data | result.comparison.as_data(), sides, PREFIX, bag)
+    return exit_status(result.comparison.verdict, given.exact)
+
+
+if __name__ == "__main__":
+    options.run_script(main)

@@ -1,0 +1,64 @@
+"""Lock-step: exactly one message of every row at each stamp at which it is due.
+
+A message that is missing is held against its sender only if the sender had its inputs of that stamp: an
+answer cannot come where nothing was asked. Only for the plant, which paces everybody, nothing excuses a gap.
+"""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+
+from sojourn_contract.barrier import awaited_inputs
+from sojourn_contract.conformance.findings import Finding
+from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
+from sojourn_contract.topics import Topic
+
+
+def missing_answers(
+    rows: Sequence[Topic],
+    stamps: Mapping[str, Collection[int]],
+    participants: Collection[str],
+    begin: int,
+    end: int,
+) -> Iterator[tuple[Topic, int, Finding]]:
+    """What is missing with begin < stamp <= end [ns]: row, stamp and finding, in the order of time.
+
+    Args:
+        rows: periodic rows to judge. participants: roles of the run.
+        stamps: those that have come, by topic; an input of a topic that is not in it excuses nothing.
+    """
+    seen = {name: frozenset(found) for name, found in stamps.items()}
+    inputs = {role: _inputs(role, participants, seen) for role in participants}
+    gaps = []
+    for place, row in enumerate(rows):
+        grid = row.every * CONTROL_PERIOD_NS
+        last = end - row.lag * CONTROL_PERIOD_NS
+        for stamp in range((begin // grid + 1) * grid, last + 1, grid):
+            if stamp not in seen[row.name] and _was_asked(stamp, inputs[row.publisher], seen):
+                gaps.append((stamp, place))
+    for stamp, place in sorted(gaps):
+        row = rows[place]
+        allowed = f"one message each {seconds(row.every * CONTROL_PERIOD_NS):g} s{_why(inputs[row.publisher])}"
+        yield row, stamp, Finding("header.stamp", "missing", allowed)
+
+
+def _inputs(role: str, participants: Collection[str], seen: Mapping[str, Collection[int]]) -> list[Topic]:
+    """What a role waits for in each period; nothing for the plant, which begins each of them."""
+    if role == "plant":
+        return []
+    return [row for row in awaited_inputs(role, participants) if row.publisher != "all" and row.name in seen]
+
+
+def _was_asked(stamp: int, inputs: Sequence[Topic], seen: Mapping[str, Collection[int]]) -> bool:
+    """Whether all inputs that are due at this stamp were there."""
+    period = stamp // CONTROL_PERIOD_NS
+    return all(
+        stamp - row.lag * CONTROL_PERIOD_NS in seen[row.name]
+        for row in inputs
+        if period % row.every == 0 and period > row.lag
+    )
+
+
+def _why(inputs: Sequence[Topic]) -> str:
+    if not inputs:
+        return ""
+    fastest = min(row.every for row in inputs)
+    return ", since its inputs were there: " + ", ".join(row.name for row in inputs if row.every == fastest)

@@ -1,0 +1,145 @@
+"""Rates against positions: what a message calls a rate must be the change of what it calls a position.
+
+Over one period the mean rate is (x_1 - x_0) / dt. It lies between the rates told at both ends, but for noise,
+rounding and what happens within the period; so it must be within
+
+    [min(v_0, v_1) - slack, max(v_0, v_1) + slack],   slack = tolerance + |v_1 - v_0| / 2
+
+with the tolerance of the table. Degrees for radians, a flipped sign, a rate in the wrong frame and a joint in
+another's place show here as soon as the rover moves.
+"""
+
+from collections.abc import Callable, Sequence
+from math import atan2, sqrt
+from operator import attrgetter
+from typing import Any
+
+from sojourn_contract.conformance.findings import Finding
+from sojourn_contract.conformance.observation import Observation
+from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
+from sojourn_contract.topics import FieldRule, Topic
+
+LONGEST_PERIODS = 5
+"""Messages further apart than this are not compared."""
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+
+class RateRule:
+    """Rates of one topic, of joints or of a body.
+
+    Args:
+        row: the topic.
+    """
+
+    name = "rate of change"
+
+    def __init__(self, row: Topic) -> None:
+        rules = [rule for rule in row.fields if rule.rate_of]
+        make: Callable[[FieldRule], _Joints | _Linear | _Angular]
+        make = _Joints if row.type == "sensor_msgs/JointState" else _rate_of_body
+        self._pairs = [(rule, make(rule)) for rule in rules]
+        self._last: tuple[int, list[tuple[Sequence[Any], Sequence[float]]]] | None = None
+        self._names: list[str] = []
+
+    @staticmethod
+    def applies(row: Topic) -> bool:
+        """Whether a field of this row is the rate of another."""
+        return any(rule.rate_of for rule in row.fields)
+
+    def judge(self, seen: Observation) -> list[Finding]:
+        """Rates that do not agree with the change of their positions."""
+        message = seen.message
+        last = self._last
+        names = list(message.name) if hasattr(message, "name") else ["x", "y", "z"]
+        now = [pair.read(message) for _, pair in self._pairs]
+        self._last = (seen.stamp, now)
+        same, self._names = names == self._names, names
+        if last is None or not same or not 0 < seen.stamp - last[0] <= LONGEST_PERIODS * CONTROL_PERIOD_NS:
+            return []
+        dt = (seen.stamp - last[0]) / NANOSECONDS
+        found = []
+        for (rule, pair), (x_0, v_0), (x_1, v_1) in zip(self._pairs, last[1], now, strict=True):
+            for name, mean, a, b in zip(names, pair.mean(x_0, x_1, dt), v_0, v_1, strict=False):
+                slack = rule.rate_tolerance + 0.5 * abs(b - a)
+                low, high = (a, b) if a < b else (b, a)
+                if mean < low - slack or mean > high + slack:
+                    allowed = f"{mean:.4g} {rule.unit}, the change of {rule.rate_of}, within {rule.rate_tolerance:g}"
+                    path = f"{rule.path}[{name}]" if hasattr(message, "name") else f"{rule.path}.{name}"
+                    found.append(Finding(path, b, allowed, max(low - mean, mean - high)))
+        return found
+
+
+class _Joints:
+    """Rates and positions of joints."""
+
+    def __init__(self, rule: FieldRule) -> None:
+        self._rates, self._positions = attrgetter(rule.path), attrgetter(rule.rate_of)
+
+    def read(self, message: Any) -> tuple[Sequence[float], Sequence[float]]:
+        """Positions and rates."""
+        return self._positions(message).tolist(), self._rates(message).tolist()
+
+    def mean(self, x_0: Sequence[float], x_1: Sequence[float], dt: float) -> list[float]:
+        """Mean rates over `dt` [s]."""
+        return [(after - before) / dt for before, after in zip(x_0, x_1, strict=False)]
+
+
+class _Linear:
+    """Velocity of a body in its own frame, and its position in the other."""
+
+    def __init__(self, rule: FieldRule) -> None:
+        self._rate, self._position = attrgetter(rule.path), attrgetter(rule.rate_of)
+        self._orientation = attrgetter(rule.rate_of.removesuffix("position") + "orientation")
+
+    def read(self, message: Any) -> tuple[tuple[float, ...], Vector]:
+        """Position and orientation as one tuple, and velocity."""
+        p, v = self._position(message), self._rate(message)
+        return (p.x, p.y, p.z, *_quaternion(self._orientation(message))), (v.x, v.y, v.z)
+
+    def mean(self, x_0: Sequence[float], x_1: Sequence[float], dt: float) -> Vector:
+        """Mean velocity over `dt` [s], in the body's frame at its end."""
+        a, b, c, w = x_1[3:]
+        moved = ((x_1[0] - x_0[0]) / dt, (x_1[1] - x_0[1]) / dt, (x_1[2] - x_0[2]) / dt)
+        return _rotate((-a, -b, -c, w), moved)
+
+
+class _Angular:
+    """Angular velocity of a body in its own frame, and its orientation."""
+
+    def __init__(self, rule: FieldRule) -> None:
+        self._rate, self._orientation = attrgetter(rule.path), attrgetter(rule.rate_of)
+
+    def read(self, message: Any) -> tuple[Quaternion, Vector]:
+        """Orientation and angular velocity."""
+        w = self._rate(message)
+        return _quaternion(self._orientation(message)), (w.x, w.y, w.z)
+
+    def mean(self, x_0: Sequence[float], x_1: Sequence[float], dt: float) -> list[float]:
+        """Mean angular velocity over `dt` [s]: the rotation vector of inverse(q_0) q_1 by the time."""
+        a, b, c, d = -x_0[0], -x_0[1], -x_0[2], x_0[3]
+        e, f, g, h = x_1
+        x, y, z = d * e + a * h + b * g - c * f, d * f - a * g + b * h + c * e, d * g + a * f - b * e + c * h
+        w = d * h - a * e - b * f - c * g
+        sine = sqrt(x * x + y * y + z * z)
+        factor = 2.0 / dt if sine < 1e-9 else 2.0 * atan2(sine, abs(w)) / sine / dt
+        if w < 0.0:
+            factor = -factor
+        return [factor * x, factor * y, factor * z]
+
+
+def _rate_of_body(rule: FieldRule) -> "_Linear | _Angular":
+    return _Angular(rule) if rule.rate_of.endswith("orientation") else _Linear(rule)
+
+
+def _quaternion(q: Any) -> Quaternion:
+    return (q.x, q.y, q.z, q.w)
+
+
+def _rotate(q: Quaternion, v: Vector) -> Vector:
+    """v + 2 u x (u x v + w v), u the vector part of q."""
+    a, b, c, w = q
+    x, y, z = v
+    s, t, u = b * z - c * y + w * x, c * x - a * z + w * y, a * y - b * x + w * z
+    return (x + 2.0 * (b * u - c * t), y + 2.0 * (c * s - a * u), z + 2.0 * (a * t - b * s))

@@ -1,0 +1,55 @@
+"""Types and quality of service of endpoints: does a publisher or a subscription meet the others of the contract?
+
+A subscription gets messages only from publishers that offer what it asks for (DDS 1.4, sec. 2.2.3, requested
+against offered). The other side is the profile that the table gives.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from sojourn_contract.conformance.findings import Finding
+from sojourn_contract.topics import Reliability, Topic
+
+RELIABLE, BEST_EFFORT = "reliable", "best_effort"
+VOLATILE = "volatile"
+AUTOMATIC = "automatic"
+ENDLESS_S = 1e9
+"""Durations from here on are without end [s]."""
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """A publisher or a subscription.
+
+    Args:
+        type: "package/Name". reliability, durability, liveliness: words as rosbag2 writes them, "" for unknown.
+        deadline_s: longest time between two messages [s].
+        publishes: False for a subscription.
+    """
+
+    type: str
+    reliability: str = RELIABLE
+    durability: str = VOLATILE
+    liveliness: str = AUTOMATIC
+    deadline_s: float = float("inf")
+    publishes: bool = True
+
+
+def endpoint_findings(row: Topic, endpoint: Endpoint, lockstep: bool) -> Iterator[Finding]:
+    """Why an endpoint does not meet those that the contract has on the other side."""
+    if endpoint.type != row.type:
+        yield Finding("type", endpoint.type, row.type)
+    loose = row.reliability is Reliability.BEST_EFFORT or (row.name == "/clock" and not lockstep)
+    who = "a publisher" if endpoint.publishes else "a subscription"
+    if endpoint.publishes:
+        if endpoint.reliability == BEST_EFFORT and not loose:
+            yield Finding("qos.reliability", f"{who} that is {BEST_EFFORT}", RELIABLE)
+        return
+    if endpoint.reliability == RELIABLE and loose:
+        yield Finding("qos.reliability", f"{who} that asks for {RELIABLE}", BEST_EFFORT)
+    if endpoint.durability not in ("", VOLATILE, "system_default", "unknown"):
+        yield Finding("qos.durability", f"{who} that asks for {endpoint.durability}", VOLATILE)
+    if endpoint.deadline_s < ENDLESS_S and endpoint.deadline_s > 0.0:
+        yield Finding("qos.deadline", f"{who} that asks for {endpoint.deadline_s:g} s", "none")
+    if endpoint.liveliness not in ("", AUTOMATIC, "system_default", "unknown"):
+        yield Finding("qos.liveliness", f"{who} that asks for {endpoint.liveliness}", AUTOMATIC)

@@ -1,0 +1,214 @@
+"""The judge: takes messages one by one, from a bag, a live domain or a candidate on the bench, and reports.
+
+    judge = Judge(machine, lockstep=True, participants=ROLES)
+    for topic, message, logged in source:
+        judge.take(topic, message, logged)
+    report = judge.finish()
+
+Messages may be objects of rclpy or of a type store: only their attributes count.
+"""
+
+from array import array
+from collections.abc import Collection
+from typing import Any
+
+from sojourn_contract import stamps
+from sojourn_contract.conformance import heartbeats
+from sojourn_contract.conformance.answers import missing_answers
+from sojourn_contract.conformance.clouds import CloudRule
+from sojourn_contract.conformance.consistency import RateRule
+from sojourn_contract.conformance.endpoints import Endpoint, endpoint_findings
+from sojourn_contract.conformance.findings import Report
+from sojourn_contract.conformance.frames import FrameRule
+from sojourn_contract.conformance.geometry import CovarianceRule, OrientationRule
+from sojourn_contract.conformance.joints import JointLimitRule, JointRule
+from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.conformance.numbers import NumberRule
+from sojourn_contract.conformance.observation import Observation, Rule
+from sojourn_contract.conformance.rates import rate_findings
+from sojourn_contract.conformance.stamp_rules import StampRule
+from sojourn_contract.conformance.texts import GoalStatusRule, LoadRule, SwitchRule, TickRule
+from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
+from sojourn_contract.topics import ROLES, TOPICS, Topic, outputs_of
+
+CLOCK = "/clock"
+_STAMP, _JOINT_STATE = "stamp", "sensor_msgs/JointState"
+
+
+class Judge:
+    """Judges the messages of one run.
+
+    Args:
+        machine: the rover. lockstep: mode of time. participants: roles of the run.
+        roles: those whose messages are judged; the others' are only listened to. None for all.
+        unseen: topics that the source does not hold, so that nobody can be blamed for their absence.
+        from_start: whether the source holds the run from its first period.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        *,
+        lockstep: bool,
+        participants: Collection[str],
+        roles: Collection[str] | None = None,
+        unseen: Collection[str] = (),
+        from_start: bool = True,
+    ) -> None:
+        self.report = Report()
+        self.strangers: dict[str, int] = {}
+        """Messages on topics that the contract does not know."""
+        self._lockstep = lockstep
+        self._participants = tuple(participants)
+        self._from_start = from_start
+        self._judged = tuple(role for role in participants if roles is None or role in roles)
+        names = {row.name for role in self._judged for row in outputs_of(role)}
+        self._rows = {row.name: row for row in TOPICS if row.name not in unseen}
+        self._rules = {name: rules_of(row, machine, lockstep) for name, row in self._rows.items() if name in names}
+        self._stamps = {name: array("q") for name in self._rows}
+        self._beats: dict[str, list[Heartbeat]] = {role: [] for role in self._participants}
+        self._mistyped: set[str] = set()
+        self._clock = self._first_clock = 0
+
+    def endpoint(self, topic: str, endpoint: Endpoint) -> None:
+        """Judge the type and quality of service of a publisher or a subscription of a judged role."""
+        row = self._rows.get(topic)
+        if row is None:
+            return
+        if endpoint.publishes and endpoint.type != row.type:
+            self._mistyped.add(topic)
+            self._stamps.pop(topic, None)  # nobody can read their stamps
+        if topic in self._rules or not endpoint.publishes:
+            self.report.add("endpoint", topic, None, endpoint_findings(row, endpoint, self._lockstep))
+
+    def take(self, topic: str, message: Any, logged: int | None = None) -> None:
+        """Judge one message.
+
+        Args:
+            topic: name in the default namespace. message: decoded. logged: simulation time at which it was
+                filed [ns]; None where nobody filed it, and its age is that by /clock.
+        """
+        row = self._rows.get(topic)
+        if row is None:
+            self.strangers[topic] = self.strangers.get(topic, 0) + 1
+            return
+        rules = self._rules.get(topic)
+        if topic in self._mistyped:
+            self._count(topic)
+            return
+        stamp = stamps.of_message(message)
+        skipped = ""
+        if row.publisher == "all":
+            if not self._is_judged(message):
+                return
+            if not self._hear(message):
+                skipped = _STAMP  # only heartbeats of the run keep its time
+        else:
+            self._stamps[topic].append(stamp)
+        if topic == CLOCK:
+            self._clock = max(self._clock, stamp)
+            self._first_clock = self._first_clock or stamp
+        if rules is None:
+            return
+        self._count(topic)
+        seen = Observation(row, message, stamp, logged, self._clock)
+        for rule in rules:
+            if rule.name != skipped:
+                found = rule.judge(seen)
+                if found:
+                    self.report.add(rule.name, topic, stamp, found)
+
+    def finish(self, until: int | None = None) -> Report:
+        """Judge what should have come and has not.
+
+        Args:
+            until: last stamp [ns] at which answers are asked for; None for the period before the last, or, of
+                a run that goes on, a second before it.
+        """
+        begin = 0 if self._from_start else self._first_clock
+        if until is None:
+            until = self._newest() - (stamps.CONTROL_PERIOD_NS if self._from_start else stamps.NANOSECONDS)
+        rows = [
+            row
+            for name, row in self._rows.items()
+            if name in self._rules and name in self._stamps and not row.is_event and row.publisher in self._judged
+            if self._lockstep or row.logged  # the recorder paces nobody in real time
+        ]
+        if self._lockstep:
+            missing = missing_answers(rows, self._stamps, self._participants, begin, until)
+            for row, stamp, found in missing:
+                self.report.add("answer", row.name, stamp, [found])
+        else:
+            for row, stamp, found in rate_findings(rows, self._stamps, begin, until):
+                self.report.add("rate", row.name, stamp, [found])
+        self._finish_heartbeats(begin, until)
+        return self.report
+
+    @property
+    def simulated_s(self) -> float:
+        """Simulation time from the first message of /clock to the last [s]."""
+        return stamps.seconds(self._clock - self._first_clock)
+
+    def _newest(self) -> int:
+        """Where the run has got to [ns]: by /clock, and where that is missing by whatever was sent at a rate."""
+        periodic = (found for name, found in self._stamps.items() if found and not self._rows[name].is_event)
+        return self._clock or max((max(found) for found in periodic), default=0)
+
+    def _count(self, topic: str) -> None:
+        if topic in self._rules:
+            self.report.messages[topic] = self.report.messages.get(topic, 0) + 1
+
+    def _is_judged(self, message: Any) -> bool:
+        """Whether a message of /diagnostics is of a judged role, or of nobody that is known."""
+        return any(status.name in self._judged or status.name not in ROLES for status in message.status)
+
+    def _hear(self, message: Any) -> bool:
+        """Keep the heartbeats of the run. Returns whether the message is one."""
+        running = [beat for beat in read_heartbeats(message) if beat.state == RUNNING]
+        for beat in running:
+            if beat.role in self._beats:
+                self._beats[beat.role].append(beat)
+        return bool(running)
+
+    def _finish_heartbeats(self, begin: int, until: int) -> None:
+        name = heartbeats.HEARTBEATS
+        ordered = {topic: sorted(found) for topic, found in self._stamps.items()}
+        uncounted = () if self._lockstep else (CLOCK,)
+        for role in self._judged:
+            beats = sorted(self._beats[role], key=lambda beat: beat.stamp)
+            for stamp, found in heartbeats.schedule_findings(role, beats, self._lockstep, begin, until):
+                self.report.add("heartbeat", name, stamp, [found])
+            beats = [beat for beat in beats if beat.stamp <= until]
+            for stamp, found in heartbeats.counter_findings(role, beats, ordered, self._from_start, uncounted):
+                self.report.add("counter", name, stamp, [found])
+
+
+def rules_of(row: Topic, machine: Machine, lockstep: bool) -> list[Rule]:
+    """The rules for messages of a row."""
+    rules: list[Rule] = [StampRule(row, lockstep), NumberRule(row)]
+    if row.frames or row.child_frame:
+        rules.append(FrameRule(row))
+    if OrientationRule.applies(row):
+        rules.append(OrientationRule(row))
+    if CovarianceRule.applies(row):
+        rules.append(CovarianceRule(row))
+    if row.joints:
+        rules.append(JointRule(row, machine))
+    if row.type == _JOINT_STATE:
+        rules.append(JointLimitRule(row, machine))
+    if RateRule.applies(row):
+        rules.append(RateRule(row))
+    if row.type == "sensor_msgs/PointCloud2":
+        rules.append(CloudRule(row, machine.contacts))
+    if row.publisher == "all":
+        rules.append(heartbeats.HeartbeatRule())
+    special: dict[str, Rule] = {
+        "/drive/status": GoalStatusRule(),
+        "/arm/status": GoalStatusRule(),
+        "/power/switches": SwitchRule(machine),
+        "/operator/tick": TickRule(),
+        "/truth/loads": LoadRule(),
+    }
+    if row.name in special:
+        rules.append(special[row.name])
+    return rules

@@ -1,0 +1,101 @@
+"""What the contract needs to know of a rover: its joints by group with their limits, its loads, its contacts."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+from sojourn_config.rover import RoverConfig
+from sojourn_config.scenario import LoadedScenario
+from sojourn_config.urdf import UrdfJoint, UrdfSummary
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A rover as seen from outside.
+
+    Args:
+        name: of the robot. joints: those that move, by name. drive, steer, arm: names of the joints with a motor.
+        held: joints held by position; the others with a motor by rate. loads: what the power manager may switch.
+        poses: names of the arm's poses. contacts: wheels and pads.
+    """
+
+    name: str
+    joints: dict[str, UrdfJoint]
+    drive: tuple[str, ...]
+    steer: tuple[str, ...]
+    arm: tuple[str, ...]
+    held: frozenset[str]
+    loads: tuple[str, ...]
+    poses: tuple[str, ...]
+    contacts: int
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        rover: RoverConfig,
+        urdf: UrdfSummary,
+        arm_joints: Sequence[str],
+        loads: Sequence[str],
+        poses: Sequence[str],
+    ) -> "Machine":
+        """From a rover's parameter sets."""
+        return cls(
+            name=name,
+            joints={joint: urdf.joints[joint] for joint in urdf.moving_joints},
+            drive=tuple(wheel.joint for wheel in rover.wheels),
+            steer=tuple(wheel.steer_joint for wheel in rover.wheels if wheel.steer_joint is not None),
+            arm=tuple(arm_joints),
+            held=frozenset(joint for drive in rover.drives if drive.servo.mode == "position" for joint in drive.joints),
+            loads=tuple(loads),
+            poses=tuple(poses),
+            contacts=len(rover.wheels) + len(rover.pads),
+        )
+
+    @classmethod
+    def of_scenario(cls, scenario: LoadedScenario) -> "Machine":
+        """The rover of a scenario."""
+        return cls.of(
+            scenario.config.rover,
+            scenario.rover,
+            scenario.urdf,
+            scenario.arm.joint_names,
+            [load.name for load in scenario.bus.loads],
+            tuple(scenario.arm.named_poses),
+        )
+
+    @property
+    def motors(self) -> tuple[str, ...]:
+        """Joints with a motor."""
+        return (*self.drive, *self.steer, *self.arm)
+
+    def as_data(self) -> dict[str, Any]:
+        """As JSON values; joints without stops have none."""
+        group_of = {name: group for group in ("drive", "steer", "arm") for name in getattr(self, group)}
+        return {
+            "name": self.name,
+            "joints": {
+                name: {
+                    "group": group_of.get(name),
+                    "held_by": None if name not in group_of else "position" if name in self.held else "rate",
+                    "kind": joint.kind,
+                    "lower": joint.lower if isfinite(joint.lower) else None,
+                    "upper": joint.upper if isfinite(joint.upper) else None,
+                    "velocity": joint.velocity if isfinite(joint.velocity) else None,
+                }
+                for name, joint in self.joints.items()
+            },
+            "loads": list(self.loads),
+            "poses": list(self.poses),
+            "contacts": self.contacts,
+        }
+
+    def known(self, joint_set: str) -> dict[str, UrdfJoint]:
+        """Joints that a message of this set (see JOINT_SETS) may name."""
+        names = {"wheels": (*self.drive, *self.steer), "arm": self.arm}.get(joint_set, tuple(self.joints))
+        return {name: self.joints[name] for name in names}
+
+    def needed(self, joint_set: str) -> tuple[str, ...]:
+        """Joints that a message of this set must name."""
+        return {"moving": tuple(self.joints), "measured": self.motors}.get(joint_set, ())

@@ -1,0 +1,107 @@
+"""The contract as plain data: for JSON, for the page, and for the bag, which says under which one it was recorded."""
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from math import isfinite
+from typing import Any
+
+from sojourn_contract import qos
+from sojourn_contract.stamps import CONTROL_PERIOD_S
+from sojourn_contract.topics import TOPICS, FieldRule, Topic
+
+CONTRACT_VERSION = 1
+"""Raised by hand when what nodes must do changes in a way that the table does not show."""
+_INTERFACE = ("type", "publisher", "subscribers", "rate_hz", "lag_periods", "recorded", "qos", "frames", "child_frame")
+"""What two sides must agree on, with the units of the fields. Ranges, ages and tolerances may be tuned."""
+
+
+def contract_data(rows: Sequence[Topic] = TOPICS) -> dict[str, Any]:
+    """The contract in JSON values."""
+    topics = {row.name: _topic(row) for row in rows}
+    return {
+        "version": CONTRACT_VERSION,
+        "digest": _digest(topics),
+        "control_period_s": CONTROL_PERIOD_S,
+        "topics": topics,
+    }
+
+
+def contract_name(data: Mapping[str, Any]) -> str:
+    """Version and digest in short."""
+    return f"{data.get('version', '?')}-{data.get('digest', '?')}"
+
+
+def contract_differences(theirs: Mapping[str, Any], ours: Mapping[str, Any]) -> Iterator[str]:
+    """In words, how another contract differs from ours; nothing where both sides may talk."""
+    if theirs.get("version") != ours["version"]:
+        yield f"its version is {theirs.get('version')}, ours {ours['version']}"
+    their_topics: Mapping[str, Any] = theirs.get("topics", {})
+    our_topics: Mapping[str, Any] = ours["topics"]
+    for name in our_topics:
+        if name not in their_topics:
+            yield f"{name} is not in it"
+    for name, topic in their_topics.items():
+        if name not in our_topics:
+            yield f"{name} is only in it"
+            continue
+        before, now = _interface(topic), _interface(our_topics[name])
+        for key in now:
+            if before.get(key) != now[key]:
+                yield f"{name}: {key} is {_words(before.get(key))}, ours {_words(now[key])}"
+
+
+def _digest(topics: Mapping[str, Any]) -> str:
+    """Short hash of what two sides must agree on."""
+    agreed = [CONTRACT_VERSION, CONTROL_PERIOD_S, {name: _interface(topic) for name, topic in topics.items()}]
+    return hashlib.sha256(json.dumps(agreed, sort_keys=True).encode()).hexdigest()[:12]
+
+
+def _interface(topic: Mapping[str, Any]) -> dict[str, Any]:
+    units = {rule["path"]: f"{rule['unit']} {rule['frame']}".strip() for rule in topic.get("fields", ())}
+    return {key: topic.get(key) for key in (*_INTERFACE, "joints")} | {"units": units}
+
+
+def _topic(row: Topic) -> dict[str, Any]:
+    return {
+        "type": row.type,
+        "publisher": row.publisher,
+        "subscribers": list(row.subscribers),
+        "rate_hz": None if row.is_event else 1.0 / (row.every * CONTROL_PERIOD_S),
+        "max_age_s": _finite(row.max_age_s),
+        "lag_periods": row.lag,
+        "recorded": row.logged,
+        "qos": {"lockstep": _qos(row, lockstep=True), "realtime": _qos(row, lockstep=False)},
+        "frames": list(row.frames),
+        "child_frame": row.child_frame,
+        "joints": row.joints,
+        "meaning": row.meaning,
+        "fields": [_field(rule) for rule in row.fields],
+    }
+
+
+def _qos(row: Topic, lockstep: bool) -> str:
+    profile = qos.profile(row, lockstep)
+    return f"{profile.reliability.name.lower().replace('_', ' ')}, keep last {profile.depth}"
+
+
+def _field(rule: FieldRule) -> dict[str, Any]:
+    return {
+        "path": rule.path,
+        "unit": rule.unit,
+        "frame": rule.frame,
+        "low": _finite(rule.low),
+        "high": _finite(rule.high),
+        "tolerance": rule.tolerance,
+        "optional": rule.optional,
+        "rate_of": rule.rate_of,
+        "rate_tolerance": _finite(rule.rate_tolerance),
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if isfinite(value) else None
+
+
+def _words(value: Any) -> str:
+    return json.dumps(value) if isinstance(value, dict | list) else repr(value)

@@ -1,0 +1,290 @@
+"""Rules on a whole run: stamps, answers, heartbeats, counters, rates. Each test breaks one thing in a clean run."""
+
+from typing import Any
+
+import pytest
+from clean_run import PERIOD, PERIODS, CleanRun, beats_of, explorer, kinds, set_stamp, value_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sojourn_contract.conformance.answers import missing_answers
+from sojourn_contract.conformance.endpoints import Endpoint
+from sojourn_contract.conformance.judge import Judge
+from sojourn_contract.topics import ROLES, TOPICS, topic
+
+AT = 40 * PERIOD
+
+
+def counters_too(found: set[tuple[str, str, str]], name: str) -> set[tuple[str, str, str]]:
+    """What is found, without the counter that tells of the same missing or surplus message."""
+    return found - {("counter", "/diagnostics", f"status.values.published {name}")}
+
+
+@pytest.mark.parametrize("name", ["/odom", "/wheel_command", "/truth/odom", "/imu/data", "/power/switches", "/clock"])
+def test_a_dropped_message_is_missed_by_name_and_stamp(name: str) -> None:
+    run = CleanRun()
+    run.drop(name, lambda entry: entry.stamp == AT)
+    report = run.judge()
+    assert counters_too(kinds(report), name) == {("answer", name, "header.stamp")}
+    (violation,) = report.of_topic(name)[0].first
+    assert (violation.stamp, violation.finding.value) == (AT, "missing")
+    told = [group for group in report.groups if group.rule == "counter"]
+    assert len(told) == 1, "its sender has counted it"
+
+
+def test_an_answer_cannot_come_where_nothing_was_asked() -> None:
+    run = CleanRun()
+    for name in ("/imu/data", "/odom", "/wheel_command", "/arm_command"):
+        run.drop(name, lambda entry: entry.stamp == AT)
+    report = run.judge()
+    answers = {group.topic for group in report.groups if group.rule == "answer"}
+    assert answers == {"/imu/data"}, "drive and arm had nothing to answer"
+
+
+def test_a_silent_role_is_found_on_each_of_its_topics() -> None:
+    run = CleanRun()
+    for name in ("/odom", "/wheel_command", "/drive/status"):
+        run.drop(name, lambda entry: entry.stamp > AT)
+    report = run.judge()
+    assert {group.topic for group in report.groups if group.rule == "answer"} == {
+        "/odom",
+        "/wheel_command",
+        "/drive/status",
+    }
+    counts = {group.topic: group.count for group in report.groups if group.rule == "answer"}
+    assert counts["/odom"] == PERIODS - 1 - 40, "up to the period before the last, which may be under way"
+
+
+def test_no_clock_at_all() -> None:
+    run = CleanRun()
+    run.drop("/clock", lambda entry: True)
+    assert counters_too(kinds(run.judge()), "/clock") == {("answer", "/clock", "header.stamp")}
+    assert ("rate", "/clock", "header.stamp") in kinds(run.judge(lockstep=False))
+
+
+def test_a_message_twice() -> None:
+    run = CleanRun()
+    run.add("/imu/data", AT, run.one("/imu/data", 39))
+    report = run.judge()
+    assert counters_too(kinds(report), "/imu/data") == {("stamp", "/imu/data", "header.stamp")}
+    assert "after 0.80 s" in next(report.lines())
+
+
+def test_a_stale_stamp() -> None:
+    """A message that carries the stamp of the period before: twice there, and none here."""
+    run = CleanRun()
+    entry = next(entry for entry in run.of("/wheel_command") if entry.stamp == AT)
+    set_stamp(entry.message, AT - PERIOD)
+    found = kinds(run.judge())
+    assert found == {
+        ("stamp", "/wheel_command", "header.stamp"),
+        ("stamp", "/wheel_command", "age"),
+        ("answer", "/wheel_command", "header.stamp"),
+    }
+
+
+def test_a_stamp_off_the_grid() -> None:
+    run = CleanRun()
+    entry = next(entry for entry in run.of("/odom") if entry.stamp == AT)
+    set_stamp(entry.message, AT + 1_000_000)
+    found = kinds(run.judge())
+    # between its neighbours it is also a change in another time
+    assert {("stamp", "/odom", "header.stamp"), ("answer", "/odom", "header.stamp")} <= found
+    assert {topic for _, topic, _ in found} == {"/odom"}
+
+
+def test_a_drifting_clock() -> None:
+    run = CleanRun()
+    for entry in run.of("/imu/data"):
+        entry.stamp += entry.stamp // 1000
+        set_stamp(entry.message, entry.stamp)
+        entry.logged = entry.stamp
+    assert ("stamp", "/imu/data", "header.stamp") in kinds(run.judge())
+
+
+def test_a_slow_topic_off_its_own_grid() -> None:
+    run = CleanRun()
+    entry = run.of("/power/switches")[3]
+    set_stamp(entry.message, entry.stamp + PERIOD)
+    line = next(run.judge().lines())
+    assert line.startswith("/power/switches") and "a multiple of 0.1 s" in line
+
+
+def test_a_message_filed_late() -> None:
+    run = CleanRun()
+    run.of("/odom")[50].logged += 3 * PERIOD
+    # after younger ones, in the order of the file
+    assert kinds(run.judge()) >= {("stamp", "/odom", "age"), ("stamp", "/odom", "header.stamp")}
+
+
+def test_a_stamp_ahead_of_the_plant() -> None:
+    run = CleanRun()
+    entry = run.of("/operator/tick")[5]
+    set_stamp(entry.message, entry.stamp + 50 * PERIOD)
+    line = next(run.judge().lines())
+    assert "by /clock" in line
+
+
+@pytest.mark.parametrize("role", ROLES)
+def test_a_missing_heartbeat(role: str) -> None:
+    run = CleanRun()
+    run.drop("/diagnostics", lambda entry: entry.message.status[0].name == role and entry.stamp == 50 * PERIOD)
+    report = run.judge()
+    found = {group.first[0].finding.field for group in report.groups if group.rule == "heartbeat"}
+    assert found == {f"header.stamp of {role}"}
+
+
+def test_no_heartbeat_at_all() -> None:
+    run = CleanRun()
+    run.drop("/diagnostics", lambda entry: True)
+    (kind,) = kinds(run.judge())
+    assert kind == ("heartbeat", "/diagnostics", "header.stamp")
+
+
+def test_heartbeats_of_nobody() -> None:
+    run = CleanRun()
+    next(beats_of(run, "drive")).status[0].name = "driver"
+    found = kinds(run.judge())
+    assert ("heartbeat", "/diagnostics", "status.name") in found
+    assert ("heartbeat", "/diagnostics", "header.stamp") in found
+
+
+@pytest.mark.parametrize("count", ["49", "51", "0"])
+def test_a_counter_that_does_not_match(count: str) -> None:
+    run = CleanRun()
+    value_of(next(beats_of(run, "drive")), "published /odom").value = count
+    found = kinds(run.judge())
+    assert found == {("counter", "/diagnostics", "status.values.published /odom")}
+
+
+def test_a_counter_that_falls() -> None:
+    run = CleanRun()
+    _, second = beats_of(run, "sensors")
+    value_of(second, "published /imu/data").value = "7"
+    assert "50 or more, as said before" in next(run.judge().lines())
+
+
+def test_ticks_whose_count_falls() -> None:
+    run = CleanRun()
+    run.one("/operator/tick", 9).frame_id = ""
+    assert kinds(run.judge()) == {("tick", "/operator/tick", "frame_id")}
+
+
+def test_rates_that_do_not_agree_with_their_positions() -> None:
+    for name, field, edit in (
+        ("/odom", "twist.twist.angular.z", lambda m: setattr(m.twist.twist.angular, "z", 5.73)),
+        ("/odom", "twist.twist.linear.x", lambda m: setattr(m.twist.twist.linear, "x", -0.05)),
+        ("/imu/data", "angular_velocity.z", lambda m: setattr(m.angular_velocity, "z", -5.73)),
+        ("/joint_states", "velocity", lambda m: setattr(m, "velocity", [-rate for rate in m.velocity])),
+    ):
+        run = CleanRun()
+        for entry in run.of(name):
+            edit(entry.message)
+        assert kinds(run.judge()) == {("rate of change", name, field)}, name
+
+
+def test_roles_that_are_not_judged_are_listened_to() -> None:
+    run = CleanRun()
+    run.one("/imu/data").header.frame_id = "wrong"
+    run.one("/odom").header.frame_id = "wrong"
+    report = run.judge(roles=("drive",))
+    assert kinds(report) == {("frame", "/odom", "header.frame_id")}
+    assert set(report.messages) == {"/odom", "/wheel_command", "/drive/status", "/diagnostics"}
+    assert report.messages["/diagnostics"] == 2
+
+
+def realtime(unwanted: Any = None, name: str = "/imu/data") -> CleanRun:
+    run = CleanRun(lockstep=False)
+    if unwanted is not None:
+        run.drop(name, unwanted)
+    return run
+
+
+def test_a_clean_run_in_real_time() -> None:
+    assert not list(realtime().judge().lines())
+
+
+def test_a_lost_message_is_no_violation_of_the_rate_but_of_the_count() -> None:
+    found = kinds(realtime(lambda entry: entry.stamp == AT).judge())
+    assert found == {("counter", "/diagnostics", "status.values.published /imu/data")}
+
+
+def test_a_gap_and_a_low_rate() -> None:
+    found = kinds(realtime(lambda entry: AT < entry.stamp <= AT + 6 * PERIOD).judge())
+    assert counters_too(found, "/imu/data") == {("rate", "/imu/data", "header.stamp")}
+    found = kinds(realtime(lambda entry: entry.stamp // PERIOD % 2 == 0).judge())
+    assert counters_too(found, "/imu/data") == {("rate", "/imu/data", "rate")}
+
+
+def test_age_by_the_clock() -> None:
+    """Without log times, as in a live check, the age of a message is that by /clock when it comes."""
+    run = realtime()
+    for entry in run.entries:
+        entry.logged = None
+    assert not list(run.judge().lines())
+    late = next(entry for entry in run.of("/odom") if entry.stamp == AT)
+    run.entries.remove(late)
+    run.entries.insert(run.entries.index(next(e for e in run.of("/clock") if e.stamp == AT + 8 * PERIOD)) + 1, late)
+    found = kinds(run.judge())
+    assert ("stamp", "/odom", "age") in found and {name for _, name, _ in found} == {"/odom"}
+
+
+def judge(lockstep: bool = True) -> Judge:
+    return Judge(explorer(), lockstep=lockstep, participants=ROLES)
+
+
+@pytest.mark.parametrize(
+    ("name", "endpoint", "field"),
+    [
+        ("/odom", Endpoint("geometry_msgs/PoseStamped"), "type"),
+        ("/odom", Endpoint("nav_msgs/Odometry", reliability="best_effort"), "qos.reliability"),
+        ("/imu/data", Endpoint("sensor_msgs/Imu", durability="transient_local", publishes=False), "qos.durability"),
+        ("/imu/data", Endpoint("sensor_msgs/Imu", deadline_s=0.02, publishes=False), "qos.deadline"),
+        ("/imu/data", Endpoint("sensor_msgs/Imu", liveliness="manual_by_topic", publishes=False), "qos.liveliness"),
+    ],
+)
+def test_endpoints_that_do_not_meet(name: str, endpoint: Endpoint, field: str) -> None:
+    court = judge()
+    court.endpoint(name, endpoint)
+    assert kinds(court.report) == {("endpoint", name, field)}
+
+
+@pytest.mark.parametrize("row", TOPICS, ids=lambda row: row.name)
+def test_endpoints_of_the_contract_meet(row: Any) -> None:
+    court = judge()
+    court.endpoint(row.name, Endpoint(row.type))
+    court.endpoint(row.name, Endpoint(row.type, reliability="best_effort", publishes=False))
+    court.endpoint(row.name, Endpoint(row.type, durability="transient_local"))  # offers more than is asked for
+    assert not court.report.violations
+
+
+def test_the_clock_in_real_time_is_best_effort() -> None:
+    court = judge(lockstep=False)
+    court.endpoint("/clock", Endpoint("rosgraph_msgs/Clock", reliability="best_effort"))
+    assert not court.report.violations
+    court.endpoint("/clock", Endpoint("rosgraph_msgs/Clock", publishes=False))
+    assert kinds(court.report) == {("endpoint", "/clock", "qos.reliability")}
+
+
+def test_messages_of_a_wrong_type_are_counted_and_not_judged() -> None:
+    court = judge()
+    court.endpoint("/odom", Endpoint("std_msgs/Header"))
+    court.take("/odom", object())
+    assert court.report.messages == {"/odom": 1} and court.report.violations == 1
+
+
+@given(st.sets(st.integers(1, PERIODS - 1), max_size=6), st.sampled_from(["/odom", "/arm_command", "/truth/contacts"]))
+@settings(max_examples=30, deadline=None)
+def test_exactly_the_dropped_stamps_are_missing(dropped: set[int], name: str) -> None:
+    rows = [row for row in TOPICS if not row.is_event and row.publisher != "all" and row.logged]
+    stamps = {
+        row.name: [
+            period * PERIOD
+            for period in range(row.every, PERIODS + 1, row.every)
+            if row.name != name or period not in dropped
+        ]
+        for row in rows
+    }
+    missing = list(missing_answers(rows, stamps, ROLES, 0, (PERIODS - 1) * PERIOD))
+    assert [(row.name, stamp // PERIOD) for row, stamp, _ in missing] == [(name, period) for period in sorted(dropped)]
+    assert topic(name) in rows

@@ -1,0 +1,134 @@
+"""One wheel and its ruts: what it leaves, what it meets on the way back, and what that costs."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sojourn_mechanics.soil.params import SoilColumn
+from sojourn_mechanics.terrain.memory import RUT, SINKAGE, TILE, GroundMemory, MemoryBoard
+
+Maker = Callable[..., Any]
+RADIUS = 0.125
+LEVEL = np.eye(3)
+
+
+def roll(rig: Any, start: float, end: float, depth: float, speed: float = 0.5, slip: float = 0.1) -> np.ndarray:
+    """Drive the wheel along x with its lowest point `depth` below the old ground; gives x, F_x, F_z, power, step by
+    step."""
+    sense = math.copysign(1.0, end - start)
+    spin = sense * speed / (1.0 - slip) / RADIUS
+    rows = []
+    for x in np.arange(start, end, sense * speed * rig.dt):
+        centre = np.array([x, 0.0, RADIUS - depth])
+        velocity, angular = np.array([sense * speed, 0.0, 0.0]), np.array([0.0, spin, 0.0])
+        force, moment = rig.push(centre, LEVEL, velocity, angular)
+        rows.append((x, force[0], force[2], -force @ velocity - moment @ angular))
+    return np.array(rows)
+
+
+def with_rut(rig: Any, depth: float, begin: float, end: float) -> None:
+    """Press a rut into the ground across the whole width, from x = begin to end."""
+    cell = rig.cell
+    values = {}
+    for column in range(int((begin + 10.0) / cell / TILE), int((end + 10.0) / cell / TILE) + 1):
+        tile = np.zeros((TILE, TILE, 3), dtype=np.float32)
+        x = -10.0 + cell * (column * TILE + np.arange(TILE))
+        there = (x >= begin) & (x <= end)
+        tile[:, there, SINKAGE], tile[:, there, RUT] = 1.2 * depth, depth
+        for row in range(int(9.0 / cell / TILE), int(11.0 / cell / TILE) + 1):
+            values[column, row] = tile
+    rig.memory = MemoryBoard(GroundMemory(cell, -10.0, -10.0, values))
+
+
+def test_a_rolling_wheel_leaves_a_rut_of_its_sinkage_and_width(rig: Maker) -> None:
+    wheel = rig("lunar_nominal", cell=0.025)
+    roll(wheel, 0.0, 1.0, 0.015)
+    memory = wheel.memory.store()
+    modulus = 1400.0 / wheel.width + 820.0e3
+    rebound = modulus * 0.015 / (503.0e6 * 0.015)
+    sinkage, rut, shear = memory.sample(0.5, 0.0)
+    assert sinkage == pytest.approx(0.015, rel=1e-6)
+    assert rut == pytest.approx(0.015 - rebound, rel=1e-6)
+    assert 0.0 < shear < 0.1 * 4.0 * math.sqrt(2.0 * RADIUS * 0.015)
+    across = memory.grid(np.array([0.5]), np.linspace(-0.2, 0.2, 801))[:, 0, RUT]
+    assert np.ptp(np.linspace(-0.2, 0.2, 801)[across > 0.5 * rut]) == pytest.approx(wheel.width, abs=0.026)
+    assert memory.sample(1.1, 0.0) == (0.0, 0.0, 0.0)  # nothing ahead of it
+
+
+def test_a_wheel_does_not_feel_the_rut_that_it_is_making(rig: Maker) -> None:
+    fresh, remembers = rig("lunar_nominal"), rig("lunar_nominal", cell=0.025)
+    without, with_memory = roll(fresh, 0.0, 1.5, 0.012), roll(remembers, 0.0, 1.5, 0.012)
+    assert np.array_equal(without, with_memory)
+    assert remembers.memory.store().tiles
+
+
+def test_the_second_wheel_meets_compacted_soil(rig: Maker) -> None:
+    """At the load of the first it sinks in by a third as much, and takes less power at the same speed and slip."""
+    wheel = rig("lunar_nominal", cell=0.025)
+    first = roll(wheel, 0.0, 1.5, 0.013)
+    load = first[1000:, 2].mean()
+    wheel.state[:] = 0.0
+    low, high = 0.012, 0.030
+    for _ in range(14):  # the depth at which the second pass carries the same load
+        depth = 0.5 * (low + high)
+        trial = rig("lunar_nominal", cell=0.025)
+        trial.memory.load(wheel.memory.store())
+        second = roll(trial, 0.5, 1.0, depth)[600:]
+        low, high = (low, depth) if second[:, 2].mean() > load else (depth, high)
+    assert second[:, 2].mean() == pytest.approx(load, rel=1e-3)
+    rut = wheel.memory.store().sample(0.7, 0.0)[1]
+    assert 0.013 < depth < 0.017  # a little deeper than the first, not twice as deep
+    assert depth - rut < 0.45 * 0.013
+    assert trial.report[0, 3] == pytest.approx(depth - rut, rel=0.02)
+    assert second[:, 3].mean() < 0.8 * first[1000:, 3].mean()
+
+
+def test_a_wheel_that_turns_back_meets_its_own_rut_within_a_contact_length(rig: Maker) -> None:
+    wheel = rig("lunar_nominal", cell=0.025)
+    ahead = roll(wheel, 0.0, 1.0, 0.013)
+    back = roll(wheel, 1.0, 0.0, 0.013)
+    begin = ahead[500:1500, 2].mean()
+    assert back[5, 2] == pytest.approx(begin, rel=0.3)
+    assert back[600:1200, 2].mean() < 0.55 * begin  # held at the same depth, it bears less: most of it is a rut
+    assert abs(np.diff(back[:, 2])).max() < 0.1 * begin  # and it comes to that evenly, 0.5 mm a step
+
+
+def test_a_parked_wheel_changes_nothing(rig: Maker) -> None:
+    wheel = rig("lunar_nominal", cell=0.025)
+    centre = np.array([0.0, 0.0, RADIUS - 0.01])
+    for _ in range(200):
+        wheel.push(centre, LEVEL, np.zeros(3), np.zeros(3))
+    assert not wheel.memory.store().tiles
+    end = roll(wheel, 0.0, 0.5, 0.01)[-1, 0]
+    memory = wheel.memory.store()
+    for _ in range(200):
+        wheel.push(np.array([end, 0.0, RADIUS - 0.01]), LEVEL, np.zeros(3), np.zeros(3))
+    assert wheel.memory.store() is memory
+
+
+@pytest.mark.parametrize("length", [0.05, 0.2, 0.6])
+@pytest.mark.parametrize("depth", [0.003, 0.012])
+def test_crossing_a_rut_gives_no_energy(rig: Maker, depth: float, length: float) -> None:
+    """Rolled over at constant height without friction, the ground takes back on one side what it gives on the other:
+    what is left is never a gain."""
+    wheel = rig("lunar_nominal", cell=0.025)
+    wheel.soils[:, SoilColumn.COHESION] = wheel.soils[:, SoilColumn.TAN_PHI] = 0.0
+    wheel.soils[:, SoilColumn.CONTACT_DAMPING] = 0.0
+    with_rut(wheel, depth, 0.5, 0.5 + length)
+    path = roll(wheel, 0.0, 1.5, 0.015, speed=0.25, slip=0.0)
+    power, x = path[:, 3], path[:, 0]
+    work = float(power.sum() * wheel.dt)
+    undisturbed = power[(x > 0.2) & (x < 0.35)].mean() * 1.5 / 0.25
+    assert 0.0 < work < undisturbed
+    # the edges alone, over the level parts' own resistance, are nearly in balance
+    given = float(np.minimum(power, 0.0).sum() * wheel.dt)
+    assert -given < float(np.maximum(power, 0.0).sum() * wheel.dt)
+
+
+def test_rock_keeps_no_rut(rig: Maker) -> None:
+    wheel = rig("rigid_rock", cell=0.025)
+    roll(wheel, 0.0, 0.5, 0.0005)
+    assert not wheel.memory.store().tiles

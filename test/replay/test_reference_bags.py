@@ -1,0 +1,184 @@
+"""Every node, fed with what it heard in the reference run, gives the answers that it gave there.
+
+If a change is meant to alter them: scripts/record_reference renews the bags, and git shows in digest.txt what is new.
+"""
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sojourn_bags.candidate import NodeCandidate
+from sojourn_bags.comparison_result import Comparison, Verdict
+from sojourn_bags.comparison_words import comparison_lines
+from sojourn_bags.digest import digest
+from sojourn_bags.reading import Bag, read_bag
+from sojourn_bags.replay import Replay, replay
+from sojourn_bags.replay_script import ROLES_TO_REPLAY
+from sojourn_bags.run_configuration import run_configuration
+from sojourn_bringup.process_table import process
+from sojourn_bringup.record_reference import DIGEST, REFERENCES, references_folder
+from sojourn_contract.topics import outputs_of
+from sojourn_drive.node import DriveNode
+
+NAMES = [reference.name for reference in REFERENCES]
+RENEW = "if this is meant, renew the bags: scripts/record_reference"
+
+
+@cache
+def reference(name: str) -> Bag:
+    return read_bag(references_folder() / name)
+
+
+def replayed(name: str, role: str, node_class: Any, domain: int) -> Replay:
+    bag = reference(name)
+    with run_configuration(bag) as configuration:
+        return replay(bag, role, NodeCandidate(node_class), configuration, domain)
+
+
+@pytest.mark.parametrize("role", ROLES_TO_REPLAY)
+@pytest.mark.parametrize("name", NAMES)
+def test_node_reproduces_its_answers(name: str, role: str, domain: int) -> None:
+    """Within tolerance only: another processor may round in another way. On one machine they are equal, see
+    test/system/test_replay.py.
+    """
+    result = replayed(name, role, process(role).load_class(), domain)
+    told = "\n".join([*comparison_lines(result.comparison, "recorded", "replayed"), RENEW])
+    assert result.comparison.verdict is not Verdict.DIFFERENT, told
+    periods = len(reference(name)["/clock"])
+    compared = {topic.topic: topic.matched for topic in result.comparison.topics}
+    for row in outputs_of(role):
+        if not row.is_event:
+            assert compared[row.name] == periods // row.every, row.name
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_bag_holds_what_a_reference_should(name: str) -> None:
+    bag = reference(name)
+    assert bag.whole
+    assert {status["state"] for status in bag["/drive/status"].statuses()} == {"moving", "reached"}
+    assert {status["state"] for status in bag["/arm/status"].statuses()} == {"idle", "moving", "reached", "refused"}
+    switches = bag["/power/switches"].statuses()
+    assert switches[0]["actuator_heater"] == "on" and switches[-1]["actuator_heater"] == "off"
+    assert any(status["drive"] not in ("on", "off") for status in switches), "the drive's power is limited"
+
+
+def test_digests_are_those_of_the_bags_and_all_are_small() -> None:
+    for name in NAMES:
+        assert (references_folder() / name / DIGEST).read_text(encoding="utf-8") == digest(reference(name)), RENEW
+    assert sum(file.stat().st_size for file in references_folder().rglob("*") if file.is_file()) < 2_000_000
+
+
+class WeakDrive(DriveNode):
+    """Its wheels turn slower by a ten-thousandth."""
+
+    def publish(self, topic: str, message: Any) -> None:
+        if topic == "/wheel_command":
+            message.velocity = [0.9999 * rate for rate in message.velocity]
+        super().publish(topic, message)
+
+
+class LateDrive(DriveNode):
+    """Says in /odom what it should have said a period earlier."""
+
+    def __init__(self, **given: Any) -> None:
+        self._held: Any = None
+        super().__init__(**given)
+
+    def publish(self, topic: str, message: Any) -> None:
+        if topic != "/odom":
+            super().publish(topic, message)
+            return
+        pose = (message.pose.pose.position.x, message.pose.pose.position.y)
+        if self._held is not None:
+            message.pose.pose.position.x, message.pose.pose.position.y = self._held
+        self._held = pose
+        super().publish(topic, message)
+
+
+class ForgetfulDrive(DriveNode):
+    """Leaves out one message of /odom in a hundred, and its heartbeat at 3 s."""
+
+    count = 0
+
+    def publish(self, topic: str, message: Any) -> None:
+        if topic == "/odom":
+            self.count += 1
+            if self.count % 100 == 0:
+                return
+        super().publish(topic, message)
+
+    def _send_heartbeat(self, state: str, stamp: int, *rest: Any, **more: Any) -> None:
+        if stamp != 3 * 10**9:
+            super()._send_heartbeat(state, stamp, *rest, **more)
+
+
+class StaleDrive(DriveNode):
+    """Stamps its wheel commands a period too early."""
+
+    def publish(self, topic: str, message: Any) -> None:
+        if topic == "/wheel_command":
+            stamp = message.header.stamp
+            earlier = stamp.sec * 10**9 + stamp.nanosec - 20_000_000
+            stamp.sec, stamp.nanosec = earlier // 10**9, earlier % 10**9
+        super().publish(topic, message)
+
+
+def judged(node_class: Any, domain: int) -> Comparison:
+    comparison = replayed("short_goals", "drive", node_class, domain).comparison
+    assert comparison.verdict is Verdict.DIFFERENT
+    return comparison
+
+
+def test_a_gain_that_is_off_is_named(domain: int) -> None:
+    comparison = judged(WeakDrive, domain)
+    (found,) = comparison.fields
+    assert found.name == "/wheel_command.velocity"
+    assert found.largest.difference == pytest.approx(1e-4 * abs(found.largest.one))
+
+
+def test_a_delay_of_one_period_is_named(domain: int) -> None:
+    comparison = judged(LateDrive, domain)
+    assert {field.name for field in comparison.fields} == {"/odom.pose.pose.position.x", "/odom.pose.pose.position.y"}
+
+
+def test_messages_that_are_left_out_are_named(domain: int) -> None:
+    topics = {topic.topic: topic for topic in judged(ForgetfulDrive, domain).topics}
+    assert topics["/odom"].missing == tuple(100 * number * 20_000_000 for number in range(1, 6))
+    assert topics["/diagnostics"].missing == (3 * 10**9,)
+    assert not topics["/wheel_command"].missing
+
+
+def test_a_stale_stamp_is_named(domain: int) -> None:
+    topics = {topic.topic: topic for topic in judged(StaleDrive, domain).topics}
+    assert topics["/wheel_command"].extra == (0,)
+    assert len(topics["/wheel_command"].missing) == 1
+    assert not topics["/odom"].fields
+
+
+def test_every_message_of_the_candidate_is_handed_out(domain: int) -> None:
+    bag = reference("short_goals")
+    heard: list[tuple[str, int, bytes]] = []
+    with run_configuration(bag) as configuration:
+        result = replay(
+            bag, "power", NodeCandidate(process("power").load_class()), configuration, domain,
+            listener=lambda row, stamp, data: heard.append((row.name, stamp, data)),
+        )  # fmt: skip
+    for name, messages in result.answers.items():
+        assert [data for topic, stamp, data in heard if topic == name and stamp] == messages.data
+    assert any(topic == "/diagnostics" and stamp == 0 for topic, stamp, _ in heard), "also from before the run"
+
+
+def test_configuration_is_that_of_the_run_and_what_differs_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    bag = reference("short_goals")
+    changed = Bag(bag.path, True, bag.topics, dict(bag.attachments), bag.records)
+    name = "config/nodes/drive.yaml"
+    changed.attachments[name] = bag.attachments[name] + b"\n# as it was then\n"
+    with run_configuration(changed) as configuration:
+        assert configuration.changed == (name,)
+        assert "the run's are used: config/nodes/drive.yaml" in configuration.warnings()[0]
+        assert (configuration.folder / "nodes" / "drive.yaml").read_bytes().endswith(b"as it was then\n")
+        assert not configuration.resolved_otherwise
+        folder = configuration.folder
+    assert not Path(folder).exists()

@@ -1,0 +1,162 @@
+"""scripts/replay as people use it: our nodes as processes, programs of others, and all that goes wrong."""
+
+import json
+import os
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from programs import Program, next_domain
+
+from sojourn_bags.candidate import NodeCandidate
+from sojourn_bags.comparison_result import Verdict
+from sojourn_bags.comparison_words import comparison_lines
+from sojourn_bags.reading import read_bag
+from sojourn_bags.replay import replay
+from sojourn_bags.replay_script import ROLES_TO_REPLAY
+from sojourn_bags.run_configuration import run_configuration
+from sojourn_bringup.process_table import process
+
+BAG = Path(__file__).parents[1] / "replay" / "short_goals"
+STAND_IN = Path(__file__).parent / "stand_in_drive.py"
+Start = Callable[..., Program]
+
+PERIOD_OF_DEATH = """
+import os, signal
+from sojourn_drive.node import DriveNode
+from sojourn_contract import process
+
+class Mortal(DriveNode):
+    def on_period(self, stamp, inputs, goals):
+        if stamp == 2_000_000_000:
+            {last_deed}
+        super().on_period(stamp, inputs, goals)
+
+process.run(Mortal)
+"""
+
+WRONG_QOS = """
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from sojourn_contract import node, process
+from sojourn_drive.node import DriveNode
+
+class Careless(DriveNode):
+    def _create_output(self, row):
+        if row.name != "/odom":
+            return super()._create_output(row)
+        careless = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+        return self.create_publisher(node.message_class(row.type), "odom", careless)
+
+process.run(Careless)
+"""
+
+
+def program_file(folder: Path, text: str) -> str:
+    """A command that runs a program of one file in our environment."""
+    file = folder / "candidate.py"
+    file.write_text(text, encoding="utf-8")
+    return f"{sys.executable} {file}"
+
+
+@pytest.fixture(scope="module")
+def run_here(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of this machine: the reference may be of another one, that rounds in another way."""
+    folder = tmp_path_factory.mktemp("replayed")
+    arguments = [str(BAG.parent / "short_goals.yaml"), "--composed", "--domain", str(next_domain())]
+    arguments += ["--set", "steps=[{drive_to: {x: 0.1, y: 0.0}, timeout_s: 1.5}]", "--run-dir", str(folder / "run")]
+    program = Program("start", arguments, folder / "log.txt")
+    try:
+        assert program.wait() == 1, "the goal cannot be reached in so short a time"
+    finally:
+        program.end()
+    return folder / "run"
+
+
+@pytest.mark.parametrize("role", ROLES_TO_REPLAY)
+def test_our_nodes_reproduce_a_run_of_this_machine_exactly(role: str, run_here: Path, domain: int) -> None:
+    bag = read_bag(run_here)
+    with run_configuration(bag) as configuration:
+        candidate = NodeCandidate(process(role).load_class())
+        result = replay(bag, role, candidate, configuration, domain, timeout_s=50.0, ready_timeout_s=120.0)
+    assert result.comparison.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result.comparison))
+    assert result.comparison.matched == sum(len(messages) for messages in result.script.recorded.values())
+
+
+def test_our_node_as_a_process_reproduces_it_too(run_here: Path, start: Start, domain: int, tmp_path: Path) -> None:
+    file, both = tmp_path / "result.json", tmp_path / "both"
+    options = ("--exact", "--json", file, "--bag", both, "--domain", domain)
+    program = start("replay", run_here, "--node", "drive", *options)
+    assert program.wait() == 0, program.text
+    assert program.text.splitlines()[-1].startswith("identical: ")
+    assert not program.leaves_processes()
+    result = json.loads(file.read_text())
+    assert (result["role"], result["verdict"]) == ("drive", "identical")
+    bag = read_bag(both)
+    assert bag["/replay/odom"].data == bag["/odom"].data == read_bag(run_here)["/odom"].data
+    assert bag["/replay/odom"].log_times == bag["/odom"].log_times
+
+
+def test_a_program_that_drives_in_another_way_is_told_apart(start: Start, domain: int) -> None:
+    command = f"{sys.executable} {STAND_IN}"
+    program = start("replay", BAG, "--exec", command, "--role", "drive", "--domain", domain)
+    assert program.wait() == 1, program.text
+    assert "/wheel_command.velocity" in program.text
+    assert "first divergence upstream: " in program.text
+    assert not program.leaves_processes()
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("import time; time.sleep(1000)", "drive is not ready after 3 s of wall time: it does not publish /odom"),
+        ("import sys; sys.exit('no wheels found')", "ended with status 1: no wheels found (it was not ready yet)"),
+        (
+            PERIOD_OF_DEATH.format(last_deed="os.kill(os.getpid(), signal.SIGKILL)"),
+            "was killed by SIGKILL (it had not answered /odom stamped 2.00 s)",
+        ),
+        (
+            WRONG_QOS,
+            "drive cannot be heard: it offers /odom as best effort, the contract says reliable",
+        ),
+        (
+            # it ignores SIGINT besides, and has a child
+            "import subprocess\nsubprocess.Popen(['sleep', '1000'])\n"
+            + PERIOD_OF_DEATH.format(
+                last_deed="signal.signal(signal.SIGINT, signal.SIG_IGN)\n            while True: signal.pause()"
+            ),
+            "drive does not answer: /odom stamped 2.00 s is missing after 2 s of wall time",
+        ),
+    ],
+    ids=["mute", "ends at once", "killed", "wrong QoS", "hangs"],
+)
+def test_a_candidate_that_never_answers_or_dies(
+    text: str, words: str, start: Start, domain: int, tmp_path: Path
+) -> None:
+    command = program_file(tmp_path, text)
+    limits = ("--timeout", "2", "--start-timeout", "3" if "sleep(1000)" in text else "60")
+    program = start("replay", BAG, "--exec", command, "--role", "drive", "--domain", domain, *limits)
+    assert program.wait() == 1, program.text
+    assert words in program.text.splitlines()[-1]
+    assert not program.leaves_processes()
+
+
+def test_interrupted(start: Start, domain: int, tmp_path: Path) -> None:
+    command = program_file(tmp_path, "import time; print('here', flush=True); time.sleep(1000)")
+    log = tmp_path / "candidate.log"
+    program = start("replay", BAG, "--exec", command, "--role", "drive", "--domain", domain, "--log", log)
+    program.wait_until(lambda _: log.exists() and "here" in log.read_text(), "the candidate has started")
+    program.send(signal.SIGTERM)
+    assert program.wait() == 130
+    assert not program.leaves_processes()
+
+
+def test_a_bag_that_is_cut_off_is_replayed_as_far_as_it_goes(start: Start, domain: int, tmp_path: Path) -> None:
+    (whole,) = (BAG / "bag").glob("*.mcap")
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(whole.read_bytes()[: int(0.6 * os.path.getsize(whole))])
+    program = start("replay", cut, "--node", "power", "--domain", domain)
+    assert program.wait() == 0, program.text
+    first, last = program.text.splitlines()
+    assert "which is cut off: as far as it goes" in first and last.startswith("identical: ")
