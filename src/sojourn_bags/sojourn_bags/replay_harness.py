@@ -25,7 +25,8 @@ from sojourn_bags.replay_answers import Answers
 from sojourn_bags.replay_script import HEARTBEATS, Script, Step
 from sojourn_contract import qos, stamps
 from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats
-from sojourn_contract.topics import Topic, outputs_of, topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import outputs_of, topic
 from sojourn_contract.types import message_class
 
 GRACE_S = 0.25

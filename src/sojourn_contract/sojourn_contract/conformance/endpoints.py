@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from sojourn_contract.conformance.findings import Finding
-from sojourn_contract.topics import Reliability, Topic
+from sojourn_contract.topic_types import Reliability, Topic
 
 RELIABLE, BEST_EFFORT = "reliable", "best_effort"
 VOLATILE = "volatile"
