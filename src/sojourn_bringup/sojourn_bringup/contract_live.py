@@ -183,7 +183,9 @@ class LiveSource:
             *((info, False) for info in self._node.get_subscriptions_info_by_topic(name)),
         ]
         own = self._node.get_name()
-        return [(info.node_name, _endpoint(info, publishes)) for info, publishes in found if info.node_name != own]
+        return [
+            (info.node_name, Endpoint.of_graph(info, publishes)) for info, publishes in found if info.node_name != own
+        ]
 
     def _wait(self, is_true: Callable[[], bool]) -> bool:
         """Take what comes until something is true, FOUND_S at most. Returns whether it is."""
@@ -200,16 +202,3 @@ class LiveSource:
         end = time.monotonic() + wall_s
         while (left := end - time.monotonic()) > 0.0:
             self._executor.spin_once(timeout_sec=left)
-
-
-def _endpoint(info: Any, publishes: bool) -> Endpoint:
-    profile = info.qos_profile
-    deadline_s = profile.deadline.nanoseconds / 1e9
-    return Endpoint(
-        type=info.topic_type.replace("/msg/", "/"),
-        reliability=profile.reliability.name.lower(),
-        durability=profile.durability.name.lower(),
-        liveliness=profile.liveliness.name.lower(),
-        deadline_s=deadline_s if deadline_s > 0.0 else float("inf"),
-        publishes=publishes,
-    )
