@@ -183,11 +183,12 @@ def soft_rim_forces(
     flat = 2.0 * radius * sin_flat
     limit = (cohesion + greatest * tan_phi) * width * flat
     for i in range(nodes.shape[0]):
-        passed = nodes[i] * flat
+        passed = nodes[i] * nodes[i] * flat  # closer where the shear begins
+        share = 2.0 * nodes[i] * weights[i]
         x, y = _shear(rolled_before + slip * passed, radius * arc + passed, pressed, slip, side_slip, rolling, soil)
-        force_x += weights[i] * limit * x
-        force_y += weights[i] * limit * y
-        along += weights[i] * limit * x
+        force_x += share * limit * x
+        force_y += share * limit * y
+        along += share * limit * x
     force_z = max(force_z + greatest * width * flat, 0.0)
     return force_x * excess, force_y * excess, force_z * excess, along * excess, penetration - deflection, deflection
 
