@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from sojourn_bringup import arm_control
 from sojourn_bringup.arm_report import KEYS
 from sojourn_bringup.arm_test import main, parser
 from sojourn_bringup.errors import UsageError
 from sojourn_config.arms import dh_file
 from sojourn_config.errors import ConfigError
 from sojourn_config.paths import urdf_folder
+from sojourn_mechanics.arm.control_laws import LAWS
 
 NOMINAL = ["--q", "0", "0.7853981634", "3.1415926536", "0", "0.7853981634", "0"]
 
@@ -121,6 +123,23 @@ def test_help_names_every_key(capsys: pytest.CaptureFixture[str]) -> None:
     out = capsys.readouterr().out
     for key in KEYS:
         assert key in out
+
+
+def test_control_laws_are_compared(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "160")
+    found = _json(capsys, "cartesian", "--control", "--mass-error", "0.3")
+    exact, wrong = found["results"]["exact"], found["results"]["wrong_masses"]
+    assert set(exact) == set(wrong) == set(LAWS)
+    assert exact["computed_torque"]["tip_rms_m"] < 0.2 * exact["pd"]["tip_rms_m"]
+    assert wrong["feedforward"]["tip_rms_m"] > exact["feedforward"]["tip_rms_m"]
+    assert exact["open_loop"]["gain_margin"] is None and exact["pd"]["gain_margin"] > 1.0
+    arm_control.print_comparison(found)
+    out = capsys.readouterr().out
+    assert "computed_torque" in out and "[mm]" in out and "links +30 % in the law" in out
+    with pytest.raises(UsageError, match=r"srms has not the effort .* \(see --gravity\)"):
+        main(["srms", "--control"])
+    with pytest.raises(UsageError, match="--mass-error -1: allowed is a share above -1"):
+        main(["puma560", "--control", "--mass-error", "-1"])
 
 
 def test_the_workspace_is_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

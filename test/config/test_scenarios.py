@@ -198,6 +198,27 @@ BODY = "config/bodies/moon.yaml"
         (ROVER, "radius: 0.125", "radius: 0.13", ["wheels[0].radius = 0.13", "0.125 m", "urdf/"]),
         (ROVER, "width: 0.16", "width: 160", ["wheels[0].width = 160", "at most 3", "[m]"]),
         (
+            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {model: brushh}}",
+            ["wheels[0].contact.model = 'brushh'", "did you mean brush?", "rigid_wheel_on_soil"],
+        ),
+        (
+            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {model: brush, stiffness: 1.0e+4}}",
+            ["wheels[0].contact.cornering_stiffness", "missing", "[N/rad]"],
+        ),
+        (
+            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {model: roller_wheel, roller_angle_deg: 100}}",
+            ["wheels[0].contact.roller_angle_deg = 100", "at most 90", "[degree]"],
+        ),
+        (
+            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {model: roller_wheel, roller_angle_deg: 2}}",
+            ["wheels[0].contact", "roller_angle_deg", "5 to 90"],
+        ),
+        (
+            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {stiffness: 1.0e+4}}",
+            ["wheels[0].contact.model", "the key is missing"],
+        ),
+        (SOIL, "shear_modulus: 0.0178", "# shear_modulus: 0.0178", [SOIL, "kind = 'soil'", "missing: shear_modulus"]),
+        (
             ROVER, "joint: wheel_front_left_joint", "joint: wheel_front_lef_joint",
             ["wheels[0].joint", "not a joint", "did you mean wheel_front_left_joint?"],
         ),
@@ -235,6 +256,31 @@ BODY = "config/bodies/moon.yaml"
         ("urdf/explorer.urdf", 'lower="-0.45"', 'lower="low"', ["rocker_left_joint", "'low'", "number"]),
         ("urdf/explorer.urdf", 'name="mast_link"', 'name="base_link"', ["link base_link", "2 times"]),
         ("urdf/explorer.urdf", 'xyz="0 0.3 -0.07"', 'xyz="0 0.3"', ["three numbers"]),
+        ("urdf/explorer.urdf", '<mass value="40"/>', '<mass value="4"/>', ["mass = 180.0", "sum up to 144 kg"]),
+        ("urdf/explorer.urdf", '<mass value="40"/>', '<mass value="-40"/>', ["avionics_link, mass = -40"]),
+        ("urdf/explorer.urdf", '<mass value="40"/>', "", ["avionics_link", "needs mass and inertia"]),
+        ("urdf/explorer.urdf", 'ixx="0.7493333"', 'ixx="7.5"', ["avionics_link, inertia", "sum of the other two"]),
+        ("urdf/explorer.urdf", 'ixx="0.7493333"', 'ixx="-0.7"', ["avionics_link, inertia", "more than 0 kg m2"]),
+        ("urdf/explorer.urdf", 'ixx="0.7493333"', 'ixx="?"', ["avionics_link", "'?'", "number"]),
+        ("urdf/explorer.urdf", 'ixx="0.7493333" ', "", ["avionics_link", "ixx", "needed"]),
+        (
+            "urdf/explorer.urdf", '<parent link="base_link"/><child link="mast_link"/>',
+            '<parent link="base_link"/><child link="imu_link"/>', ["link imu_link", "several joints", "mast_joint"],
+        ),
+        (
+            "urdf/explorer.urdf", '<parent link="base_link"/><child link="mast_link"/>',
+            '<parent link="camera_head_link"/><child link="mast_link"/>', ["link mast_link", "ring", "base_link"],
+        ),
+        (
+            ROVER, "ratio: 1.0} # the differential",
+            "ratio: 1.0}\n  - {first: rocker_right_joint, second: rocker_left_joint, ratio: 1.0}",
+            [f"{ROVER}:", "couplings[1]", "follows from the couplings above"],
+        ),
+        (
+            ROVER, "second: rocker_right_joint, ratio", "second: rocker_left_joint, ratio",
+            ["couplings[0].second = 'rocker_left_joint'", "another joint"],
+        ),
+        (ROVER, "mass: 180.0", "mass: 0", ["mass = 0", "above 0"]),
     ],
 )  # fmt: skip
 def test_a_mistake_is_refused_with_its_place(
@@ -258,6 +304,45 @@ def test_problems_of_several_files_are_told_together(workspace: Path) -> None:
     files = {problem.file for problem in caught.value.problems}
     assert files == {SOIL, BODY, ROVER}
     assert all(problem.line is not None for problem in caught.value.problems)
+
+
+def test_all_that_does_not_fit_the_urdf_is_told_together(workspace: Path) -> None:
+    """Mass, inertia, wheel's axis, radius, joint name and coupling, each wrong in its own way: six problems at once."""
+    urdf, rover = workspace / "urdf/explorer.urdf", workspace / ROVER
+    text = urdf.read_text(encoding="utf-8").replace('ixx="0.7493333"', 'ixx="7.5"', 1)
+    wheel = text.index('<joint name="wheel_middle_left_joint"')
+    text = text[:wheel] + text[wheel:].replace('<axis xyz="0 1 0"/>', '<axis xyz="1 0 0"/>', 1)
+    urdf.write_text(text, encoding="utf-8")
+    config = rover.read_text(encoding="utf-8")
+    for old, new in (
+        ("mass: 180.0", "mass: 200.0"),
+        ("radius: 0.125", "radius: 0.2"),
+        ("joint: wheel_rear_left_joint", "joint: wheel_rear_lift_joint"),
+        ("second: rocker_right_joint", "second: rocker_wrong_joint"),
+    ):
+        assert old in config
+        config = config.replace(old, new, 1)
+    rover.write_text(config, encoding="utf-8")
+    with pytest.raises(ConfigError) as caught:
+        load_scenario("flat_drive")
+    told = str(caught.value)
+    for words in (
+        "avionics_link, inertia",
+        "wheel_middle_left_joint, axis = 1 0 0: allowed is 0 1 0",
+        "mass = 200.0",
+        "wheels[0].radius = 0.2",
+        "wheel_rear_lift_joint",
+        "did you mean wheel_rear_left_joint?",
+        "rocker_wrong_joint",
+    ):
+        assert words in told, told
+
+
+def test_a_wheel_that_would_drive_backwards_is_refused(refused: Callable[[str, str, str], str]) -> None:
+    """Its joint is turned half round about z: the axle points to the right."""
+    old = '<origin xyz="0.335 0.17 -0.175"/>\n    <axis'
+    text = refused("urdf/explorer.urdf", old, old.replace('"/>', '" rpy="0 0 3.14159265"/>'))
+    assert "wheel_middle_left_joint, axis" in text and "backwards" in text
 
 
 def test_unknown_scenario_lists_those_that_exist() -> None:
@@ -319,3 +404,37 @@ def test_wrong_override_is_refused(override: str, words: list[str]) -> None:
         load_scenario("flat_drive", [override])
     for word in words:
         assert word in str(caught.value)
+
+
+ROCK = "config/soils/rigid_rock.yaml"
+FIRM = "{model: wheel_and_ground_in_series, stiffness: 4.0e+4}"
+
+
+def test_ground_that_lacks_what_a_contact_model_needs_is_refused_with_all_that_is_missing(workspace: Path) -> None:
+    """Rock without the parameters of a soil will do for wheels of firm ground, and for no other."""
+    rock = workspace / ROCK
+    kept = [
+        line for line in rock.read_text(encoding="utf-8").splitlines() if not line.startswith(("cohesion", "theta_m"))
+    ]
+    text = "\n".join(line for line in kept if not line.startswith(("  - cohesion", "  - theta_m")))
+    rock.write_text(text, encoding="utf-8")
+    with pytest.raises(ConfigError) as caught:
+        load_scenario("flat_drive")
+    message = str(caught.value)
+    for key in ("cohesion", "theta_m_c1", "theta_m_c2"):
+        assert f"{ROCK}: {key}: the key is missing" in message
+    assert "front_left (rigid_wheel_on_soil)" in message
+    rover = workspace / ROVER
+    text = rover.read_text(encoding="utf-8")
+    rover.write_text(text.replace("grouser_count: 30}", f"grouser_count: 30, contact: {FIRM}}}"), encoding="utf-8")
+    loaded = load_scenario("flat_drive")
+    assert {wheel.contact.model for wheel in loaded.rover.wheels} == {"wheel_and_ground_in_series"}
+
+
+def test_the_soil_of_a_patch_is_asked_for_what_the_wheels_need_too(workspace: Path) -> None:
+    text = (workspace / ROCK).read_text(encoding="utf-8").replace("name: rigid_rock", "name: bare_rock")
+    text = text.replace("cohesion: 0.0", "# cohesion").replace("  - cohesion\n", "")
+    (workspace / "config/soils/bare_rock.yaml").write_text(text, encoding="utf-8")
+    patch = "{soil: bare_rock, shape: ellipse, x: 2.0, y: 0.0, length: 2.0, width: 1.0}"
+    with pytest.raises(ConfigError, match=r"bare_rock.yaml: cohesion: the key is missing"):
+        load_scenario("flat_drive", [f"terrain.soil_patches=[{patch}]"])

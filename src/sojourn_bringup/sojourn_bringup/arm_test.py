@@ -13,9 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from sojourn_bringup import options
+from sojourn_bringup.arm_control import compare_laws, print_comparison
 from sojourn_bringup.arm_report import KEYS, dh_figures, figures_of, inverse_figures, print_dh, print_figures
 from sojourn_bringup.errors import UsageError
 from sojourn_config.arms import arm_names, load_arm
+from sojourn_mechanics.arm.control_loop import ControlTestError
 from sojourn_mechanics.arm.dh_extract import dh_of_chain
 from sojourn_mechanics.arm.posture import posture
 from sojourn_mechanics.arm.serial_arm import SerialArm, with_payload
@@ -24,7 +26,6 @@ from sojourn_mechanics.params import FloatArray
 
 EARTH = 9.81
 _NUMBER = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|-(inf|nan|infinity)", re.IGNORECASE)
-_LISTS = {"--q", "--qd", "--qdd", "--gravity", "--payload", "--payload-at", "--to", "--rpy", "--pointing"}
 
 
 def parser() -> argparse.ArgumentParser:
@@ -63,6 +64,15 @@ def parser() -> argparse.ArgumentParser:
         metavar="FILE",
         help="draw the workspace into a picture (default: %(const)s) instead",
     )
+    result.add_argument(
+        "--control", action="store_true", help="compare control laws on one motion instead, in a simulated loop"
+    )
+    result.add_argument(
+        "--mass-error",
+        default="0.2",
+        metavar="SHARE",
+        help="with --control: how much too heavy the laws take the links in the second round (default: %(default)s)",
+    )
     result.add_argument("--json", action="store_true", help="print JSON")
     return result
 
@@ -83,6 +93,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     if given.workspace is not None:
         return _draw(arm, gravity, given)
+    if given.control:
+        return _compare(arm, gravity, given)
     q, qd, qdd = (_joints(arm, given, name) for name in ("q", "qd", "qdd"))
     try:
         figures = figures_of(arm, q, qd, qdd, gravity, posture(arm, q, qd, qdd, gravity))
@@ -125,6 +137,21 @@ def _draw(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> int
         print(json.dumps(summary, indent=2))
     else:
         print(f"workspace of {arm.name}: {path}")
+    return 0
+
+
+def _compare(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> int:
+    (error,) = _numbers(given.mass_error, "--mass-error", 1)
+    if not -1.0 < error <= 10.0:
+        raise UsageError(f"arm_test: --mass-error {error:g}: allowed is a share above -1, at most 10")
+    try:
+        figures = compare_laws(arm, gravity, error)
+    except ControlTestError as problem:
+        raise UsageError(f"arm_test: {problem} (see --gravity)") from problem
+    if given.json:
+        print(json.dumps(figures, indent=2))
+    else:
+        print_comparison(figures)
     return 0
 
 

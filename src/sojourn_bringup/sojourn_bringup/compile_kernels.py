@@ -3,6 +3,7 @@
 import numpy as np
 
 from sojourn_config.arms import load_arm
+from sojourn_config.load import load_params
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_mechanics.arm import controller
 from sojourn_mechanics.arm.inverse import pose_goal
@@ -10,10 +11,13 @@ from sojourn_mechanics.arm.model import build_arm_model
 from sojourn_mechanics.arm.spline_path import spline_through
 from sojourn_mechanics.arm.time_optimal import MotionLimits, fastest_timing
 from sojourn_mechanics.arm.workspace import tip_samples
+from sojourn_mechanics.contact.wheel_bench import measure
+from sojourn_mechanics.contact.wheel_shape import WheelShape
 from sojourn_mechanics.plant.state import zeros_command
 from sojourn_mechanics.plant.step import step
 from sojourn_mechanics.power import manager
 from sojourn_mechanics.sensors import suite
+from sojourn_mechanics.soil.params import SoilParams
 from sojourn_mechanics.steering.drive import DriveModel
 from sojourn_plant.start import build_plant
 
@@ -27,6 +31,8 @@ def main() -> None:
     _step_plant(scenario)
     suite.warm_up(scenario.sensors, scenario.gravity)
     DriveModel(scenario.drive, scenario.steering).warm_up()
+    wheel = load_params("wheels", "explorer", WheelShape)
+    measure(wheel, load_params("soils", "cmu_sand", SoilParams), load=50.0, slips_of_carriage=[0.2])
     controller.warm_up(scenario.arm, build_arm_model(scenario.urdf_xml, scenario.arm))
     manager.warm_up(scenario.power_manager)
     _use_arm()

@@ -28,7 +28,7 @@ p { margin: 6px 0; color: #4a5567; } .lead { margin-bottom: 20px; }
 section { background: #fff; border: 1px solid #dde2e9; border-radius: 8px; padding: 18px 20px; margin: 0 0 18px; }
 .body { display: flex; flex-wrap: wrap; gap: 12px 28px; align-items: flex-start; }
 .body > .tables { flex: 1 1 430px; } .curves { flex: 1 1 520px; display: flex; flex-direction: column; gap: 14px; }
-.wide .curves { flex-direction: row; flex-wrap: wrap; }
+.body > .tables:only-child { max-width: 560px; }
 table { border-collapse: collapse; width: 100%; }
 td, th { text-align: left; padding: 4px 10px 4px 0; border-bottom: 1px solid #edf0f4; vertical-align: top; }
 th { font-weight: 600; color: #4a5567; border-bottom: 2px solid #dde2e9; }
@@ -130,6 +130,8 @@ def _drawing(curve: Curve, prefix: str) -> str:
             axes.set_yscale("log")
             largest = max(float(np.nanmax(y)) for _, y in curve.lines.values())
             axes.set_ylim(bottom=largest * 1e-6, top=largest * 3.0)
+        elif _is_flat(curve):
+            axes.set_ylim(bottom=0.0)
         axes.set_title(curve.title, fontsize=10.5, loc="left")
         axes.set_xlabel(curve.x_label)
         axes.set_ylabel(curve.y_label)
@@ -143,3 +145,11 @@ def _drawing(curve: Curve, prefix: str) -> str:
     drawn = text.getvalue()
     # names inside of one drawing must differ from those of the others in the page
     return re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", drawn[drawn.index("<svg") :])
+
+
+def _is_flat(curve: Curve) -> bool:
+    """Whether its lines change by less than a twentieth of their height: drawn from zero, or rounding would fill the
+    axis.
+    """
+    values = np.concatenate([y[np.isfinite(y)] for _, y in curve.lines.values()])
+    return bool(values.min() > 0.0 and np.ptp(values) < 0.05 * values.max())

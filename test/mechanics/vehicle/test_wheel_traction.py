@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from sojourn_mechanics.contact.wheel_shape import WheelShape
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.soil.params import SoilParams
 from sojourn_mechanics.soil.pressure_sinkage import pressure
@@ -19,6 +20,7 @@ from sojourn_mechanics.vehicle.wheel_traction import (
 )
 
 R, B = 0.4065, 0.229
+SHAPE = WheelShape(name="lrv", citation="test", radius=R, width=B)
 
 
 def test_closed_form_thrust_is_the_integral_of_the_shear_stress(lunar_soil: SoilParams) -> None:
@@ -41,7 +43,7 @@ def test_a_driving_wheel_never_gives_more_work_than_it_takes(slip: float, load: 
     loss = RollingLoss(0.02)
     for wheel in (
         ClosedFormWheel(lunar_soil, R, B, 1.624, loss),
-        RimStressWheel(lunar_soil, R, R, B, loss),
+        RimStressWheel(lunar_soil, SHAPE, 1.624, loss),
         FirmWheel(R, 0.7, loss=loss),
     ):
         force = wheel.forces(load, slip)
@@ -72,4 +74,4 @@ def test_bad_numbers_are_refused(lunar_soil: SoilParams) -> None:
     with pytest.raises(InvalidValueError, match="slip"):
         wheel.forces(100.0, 1.5)
     with pytest.raises(InvalidValueError, match="load"):
-        RimStressWheel(lunar_soil, 0.1, 0.1, 0.05).forces(5000.0, 0.1)
+        RimStressWheel(lunar_soil, SHAPE, 1.624).forces(1e7, 0.1)

@@ -71,6 +71,7 @@ def vehicle_of(
                 track=float(np.ptp(stance.contacts[group, 1])),
                 wheel_radius=wheel.shear_radius,
                 rim_radius=wheel.radius,
+                grouser_count=wheel.grouser_count,
                 wheel_width=wheel.width,
                 wheel_inertia=float(model.inertias[joint].inertia[1, 1]),
                 driven=wheel.joint in drives,

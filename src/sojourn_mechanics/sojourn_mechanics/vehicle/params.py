@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from sojourn_mechanics.actuators.params import GearParams, MotorParams
 from sojourn_mechanics.actuators.series_motor import SeriesMotorParams
+from sojourn_mechanics.contact.wheel_shape import WheelShape
 from sojourn_mechanics.params import FloatArray, Params
 from sojourn_mechanics.vehicle.wheel_traction import RollingLoss
 
@@ -24,6 +25,7 @@ class AxleParams(Params):
     track: float = Field(gt=0.0, le=50.0, description="distance between its wheels [m]")
     wheel_radius: float = Field(gt=0.0, le=5.0, description="rolling radius, through the tips of grousers [m]")
     rim_radius: float = Field(gt=0.0, le=5.0, description="radius of the rim, without grousers [m]")
+    grouser_count: int = Field(default=0, ge=0, le=500, description="grousers on one rim [-]")
     wheel_width: float = Field(gt=0.0, le=3.0, description="[m]")
     wheel_inertia: float = Field(ge=0.0, le=1e4, description="of one wheel about its axle, without the motor [kg m^2]")
     driven: bool = Field(default=True, description="true if its wheels have motors")
@@ -42,7 +44,21 @@ class AxleParams(Params):
     def _radii_fit(self) -> Self:
         if self.rim_radius > self.wheel_radius:
             raise ValueError(f"rim_radius = {self.rim_radius:g}: allowed is at most {self.wheel_radius:g} m")
+        if self.rim_radius < self.wheel_radius and self.grouser_count == 0:
+            raise ValueError("grouser_count: allowed is more than 0 where the rim is smaller than the wheel")
         return self
+
+    @property
+    def shape(self) -> WheelShape:
+        """One of its wheels as the soil sees it."""
+        return WheelShape(
+            name="wheel",
+            citation="vehicle",
+            radius=self.rim_radius,
+            width=self.wheel_width,
+            grouser_height=self.wheel_radius - self.rim_radius,
+            grouser_count=self.grouser_count,
+        )
 
 
 class PublishedFigure(Params):

@@ -5,10 +5,8 @@ right.
     `FirmSideForce`     brush model without carcass (Fromm; Pacejka 2012, sec. 3.2): with x = C tan a/(3 mu F_z), |x| <
     1
                         F_y = -mu F_z (3 x - 3 x |x| + x^3), full sliding beyond; C = c F_z, proportional to the load
-    `SoilSideForce`     lateral shear stress of the rigid wheel on soil, `contact.wheel_on_soil` (Ishigami et al. 2007),
-    at a
-                        fixed longitudinal slip and with the sinkage that carries the load; lateral slip s_y = -tan a (1
-                        - s)
+    `SoilSideForce`     steady state of the rigid wheel on the test bed of `contact.wheel_bench`, at a slip of the
+    carriage
 
 The cornering stiffness is -dF_y/da at a = 0. Range: |a| up to a right angle; one wheel, upright.
 """
@@ -17,11 +15,9 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
-from scipy.optimize import brentq
-
-from sojourn_mechanics.contact.wheel_on_soil import NODES, WEIGHTS, rim_forces
-from sojourn_mechanics.errors import InvalidValueError
-from sojourn_mechanics.soil.params import SoilParams, kernel_row
+from sojourn_mechanics.contact.wheel_shape import WheelShape
+from sojourn_mechanics.soil.params import SoilParams
+from sojourn_mechanics.vehicle.wheel_traction import bench_state
 
 
 class SideForce(Protocol):
@@ -60,33 +56,20 @@ class FirmSideForce:
         return -limit * (3.0 * x - 3.0 * x * abs(x) + x**3)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class SoilSideForce:
-    """Rigid wheel on soil. Lengths in m; `slip` is the longitudinal slip with which it rolls."""
+    """Rigid wheel on soil; `slip` is the longitudinal slip with which it rolls, gravity in m/s^2."""
 
     soil: SoilParams
-    rim_radius: float
-    radius: float
-    width: float
+    shape: WheelShape
+    gravity: float
     slip: float = 0.0
 
     def force(self, load: float, slip_angle: float) -> float:
         """As `SideForce.force`."""
         if load <= 0.0:
             return 0.0
-        row = kernel_row(self.soil)
-        lateral = -math.tan(slip_angle) * (1.0 - max(self.slip, 0.0))
-
-        def at(sinkage: float) -> tuple[float, ...]:
-            found: tuple[float, ...] = rim_forces(
-                self.rim_radius, self.radius, self.width, sinkage, self.slip, lateral, 1.0, row, NODES, WEIGHTS
-            )
-            return found
-
-        deepest = 0.6 * self.rim_radius
-        if at(deepest)[2] < load:
-            raise InvalidValueError("load", load, f"at most {at(deepest)[2]:.3g} N for this wheel on {self.soil.name}")
-        return at(float(brentq(lambda depth: at(depth)[2] - load, 0.0, deepest, xtol=1e-12)))[1]
+        return bench_state(self.soil, self.shape, self.gravity, load, self.slip, slip_angle)[2]
 
 
 def cornering_stiffness(law: SideForce, load: float, angle: float = 1e-3) -> float:

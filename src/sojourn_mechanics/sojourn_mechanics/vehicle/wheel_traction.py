@@ -19,7 +19,7 @@ holds
 `FirmWheel`, ground that does not yield: P = m W s/(s + s_c) for s > 0, a thrust that saturates (Pacejka 2012, sec. 1.2:
     slip stiffness m W/s_c at zero slip), odd in s.
 
-Range: |s| <= 1, loads of more than 0 N, sinkage up to half the diameter (0.6 r for the rim stresses).
+Range: |s| <= 1, loads of more than 0 N, sinkage up to half the diameter.
 """
 
 import math
@@ -29,7 +29,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from scipy.optimize import brentq
 
-from sojourn_mechanics.contact.wheel_on_soil import NODES, WEIGHTS, rim_forces
+from sojourn_mechanics.contact.wheel_bench import RESULT_COLUMNS, shape_row, solve
+from sojourn_mechanics.contact.wheel_shape import WheelShape
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.soil.bearing import bulldozing_resistance
 from sojourn_mechanics.soil.params import SoilParams, kernel_row
@@ -37,8 +38,6 @@ from sojourn_mechanics.soil.pressure_sinkage import compaction_resistance, wheel
 
 BULLDOZING_SINKAGE = 0.06
 """Of the diameter: below it no bulldozing is counted in the closed form."""
-DEEPEST = 0.6
-"""Of the radius: deepest sinkage of the rim stress model."""
 
 
 class WheelForces(NamedTuple):
@@ -114,34 +113,46 @@ class ClosedFormWheel:
         return WheelForces(pull, self.radius * (thrust + rolling), sinkage, rolling, compaction, bulldozing)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class RimStressWheel:
-    """Rigid wheel on soil by the stresses over its rim; `radius` is that of the grouser tips."""
+    """Rigid wheel on soil by the stresses over its rim, as on the test bed of `contact.wheel_bench`.
+
+    Gravity in m/s^2.
+    """
 
     soil: SoilParams
-    rim_radius: float
-    radius: float
-    width: float
+    shape: WheelShape
+    gravity: float
     loss: RollingLoss = NO_LOSS
+
+    @property
+    def radius(self) -> float:
+        """Rolling radius, through the tips of the grousers [m]."""
+        return self.shape.shear_radius
 
     def forces(self, load: float, slip: float, speed: float = 0.0) -> WheelForces:
         """As `WheelTraction.forces`."""
         _check(load, slip)
-        row = kernel_row(self.soil)
-
-        def at(sinkage: float) -> tuple[float, ...]:
-            force: tuple[float, ...] = rim_forces(
-                self.rim_radius, self.radius, self.width, sinkage, slip, 0.0, 1.0, row, NODES, WEIGHTS
-            )
-            return force
-
-        deepest = DEEPEST * self.rim_radius
-        if at(deepest)[2] < load:
-            raise InvalidValueError("load", load, f"at most {at(deepest)[2]:.3g} N for this wheel on {self.soil.name}")
-        sinkage = float(brentq(lambda depth: at(depth)[2] - load, 0.0, deepest, xtol=1e-12))
-        pull, _, _, torque, *_ = at(sinkage)
+        sinkage, pull, _, torque, _, _, compaction, bulldozing = bench_state(
+            self.soil, self.shape, self.gravity, load, slip
+        )
         rolling = self.loss.force(load, speed)
-        return WheelForces(pull, torque + self.radius * rolling, sinkage, rolling, 0.0, 0.0)
+        return WheelForces(pull, torque + self.radius * rolling, sinkage, rolling, compaction, bulldozing)
+
+
+def bench_state(
+    soil: SoilParams, shape: WheelShape, gravity: float, load: float, slip: float, slip_angle: float = 0.0
+) -> list[float]:
+    """One row of `wheel_bench.solve`'s results.
+
+    Raises:
+        InvalidValueError: a load that the soil does not carry.
+    """
+    results = np.empty((1, RESULT_COLUMNS))
+    solve(shape_row(shape)[None], np.array([[load, slip, slip_angle, gravity]]), kernel_row(soil), results)
+    if math.isnan(results[0, 0]):
+        raise InvalidValueError("load", load, f"one that {soil.name} carries under this wheel")
+    return [float(value) for value in results[0]]
 
 
 @dataclass(frozen=True, slots=True)

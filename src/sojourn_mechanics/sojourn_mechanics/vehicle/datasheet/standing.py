@@ -58,11 +58,14 @@ def standing(subject: Subject) -> Section:
         )
     directions = np.linspace(0.0, 2.0 * math.pi, 181)
     angles = np.degrees(tip_over_angles(subject, directions))
-    named = (("forward", 0), ("left", 45), ("backward", 90), ("right", 135))
-    figures += [
-        Figure(f"tip_over_{name}", f"Tip-over angle, downhill to the {name}", float(angles[i]), "°")
-        for name, i in named
-    ]
+    named = (
+        ("forward", "ahead", 0),
+        ("left", "to the left", 45),
+        ("backward", "behind", 90),
+        ("right", "to the right", 135),
+    )
+    for name, words, i in named:
+        figures.append(Figure(f"tip_over_{name}", f"Tip-over angle, downhill is {words}", float(angles[i]), "°"))
     margin = float(
         tip_over_margin(_contacts(subject)[None], np.ones((1, len(subject.places)), bool), _centre(subject))[0]
     )
@@ -112,6 +115,7 @@ def steps(subject: Subject) -> Section:
     line = {"all wheels driven": (np.array(STEP_FRICTIONS), heights)}
     curve = Curve("Highest step", "friction coefficient", "height [m]", line)
     text = "Quasi-static, rigid vertical step; motors share the traction as is best. "
+    text += "The flat underside of the body is kept clear of the edge, the arms of a suspension are not. "
     text += "Springs are taken as locked." if subject.machine is None else "The bogies turn within their limits."
     return Section("Steps", figures, (curve,), text)
 

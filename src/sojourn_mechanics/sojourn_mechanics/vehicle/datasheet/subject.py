@@ -52,7 +52,7 @@ class Subject:
         """The law of an axle's wheels on this soil."""
         if (law or self.law) == "closed form":
             return ClosedFormWheel(self.soil, axle.wheel_radius, axle.wheel_width, self.gravity, self.vehicle.loss)
-        return RimStressWheel(self.soil, axle.rim_radius, axle.wheel_radius, axle.wheel_width, self.vehicle.loss)
+        return RimStressWheel(self.soil, axle.shape, self.gravity, self.vehicle.loss)
 
     def course(self, law: str | None = None) -> Course:
         """The vehicle on this soil."""

@@ -78,7 +78,7 @@ def handling(subject: Subject) -> Section:
     stiffness = []
     side, weight = 0.0, 0.0
     for axle, load in zip(vehicle.axles, level, strict=True):
-        law = SoilSideForce(subject.soil, axle.rim_radius, axle.wheel_radius, axle.wheel_width)
+        law = SoilSideForce(subject.soil, axle.shape, subject.gravity)
         stiffness.append(2.0 * cornering_stiffness(law, float(load)))
         side += -2.0 * law.force(float(load), SIDE_ANGLE)
         weight += 2.0 * float(load)

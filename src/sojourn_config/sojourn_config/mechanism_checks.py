@@ -1,0 +1,106 @@
+"""Checks of a rover's mechanism: masses and inertias of its URDF, axes of its wheels, couplings of its joints."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from sojourn_config.errors import Problem
+from sojourn_config.rover import RoverConfig
+from sojourn_config.urdf import UrdfSummary
+from sojourn_config.yaml_file import YamlDocument
+from sojourn_mechanics.params import FloatArray
+
+SAME_MASS = 1e-3
+"""Largest difference of two masses that are meant to be one, as a part of them."""
+SAME_DIRECTION = 1e-6
+TRIANGLE = 1e-6
+"""Slack of the inequality of the principal moments of inertia, as a part of the largest: rounding of the file."""
+
+
+def mechanism_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+    """All that is wrong. `document`: the rover's file, for messages."""
+    yield from _inertia_problems(urdf)
+    yield from _weightless_problems(urdf)
+    total = sum(inertial.mass for inertial in urdf.inertials.values())
+    if rover.mass is not None and abs(total - rover.mass) > SAME_MASS * rover.mass:
+        yield document.problem(("mass",), rover.mass, f"the masses of {urdf.file} sum up to {total:g} kg")
+    yield from _axis_problems(rover, urdf)
+    yield from _coupling_problems(rover, urdf, document)
+
+
+def _inertia_problems(urdf: UrdfSummary) -> Iterator[Problem]:
+    """A body has a mass above zero, and moments of inertia that some distribution of mass can have."""
+    for name, inertial in urdf.inertials.items():
+        key = f"link {name}"
+        if inertial.mass <= 0.0:
+            yield Problem(urdf.file, f"{key}, mass", f"{inertial.mass:g}", "allowed is more than 0 kg")
+        moments = np.linalg.eigvalsh(inertial.inertia)
+        shown = ", ".join(f"{moment:.4g}" for moment in moments)
+        if moments[0] <= 0.0:
+            yield Problem(urdf.file, f"{key}, inertia", shown, "allowed are principal moments of more than 0 kg m2")
+        elif moments[0] + moments[1] < moments[2] * (1.0 - TRIANGLE):
+            allowed = "no body has these principal moments: each is at most the sum of the other two"
+            yield Problem(urdf.file, f"{key}, inertia", shown, allowed)
+
+
+def _weightless_problems(urdf: UrdfSummary) -> Iterator[Problem]:
+    """A moving joint needs mass below it, down to the next moving joints' bodies and with them."""
+
+    def mass_below(link: str) -> float:
+        own = urdf.inertials[link].mass if link in urdf.inertials else 0.0
+        return own + sum(mass_below(joint.child) for joint in urdf.joints.values() if joint.parent == link)
+
+    for name in urdf.moving_joints:
+        if mass_below(urdf.joints[name].child) == 0.0:
+            allowed = "moves nothing that has a mass: allowed is an inertial in a link below it"
+            yield Problem(urdf.file, f"joint {name}", urdf.joints[name].child, allowed)
+
+
+def _axis_problems(rover: RoverConfig, urdf: UrdfSummary) -> Iterator[Problem]:
+    """The plant takes the y axis of a wheel's joint for its axle, and that to the left at zero pose."""
+    for wheel in rover.wheels:
+        joint = urdf.joints.get(wheel.joint)
+        if joint is None or joint.kind == "fixed":
+            continue  # told elsewhere
+        own = " ".join(f"{value:g}" for value in joint.axis)
+        if np.abs(joint.axis - [0.0, 1.0, 0.0]).max() > SAME_DIRECTION:
+            allowed = f"allowed is 0 1 0: it is the axle of wheel {wheel.name}"
+            yield Problem(urdf.file, f"joint {wheel.joint}, axis", own, allowed)
+        elif _direction_in_root(urdf, wheel.joint)[1] <= 0.0:
+            allowed = f"points to the right at zero pose, so that wheel {wheel.name} would drive backwards"
+            yield Problem(urdf.file, f"joint {wheel.joint}, axis", own, allowed)
+
+
+def _direction_in_root(urdf: UrdfSummary, name: str) -> FloatArray:
+    """Axis of a joint at zero pose in the root link, shape (3,)."""
+    above = {joint.child: joint for joint in urdf.joints.values()}
+    joint = urdf.joints[name]
+    direction = joint.transform_parent_to_joint[:3, :3] @ joint.axis
+    while joint.parent in above:
+        joint = above[joint.parent]
+        direction = joint.transform_parent_to_joint[:3, :3] @ direction
+    return np.asarray(direction)
+
+
+def _coupling_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+    """Couplings must be independent: two that say the same make the equations of motion singular."""
+    names = urdf.moving_joints
+    rows = np.zeros((0, len(names)))
+    for index, coupling in enumerate(rover.couplings):
+        if coupling.first not in names or coupling.second not in names:
+            continue  # told elsewhere
+        if coupling.first == coupling.second:
+            yield document.problem(
+                ("couplings", index, "second"), coupling.second, "allowed is another joint than first"
+            )
+            continue
+        row = np.zeros(len(names))
+        row[names.index(coupling.first)] = 1.0
+        row[names.index(coupling.second)] = coupling.ratio
+        more = np.vstack([rows, row])
+        if np.linalg.matrix_rank(more) < len(more):
+            pair = f"{coupling.first}, {coupling.second}"
+            allowed = "follows from the couplings above, or contradicts them: allowed is each of them once"
+            yield document.problem(("couplings", index), pair, allowed)
+        else:
+            rows = more
