@@ -36,6 +36,7 @@ DEPENDENCY_OF_MODULE = {
     "pinocchio": "pinocchio",
     "pydantic": "python3-pydantic",
     "pydantic_core": "python3-pydantic",
+    "rasterio": None,
     "rcl_interfaces": "rcl_interfaces",
     "rclpy": "rclpy",
     "rich": None,
