@@ -234,7 +234,9 @@ def test_a_driven_wheel_bears_more_the_deeper_it_sinks(
     soil: FloatArray, sinkage: float, factor: float, rolling: float
 ) -> None:
     for slip in (0.0, 0.1, 0.4):
-        assert rim(soil, sinkage * factor, slip, 0.0, rolling)[2] > rim(soil, sinkage, slip, 0.0, rolling)[2]
+        deeper, here = (rim(soil, z, slip, 0.0, rolling)[2] for z in (sinkage * factor, sinkage))
+        # cohesive soil too soft to bear the shear behind the axle gives the least, none
+        assert deeper > here or deeper == here == 0.0
 
 
 def test_bears_more_and_more_beyond_the_last_entry_angle() -> None:

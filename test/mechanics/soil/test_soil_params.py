@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.soil import regolith
 from sojourn_mechanics.soil.bearing import bearing_factors
 from sojourn_mechanics.soil.params import (
     SOIL_COLUMNS,
@@ -92,6 +93,19 @@ def test_viking_numbers_of_the_mars_soil() -> None:
     mars = load("mars")
     assert (mars.friction_angle_deg, mars.cohesion, mars.density) == (34.5, 1100.0, 1400.0)
     assert {"n", "k_c", "k_phi"} <= set(mars.estimates)
+
+
+@pytest.mark.parametrize(
+    ("name", "numbers"),
+    [
+        ("viking_drift", (18.0, 1600.0, 1150.0)),
+        ("viking_blocky", (30.8, 5500.0, 1600.0)),
+        ("lunar_regolith", (42.0, 520.0, pytest.approx(regolith.mean_density(0.15), abs=0.1))),
+    ],
+)
+def test_strength_and_density_of_planetary_soils(name: str, numbers: tuple[float, float, float]) -> None:
+    soil = load(name)
+    assert (soil.friction_angle_deg, soil.cohesion, soil.density) == numbers
 
 
 def symmetric_force(k_phi: float, radius: float, width: float, sinkage: float) -> float:

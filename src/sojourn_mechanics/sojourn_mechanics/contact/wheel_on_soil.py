@@ -61,7 +61,7 @@ reduced to that.
 
 Assumes homogeneous soil, a plane ground over the length of one contact, and quasi-static stress. Valid for
 sinkage up to about 0.7 r; beyond the axle (z > r) the rim under it goes on to bear, the rest does not. Quadrature:
-Gauss-Legendre on each side of θm.
+Gauss-Legendre on each side of θm, and, braked, on each side of the angle where the shear turns.
 """
 
 import math
@@ -157,6 +157,31 @@ def travel(slip: float, lateral_slip: float) -> tuple[float, float, float, float
         total_slip = rim - 1.0
     sideways = 1.0 - ahead / math.sqrt(speed * speed + STANDING_SPEED * STANDING_SPEED)
     return rim, ahead, total_slip, sideways
+
+
+@njit(cache=True)
+def turning_angle(entry: float, slip: float, shift: float) -> float:
+    """Angle θ at which the shear along a braked rim turns from ahead to back, jx = 0; beyond every rim if it does not.
+
+    (1 + s)(θ1 - θ) - (sin θ1 - sin θ) + shift = 0, by Newton from the mirror image of θ1 about the extreme.
+
+    Args:
+        entry: θ1 [rad]. slip: s. shift: of the shear, over r_s, as it is for a wheel that does not yet roll [-].
+    """
+    if slip >= 0.0 or slip <= -1.0:
+        return math.inf
+    extreme = math.acos(1.0 + slip)
+    sin_entry = math.sin(entry)
+    highest = (1.0 + slip) * (entry - extreme) - (sin_entry - math.sin(extreme)) + shift
+    if extreme >= entry or highest <= 0.0:
+        return math.inf
+    theta = 2.0 * extreme - entry
+    for _ in range(4):
+        slope = math.cos(theta) - 1.0 - slip
+        if abs(slope) < 1e-9:
+            return math.inf
+        theta -= ((1.0 + slip) * (entry - theta) - (sin_entry - math.sin(theta)) + shift) / slope
+    return theta
 
 
 @njit(cache=True)
@@ -275,13 +300,24 @@ def wheel_forces(
     moment_z = 0.0
     normal_x = 0.0
     normal_z = 0.0
-    for side in range(2):
-        span = front if side == 0 else rear
+    turn = turning_angle(entry, slip, pressed * slip * pressed_length / (max(rolling, 1e-9) * shear_radius))
+    for piece in range(4):
+        # Each side of θm, and each of these again at the angle where the shear turns, if that is inside.
+        span = front if piece < 2 else rear
+        split = (entry - turn) / span if piece < 2 else (turn - exit_angle) / span if span > 0.0 else 1.0
+        if not 0.0 < split < 1.0:
+            split = 1.0
+        if split == 1.0 and piece % 2 == 1:
+            continue
         for i in range(nodes.shape[0]):
-            # Substitution x -> x^2 at the free edge: the integrand's root there (n < 1) keeps the order.
-            x = nodes[i] * nodes[i]
-            measure = 2.0 * nodes[i] * weights[i] * span * width
-            theta = entry - x * front if side == 0 else exit_angle + x * rear
+            if piece % 2 == 0:
+                # Substitution x -> x^2 at the free edge: the integrand's root there (n < 1) keeps the order.
+                x = split * nodes[i] * nodes[i]
+                measure = 2.0 * split * nodes[i] * weights[i] * span * width
+            else:
+                x = split + (1.0 - split) * nodes[i]
+                measure = (1.0 - split) * weights[i] * span * width
+            theta = entry - x * front if piece < 2 else exit_angle + x * rear
             mirrored = entry - x * front
             rise = max(math.cos(mirrored) - cos_entry, 0.0)
             sigma = scale * (rise if n == 1.0 else rise**n)
