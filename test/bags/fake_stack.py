@@ -25,7 +25,8 @@ from sojourn_contract import process, stamps
 from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import READY, read_heartbeats, status_message
 from sojourn_contract.node import ContractNode
-from sojourn_contract.topics import Topic, outputs_of
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import outputs_of
 from sojourn_contract.types import message_class
 
 SCENARIO = "flat_drive"

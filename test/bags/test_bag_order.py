@@ -9,7 +9,8 @@ from sojourn_bags.completeness import PublishedCounts, account, due_by
 from sojourn_bags.order import HOLD_PERIODS, MAX_AHEAD_PERIODS, Entry, PeriodOrder, WindowOrder
 from sojourn_contract.heartbeat import ENDED, RUNNING, Heartbeat
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
-from sojourn_contract.topics import Reliability, Topic, topic
+from sojourn_contract.topic_types import Reliability, Topic
+from sojourn_contract.topics import topic
 
 FAST = Topic("/fast", "std_msgs/Header", "plant", (), 1, 0.1, "every period")
 SLOW = Topic("/slow", "std_msgs/Header", "drive", (), 5, 0.1, "every fifth period")

@@ -14,7 +14,8 @@ from typing import Any
 from sojourn_contract import process, stamps
 from sojourn_contract.heartbeat import READY, read_heartbeats
 from sojourn_contract.node import ContractNode
-from sojourn_contract.topics import Topic, outputs_of
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import outputs_of
 from sojourn_contract.types import message_class
 
 PERIOD = stamps.CONTROL_PERIOD_NS

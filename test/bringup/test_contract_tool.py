@@ -157,6 +157,24 @@ def test_a_role_that_does_not_exist(tmp_path: Path) -> None:
         contract_tool.main(["check", "--bag", str(tmp_path), "--node", "pilot"])
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--exec", "true"], "--exec needs --role"),
+        (["--exec", "true", "--role", "pilot"], "--role: role 'pilot' is unknown, allowed is one of plant"),
+        (["--exec", "a 'b", "--role", "drive"], "the command cannot be read"),
+        (["--exec", "true", "--role", "drive", "--node", "drive"], "with --exec give --role"),
+        (["--exec", "true", "--role", "drive", "--reference", "/nowhere"], "/nowhere cannot be read as a bag"),
+        (["--exec", "true", "--role", "drive", "--reference", __file__], "it is no MCAP file"),
+        (["--bag", "x", "--role", "drive"], "--role is for --exec"),
+    ],
+)
+def test_a_program_that_cannot_be_judged(arguments: list[str], words: str) -> None:
+    with pytest.raises(UsageError, match=words) as error:
+        contract_tool.main(["check", *arguments])
+    assert "\n" not in str(error.value)
+
+
 @pytest.mark.parametrize("arguments", [["check"], ["check", "--live", "--bag", "x"], ["show", "--format", "pdf"], []])
 def test_bad_options(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:

@@ -198,6 +198,27 @@ BODY = "config/bodies/moon.yaml"
         (ROVER, "radius: 0.125", "radius: 0.13", ["wheels[0].radius = 0.13", "0.125 m", "urdf/"]),
         (ROVER, "width: 0.16", "width: 160", ["wheels[0].width = 160", "at most 3", "[m]"]),
         (
+            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {model: brushh}}",
+            ["wheels[0].contact.model = 'brushh'", "did you mean brush?", "rigid_wheel_on_soil"],
+        ),
+        (
+            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {model: brush, stiffness: 1.0e+4}}",
+            ["wheels[0].contact.cornering_stiffness", "missing", "[N/rad]"],
+        ),
+        (
+            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {model: roller_wheel, roller_angle_deg: 100}}",
+            ["wheels[0].contact.roller_angle_deg = 100", "at most 90", "[degree]"],
+        ),
+        (
+            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {model: roller_wheel, roller_angle_deg: 2}}",
+            ["wheels[0].contact", "roller_angle_deg", "5 to 90"],
+        ),
+        (
+            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {stiffness: 1.0e+4}}",
+            ["wheels[0].contact.model", "the key is missing"],
+        ),
+        (SOIL, "shear_modulus: 0.0178", "# shear_modulus: 0.0178", [SOIL, "kind = 'soil'", "missing: shear_modulus"]),
+        (
             ROVER, "joint: wheel_front_left_joint", "joint: wheel_front_lef_joint",
             ["wheels[0].joint", "not a joint", "did you mean wheel_front_left_joint?"],
         ),
@@ -383,3 +404,37 @@ def test_wrong_override_is_refused(override: str, words: list[str]) -> None:
         load_scenario("flat_drive", [override])
     for word in words:
         assert word in str(caught.value)
+
+
+ROCK = "config/soils/rigid_rock.yaml"
+FIRM = "{model: wheel_and_ground_in_series, stiffness: 4.0e+4}"
+
+
+def test_ground_that_lacks_what_a_contact_model_needs_is_refused_with_all_that_is_missing(workspace: Path) -> None:
+    """Rock without the parameters of a soil will do for wheels of firm ground, and for no other."""
+    rock = workspace / ROCK
+    kept = [
+        line for line in rock.read_text(encoding="utf-8").splitlines() if not line.startswith(("cohesion", "theta_m"))
+    ]
+    text = "\n".join(line for line in kept if not line.startswith(("  - cohesion", "  - theta_m")))
+    rock.write_text(text, encoding="utf-8")
+    with pytest.raises(ConfigError) as caught:
+        load_scenario("flat_drive")
+    message = str(caught.value)
+    for key in ("cohesion", "theta_m_c1", "theta_m_c2"):
+        assert f"{ROCK}: {key}: the key is missing" in message
+    assert "front_left (rigid_wheel_on_soil)" in message
+    rover = workspace / ROVER
+    text = rover.read_text(encoding="utf-8")
+    rover.write_text(text.replace("grouser_count: 30}", f"grouser_count: 30, contact: {FIRM}}}"), encoding="utf-8")
+    loaded = load_scenario("flat_drive")
+    assert {wheel.contact.model for wheel in loaded.rover.wheels} == {"wheel_and_ground_in_series"}
+
+
+def test_the_soil_of_a_patch_is_asked_for_what_the_wheels_need_too(workspace: Path) -> None:
+    text = (workspace / ROCK).read_text(encoding="utf-8").replace("name: rigid_rock", "name: bare_rock")
+    text = text.replace("cohesion: 0.0", "# cohesion").replace("  - cohesion\n", "")
+    (workspace / "config/soils/bare_rock.yaml").write_text(text, encoding="utf-8")
+    patch = "{soil: bare_rock, shape: ellipse, x: 2.0, y: 0.0, length: 2.0, width: 1.0}"
+    with pytest.raises(ConfigError, match=r"bare_rock.yaml: cohesion: the key is missing"):
+        load_scenario("flat_drive", [f"terrain.soil_patches=[{patch}]"])

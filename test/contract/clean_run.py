@@ -20,7 +20,8 @@ from sojourn_contract.conformance.judge import Judge
 from sojourn_contract.conformance.machine import Machine
 from sojourn_contract.heartbeat import RUNNING, Counters, heartbeat_message, status_message
 from sojourn_contract.messages import CONTACT_FIELDS, contact_cloud, fill_contact_cloud
-from sojourn_contract.topics import ROLES, TOPICS, Topic, outputs_of
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import ROLES, TOPICS, outputs_of
 
 PERIOD = stamps.CONTROL_PERIOD_NS
 PERIODS = 110

@@ -13,7 +13,8 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import BatteryState, JointState, PointCloud2, PointField
 
 from sojourn_contract import messages, stamps
-from sojourn_contract.topics import TOPICS, Topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import TOPICS
 from sojourn_contract.types import message_class
 
 NANOSECONDS = st.integers(min_value=0, max_value=(2**31 - 1) * 10**9)

@@ -103,7 +103,7 @@ def test_the_example_grounds_are_valid() -> None:
     from sojourn_mechanics.terrain.generate import generate
     from sojourn_mechanics.terrain.params import TerrainParams
 
-    _, placed, from_file = (yaml.safe_load(text) for text in blocks(README, "yaml"))
+    _, placed, from_file, _ = (yaml.safe_load(text) for text in blocks(README, "yaml"))
     ground = generate(TerrainParams.model_validate(placed["terrain"]), "lunar_nominal", "rigid_rock", 1)
     assert ground.soil_names == ("lunar_nominal", "rigid_rock", "mars") and len(set(ground.soil_index.ravel())) == 3
     assert TerrainParams.model_validate(from_file["terrain"]).file is not None
@@ -117,3 +117,22 @@ def test_links_lead_to_files_and_examples_are_python(manual: Path) -> None:
             assert (manual.parent / target).exists(), target
     for code in blocks(text, "python"):
         compile(code, str(manual), "exec")
+
+
+def test_the_example_wheel_is_valid() -> None:
+    from sojourn_mechanics.contact.params import WheelParams
+
+    *_, text = blocks(README, "yaml")
+    (wheel,) = yaml.safe_load(text)["wheels"]
+    assert WheelParams.model_validate(wheel).contact.model == "brush"
+
+
+def test_every_contact_model_is_in_the_manual() -> None:
+    import typing
+
+    from sojourn_mechanics.contact.params import ContactParams
+
+    union, _ = typing.get_args(ContactParams)
+    for member in typing.get_args(union):
+        (name,) = typing.get_args(member.model_fields["model"].annotation)
+        assert f"| `{name}` |" in README

@@ -12,16 +12,8 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from sojourn_contract import qos
 from sojourn_contract.errors import UnknownRoleError, UnknownTopicError
 from sojourn_contract.messages import CONTACT_FIELDS
-from sojourn_contract.topics import (
-    RECORDER_LAG,
-    ROLES,
-    TOPICS,
-    Reliability,
-    Topic,
-    inputs_of,
-    outputs_of,
-    topic,
-)
+from sojourn_contract.topic_types import Reliability, Topic
+from sojourn_contract.topics import RECORDER_LAG, ROLES, TOPICS, inputs_of, outputs_of, topic
 from sojourn_contract.types import message_class
 
 every_row = pytest.mark.parametrize("row", TOPICS, ids=lambda row: row.name)

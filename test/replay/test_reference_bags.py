@@ -15,10 +15,12 @@ from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.digest import digest
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.replay import Replay, replay
-from sojourn_bags.replay_script import ROLES_TO_REPLAY
+from sojourn_bags.replay_script import ROLES_TO_REPLAY, Step
 from sojourn_bags.run_configuration import run_configuration
 from sojourn_bringup.process_table import process
-from sojourn_bringup.record_reference import DIGEST, REFERENCES, references_folder
+from sojourn_bringup.record_reference import DIGEST
+from sojourn_bringup.references import REFERENCES, references_folder
+from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import outputs_of
 from sojourn_drive.node import DriveNode
 
@@ -157,17 +159,30 @@ def test_a_stale_stamp_is_named(domain: int) -> None:
     assert not topics["/odom"].fields
 
 
-def test_every_message_of_the_candidate_is_handed_out(domain: int) -> None:
-    bag = reference("short_goals")
-    heard: list[tuple[str, int, bytes]] = []
+class Ear:
+    """Keeps all that is said in a replay."""
+
+    def __init__(self) -> None:
+        self.periods: list[int] = []
+        self.messages: list[tuple[str, int, bytes]] = []
+
+    def sent(self, step: Step) -> None:
+        self.periods.append(step.period)
+
+    def heard(self, row: Topic, stamp: int, data: bytes) -> None:
+        self.messages.append((row.name, stamp, data))
+        assert stamp <= 20_000_000 * (self.periods[-1] if self.periods else 0), "nobody answers before he is asked"
+
+
+def test_all_that_is_said_is_handed_out(domain: int) -> None:
+    bag, ear = reference("short_goals"), Ear()
     with run_configuration(bag) as configuration:
-        result = replay(
-            bag, "power", NodeCandidate(process("power").load_class()), configuration, domain,
-            listener=lambda row, stamp, data: heard.append((row.name, stamp, data)),
-        )  # fmt: skip
+        candidate = NodeCandidate(process("power").load_class())
+        result = replay(bag, "power", candidate, configuration, domain, listener=ear)
+    assert ear.periods == [step.period for step in result.script.steps]
     for name, messages in result.answers.items():
-        assert [data for topic, stamp, data in heard if topic == name and stamp] == messages.data
-    assert any(topic == "/diagnostics" and stamp == 0 for topic, stamp, _ in heard), "also from before the run"
+        assert [data for topic, stamp, data in ear.messages if topic == name and stamp] == messages.data
+    assert any(topic == "/diagnostics" and stamp == 0 for topic, stamp, _ in ear.messages), "also from before the run"
 
 
 def test_configuration_is_that_of_the_run_and_what_differs_is_said(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -37,17 +37,24 @@ class Mortal(DriveNode):
 process.run(Mortal)
 """
 
-WRONG_QOS = """
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+CARELESS = """
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sojourn_contract import node, process
 from sojourn_drive.node import DriveNode
+
+BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 class Careless(DriveNode):
     def _create_output(self, row):
         if row.name != "/odom":
             return super()._create_output(row)
-        careless = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
-        return self.create_publisher(node.message_class(row.type), "odom", careless)
+        return self.create_publisher(node.message_class("{type}"), "odom", {profile})
+
+    def _create_input(self, row):
+        if row.name != "/imu/data":
+            return super()._create_input(row)
+        return self.create_subscription(node.message_class(row.type), "imu/data", print, {imu})
 
 process.run(Careless)
 """
@@ -117,8 +124,19 @@ def test_a_program_that_drives_in_another_way_is_told_apart(start: Start, domain
             "was killed by SIGKILL (it had not answered /odom stamped 2.00 s)",
         ),
         (
-            WRONG_QOS,
-            "drive cannot be heard: it offers /odom as best effort, the contract says reliable",
+            CARELESS.format(type="nav_msgs/Odometry", profile="BEST_EFFORT", imu=10),
+            "drive cannot take part: /odom: qos.reliability = a publisher that is best_effort (allowed: reliable): "
+            "it never reaches the listeners of the contract",
+        ),
+        (
+            CARELESS.format(type="nav_msgs/Path", profile=10, imu=10),
+            "drive cannot take part: /odom: type = nav_msgs/Path (allowed: nav_msgs/Odometry): "
+            "it never reaches the listeners of the contract",
+        ),
+        (
+            CARELESS.format(type="nav_msgs/Odometry", profile=10, imu="LATCHED"),
+            "drive cannot take part: /imu/data: qos.durability = a subscription that asks for transient_local "
+            "(allowed: volatile): it never hears the publishers of the contract",
         ),
         (
             # it ignores SIGINT besides, and has a child
@@ -129,7 +147,7 @@ def test_a_program_that_drives_in_another_way_is_told_apart(start: Start, domain
             "drive does not answer: /odom stamped 2.00 s is missing after 2 s of wall time",
         ),
     ],
-    ids=["mute", "ends at once", "killed", "wrong QoS", "hangs"],
+    ids=["mute", "ends at once", "killed", "wrong QoS", "wrong type", "latched input", "hangs"],
 )
 def test_a_candidate_that_never_answers_or_dies(
     text: str, words: str, start: Start, domain: int, tmp_path: Path

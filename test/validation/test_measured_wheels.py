@@ -1,7 +1,7 @@
 """The error that each soil reaches on measured trials, pinned: a change of the model that makes one worse fails here.
 
-Medians of |error| over the load for forces, over the radius for the sinkage. TARGETS are what was asked of the model, and
-PINNED is what it reaches, to the last digit given.
+Medians of |error| over the load for forces, over the radius for the sinkage. The last column is what was asked of the
+model, the one before it what it reaches.
 """
 
 from pathlib import Path
@@ -63,7 +63,7 @@ def test_the_files_are_whole() -> None:
 
 
 def test_trends_that_the_trials_show() -> None:
-    """Signs and orders that a median error does not see: deeper with slip, skid and sideslip; force against sideslip."""
+    """What a median error does not see: deeper with slip, skid and sideslip; a force against the sideslip."""
     trials = trials_of("cmu_sand")
     found = predicted("cmu_sand", trials)
     slip, angle = trials.cases[:, 1], np.degrees(trials.cases[:, 2])

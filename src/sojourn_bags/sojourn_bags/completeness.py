@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from sojourn_contract.heartbeat import ENDED, STALLED, Heartbeat
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
-from sojourn_contract.topics import Reliability, Topic
+from sojourn_contract.topic_types import Reliability, Topic
 
 RECORD = "sojourn_completeness"
 """Name of the metadata record in the bag."""

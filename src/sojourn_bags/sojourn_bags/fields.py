@@ -17,7 +17,8 @@ from sojourn_bags.description import Run
 from sojourn_bags.errors import IncompleteConfigError, UnknownFieldError, UnknownTopicInBagError
 from sojourn_bags.reading import Bag, Messages
 from sojourn_contract.switches import fraction_of
-from sojourn_contract.topics import TOPICS, FieldRule
+from sojourn_contract.topic_types import FieldRule
+from sojourn_contract.topics import TOPICS
 
 CONTACTS = "/truth/contacts"
 NEAREST = 5

@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 from sojourn_contract.barrier import is_due
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
-from sojourn_contract.topics import Topic
+from sojourn_contract.topic_types import Topic
 
 Entry: TypeAlias = tuple[int, int, int, int, int, bytes]
 """log time [ns], channel, rank of the sender, order of arrival, header stamp [ns], CDR. Sorted as a tuple."""

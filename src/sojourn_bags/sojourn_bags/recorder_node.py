@@ -25,7 +25,8 @@ from sojourn_contract import process, qos, stamps
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import STALLED
 from sojourn_contract.node import ContractNode
-from sojourn_contract.topics import Topic, inputs_of, topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import inputs_of, topic
 
 TICK_PERIODS = topic("/recorder/tick").every
 DRAIN_S = 2.0

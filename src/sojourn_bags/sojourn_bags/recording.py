@@ -18,7 +18,8 @@ from sojourn_contract.events import parse_tick
 from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.node import HEARTBEAT_PERIODS
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
-from sojourn_contract.topics import ROLES, Topic, topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import ROLES, topic
 from sojourn_contract.types import message_class
 
 CLOCK, TRUTH, ODOMETRY = "/clock", "/truth/odom", "/odom"

@@ -50,18 +50,32 @@ def replay(
     Args:
         role: whom it stands in for. domain, namespace: where they meet; nobody else may be there.
         timeout_s: wall time after which a missing answer is an error. ready_timeout_s: for the start.
-        listener: gets every message of the candidate as it comes.
+        listener: gets all that is said.
 
     Raises:
         ReplayError: the bag cannot be replayed through this role. UnansweredError: the candidate does not answer.
         OtherContractError, IncompleteConfigError: of the bag.
     """
     script = script_of(bag, role)
-    with ReplayHarness(script, domain, namespace, timeout_s, ready_timeout_s, listener) as harness:
-        answers = harness.run(candidate, configuration.parameters(script.participants, timeout_s))
+    answers = play(script, candidate, configuration, domain, namespace, timeout_s, ready_timeout_s, listener)
     if script.cut_off:
         answers = {name: _up_to(messages, script.end) for name, messages in answers.items()}
     return Replay(script, answers, compare(script.recorded, answers))
+
+
+def play(
+    script: ReplayScript,
+    candidate: Candidate,
+    configuration: RunConfiguration,
+    domain: int,
+    namespace: str = "",
+    timeout_s: float = DEFAULT_TIMEOUT_S,
+    ready_timeout_s: float = 60.0,
+    listener: Listener | None = None,
+) -> dict[str, Messages]:
+    """Play a script to a candidate and return its answers by topic, uncompared; arguments and errors as of `replay`."""
+    with ReplayHarness(script, domain, namespace, timeout_s, ready_timeout_s, listener) as harness:
+        return harness.run(candidate, configuration.parameters(script.participants, timeout_s))
 
 
 def _up_to(messages: Messages, end: int) -> Messages:
@@ -75,4 +89,4 @@ def _up_to(messages: Messages, end: int) -> Messages:
     )
 
 
-__all__ = ["DEFAULT_TIMEOUT_S", "PREFIX", "Replay", "replay"]
+__all__ = ["DEFAULT_TIMEOUT_S", "PREFIX", "Replay", "play", "replay"]

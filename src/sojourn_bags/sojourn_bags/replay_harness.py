@@ -5,14 +5,14 @@ listen, says that they are ready, and goes on to the next period when the candid
 """
 
 import time
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Any, Protocol
 
 import rclpy
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Header
 
@@ -24,8 +24,11 @@ from sojourn_bags.reading import Messages
 from sojourn_bags.replay_answers import Answers
 from sojourn_bags.replay_script import HEARTBEATS, Script, Step
 from sojourn_contract import qos, stamps
+from sojourn_contract.conformance.endpoints import Endpoint, endpoint_findings
+from sojourn_contract.conformance.findings import value_text
 from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats
-from sojourn_contract.topics import Topic, outputs_of, topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import outputs_of, topic
 from sojourn_contract.types import message_class
 
 GRACE_S = 0.25
@@ -38,8 +41,15 @@ DRAIN_S = 2.0
 ACKNOWLEDGE_S = 5.0
 RECORDER_TICK = "/recorder/tick"
 
-Listener = Callable[[Topic, int, bytes], None]
-"""Gets every message of the candidate as it comes: row, stamp [ns], CDR."""
+
+class Listener(Protocol):
+    """Gets all that is said in a replay, in the order in which it is said."""
+
+    def sent(self, step: Step) -> None:
+        """All messages of a period, just before they are sent."""
+
+    def heard(self, row: Topic, stamp: int, data: bytes) -> None:
+        """A message of the candidate, also from before the run: row, stamp [ns], CDR."""
 
 
 class ReplayHarness:
@@ -48,7 +58,7 @@ class ReplayHarness:
     Args:
         script: what to play. domain, namespace: where. timeout_s: wall time after which a missing answer is an error.
         ready_timeout_s: wall time within which the candidate must be ready.
-        listener: gets every message of the candidate, also those from before the run.
+        listener: gets all that is said.
     """
 
     def __init__(
@@ -126,7 +136,7 @@ class ReplayHarness:
             if ended := self._ended():
                 raise UnansweredError(f"{self.script.role} {ended} (it was not ready yet)")
             if unfit := self._unfit():
-                raise UnansweredError(f"{self.script.role} cannot be heard: {unfit}")
+                raise UnansweredError(f"{self.script.role} cannot take part: {unfit}")
             if waited > self._ready_timeout_s:
                 raise UnansweredError(
                     f"{self.script.role} is not ready after {waited:.0f} s of wall time: {self._why_not_ready()}"
@@ -167,24 +177,34 @@ class ReplayHarness:
         return f"its heartbeat says {self._ready_state!r}{detail}"
 
     def _unfit(self) -> str:
-        """An output whose quality of service the others' subscriptions cannot take, in words; "" without one."""
-        for row in self._outputs:
-            wanted = qos.profile(row, True).reliability
-            for offer in self._offers(row):
-                if wanted is ReliabilityPolicy.RELIABLE and offer.qos_profile.reliability is not wanted:
-                    return f"it offers {row.name} as best effort, the contract says reliable"
+        """An endpoint of the candidate that never meets the others' endpoints, in words; "" without one."""
+        for row in (*self._outputs, *self.script.inputs):
+            for endpoint in self._endpoints(row):
+                for found in endpoint_findings(row, endpoint, True):
+                    why = "it never reaches the listeners" if endpoint.publishes else "it never hears the publishers"
+                    return f"{row.name}: {found.field} = {value_text(found)}: {why} of the contract"
         return ""
 
-    def _offers(self, row: Topic) -> list[Any]:
-        """Publishers of a topic that are not the harness's own."""
-        found = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(row.name.lstrip("/")))
+    def _offers(self, row: Topic) -> bool:
+        """Whether the candidate publishes a topic."""
+        return any(endpoint.publishes for endpoint in self._endpoints(row))
+
+    def _endpoints(self, row: Topic) -> Iterator[Endpoint]:
+        """The candidate's endpoints of a topic: those that are not the harness's own."""
+        name = self._node.resolve_topic_name(row.name.lstrip("/"))
         own = (self._node.get_name(), self._others.get_name())
-        return [info for info in found if info.node_name not in own]
+        for infos, publishes in (
+            (self._node.get_publishers_info_by_topic(name), True),
+            (self._node.get_subscriptions_info_by_topic(name), False),
+        ):
+            yield from (Endpoint.of_graph(info, publishes) for info in infos if info.node_name not in own)
 
     # During the run
 
     def _play(self, step: Step) -> None:
         """Send all of a period: goals first, and where there are any they arrive before the rest."""
+        if self._listener is not None:
+            self._listener.sent(step)
         for name, data in step.goals:
             self._senders[name].publish(data)
         for name in {name for name, _ in step.goals}:
@@ -265,7 +285,7 @@ class ReplayHarness:
             self._take_heartbeat(row, stamp, data)
             return
         if self._listener is not None:
-            self._listener(row, stamp, data)
+            self._listener.heard(row, stamp, data)
         self.answers.take(row.name, stamp, data)
 
     def _take_heartbeat(self, row: Topic, stamp: int, data: bytes) -> None:
@@ -275,7 +295,7 @@ class ReplayHarness:
         if not beats:
             return
         if self._listener is not None:
-            self._listener(row, stamp, data)
+            self._listener.heard(row, stamp, data)
         if stamp == 0:
             self._ready_state, self._ready_detail = beats[0].state, beats[0].detail
         elif beats[0].state not in OUTSIDE_THE_RECORD:

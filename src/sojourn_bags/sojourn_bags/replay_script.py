@@ -17,7 +17,8 @@ from sojourn_bags.reading import Bag, Messages
 from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.events import parse_tick
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
-from sojourn_contract.topics import OPERATOR_LAG, Topic, inputs_of, outputs_of, topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import OPERATOR_LAG, inputs_of, outputs_of, topic
 
 ROLES_TO_REPLAY = ("plant", "sensors", "drive", "arm", "power")
 CLOCK, TICK, HEARTBEATS = "/clock", "/operator/tick", "/diagnostics"

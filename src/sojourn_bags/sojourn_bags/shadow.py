@@ -21,7 +21,8 @@ from sojourn_bags.replay_harness import POLL_S, ReplayHarness
 from sojourn_bags.replay_script import CLOCK, HEARTBEATS, Step
 from sojourn_bags.shadow_tap import Tap
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
-from sojourn_contract.topics import Topic, inputs_of, outputs_of, topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import inputs_of, outputs_of, topic
 
 NAMESPACE = "/shadow"
 LOOK_S = 0.25

@@ -16,7 +16,8 @@ from sojourn_bags.reading import Messages
 from sojourn_bags.replay_script import CLOCK, HEARTBEATS, Step
 from sojourn_contract import qos, stamps
 from sojourn_contract.barrier import Barrier, awaited_inputs
-from sojourn_contract.topics import Topic, inputs_of, outputs_of, topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import inputs_of, outputs_of, topic
 from sojourn_contract.types import message_class
 
 DEPTH = 20_000

@@ -23,7 +23,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from sojourn_bringup import options, start
+from sojourn_bringup import bench_arm, bench_wheel, options, start
 from sojourn_bringup.bench_contacts import NOT_FINITE, bench_contacts
 from sojourn_bringup.bench_ground import bench_ground
 from sojourn_bringup.errors import BringupError
@@ -47,6 +47,8 @@ TARGETS = {
     NOT_FINITE: ("<=", 0.0),
     "composed, times real time": (">=", 6.0),
     "processes, times real time": (">=", 5.0),
+    **bench_arm.TARGETS,
+    **bench_wheel.TARGETS,
 }
 
 
@@ -174,14 +176,28 @@ def _table(figures: dict[str, float]) -> Table:
     return table
 
 
+PARTS = {
+    "step": bench_step,
+    "wheel": bench_wheel.bench_wheel,
+    "contacts": bench_contacts,
+    "ground": bench_ground,
+    "arm": bench_arm.inverse_kinematics,
+}
+LOOPS = ("composed", "processes")
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, print a table, write JSON."""
     parser = options.Parser(
-        prog="bench", description="Measure the plant's step, the loop's speed, start-up and memory."
+        prog="bench",
+        description="Measure the plant's step, contacts, inverse kinematics, the loop's speed, start-up and memory.",
     )
     parser.add_argument("--seconds", type=options.positive_seconds, default=40.0, help="simulated time of a run [s]")
     parser.add_argument("--rounds", type=int, default=3, help="runs of the loop; the median counts")
     parser.add_argument("--json", type=Path, default=Path("bench.json"), help="file to write (default: %(default)s)")
+    parser.add_argument(
+        "--only", action="append", choices=(*PARTS, *LOOPS), help="measure this part; again for more (default: all)"
+    )
     for hidden in ("--child", "--run-dir", "--began"):
         parser.add_argument(hidden, help=argparse.SUPPRESS)
     options.add_place(parser)
@@ -189,9 +205,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.child:
         given.began = float(given.began)
         return _child(given)
-    figures = bench_step() | bench_contacts() | bench_ground()
-    for kind in ("composed", "processes"):
-        runs = [bench_loop(kind, given.seconds) for _ in range(given.rounds)]
+    figures: dict[str, float] = {}
+    for part in given.only or (*PARTS, *LOOPS):
+        if part in PARTS:
+            figures |= PARTS[part]()
+            continue
+        runs = [bench_loop(part, given.seconds) for _ in range(given.rounds)]
         figures |= {name: statistics.median(run[name] for run in runs) for name in runs[0]}
     Console().print(_table(figures))
     given.json.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")

@@ -1,12 +1,23 @@
 """Has every kernel compiled and kept, so that no run waits for the compiler: one step of each model of a scenario."""
 
+import numpy as np
+
+from sojourn_config.arms import load_arm
+from sojourn_config.load import load_params
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_mechanics.arm import controller
+from sojourn_mechanics.arm.inverse import pose_goal
 from sojourn_mechanics.arm.model import build_arm_model
+from sojourn_mechanics.arm.spline_path import spline_through
+from sojourn_mechanics.arm.time_optimal import MotionLimits, fastest_timing
+from sojourn_mechanics.arm.workspace import tip_samples
+from sojourn_mechanics.contact.wheel_bench import measure
+from sojourn_mechanics.contact.wheel_shape import WheelShape
 from sojourn_mechanics.plant.state import zeros_command
 from sojourn_mechanics.plant.step import step
 from sojourn_mechanics.power import manager
 from sojourn_mechanics.sensors import suite
+from sojourn_mechanics.soil.params import SoilParams
 from sojourn_mechanics.steering.drive import DriveModel
 from sojourn_plant.start import build_plant
 
@@ -20,8 +31,20 @@ def main() -> None:
     _step_plant(scenario)
     suite.warm_up(scenario.sensors, scenario.gravity)
     DriveModel(scenario.drive, scenario.steering).warm_up()
+    wheel = load_params("wheels", "explorer", WheelShape)
+    measure(wheel, load_params("soils", "cmu_sand", SoilParams), load=50.0, slips_of_carriage=[0.2])
     controller.warm_up(scenario.arm, build_arm_model(scenario.urdf_xml, scenario.arm))
     manager.warm_up(scenario.power_manager)
+    _use_arm()
+
+
+def _use_arm() -> None:
+    arm = load_arm("puma560")
+    pose_goal(arm, np.array([0.5, 0.1, 0.6]), np.eye(3))
+    tip_samples(arm.chain, np.zeros((1, arm.joint_count)))
+    path = spline_through(np.stack([arm.lower, arm.upper]), np.array([0.0, 1.0]))
+    limits = MotionLimits(arm.max_velocity, np.ones(arm.joint_count), arm.max_effort)
+    fastest_timing(arm, path, limits, np.zeros(3), intervals=10)
 
 
 def _step_plant(scenario: LoadedScenario) -> None:

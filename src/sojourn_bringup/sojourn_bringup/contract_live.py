@@ -18,7 +18,8 @@ from sojourn_contract.conformance.endpoints import Endpoint
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.judge import CLOCK, Judge
 from sojourn_contract.process import StopFlag
-from sojourn_contract.topics import ROLES, TOPICS, Topic, inputs_of, outputs_of, topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import ROLES, TOPICS, inputs_of, outputs_of, topic
 from sojourn_contract.types import message_class
 
 FOUND_S = 5.0
@@ -182,7 +183,9 @@ class LiveSource:
             *((info, False) for info in self._node.get_subscriptions_info_by_topic(name)),
         ]
         own = self._node.get_name()
-        return [(info.node_name, _endpoint(info, publishes)) for info, publishes in found if info.node_name != own]
+        return [
+            (info.node_name, Endpoint.of_graph(info, publishes)) for info, publishes in found if info.node_name != own
+        ]
 
     def _wait(self, is_true: Callable[[], bool]) -> bool:
         """Take what comes until something is true, FOUND_S at most. Returns whether it is."""
@@ -199,16 +202,3 @@ class LiveSource:
         end = time.monotonic() + wall_s
         while (left := end - time.monotonic()) > 0.0:
             self._executor.spin_once(timeout_sec=left)
-
-
-def _endpoint(info: Any, publishes: bool) -> Endpoint:
-    profile = info.qos_profile
-    deadline_s = profile.deadline.nanoseconds / 1e9
-    return Endpoint(
-        type=info.topic_type.replace("/msg/", "/"),
-        reliability=profile.reliability.name.lower(),
-        durability=profile.durability.name.lower(),
-        liveliness=profile.liveliness.name.lower(),
-        deadline_s=deadline_s if deadline_s > 0.0 else float("inf"),
-        publishes=publishes,
-    )

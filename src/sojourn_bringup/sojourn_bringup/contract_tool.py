@@ -6,14 +6,18 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from sojourn_bags.candidate_judging import judge_candidate
 from sojourn_bags.errors import BagsError
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import read_bag
 from sojourn_bringup import options
+from sojourn_bringup.candidate_bench import add_bench, bench, candidate_of
+from sojourn_bringup.compare import read_runs
 from sojourn_bringup.contract_live import LiveSource
 from sojourn_bringup.contract_screen import console, show_contract, show_report
 from sojourn_bringup.errors import UsageError
 from sojourn_bringup.process_table import check_roles
+from sojourn_bringup.references import default_reference
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.judge import Judge
@@ -37,6 +41,13 @@ def parser() -> argparse.ArgumentParser:
     source = check.add_mutually_exclusive_group(required=True)
     source.add_argument("--bag", type=Path, metavar="BAG", help="a bag, its folder, or the folder of a run")
     source.add_argument("--live", action="store_true", help="a running stack")
+    source.add_argument("--exec", metavar="COMMAND", help="a program, alone: a bag's inputs are played to it")
+    check.add_argument("--role", metavar="ROLE", help="with --exec: whom it stands in for")
+    check.add_argument(
+        "--reference", type=Path, default=default_reference(), metavar="BAG",
+        help="with --exec: whose inputs it hears, recorded in lock-step (default: the reference run in test/replay)",
+    )  # fmt: skip
+    add_bench(check)
     check.add_argument("--node", metavar="NAME", help="judge this role alone (default: all)")
     check.add_argument("--scenario", metavar="NAME", help=f"whose rover runs (default: the bag's own; live {SCENARIO})")
     check.add_argument(
@@ -54,13 +65,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.command == "show":
         show_as(given.format, _machine(given.scenario))
         return 0
-    report, facts = _check_live(given) if given.live else _check_bag(given)
+    _check_options(given)
+    judge = _check_live if given.live else _check_program if given.exec is not None else _check_bag
+    report, facts = judge(given)
     if not report.messages:
         raise UsageError(f"{facts['source']}: there was no message to judge")
     show_report(console(), report, facts["notes"], facts["source"])
     if given.json is not None:
         _write_json(given.json, facts | report.as_data())
     return 1 if report.violations else 0
+
+
+def _check_options(given: argparse.Namespace) -> None:
+    """Raise UsageError for options that do not belong together."""
+    if given.exec is None and given.role is not None:
+        raise UsageError("contract: --role is for --exec; to judge one role of a bag or a stack give --node")
+    if given.exec is not None and given.node is not None:
+        raise UsageError("contract: --node is for --bag and --live; with --exec give --role")
+    if given.exec is not None and given.role is None:
+        raise UsageError("contract: --exec needs --role: whom it stands in for")
 
 
 def show_as(form: str, machine: Machine) -> None:
@@ -97,6 +120,19 @@ def _check_live(given: argparse.Namespace) -> tuple[Report, dict[str, Any]]:
     notes = [f"{mode}, listened for {listened:.1f} s of wall time, {judge.simulated_s:.2f} s of simulation"]
     what = f"the stack on domain {given.domain}{given.namespace}"
     return report, _facts(what, stack.lockstep, tuple(stack.nodes), notes)
+
+
+def _check_program(given: argparse.Namespace) -> tuple[Report, dict[str, Any]]:
+    role, command = candidate_of(given.exec, given.role)
+    machine = None if given.scenario is None else _machine(given.scenario)
+    (bag,) = read_runs([given.reference])
+    with bench(given, role, command, bag) as (candidate, configuration):
+        report = judge_candidate(
+            bag, role, candidate, configuration, given.domain, given.namespace, given.timeout, given.start_timeout,
+            machine,
+        )  # fmt: skip
+    notes = [f"alone as {role}, with what {role} heard in {bag.path}"]
+    return report, _facts(command, True, (role,), notes)
 
 
 def _machine(scenario: str) -> Machine:

@@ -26,11 +26,11 @@ from sojourn_mechanics.contact.trials import Trials, summary
 from sojourn_mechanics.contact.wheel_bench import GRAVITY
 from sojourn_mechanics.contact.wheel_shape import WheelShape
 from sojourn_mechanics.errors import MechanicsError
-from sojourn_mechanics.soil.params import SoilParams
+from sojourn_mechanics.soil.params import SOIL_ONLY, SoilParams
 
 DEFAULT_FREE = (
-    "k_phi", "interface_friction_angle_deg", "shear_modulus", "shear_modulus_lateral", "theta_m_c1", "theta_m_c2", "theta_m_c3",
-    EXIT_LAMBDA, "slip_sinkage", "skid_sinkage", "side_sinkage", "bulldozing_modulus",
+    "k_phi", "interface_friction_angle_deg", "shear_modulus", "shear_modulus_lateral", "theta_m_c1", "theta_m_c2",
+    "theta_m_c3", EXIT_LAMBDA, "slip_sinkage", "skid_sinkage", "side_sinkage", "bulldozing_modulus",
 )  # fmt: skip
 
 
@@ -116,16 +116,20 @@ def _print(fit: Fit, trials: Trials, name: str) -> None:
     for key, value in fit.values.items():
         error = fit.standard_errors[key]
         low, high = bounds[key]
-        table.add_row(key, f"{value:.4g}", "at bound" if error is None else f"{error:.2g}", f"{low:.4g} to {high:.4g}")
+        table.add_row(
+            key,
+            f"{value:.4g}",
+            "at bound or no effect" if error is None else f"{error:.2g}",
+            f"{low:.4g} to {high:.4g}",
+        )
     print_table(table)
     _print_correlations(fit)
     print()
     print_statistics(f"{name}, fitted", summary(trials, fit.predicted))
     if fit.held_out is not None:
         print()
-        print_statistics(
-            f"{name}, cross-validated (each slip angle, or slip, by the others)", summary(trials, fit.held_out)
-        )
+        title = f"{name}, cross-validated (each slip angle, or slip, by the others)"
+        print_statistics(title, summary(trials, fit.held_out))
 
 
 def _print_correlations(fit: Fit) -> None:
@@ -149,7 +153,7 @@ def soil_text(fit: Fit, source: str) -> str:
     given["estimates"] = [name for name in given["estimates"] if name not in fit.values]
     lines = [f"# Identified by scripts/fit_soil from {source}: {', '.join(fit.values)}."]
     for name, value in given.items():
-        if name in defaults and value == defaults[name] and name not in ("kind", "form", "estimates"):
+        if name in defaults and value == defaults[name] and name not in ("kind", "form", "estimates", *SOIL_ONLY):
             continue
         if isinstance(value, float):
             value = float(f"{value:.4g}")

@@ -8,7 +8,6 @@ import difflib
 import shutil
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from sojourn_bags.comparison import compare
@@ -21,43 +20,10 @@ from sojourn_bags.errors import BagsError
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bringup import options, start
 from sojourn_bringup.errors import BringupError
+from sojourn_bringup.references import REFERENCES, Reference, references_folder
 from sojourn_bringup.screen import Screen
-from sojourn_config.paths import repository_root
 
 DIGEST = "digest.txt"
-
-
-@dataclass(frozen=True)
-class Reference:
-    """A reference bag.
-
-    Args:
-        name: of its scenario in test/replay, and of its folder there. overrides: KEY=VALUE texts over it.
-        outcomes: how its steps must end.
-    """
-
-    name: str
-    overrides: tuple[str, ...]
-    outcomes: tuple[str, ...]
-
-
-REFERENCES = (
-    Reference(
-        "short_goals",
-        # a load is shed in the middle of the run, and the drive's power is limited
-        (
-            "power_manager.shed_soc_first=0.2562",
-            "power_manager.derate_start_voltage=27.95",
-            "power_manager.derate_stop_voltage=26.0",
-        ),
-        ("reached", "reached", "refused"),
-    ),
-)
-
-
-def references_folder() -> Path:
-    """Where they stand."""
-    return repository_root() / "test" / "replay"
 
 
 def record(reference: Reference, folder: Path, domain: int) -> Bag:

@@ -1,29 +1,19 @@
 """Replays a bag through one node or candidate and compares its answers with the recorded ones: scripts/replay."""
 
 import argparse
-import os
-import signal
-import tempfile
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
-from types import FrameType
 
 from sojourn_bags.comparison_result import at
 from sojourn_bags.comparison_words import comparison_lines
-from sojourn_bags.errors import BagsError, UnansweredError
 from sojourn_bags.reading import Bag
-from sojourn_bags.replay import DEFAULT_TIMEOUT_S, PREFIX, Replay, replay
+from sojourn_bags.replay import PREFIX, Replay, replay
 from sojourn_bags.replay_script import ROLES_TO_REPLAY
-from sojourn_bags.run_configuration import run_configuration
 from sojourn_bringup import options
-from sojourn_bringup.candidate_process import ProcessCandidate
+from sojourn_bringup.candidate_bench import add_bench, bench, candidate_of, check_role
 from sojourn_bringup.compare import exit_status, read_runs, write_result
-from sojourn_bringup.environment import ros_variables
-from sojourn_bringup.errors import BringupError, UsageError
-from sojourn_bringup.instance import RoleTokens
-from sojourn_bringup.plan import replacement_of
+from sojourn_bringup.errors import UsageError
 
 
 def parser() -> argparse.ArgumentParser:
@@ -41,16 +31,8 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("--role", metavar="ROLE", help="with --exec: whom it stands in for")
     result.add_argument("--exact", action="store_true", help="status 1 also for what is within tolerance")
     options.add_result(result, f"the replayed topics under {PREFIX}/...")
-    result.add_argument("--log", type=Path, metavar="FILE", help="what the program prints (default: not kept)")
+    add_bench(result)
     options.add_place(result)
-    result.add_argument(
-        "--timeout", type=options.positive_seconds, default=DEFAULT_TIMEOUT_S, metavar="S",
-        help="wall time after which a missing answer is an error (default: %(default)g s)",
-    )  # fmt: skip
-    result.add_argument(
-        "--start-timeout", type=options.positive_seconds, default=60.0, metavar="S",
-        help="wall time within which it must be ready (default: %(default)g s)",
-    )  # fmt: skip
     return result
 
 
@@ -62,54 +44,17 @@ def wanted(given: argparse.Namespace) -> tuple[str, str]:
         raise UsageError("replay: --exec needs --role: whom it stands in for")
     if given.node and given.role and given.role != given.node:
         raise UsageError(f"replay: --node {given.node} and --role {given.role} are two roles")
-    role = given.node or given.role
-    if role not in ROLES_TO_REPLAY:
-        option = "--node" if given.node else "--role"
-        raise UsageError(f"{option}: role {role!r} is unknown, allowed is one of {', '.join(ROLES_TO_REPLAY)}")
-    return replacement_of(f"{role}={given.exec}") if given.exec else (role, "")
+    if given.exec:
+        return candidate_of(given.exec, given.role)
+    return check_role(given.node, "--node"), ""
 
 
 def run_replay(given: argparse.Namespace, bag: Bag, role: str, command: str) -> Replay:
-    """Replay, and leave no process and no file behind.
-
-    Raises:
-        UsageError: the bag cannot be replayed. BringupError: the candidate does not answer.
-    """
-    ros = ros_variables(given.domain)  # before the run's configuration takes the place of ours
-    os.environ.update(ros)
-    try:
-        with (
-            tempfile.TemporaryDirectory(prefix="sojourn-replay-") as folder,
-            run_configuration(bag) as configuration,
-            RoleTokens(given.domain, given.namespace, ROLES_TO_REPLAY),
-            ended_by_signals(),
-        ):
-            for warning in configuration.warnings():
-                print(f"note: {warning}")
-            log = given.log or Path(folder) / f"{role}.log"
-            candidate = ProcessCandidate(role, command, ros, given.namespace, log)
-            return replay(
-                bag, role, candidate, configuration, given.domain, given.namespace, given.timeout, given.start_timeout
-            )
-    except UnansweredError as error:
-        raise BringupError(str(error)) from error
-    except BagsError as error:
-        raise UsageError(str(error)) from error
-
-
-@contextmanager
-def ended_by_signals() -> Iterator[None]:
-    """SIGTERM and SIGHUP end the program as Ctrl-C does: after everything that it has started."""
-
-    def interrupt(_number: int, _frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    before = {number: signal.signal(number, interrupt) for number in (signal.SIGTERM, signal.SIGHUP)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    """Replay, and leave no process and no file behind. Raises as `bench` does."""
+    with bench(given, role, command, bag) as (candidate, configuration):
+        return replay(
+            bag, role, candidate, configuration, given.domain, given.namespace, given.timeout, given.start_timeout
+        )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

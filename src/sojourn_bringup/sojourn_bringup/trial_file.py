@@ -74,9 +74,7 @@ def select(rows: Sequence[dict[str, str]], conditions: Sequence[str]) -> list[di
     for condition in conditions:
         column, separator, value = condition.partition("=")
         if not separator or column not in rows[0]:
-            raise UsageError(
-                f"--where {condition}: allowed is COLUMN=VALUE with a column of the file: " + _list(rows[0])
-            )
+            raise UsageError(f"--where {condition}: allowed is COLUMN=VALUE with one of the columns {_list(rows[0])}")
         found = [row for row in found if row[column] == value]
         if not found:
             raise UsageError(f"--where {condition}: no row of the file has it")

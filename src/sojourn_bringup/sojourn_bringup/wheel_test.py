@@ -3,6 +3,7 @@
 import argparse
 import json
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -14,9 +15,10 @@ from rich.table import Table
 
 from sojourn_bringup import options
 from sojourn_bringup.errors import UsageError
-from sojourn_bringup.trial_file import has_wheel, read_rows, read_trials, select
-from sojourn_config.load import load_params
-from sojourn_config.overrides import split_override
+from sojourn_bringup.trial_file import WHEEL, has_wheel, read_rows, read_trials, select
+from sojourn_config.load import load_params, validate
+from sojourn_config.overrides import override_document, split_override
+from sojourn_config.yaml_file import Data, YamlDocument
 from sojourn_mechanics.contact.trials import QUANTITIES, predict, summary
 from sojourn_mechanics.contact.wheel_bench import GRAVITY, BenchResult, measure
 from sojourn_mechanics.contact.wheel_shape import WheelShape
@@ -65,7 +67,8 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--wheel",
         metavar="NAME|FILE",
-        help=f"of config/wheels, or a file (default: that of the --csv, or {DEFAULT_WHEEL})",
+        help=f"of config/wheels, or a file (default: that of the --csv; a smooth one, where --set gives "
+        f"wheel.radius and wheel.width; {DEFAULT_WHEEL})",
     )
     result.add_argument(
         "--soil", default=DEFAULT_SOIL, metavar="NAME|FILE", help="of config/soils, or a file (default: %(default)s)"
@@ -80,19 +83,11 @@ def parser() -> argparse.ArgumentParser:
         help="where the test bed is [m/s2]: weight of the soil that is pushed (default: %(default)s)",
     )  # fmt: skip
     result.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="change a parameter of wheel or soil; repeatable",
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="change a parameter; repeatable"
     )
     result.add_argument("--csv", type=Path, metavar="FILE", help="predict every trial of a file, and tell the errors")
     result.add_argument(
-        "--where",
-        action="append",
-        default=[],
-        metavar="COLUMN=VALUE",
-        help="of --csv take these rows alone; repeatable",
+        "--where", action="append", default=[], metavar="COLUMN=VALUE", help="of --csv take these rows; repeatable"
     )
     result.add_argument("--json", action="store_true", help="print JSON")
     result.add_argument(
@@ -122,7 +117,7 @@ def _run(given: argparse.Namespace) -> int:
         raise UsageError("--where goes with --csv")
     if given.load is None:
         raise UsageError("--load is missing: the load on the wheel [N] (see wheel_test --help)")
-    wheel = load_params("wheels", given.wheel or DEFAULT_WHEEL, WheelShape, changes["wheel"])
+    wheel = _wheel(given.wheel, changes["wheel"])
     slips, angles = given.slip or [0.2], given.slip_angle or [0.0]
     results = measure(wheel, soil, given.load, slips, angles, given.gravity)
     if given.json:
@@ -149,7 +144,7 @@ def _trials(given: argparse.Namespace, soil: SoilParams, wheel_changes: list[str
     if given.wheel is not None or not has_wheel(rows):
         if given.wheel is None and not wheel_changes:
             raise UsageError(f"{given.csv}: has no wheel_radius_m and wheel_width_m: name the wheel with --wheel")
-        wheel = load_params("wheels", given.wheel or DEFAULT_WHEEL, WheelShape, wheel_changes)
+        wheel = _wheel(given.wheel, wheel_changes)
     elif wheel_changes:
         rows = [{**row, **_as_columns(wheel_changes)} for row in rows]
     trials = read_trials(given.csv, rows, wheel, given.gravity)
@@ -167,10 +162,17 @@ def _trials(given: argparse.Namespace, soil: SoilParams, wheel_changes: list[str
     return 0
 
 
+def _wheel(name: str | None, changes: list[str]) -> WheelShape:
+    """The wheel with its changes. Radius and width without a name are a smooth wheel of that size."""
+    given = {text.partition("=")[0] for text in changes}
+    if name is None and {"radius", "width"} <= given:
+        blank: dict[str, Data] = {"name": "custom", "citation": "command line"}
+        return validate(override_document(YamlDocument("command line", blank, {}), changes), WheelShape)
+    return load_params("wheels", name or DEFAULT_WHEEL, WheelShape, changes)
+
+
 def _minus_values(arguments: Sequence[str] | None) -> list[str] | None:
     """Join `--slip -0.2,0.1`, which argparse takes for an option that it does not know."""
-    import sys
-
     given = list(sys.argv[1:] if arguments is None else arguments)
     joined: list[str] = []
     for text in given:
@@ -187,24 +189,18 @@ def _changes(texts: Sequence[str]) -> dict[str, list[str]]:
     for text in texts:
         path, value = split_override(text)
         if len(path) < 2 or path[0] not in sorted_texts:
-            raise UsageError(
-                f"--set {text}: the key {path[0]} is not known; allowed is wheel.KEY=VALUE or soil.KEY=VALUE"
-            )
+            raise UsageError(f"--set {text}: unknown key {path[0]}; allowed is wheel.KEY=VALUE or soil.KEY=VALUE")
         sorted_texts[str(path[0])].append(".".join(str(part) for part in path[1:]) + "=" + value)
     return sorted_texts
 
 
 def _as_columns(wheel_changes: Sequence[str]) -> dict[str, str]:
-    from sojourn_bringup.trial_file import WHEEL
-
     columns = {field: column for column, field in WHEEL.items()}
     found = {}
     for text in wheel_changes:
         field, _, value = text.partition("=")
         if field not in columns:
-            raise UsageError(
-                f"--set wheel.{text}: allowed with a --csv that names its wheels are " + ", ".join(columns)
-            )
+            raise UsageError(f"--set wheel.{text}: with the wheels of a --csv allowed are " + ", ".join(columns))
         found[columns[field]] = value
     return found
 

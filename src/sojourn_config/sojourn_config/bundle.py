@@ -124,7 +124,7 @@ class BundleReader:
         if len(extra) < len(found_extra):
             return None
         documents = {"rover": document, "sensors": sensors[1], "arm": arm[1], "drive": drive[1]}
-        grounds = {soil.name: soil for soil in (found_soil, found_rock)}
+        grounds = {ground.name: ground for ground in (found_soil, found_rock, *extra)}
         for ground in grounds.values():
             self.problems += ground_problems(config, ground, self._soils[ground.name])
         found = machine_problems(config, urdf, bus[0], sensors[0], arm[0], drive[0], documents)

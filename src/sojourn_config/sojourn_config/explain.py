@@ -85,6 +85,8 @@ def _problem(detail: ErrorDetails, model: type[BaseModel], document: YamlDocumen
     if kind == "missing":
         wanted = allowed_text(place) if place is not None else "a value"
         return document.problem(path, MISSING, f"the key is missing: allowed is {wanted}")
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return _wrong_tag(detail, path, document)
     if kind in ("value_error", "assertion_error"):
         return _from_validator(detail, path, value, document)
     if place is None:
@@ -99,6 +101,16 @@ def _problem(detail: ErrorDetails, model: type[BaseModel], document: YamlDocumen
         if choices:
             return document.problem(path, value, names_text(value, choices))
     return document.problem(path, value, f"allowed is {allowed_text(place)}")
+
+
+def _wrong_tag(detail: ErrorDetails, path: KeyPath, document: YamlDocument) -> Problem:
+    """A table of several kinds whose key for the kind is missing, or names none of them."""
+    context = detail.get("ctx", {})
+    key = str(context.get("discriminator", "")).strip("'")
+    if detail["type"] == "union_tag_not_found":
+        return document.problem((*path, key), MISSING, "the key is missing: it says which kind of table this is")
+    kinds = [kind.strip().strip("'") for kind in str(context.get("expected_tags", "")).split(",")]
+    return document.problem((*path, key), context.get("tag"), names_text(str(context.get("tag")), kinds))
 
 
 def _from_validator(detail: ErrorDetails, path: KeyPath, value: object, document: YamlDocument) -> Problem:
@@ -179,7 +191,7 @@ def _key_names(place: Place) -> tuple[str, ...]:
     for annotation in _members(place.annotation):
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):
             names.extend(annotation.model_fields)
-    return tuple(names)
+    return tuple(dict.fromkeys(names))
 
 
 def _choices(annotation: object) -> tuple[object, ...]:

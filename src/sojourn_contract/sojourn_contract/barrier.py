@@ -10,7 +10,8 @@ from math import gcd
 from typing import Generic, TypeVar
 
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
-from sojourn_contract.topics import Topic, inputs_of
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import inputs_of
 
 Message = TypeVar("Message")
 

@@ -8,7 +8,7 @@ from math import isfinite
 from typing import Any
 
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.topics import Topic
+from sojourn_contract.topic_types import Topic
 
 
 def check_message(topic: str, message: Any) -> None:

@@ -8,7 +8,8 @@ from typing import Any
 
 from sojourn_contract import qos
 from sojourn_contract.stamps import CONTROL_PERIOD_S
-from sojourn_contract.topics import TOPICS, FieldRule, Topic
+from sojourn_contract.topic_types import FieldRule, Topic
+from sojourn_contract.topics import TOPICS
 
 CONTRACT_VERSION = 1
 """Raised by hand when what nodes must do changes in a way that the table does not show."""

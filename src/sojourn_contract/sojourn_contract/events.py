@@ -8,7 +8,7 @@ from typing import Any
 
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.stamps import NANOSECONDS
-from sojourn_contract.topics import Topic
+from sojourn_contract.topic_types import Topic
 
 MAX_AHEAD_S = 3600.0
 """A goal stamped further ahead than this is refused [s]: its sender's clock is not the simulation's."""

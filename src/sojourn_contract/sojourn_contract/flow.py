@@ -9,7 +9,8 @@ far as messages can tell.
 
 from collections.abc import Sequence
 
-from sojourn_contract.topics import ROLES, TOPICS, Topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import ROLES, TOPICS
 
 FIRST = "plant"
 

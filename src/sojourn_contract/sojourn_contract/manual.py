@@ -7,7 +7,8 @@ from sojourn_contract.conformance.texts import GOAL_STATES
 from sojourn_contract.events import MAX_AHEAD_S
 from sojourn_contract.heartbeat import READY, RUNNING, WAITING_TO_MATCH
 from sojourn_contract.stamps import CONTROL_PERIOD_S
-from sojourn_contract.topics import JOINT_SETS, OPERATOR_LAG, RECORDER_LAG
+from sojourn_contract.topic_types import JOINT_SETS
+from sojourn_contract.topics import OPERATOR_LAG, RECORDER_LAG
 
 _PERIOD = f"{CONTROL_PERIOD_S:g} s"
 

@@ -31,7 +31,8 @@ from sojourn_contract.heartbeat import (
     status_values,
 )
 from sojourn_contract.switches import check_switches
-from sojourn_contract.topics import ROLES, Topic, inputs_of, outputs_of, topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import ROLES, inputs_of, outputs_of, topic
 from sojourn_contract.types import message_class
 
 TICK = "/operator/tick"

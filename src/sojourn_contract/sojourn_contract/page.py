@@ -8,7 +8,8 @@ from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.conformance.machine import Machine
 from sojourn_contract.description import contract_data, contract_name
 from sojourn_contract.manual import SECTIONS
-from sojourn_contract.topics import ROLES, Topic, inputs_of, outputs_of
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import ROLES, inputs_of, outputs_of
 
 _STYLE = """
 :root { color-scheme: light dark; --line: #8884; --soft: #8881; }

@@ -2,7 +2,8 @@
 
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from sojourn_contract.topics import RECORDER_LAG, Reliability, Topic
+from sojourn_contract.topic_types import Reliability, Topic
+from sojourn_contract.topics import RECORDER_LAG
 
 DEPTH = 10
 RECORDER_DEPTH = 8 * RECORDER_LAG

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from sojourn_contract.errors import ContractError
 from sojourn_contract.stamps import CONTROL_PERIOD_S
-from sojourn_contract.topics import TOPICS, FieldRule, Topic
+from sojourn_contract.topic_types import FieldRule, Topic
+from sojourn_contract.topics import TOPICS
 
 BEGIN = "<!-- topics: begin (python -m sojourn_contract.table --into README.md) -->"
 END = "<!-- topics: end -->"

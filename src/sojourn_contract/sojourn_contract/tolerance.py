@@ -10,7 +10,8 @@ import re
 from decimal import Decimal, InvalidOperation
 from functools import cache
 
-from sojourn_contract.topics import TOPICS, FieldRule
+from sojourn_contract.topic_types import FieldRule
+from sojourn_contract.topics import TOPICS
 
 LARGEST_STEP = 1e-3
 """A number in a text with fewer decimals must be equal: 37.8 may as well stand for 37.8000."""

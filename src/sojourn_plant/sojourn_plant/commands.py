@@ -11,7 +11,8 @@ from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.messages import joint_columns, numbers
 from sojourn_contract.switches import check_switches, fraction_of
-from sojourn_contract.topics import Topic, topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import topic
 from sojourn_mechanics.actuators import joint_drive
 from sojourn_mechanics.plant.model import PlantModel
 from sojourn_mechanics.plant.state import PlantCommand, zeros_command

@@ -19,7 +19,7 @@ from sojourn_contract.errors import DomainInUseError, SilentNodeError
 from sojourn_contract.events import parse_tick
 from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.node import ContractNode
-from sojourn_contract.topics import Topic
+from sojourn_contract.topic_types import Topic
 from sojourn_mechanics.plant.state import PlantState
 from sojourn_mechanics.plant.step import step
 from sojourn_plant.commands import COMMANDS, CommandBuffer

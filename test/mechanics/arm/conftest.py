@@ -9,8 +9,10 @@ import pytest
 import yaml
 from numpy.typing import NDArray
 
+from sojourn_config.arms import load_arm
 from sojourn_mechanics.arm.model import ArmModel, build_arm_model
 from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.arm.serial_arm import SerialArm
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -140,3 +142,12 @@ def arm(request: pytest.FixtureRequest) -> Arm:
     """Both arms, one after the other."""
     chosen: Arm = request.getfixturevalue(request.param)
     return chosen
+
+
+ARM_NAMES = ("cartesian", "cylindrical", "explorer_arm", "puma560", "scara", "srms", "ssrms")
+
+
+@pytest.fixture(params=ARM_NAMES)
+def named_arm(request: pytest.FixtureRequest) -> SerialArm:
+    """Each arm that is delivered, one after the other."""
+    return load_arm(request.param)

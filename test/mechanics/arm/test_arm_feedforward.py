@@ -9,12 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from sojourn_mechanics.arm.dynamics import gravity_effort, rigid_effort
 from sojourn_mechanics.arm.feedforward import (
     feedforward_effort,
     friction_effort,
-    gravity_effort,
     gravity_in_body,
-    inverse_dynamics,
 )
 from sojourn_mechanics.arm.model import build_arm_model
 from sojourn_mechanics.arm.params import ArmParams
@@ -66,7 +65,7 @@ def test_power_of_the_efforts_is_the_growth_of_the_energy(explorer: Any, seed: i
     for fraction in (0.2, 0.5, 0.8):
         t, h = fraction * path.duration, 1e-4
         q, qd, qdd = path.sample(t)
-        power = float(inverse_dynamics(model, q, qd, qdd, gravity) @ qd)
+        power = float(rigid_effort(model, q, qd, qdd, gravity) @ qd)
         assert power == pytest.approx((energy(t + h) - energy(t - h)) / (2.0 * h), abs=1e-5)
 
 
@@ -75,7 +74,7 @@ def test_reflected_inertia_adds_its_torque(small: Any, small_urdf: str, small_va
     model = build_arm_model(small_urdf, geared)
     posture, rates, accelerations = np.full(5, 0.3), np.full(5, 0.2), np.array([1.0, -1.0, 0.5, 0.4, -0.8])
     gravity = np.array([0.0, 0.0, -9.81])
-    difference = inverse_dynamics(model, posture, rates, accelerations, gravity) - inverse_dynamics(
+    difference = rigid_effort(model, posture, rates, accelerations, gravity) - rigid_effort(
         small.model, posture, rates, accelerations, gravity
     )
     np.testing.assert_allclose(difference, np.array([3.0, -2.0, 0.5, 0.2, -0.2]), atol=1e-9)

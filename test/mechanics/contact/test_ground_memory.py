@@ -6,7 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from sojourn_mechanics.contact.ground_memory import GREATEST, PAST_COLUMNS, settle_soil
+from sojourn_mechanics.contact.ground_memory import RUT as PAST_RUT
 from sojourn_mechanics.soil.params import SoilColumn
 from sojourn_mechanics.terrain.memory import RUT, SINKAGE, TILE, GroundMemory, MemoryBoard
 
@@ -92,7 +96,7 @@ def test_a_wheel_that_turns_back_meets_its_own_rut_within_a_contact_length(rig: 
     back = roll(wheel, 1.0, 0.0, 0.013)
     begin = ahead[500:1500, 2].mean()
     assert back[5, 2] == pytest.approx(begin, rel=0.3)
-    assert back[600:1200, 2].mean() < 0.55 * begin  # held at the same depth, it bears less: most of it is a rut
+    assert back[600:1200, 2].mean() < 0.75 * begin  # held at the same depth, it bears less: most of it is a rut
     assert abs(np.diff(back[:, 2])).max() < 0.1 * begin  # and it comes to that evenly, 0.5 mm a step
 
 
@@ -126,6 +130,58 @@ def test_crossing_a_rut_gives_no_energy(rig: Maker, depth: float, length: float)
     # the edges alone, over the level parts' own resistance, are nearly in balance
     given = float(np.minimum(power, 0.0).sum() * wheel.dt)
     assert -given < float(np.maximum(power, 0.0).sum() * wheel.dt)
+
+
+@pytest.mark.parametrize("depth", [0.0005, 0.002, 0.006])
+@pytest.mark.parametrize("slip", [-0.9, -0.3, 0.0, 0.3, 0.9])
+def test_steady_rolling_in_a_rut_never_takes_energy_from_the_ground(rig: Maker, slip: float, depth: float) -> None:
+    wheel = rig("lunar_nominal", cell=0.025)
+    with_rut(wheel, 0.012, -1.0, 2.0)
+    centre_depth = 0.012 + depth
+    forward = 0.3
+    spin = forward / RADIUS * (1.0 + slip if slip < 0.0 else 1.0 / (1.0 - slip))
+    for x in np.arange(0.0, 0.6, forward * wheel.dt):
+        velocity, angular = np.array([forward, 0.0, 0.0]), np.array([0.0, spin, 0.0])
+        force, moment = wheel.push(np.array([x, 0.0, RADIUS - centre_depth]), LEVEL, velocity, angular)
+    assert wheel.report[0, 3] == pytest.approx(depth, rel=1e-6)
+    assert -force @ velocity - moment @ angular > 0.0
+
+
+def test_soil_in_a_rut_springs_back_behind_the_wheel(rig: Maker) -> None:
+    virgin = rig("lunar_nominal").soils[0]
+    row = rig("lunar_nominal").row
+    exits = []
+    for rut in (1e-9, 0.003, 0.012):
+        soil, past = virgin.copy(), np.zeros(PAST_COLUMNS)
+        past[PAST_RUT], past[GREATEST] = rut, rut + 0.0016
+        settle_soil(row, 0.0016, soil, past)
+        exits.append(soil[SoilColumn.EXIT_LAMBDA])
+    assert exits[0] == pytest.approx(0.0, abs=1e-5)  # as on virgin soil, whose contact ends under the axle
+    assert exits[0] < exits[1] < exits[2] <= 1.0
+    stiffness = virgin[SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE] * 0.0136
+    rebound = (1400.0 / 0.16 + 820.0e3) * 0.0136 / stiffness
+    assert exits[2] == pytest.approx(min(rebound / 0.0016, 1.0) * 0.012 / 0.0136, rel=1e-9)
+
+
+motions = st.tuples(
+    st.floats(-0.3, 0.3), st.floats(-0.3, 0.3), st.floats(-0.05, 0.1), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0),
+    st.floats(-30.0, 30.0), st.floats(-0.6, 0.6),
+)  # fmt: skip
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(motions, min_size=2, max_size=12))
+def test_finite_on_any_ground_that_wheels_have_torn_up(rig: Maker, path: list[tuple[float, ...]]) -> None:
+    wheel = rig("lunar_nominal", cell=0.025)
+    for x, y, depth, along, aside, spin, yaw in path:
+        c, s = math.cos(yaw), math.sin(yaw)
+        rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        for step in range(40):
+            centre = np.array([x + 0.002 * step * along, y + 0.002 * step * aside, RADIUS - depth])
+            force, moment = wheel.push(centre, rotation, np.array([along, aside, 0.0]), rotation @ [0.0, spin, 0.0])
+            assert np.isfinite(force).all() and np.isfinite(moment).all() and np.isfinite(wheel.state).all()
+    for tile in wheel.memory.store().tiles.values():
+        assert np.isfinite(tile).all() and (tile >= 0.0).all() and (tile[..., RUT] <= tile[..., SINKAGE]).all()
 
 
 def test_rock_keeps_no_rut(rig: Maker) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from sojourn_mechanics.contact.contact_law import ContactModel
 from sojourn_mechanics.contact.examples import ROVER_SIZE, example_row
@@ -74,7 +75,7 @@ def test_rollers_along_the_axle_are_refused() -> None:
         kinematic_matrix(PLACES, [0.0, 1.0, 1.0, 1.0], RADIUS)
     with pytest.raises(InvalidValueError, match="radius"):
         kinematic_matrix(PLACES, ANGLES, 0.0)
-    with pytest.raises(InvalidValueError, match="roller_angle_deg"):
+    with pytest.raises(ValidationError, match=r"roller_angle_deg.*5 to 90 degrees"):
         roller(2.0)
 
 

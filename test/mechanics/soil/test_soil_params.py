@@ -24,16 +24,17 @@ from sojourn_mechanics.soil.params import (
 
 SOILS = Path(__file__).parents[3] / "config" / "soils"
 
-# name: n, k_c [N/m^(n+1)], k_phi [N/m^(n+2)], cohesion [Pa], friction angle [degree]
-PUBLISHED = {
+# name: n, k_c [N/m^(n+1)], k_phi [N/m^(n+2)], cohesion [Pa], friction angle [degree]; None where the file's number has
+# been identified from trials instead
+PUBLISHED: dict[str, tuple[float | None, ...]] = {
     "lunar_nominal": (1, 1400, 820e3, 170, 35),
     "ishigami_2007": (1, 1370, 814e3, 800, 37.2),
     "fjs_1": (1, 1370, 820e3, 200, 38),
     "jsc_1a": (1, 1400, 820e3, 1000, 45),
     "grc_1": (0.8, 700, 505e3, 250, 38),
     "ding_2011": (1.10, 15.6e3, 2407.4e3, 250, 31.9),
-    "kls_1": (1.2594, -44.06e3, 3581.8e3, 1716, 40.6),
-    "cmu_sand": (1.46, 0, 8e6, 1000, 29),
+    "kls_1": (1.2594, -44.06e3, None, 1716, 40.6),
+    "cmu_sand": (1.46, 0, None, None, 29),
     "dry_sand": (1.1, 990, 1528.43e3, 1040, 28),
     "sandy_loam": (0.7, 5270, 1515.04e3, 1720, 29),
     "lete_sand": (0.79, 102e3, 5301e3, 1300, 31.1),
@@ -64,10 +65,11 @@ def test_every_file_loads_and_has_the_name_of_its_file() -> None:
 
 
 @pytest.mark.parametrize(("name", "row"), PUBLISHED.items())
-def test_soil_is_the_published_one(name: str, row: tuple[float, ...]) -> None:
+def test_soil_is_the_published_one(name: str, row: tuple[float | None, ...]) -> None:
     soil = load(name)
     assert soil.form == "bekker"
-    assert (soil.n, soil.k_c, soil.k_phi, soil.cohesion, soil.friction_angle_deg) == row
+    found = (soil.n, soil.k_c, soil.k_phi, soil.cohesion, soil.friction_angle_deg)
+    assert all(published in (None, value) for value, published in zip(found, row, strict=True))
     assert not {"n", "k_c", "k_phi", "friction_angle_deg"} & set(soil.estimates)
 
 
@@ -77,7 +79,7 @@ def test_published_shear_moduli_and_densities() -> None:
     assert lunar.unit_weight(1.624) == pytest.approx(2470.0, rel=1e-4)
     assert (kls.shear_modulus, kls.density) == (0.018, 1600.0)
     assert 0.0097 <= load("ding_2011").shear_modulus <= 0.0131
-    assert (load("cmu_sand").shear_modulus, load("cmu_sand").density) == (0.021, 1330.0)
+    assert load("cmu_sand").density == 1330.0
     assert (ishigami.theta_m_c1, ishigami.theta_m_c2, ishigami.exit_lambda) == (0.40, 0.15, 0.9)
     assert (ishigami.shear_modulus, ishigami.shear_modulus_per_slip_angle) == (0.036, 0.043)
     assert (ishigami.shear_modulus_lateral, ishigami.shear_modulus_lateral_per_slip_angle) == (0.013, 0.020)
@@ -193,6 +195,7 @@ def test_kernel_row_holds_every_number_in_its_column() -> None:
         "shear_modulus_longitudinal": 0.036, "shear_modulus_lateral": 0.013, "theta_m_c1": 0.40,
         "theta_m_c2": 0.15, "exit_lambda": 0.9, "contact_damping": 5.0, "density": 1600.0,
         "shear_modulus_longitudinal_per_slip_angle": 0.043, "shear_modulus_lateral_per_slip_angle": 0.020,
+        "unloading_stiffness": 0.0, "unloading_stiffness_per_sinkage": 503.0e6,
         "interface_adhesion": 800.0, "interface_tan_phi": named["tan_phi"], "residual": 1.0, "hump": 0.0,
         "slip_sinkage": 0.0, "skid_sinkage": 0.0, "side_sinkage": 0.0, "theta_m_c3": 0.0, "front_bulldozing": 0.0,
         "side_bulldozing": 0.0, "bulldozing_cohesion": 800.0, "bulldozing_tan_phi": pytest.approx(named["tan_phi"]),
@@ -200,6 +203,8 @@ def test_kernel_row_holds_every_number_in_its_column() -> None:
         "bulldozing_k_gamma": pytest.approx(bearing_factors(soil.friction_angle).k_gamma),
         "bulldozing_modulus": 0.02, "grouser_side_shear": 0.0,
     }  # fmt: skip
+    rock = kernel_row(load("rigid_rock"))  # springs back along its own line, and keeps no rut
+    assert rock[SoilColumn.UNLOADING_STIFFNESS] == rock[SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE] == 0.0
     reece = SoilParams(**{**read("jsc_1a"), "form": "reece"})
     assert kernel_row(reece)[SoilColumn.FORM] == 1.0
     assert kernel_row(reece)[SoilColumn.EXIT_LAMBDA] == -1.0

@@ -142,6 +142,17 @@ def test_going_back_to_an_older_memory() -> None:
     assert not read(board, 0.2, 0.0, 0.0, 0.05, 0.05).any()
 
 
+def test_what_an_abandoned_step_has_written_is_gone() -> None:
+    """A step that raises an error never stores; the state before it is as good as before."""
+    board = MemoryBoard(EMPTY)
+    roll(board, 0.0, 0.0, 0.0, 0.5, 0.15, 0.01)
+    before = board.store()
+    roll(board, 0.0, 0.0, 0.0, 0.5, 0.15, 0.05)
+    board.load(before)
+    assert read(board, 0.2, 0.0, 0.0, 0.05, 0.05)[0] == pytest.approx(0.01)
+    assert board.store() is before
+
+
 def test_room_grows_with_the_drive_and_nothing_is_lost() -> None:
     board = MemoryBoard(EMPTY)
     memory = EMPTY

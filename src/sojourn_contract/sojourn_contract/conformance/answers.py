@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
-from sojourn_contract.topics import Topic
+from sojourn_contract.topic_types import Topic
 
 
 def missing_answers(

@@ -7,7 +7,7 @@ import numpy as np
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.observation import Observation
 from sojourn_contract.messages import CONTACT_FIELDS
-from sojourn_contract.topics import FieldRule, Topic
+from sojourn_contract.topic_types import FieldRule, Topic
 
 _CODES = {7: "f4", 8: "f8"}
 """Floating-point types of a sensor_msgs/PointField."""

@@ -17,7 +17,7 @@ from typing import Any
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.observation import Observation
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
-from sojourn_contract.topics import FieldRule, Topic
+from sojourn_contract.topic_types import FieldRule, Topic
 
 LONGEST_PERIODS = 5
 """Messages further apart than this are not compared."""

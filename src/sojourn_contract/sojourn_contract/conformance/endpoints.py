@@ -6,9 +6,11 @@ against offered). The other side is the profile that the table gives.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from sojourn_contract.conformance.findings import Finding
-from sojourn_contract.topics import Reliability, Topic
+from sojourn_contract.stamps import NANOSECONDS
+from sojourn_contract.topic_types import Reliability, Topic
 
 RELIABLE, BEST_EFFORT = "reliable", "best_effort"
 VOLATILE = "volatile"
@@ -33,6 +35,20 @@ class Endpoint:
     liveliness: str = AUTOMATIC
     deadline_s: float = float("inf")
     publishes: bool = True
+
+    @classmethod
+    def of_graph(cls, info: Any, publishes: bool) -> "Endpoint":
+        """An endpoint as rclpy's graph tells of it (rclpy.topic_endpoint_info.TopicEndpointInfo)."""
+        profile = info.qos_profile
+        deadline_s = profile.deadline.nanoseconds / NANOSECONDS
+        return cls(
+            type=info.topic_type.replace("/msg/", "/"),
+            reliability=profile.reliability.name.lower(),
+            durability=profile.durability.name.lower(),
+            liveliness=profile.liveliness.name.lower(),
+            deadline_s=deadline_s if deadline_s > 0.0 else float("inf"),
+            publishes=publishes,
+        )
 
 
 def endpoint_findings(row: Topic, endpoint: Endpoint, lockstep: bool) -> Iterator[Finding]:

@@ -2,7 +2,7 @@
 
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.observation import Observation
-from sojourn_contract.topics import Topic
+from sojourn_contract.topic_types import Topic
 
 
 class FrameRule:

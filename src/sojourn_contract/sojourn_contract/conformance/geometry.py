@@ -7,7 +7,7 @@ from typing import Any
 
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.observation import Observation
-from sojourn_contract.topics import Topic
+from sojourn_contract.topic_types import Topic
 
 UNIT_TOLERANCE = 1e-3
 """Largest difference of a quaternion's length from one."""

@@ -7,7 +7,8 @@ from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.observation import Observation
 from sojourn_contract.heartbeat import ENDED, READY, RUNNING, STALLED, WAITING_TO_MATCH, Heartbeat, read_heartbeats
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS, seconds
-from sojourn_contract.topics import ROLES, Topic, outputs_of, topic
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import ROLES, outputs_of, topic
 
 STATES = (WAITING_TO_MATCH, READY, RUNNING, STALLED, ENDED)
 HEARTBEATS = "/diagnostics"

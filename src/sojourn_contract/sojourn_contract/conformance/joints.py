@@ -9,7 +9,7 @@ from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.machine import Machine
 from sojourn_contract.conformance.observation import Observation
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.topics import Topic
+from sojourn_contract.topic_types import Topic
 
 ANGLE_MARGIN = 0.1
 """How far a joint may be beyond its stop, which is not stiff without end [rad]."""

@@ -29,7 +29,8 @@ from sojourn_contract.conformance.rates import rate_findings
 from sojourn_contract.conformance.stamp_rules import StampRule
 from sojourn_contract.conformance.texts import GoalStatusRule, LoadRule, SwitchRule, TickRule
 from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
-from sojourn_contract.topics import ROLES, TOPICS, Topic, outputs_of
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import ROLES, TOPICS, outputs_of
 
 CLOCK = "/clock"
 _STAMP, _JOINT_STATE = "stamp", "sensor_msgs/JointState"

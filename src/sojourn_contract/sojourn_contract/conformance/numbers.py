@@ -7,7 +7,7 @@ from typing import Any
 
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.observation import Observation
-from sojourn_contract.topics import FieldRule, Topic
+from sojourn_contract.topic_types import FieldRule, Topic
 from sojourn_contract.types import message_class
 
 _FLOATS = ("double", "float")

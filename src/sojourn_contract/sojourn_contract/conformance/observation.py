@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from sojourn_contract.conformance.findings import Finding
-from sojourn_contract.topics import Topic
+from sojourn_contract.topic_types import Topic
 
 
 @dataclass(frozen=True, slots=True)

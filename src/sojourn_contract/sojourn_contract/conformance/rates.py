@@ -9,7 +9,7 @@ from math import ceil, floor, isinf
 
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS, seconds
-from sojourn_contract.topics import Topic
+from sojourn_contract.topic_types import Topic
 
 WINDOW_S = 1.0
 """Shortest window [s]."""

@@ -4,7 +4,7 @@ from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.observation import Observation
 from sojourn_contract.events import MAX_AHEAD_S
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS, seconds
-from sojourn_contract.topics import Topic
+from sojourn_contract.topic_types import Topic
 
 STAMP = "header.stamp"
 AHEAD_PERIODS = 5

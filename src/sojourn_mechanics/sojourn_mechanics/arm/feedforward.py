@@ -10,8 +10,8 @@ fed forward).
 """
 
 import numpy as np
-import pinocchio
 
+from sojourn_mechanics.arm.dynamics import rigid_effort
 from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.errors import InvalidValueError
@@ -42,24 +42,6 @@ def gravity_in_body(quaternion_xyzw: FloatArray, gravity: float) -> FloatArray:
     return np.asarray(-gravity * up_in_body, dtype=np.float64)
 
 
-def gravity_effort(model: ArmModel, positions: FloatArray, gravity_vector: FloatArray) -> FloatArray:
-    """Joint efforts (n,) [N m or N] that hold still at `positions` against `gravity_vector` in base_link."""
-    model.pinocchio_model.gravity.linear = gravity_vector
-    return np.array(pinocchio.computeGeneralizedGravity(model.pinocchio_model, model.data, positions))
-
-
-def inverse_dynamics(
-    model: ArmModel,
-    positions: FloatArray,
-    velocities: FloatArray,
-    accelerations: FloatArray,
-    gravity_vector: FloatArray,
-) -> FloatArray:
-    """Joint efforts (n,) of the motion without friction. Arguments (n,), SI; gravity in base_link (3,)."""
-    model.pinocchio_model.gravity.linear = gravity_vector
-    return np.array(pinocchio.rnea(model.pinocchio_model, model.data, positions, velocities, accelerations))
-
-
 def friction_effort(params: ArmParams, velocities: FloatArray) -> FloatArray:
     """Friction to be overcome at reference `velocities` (n,): efforts (n,) [N m or N]."""
     effort = np.zeros(velocities.shape[0])
@@ -79,6 +61,6 @@ def feedforward_effort(
     gravity_vector: FloatArray,
 ) -> FloatArray:
     """Inverse dynamics and friction of the reference, cut to the URDF's effort limits: (n,) [N m or N]."""
-    effort = inverse_dynamics(model, positions, velocities, accelerations, gravity_vector)
+    effort = rigid_effort(model, positions, velocities, accelerations, gravity_vector)
     effort += friction_effort(params, velocities)
     return np.asarray(np.clip(effort, -model.max_effort, model.max_effort), dtype=np.float64)

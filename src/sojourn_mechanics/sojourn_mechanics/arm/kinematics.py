@@ -5,9 +5,8 @@ given as a pose asks for the position of the tip and for the direction that its 
 tool axis; the roll about the tool axis is left free, so that a five-joint arm can answer. An identity or an
 all-zero quaternion stands for "pointing free".
 
-Inverse: damped least squares with limits (see chain.py) from the present position, the named poses, then a
-low-discrepancy set of starts (the additive recurrence on the generalised golden ratio; M. Roberts, 2018,
-after Kronecker), always the same ones. Solutions are sorted by their distance from the present position.
+Inverse: damped least squares with limits (see inverse_search.py) from the present position, the named poses, then a
+low-discrepancy set of starts, always the same ones. Solutions are sorted by their distance from the present position.
 When none is found, a search without joint limits tells a target beyond the limits from one beyond the
 reach.
 
@@ -21,9 +20,11 @@ from typing import Literal
 
 import numpy as np
 
-from sojourn_mechanics.arm.chain import search, tip_kinematics
+from sojourn_mechanics.arm.chain import tip_kinematics
+from sojourn_mechanics.arm.inverse_search import POINTING, POSITION, search, spread
 from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.arm.serial_arm import SerialArm
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 
@@ -51,7 +52,7 @@ class InverseResult:
     message: str  # empty when solved
 
 
-def forward_kinematics(model: ArmModel, positions: FloatArray) -> TipPose:
+def forward_kinematics(model: ArmModel | SerialArm, positions: FloatArray) -> TipPose:
     """Tip pose at joint `positions` (n,) [rad or m]."""
     rotation, position, jacobian = np.empty((3, 3)), np.empty(3), np.empty((6, model.joint_count))
     tip_kinematics(model.chain, positions, rotation, position, jacobian)
@@ -100,15 +101,17 @@ def inverse_kinematics(
         explain: look for the reason if there is no solution; if false: 'unreachable', no message.
     """
     settings = _settings(params)
-    weight = 0.0 if direction is None else params.inverse_kinematics.characteristic_length
-    wanted = np.zeros(3) if direction is None else direction
+    task, wanted = _task(direction)
+    weight = params.inverse_kinematics.characteristic_length
     solutions: list[FloatArray] = []
     nearest, nearest_angle, nearest_cost = math.inf, math.inf, math.inf
     enough = params.inverse_kinematics.starts_when_solved
     for k, guess in enumerate(_starts(params, model, start)):
         if solutions and (k >= enough or len(solutions) >= params.inverse_kinematics.solutions):
             break
-        q, distance, angle = search(model.chain, guess, model.lower, model.upper, position, wanted, weight, settings)
+        q, distance, angle = search(
+            model.chain, guess, model.lower, model.upper, task, position, wanted, weight, settings
+        )
         cost = distance * distance + (weight * angle) ** 2
         if cost < nearest_cost:
             nearest, nearest_angle, nearest_cost = distance, angle, cost
@@ -127,9 +130,9 @@ def nearby_solution(
 ) -> FloatArray | None:
     """One search from `start` only: joint positions (n,) on the same branch, or None. Arguments as above."""
     settings = _settings(params)
-    weight = 0.0 if direction is None else params.inverse_kinematics.characteristic_length
-    wanted = np.zeros(3) if direction is None else direction
-    q, distance, angle = search(model.chain, start, model.lower, model.upper, position, wanted, weight, settings)
+    task, wanted = _task(direction)
+    weight = params.inverse_kinematics.characteristic_length
+    q, distance, angle = search(model.chain, start, model.lower, model.upper, task, position, wanted, weight, settings)
     return q if distance < settings[0] and angle < settings[1] else None
 
 
@@ -151,13 +154,13 @@ def _explain(
         if alone.status == "solved":
             off += "; the position alone can be reached, not with this pointing"
     settings = _settings(params)
-    weight = 0.0 if direction is None else params.inverse_kinematics.characteristic_length
-    wanted = np.zeros(3) if direction is None else direction
+    task, wanted = _task(direction)
+    weight = params.inverse_kinematics.characteristic_length
     wide_lower = np.where(model.chain.revolute > 0.5, -50.0, model.lower)
     wide_upper = np.where(model.chain.revolute > 0.5, 50.0, model.upper)
     best_excess, best_text = math.inf, ""
     for guess in _starts(params, model, start)[: max(8, params.inverse_kinematics.starts_when_solved)]:
-        q, distance, turn = search(model.chain, guess, wide_lower, wide_upper, position, wanted, weight, settings)
+        q, distance, turn = search(model.chain, guess, wide_lower, wide_upper, task, position, wanted, weight, settings)
         if distance < settings[0] and turn < settings[1]:
             middle = 0.5 * (model.lower + model.upper)
             wrapped = middle + np.remainder(q - middle + math.pi, 2.0 * math.pi) - math.pi
@@ -175,6 +178,15 @@ def _explain(
     return InverseResult("unreachable", (), nearest, angle, f"target {where} is unreachable: {off}")
 
 
+def _task(direction: FloatArray | None) -> tuple[int, FloatArray]:
+    """Task of a search, and the matrix whose last column is the wanted direction."""
+    wanted = np.eye(3)
+    if direction is None:
+        return POSITION, wanted
+    wanted[:, 2] = direction
+    return POINTING, wanted
+
+
 def _where(position: FloatArray) -> str:
     return f"({position[0]:.3f}, {position[1]:.3f}, {position[2]:.3f}) m in base_link"
 
@@ -188,13 +200,8 @@ def _starts(params: ArmParams, model: ArmModel, start: FloatArray) -> list[Float
     """The same list of starts for the same start position."""
     count, n = params.inverse_kinematics.starts, model.joint_count
     named = [np.array(values) for values in params.named_poses.values()]
-    root = 2.0
-    for _ in range(40):  # fixed point of x^(n+1) = x + 1, the generalised golden ratio
-        root = (1.0 + root) ** (1.0 / (n + 1.0))
-    steps = (1.0 / root) ** np.arange(1, n + 1)
-    fractions = np.remainder(0.5 + np.outer(np.arange(1, count + 1), steps), 1.0)
-    spread = [model.lower + row * (model.upper - model.lower) for row in fractions]
-    return [start.copy(), *named, *spread][:count]
+    spread_out = [model.lower + row * (model.upper - model.lower) for row in spread(n, count + 1)[1:]]
+    return [start.copy(), *named, *spread_out][:count]
 
 
 def _is_new(q: FloatArray, found: list[FloatArray]) -> bool:

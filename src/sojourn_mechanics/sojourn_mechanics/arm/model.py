@@ -21,12 +21,10 @@ from numpy.typing import NDArray
 
 from sojourn_mechanics.arm.chain import Chain
 from sojourn_mechanics.arm.params import ArmParams
-from sojourn_mechanics.errors import InvalidValueError, MechanicsError
+from sojourn_mechanics.arm.serial_arm import chain_of, rebase
+from sojourn_mechanics.arm.urdf_chain import ArmModelError
+from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
-
-
-class ArmModelError(MechanicsError):
-    """The URDF does not hold the arm that the parameters describe."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +83,8 @@ def build_arm_model(urdf_xml: str, params: ArmParams) -> ArmModel:
         if not model.existFrame(link):
             raise ArmModelError(f"'{link}' is not a link of the URDF")
     _check_chain(model, params)
-    _rebase(model, shapes, params.base_link)
+    _rebase_shapes(model, shapes, params.base_link)
+    rebase(model, params.base_link)
     if params.reflected_inertia:
         model.armature = np.array(params.reflected_inertia)
     _check_links(model, params)
@@ -94,7 +93,7 @@ def build_arm_model(urdf_xml: str, params: ArmParams) -> ArmModel:
     reach = _reach(model, shapes)
     arm = ArmModel(
         joint_names=params.joint_names,
-        chain=_chain(model, params),
+        chain=chain_of(model, params.tip_link, params.tool_axis),
         lower=np.array(model.lowerPositionLimit),
         upper=np.array(model.upperPositionLimit),
         max_velocity=np.array(params.max_velocity),
@@ -165,13 +164,8 @@ def _check_limits(arm: ArmModel, params: ArmParams, urdf_velocity: FloatArray) -
                 )
 
 
-def _rebase(model: Any, shapes: Any, base_link: str) -> None:
-    """Make base_link the universe frame."""
+def _rebase_shapes(model: Any, shapes: Any, base_link: str) -> None:
     universe_to_base = model.frames[model.getFrameId(base_link)].placement.inverse()
-    model.jointPlacements[1] = universe_to_base * model.jointPlacements[1]
-    for frame in model.frames:
-        if frame.parentJoint == 0:
-            frame.placement = universe_to_base * frame.placement
     for shape in shapes.geometryObjects:
         if shape.parentJoint == 0:
             shape.placement = universe_to_base * shape.placement
@@ -198,22 +192,6 @@ def _add_pairs(model: Any, shapes: Any, params: ArmParams) -> None:
                 continue
             if frozenset((link, other_link)) not in ignored:
                 shapes.addCollisionPair(pinocchio.CollisionPair(i, j))
-
-
-def _chain(model: Any, params: ArmParams) -> Chain:
-    joints = range(1, model.njoints)
-    subspaces = [np.array(model.joints[i].createData().S).reshape(6) for i in joints]
-    revolute = np.array([float(np.linalg.norm(s[3:]) > 0.5) for s in subspaces])
-    tip = model.frames[model.getFrameId(params.tip_link)].placement
-    return Chain(
-        rotation=np.array([model.jointPlacements[i].rotation for i in joints]),
-        translation=np.array([model.jointPlacements[i].translation for i in joints]),
-        axis=np.array([s[3:] if r > 0.5 else s[:3] for s, r in zip(subspaces, revolute, strict=True)]),
-        revolute=revolute,
-        tip_rotation=np.ascontiguousarray(tip.rotation),
-        tip_translation=np.array(tip.translation),
-        tool_axis=np.array(params.tool_axis),
-    )
 
 
 def _radius(shape: Any) -> float:

@@ -11,7 +11,10 @@ what it is just pressing down itself; one that turns back meets its own rut, wit
 only once it rolls, |D| >= 0.5, so that a parked wheel changes nothing, and rest stays a fixed point.
 
 The rut lowers and tilts the contact plane as any other ground does, so that its sides take as much energy from a wheel
-that climbs out as they gave when it rolled in; the soil below follows the law of `soil/repeated_loading.py`.
+that climbs out as they gave when it rolled in; the soil below follows the law of `soil/repeated_loading.py`. Behind
+the wheel that soil springs back by e = p_u/k_u, and so carries it up to an exit angle with lambda = e/h instead of the
+soil's own one, as far as the depth z has been reached before: lambda = lambda_0 + (e/h - lambda_0) z_r/z. On virgin
+soil the exit angle stays the one that goes with the soil's parameters.
 
 Assumptions: the rut is the mean over that length and the wheel's width (strips of ground that do not hold each other
 up); depths along the normal count as vertical; a wheel that is itself compliant meets the law of the depth that a
@@ -45,6 +48,7 @@ _FORM = int(SoilColumn.FORM)
 _N = int(SoilColumn.N)
 _K_C = int(SoilColumn.K_C)
 _K_PHI = int(SoilColumn.K_PHI)
+_EXIT_LAMBDA = int(SoilColumn.EXIT_LAMBDA)
 _K_0 = int(SoilColumn.UNLOADING_STIFFNESS)
 _A_U = int(SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE)
 
@@ -92,7 +96,14 @@ def settle_soil(wheel: FloatArray, depth: float, soil: FloatArray, past: FloatAr
     modulus, exponent = pressure_modulus(soil, wheel[_WIDTH]), soil[_N]
     past[MODULUS] = modulus
     past[EXPONENT] = exponent
-    if past[RUT] > 0.0:
+    rut = past[RUT]
+    if rut > 0.0:
+        reached = rut + depth
+        greatest = max(reached, past[GREATEST])
+        springs_back = reached - rut_depth(modulus, exponent, greatest, soil[_K_0], soil[_A_U])
+        given = max(soil[_EXIT_LAMBDA], 0.0)
+        recovered = min(max(springs_back / depth, given), 1.0)
+        soil[_EXIT_LAMBDA] = given + (recovered - given) * rut / reached
         soil[_FORM] = FORM_BEKKER
         soil[_K_C] = 0.0
         soil[_K_PHI], soil[_N] = equivalent_law(modulus, exponent, past[GREATEST], past[RUT], depth)

@@ -1,11 +1,15 @@
 """The plane, and the soil, that stand for the ground under one wheel.
 
 The rim is sampled in the wheel's plane; each sample under the terrain (or within a small margin of it) has a
-weight that grows with the square of its depth, and the contact plane is the weighted mean of the terrain's
-points and gradients. On a plane, tilted or not, that plane is exact; over a rock or a step it turns
-continuously towards what the rim presses on. Where the samples lie on different soils, their parameters are
-blended by the same weights (the pressure modulus geometrically, since it differs by orders of magnitude
-between sand and rock), so that a wheel is lifted onto a rock and not shot off it.
+weight that grows with the square of its depth. The contact plane goes through the weighted mean of the
+terrain's points. Its slope along the wheel is that of the line through these points (weighted least squares,
+with a little of their mean gradient where a light touch has few samples); across the wheel it is that from
+edge to edge. On a plane, tilted or not, the contact plane is exact; over a rock or a step it turns continuously
+towards what the rim presses on, also where the gradient of the ground jumps.
+
+Where the samples lie on different soils, their parameters are blended by the same weights (the pressure modulus
+geometrically, since it differs by orders of magnitude between sand and rock), so that a wheel is lifted onto a
+rock and not shot off it.
 """
 
 import math
@@ -23,6 +27,9 @@ RIM_SAMPLE_RANGE = 1.35
 """Rim angles sampled for the contact plane [rad], to both sides of straight down."""
 SAMPLE_MARGIN = 0.03
 """Margin over the ground within which a sample still counts, as a fraction of the radius."""
+
+FEW_SAMPLES = 0.02
+"""Spread of the samples along the ground at which their own gradient counts by half, as a fraction of the radius."""
 
 _ANGLES = np.linspace(-RIM_SAMPLE_RANGE, RIM_SAMPLE_RANGE, RIM_SAMPLES)
 RIM_SIN: FloatArray = np.ascontiguousarray(np.sin(_ANGLES))
@@ -81,6 +88,7 @@ def contact_plane(
     forward: FloatArray,
     up: FloatArray,
     radius: float,
+    width: float,
     rim_sin: FloatArray,
     rim_cos: FloatArray,
     shares: FloatArray,
@@ -90,7 +98,7 @@ def contact_plane(
     Args:
         heights, soil_index, grid: of the height field; see `HeightField`.
         centre: of the wheel in map, shape (3,) [m].
-        forward, up: unit vectors in the wheel's plane, shape (3,).
+        forward, up: unit vectors in the wheel's plane, shape (3,). radius, width: of the wheel [m].
         shares: (soils,), written: weight of each soil in the contact.
 
     Returns:
@@ -103,6 +111,9 @@ def contact_plane(
     z_mean = 0.0
     x_slope = 0.0
     y_slope = 0.0
+    # sums of the fit: place along (s) and across (t) from the centre, and height over it
+    s_mean = t_mean = 0.0
+    ss = sz = st = base = 0.0
     on_map = True
     margin = SAMPLE_MARGIN * radius
     shares[:] = 0.0
@@ -115,6 +126,8 @@ def contact_plane(
         height, dh_dx, dh_dy, inside = sample_ground(heights, grid, x, y)
         depth = height - z + margin
         if depth > 0.0:
+            if total == 0.0:
+                base = height  # level ground then has a slope of zero, not of a rounding error
             weight = depth * depth
             total += weight
             shares[sample_soil(soil_index, grid[0], grid[1], grid[2], x, y)] += weight
@@ -123,7 +136,27 @@ def contact_plane(
             z_mean += weight * height
             x_slope += weight * dh_dx
             y_slope += weight * dh_dy
+            across = -below * (up[1] * forward[0] - up[0] * forward[1])
+            s_mean += weight * ahead
+            t_mean += weight * across
+            ss += weight * ahead * ahead
+            sz += weight * ahead * (height - base)
+            st += weight * ahead * across
             on_map = on_map and inside
     if total <= 0.0:
         return False, 0.0, 0.0, 0.0, 0.0, 0.0, True
-    return True, x_mean / total, y_mean / total, z_mean / total, x_slope / total, y_slope / total, on_map
+    x_mean, y_mean, z_mean = x_mean / total, y_mean / total, z_mean / total
+    s_mean, t_mean = s_mean / total, t_mean / total
+    # to the left, horizontally: from edge to edge of the wheel
+    half = 0.5 * width
+    left, _, _, _ = sample_ground(heights, grid, x_mean - half * forward[1], y_mean + half * forward[0])
+    right, _, _, _ = sample_ground(heights, grid, x_mean + half * forward[1], y_mean - half * forward[0])
+    lateral = (left - right) / width
+    gradient = (x_slope * forward[0] + y_slope * forward[1]) / total
+    spread = ss / total - s_mean * s_mean
+    rise = sz / total - s_mean * (z_mean - base) - lateral * (st / total - s_mean * t_mean)
+    little = (FEW_SAMPLES * radius) ** 2
+    along = (rise + little * gradient) / (spread + little)
+    x_slope = along * forward[0] - lateral * forward[1]
+    y_slope = along * forward[1] + lateral * forward[0]
+    return True, x_mean, y_mean, z_mean, x_slope, y_slope, on_map

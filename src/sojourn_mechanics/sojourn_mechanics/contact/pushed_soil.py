@@ -80,6 +80,8 @@ def side_push(
     first = radius * radius * (entry - sin_entry * cos_entry) + 2.0 * radius * beyond
     second = radius**3 * (2.0 * sin_entry - 2.0 / 3.0 * sin_entry**3 - 2.0 * cos_entry * entry)
     second += math.pi * radius * radius * beyond + 2.0 * radius * beyond * beyond
+    # at nanometres the differences are rounding, of either sign
+    first, second = max(first, 0.0), max(second, 0.0)
     wall = 0.5 * soil[_DENSITY] * gravity * soil[_K_GAMMA] * second + soil[_COHESION] * soil[_K_C] * first
     sideslip = abs(lateral_slip)
     transit = 1.0 + rolling * (math.sqrt(ahead * ahead + standing_speed * standing_speed) - 1.0)

@@ -23,7 +23,7 @@ from sojourn_mechanics.contact.contact_law import (
 )
 from sojourn_mechanics.contact.law_params import ContactLawParams
 from sojourn_mechanics.contact.shear_memory import MAX_DAMPING_GAIN, advance_rolling, clip, shear_lead
-from sojourn_mechanics.contact.wheel_on_soil import NODES, WEIGHTS, rim_forces
+from sojourn_mechanics.contact.wheel_on_soil import NODES, WEIGHTS, wheel_forces
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.soil.params import SoilColumn
 
@@ -33,6 +33,8 @@ MIN_CONTACT_LENGTH = 0.04
 _RADIUS = int(WheelColumn.RADIUS)
 _SHEAR_RADIUS = int(WheelColumn.SHEAR_RADIUS)
 _WIDTH = int(WheelColumn.WIDTH)
+_GROUSER_COUNT = int(WheelColumn.GROUSER_COUNT)
+_GRAVITY = int(WheelColumn.GRAVITY)
 _PENETRATION = int(MotionColumn.PENETRATION)
 _V_ALONG = int(MotionColumn.V_ALONG)
 _V_SIDE = int(MotionColumn.V_SIDE)
@@ -49,6 +51,8 @@ _MOMENT_X = int(OutColumn.MOMENT_X)
 _MOMENT_Z = int(OutColumn.MOMENT_Z)
 _TORQUE = int(OutColumn.TORQUE)
 _SINKAGE = int(OutColumn.SINKAGE)
+_COMPACTION = int(OutColumn.COMPACTION_RESISTANCE)
+_BULLDOZING = int(OutColumn.BULLDOZING_RESISTANCE)
 _DAMPING = int(SoilColumn.CONTACT_DAMPING)
 _EXIT_LAMBDA = int(SoilColumn.EXIT_LAMBDA)
 
@@ -84,9 +88,9 @@ def rigid_wheel_on_soil(
     lead = shear_lead(transport)
     slip = clip(sense * (state[_U_X] + lead * (rim_speed - v_along)) / length, -1.0, 1.0)
     side_slip = clip((state[_U_Y] - lead * v_side) / length, -1.0, 1.0)
-    force_x, force_y, force_z, torque, moment_x, moment_z, _ = rim_forces(
-        radius, wheel[_SHEAR_RADIUS], wheel[_WIDTH], sinkage, slip, side_slip, abs(state[_TRAVEL]), soil,
-        NODES, WEIGHTS,
+    force_x, force_y, force_z, torque, moment_x, moment_z, _, compaction, bulldozing = wheel_forces(
+        radius, wheel[_SHEAR_RADIUS], wheel[_WIDTH], wheel[_GROUSER_COUNT], 0.0, wheel[_GRAVITY], sinkage,
+        slip, side_slip, abs(state[_TRAVEL]), soil, NODES, WEIGHTS,
     )  # fmt: skip
     force_z *= clip(1.0 - soil[_DAMPING] * motion[_V_NORMAL], 0.0, MAX_DAMPING_GAIN)
     out[_FORCE_X] = sense * force_x
@@ -96,4 +100,6 @@ def rigid_wheel_on_soil(
     out[_MOMENT_Z] = sense * moment_z  # turns about the normal with the sense of travel
     out[_TORQUE] = sense * torque
     out[_SINKAGE] = sinkage
+    out[_COMPACTION] = compaction
+    out[_BULLDOZING] = bulldozing
     tell_slip(motion, rim_speed, out)

@@ -23,7 +23,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 from numba import njit
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from sojourn_mechanics.contact.bristle_friction import bristle_forces
 from sojourn_mechanics.contact.contact_law import ContactModel, MotionColumn, StateColumn, WheelColumn
@@ -64,10 +64,16 @@ class RollerWheelParams(CompliantWheelParams):
     )
     roller_friction: float = Field(default=0.01, ge=0.0, le=1.0, description="of a turning roller, over the load [-]")
 
+    @field_validator("roller_angle_deg")
+    @classmethod
+    def _rollers_are_not_along_the_axle(cls, angle_deg: float) -> float:
+        _checked(math.radians(angle_deg))
+        return angle_deg
+
     def fill(self, row: FloatArray) -> None:
         """The columns of this set."""
         super().fill(row)
-        angle = _checked(math.radians(self.roller_angle_deg))
+        angle = math.radians(self.roller_angle_deg)
         row[RollerColumn.SIN_ANGLE] = math.sin(angle)
         row[RollerColumn.COS_ANGLE] = math.cos(angle)
         row[RollerColumn.ROLLER_FRICTION] = self.roller_friction

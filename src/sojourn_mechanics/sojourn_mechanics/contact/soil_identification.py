@@ -5,8 +5,8 @@ relative errors of `trials`, from several starts, within physical bounds. Positi
 searched by their logarithm.
 
 Standard errors are those of linear least squares at the optimum, s² (JᵀJ)⁻¹, with the residuals' spread s from their
-median magnitude (1.4826 MAD). A parameter at a bound is held there, and has none. Cross-validation leaves out all trials
-of one slip angle (of one slip, where there is one angle alone), fits the others, and predicts what was left out.
+median magnitude (1.4826 MAD). A parameter at a bound is held there, and has none. Cross-validation leaves out all
+trials of one slip angle (of one slip, where there is one angle alone), fits the others, and predicts what was left out.
 
 Assumes that trials are independent; trials of one setting, repeated, are not quite.
 """
@@ -69,7 +69,7 @@ class Fit:
     soil: SoilParams
     values: dict[str, float]
     standard_errors: dict[str, float | None]
-    """None for a parameter at a bound."""
+    """None for a parameter at a bound, or without any effect on the trials."""
     covariance: FloatArray
     """Of the values in their order; zero for a parameter at a bound."""
     predicted: FloatArray
@@ -217,7 +217,7 @@ def _search(
 def _spread(
     problem: _Problem, place: FloatArray, jacobian: FloatArray, residuals: FloatArray
 ) -> tuple[FloatArray, dict[str, float | None]]:
-    inside = (place > AT_BOUND) & (place < 1.0 - AT_BOUND)
+    inside = (place > AT_BOUND) & (place < 1.0 - AT_BOUND) & np.any(jacobian != 0.0, axis=0)
     spread = 1.4826 * float(np.median(np.abs(residuals)))
     covariance = np.zeros((len(place), len(place)))
     if inside.any():

@@ -1,18 +1,22 @@
 """Measured trials of a wheel on soil, what a soil predicts for them, and how far that is off.
 
-Errors are over the load for forces, over the radius for the sinkage, and over load times radius for the torque; a summary
-is the median of their magnitudes. `driving` is what rovers do: slip from 0 and slip angles up to 45 degrees.
+Errors are over the load for forces, over the radius for the sinkage, and over load times radius for the torque; a
+summary is the median of their magnitudes. `driving` is what rovers do: slip from 0 and slip angles up to 45 degrees.
 """
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sojourn_mechanics.contact.wheel_bench import RESULT_COLUMNS, check_case, solve
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+
+BoolArray: TypeAlias = NDArray[np.bool_]
 
 QUANTITIES: tuple[str, ...] = ("drawbar_pull_n", "side_force_n", "sinkage_m", "torque_nm")
 """Columns of what is measured, predicted and compared."""
@@ -40,16 +44,16 @@ class Trials:
         for load, slip, angle, _ in self.cases:
             check_case(float(load), float(slip), round(math.degrees(float(angle)), 9))
 
-    def only(self, rows: FloatArray) -> "Trials":
+    def only(self, rows: BoolArray) -> "Trials":
         """The trials of these rows; a boolean array of shape (count,)."""
         return Trials(self.shapes[rows], self.cases[rows], self.measured[rows])
 
-    def driving(self) -> FloatArray:
+    def driving(self) -> BoolArray:
         """Which trials are driving, shape (count,)."""
-        result: FloatArray = (self.cases[:, 1] >= DRIVING_LEAST_SLIP) & (np.abs(self.cases[:, 2]) <= DRIVING_SLIP_ANGLE)
+        result: BoolArray = (self.cases[:, 1] >= DRIVING_LEAST_SLIP) & (np.abs(self.cases[:, 2]) <= DRIVING_SLIP_ANGLE)
         return result
 
-    def groups(self) -> FloatArray:
+    def groups(self) -> NDArray[Any]:
         """Number of the group of each trial for cross-validation, shape (count,): trials of one slip angle belong
         together; with a single slip angle, trials of one slip."""
         for column in (2, 1):

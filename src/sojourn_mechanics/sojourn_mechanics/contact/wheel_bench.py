@@ -1,6 +1,7 @@
 """Single-wheel test bed: the sinkage at which a rigid wheel in steady motion bears its load, and the forces there.
 
-A carriage moves at speed v, in a direction turned from the wheel's heading by the slip angle β towards its left, and the rim turns at the speed rω. The slip ratio is that of the carriage, as measured on a test bed,
+A carriage moves at speed v, turned from the wheel's heading by the slip angle β towards its left, and the rim turns at
+the speed rω. The slip ratio is that of the carriage, as measured on a test bed,
 
     s = (rω - v)/max(rω, v),    -1 (locked) to 1 (spinning on the spot)
 
@@ -133,7 +134,7 @@ def solve(shapes: FloatArray, cases: FloatArray, soil: FloatArray, results: Floa
         results[i, 2] = found[1]
         results[i, 3] = found[3]
         results[i, 4] = entry
-        results[i, 5] = exit_angle
+        results[i, 5] = exit_angle + 0.0  # no minus zero
         results[i, 6] = found[7]
         results[i, 7] = found[8]
 
@@ -183,7 +184,10 @@ def measure(
                 f"load = {load:g} N: soil {soil.name} does not carry it under wheel {wheel.name} at {where}, "
                 f"not even at a sinkage of {DEEPEST:g} radii"
             )
-    return [
-        BenchResult(load, slip, angle, *(float(x) for x in row[:6]), {"compaction_n": row[6], "bulldozing_n": row[7]})
-        for (slip, angle), row in zip(pairs, found.tolist(), strict=True)
-    ]
+    return [_result(load, *pair, row) for pair, row in zip(pairs, found.tolist(), strict=True)]
+
+
+def _result(load: float, slip: float, angle: float, row: Sequence[float]) -> BenchResult:
+    sinkage, pull, side, torque, entry, exit_angle, compaction, bulldozing = row
+    resistances = {"compaction_n": compaction, "bulldozing_n": bulldozing}
+    return BenchResult(load, slip, angle, sinkage, pull, side, torque, entry, exit_angle, resistances)

@@ -85,7 +85,7 @@ def find_contact(
     up[2] = forward[0] * axle[1] - forward[1] * axle[0]
     on_map: bool
     found, px, py, pz, slope_x, slope_y, on_map = contact_plane(
-        heights, soil_index, grid, centre, forward, up, radius, rim[0], rim[1], shares
+        heights, soil_index, grid, centre, forward, up, radius, wheel[_WIDTH], rim[0], rim[1], shares
     )
     if not found:
         return False, 0, on_map

@@ -47,8 +47,8 @@ side, the passive pressure on the sunk segment of the side face (Hegedus 1960; T
 
     N = m ∫ (γ h² K_γ/2 + c K_c h) dx,  m = 1 - exp(-|v_y| L /(K_b v_t)),  v_t² = v_x² + (0.04 V)²
 
-against v_y, and its friction N tan δ on the turning face, against the velocity of the face's middle, r - z/2 below the axle,
-softened by the flow of soil up the face at half of v_y. L is the contact's length.
+against v_y, and its friction N tan δ on the turning face, against the velocity of the face's middle, r - z/2 below the
+axle, softened by the flow of soil up the face at half of v_y. L is the contact's length.
 
 D in -1..1 is the memory of the direction of travel (see `contact_set`): at D = 0 the wheel has been pressed
 straight down, and the contact is symmetric, θ2 = -θ1, θm = 0, S = 1 (static sinkage; Ishigami 2007 eq. 9), and all

@@ -39,6 +39,7 @@ from pydantic import Field, field_validator, model_validator
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, Params
 from sojourn_mechanics.soil.bearing import MAX_FRICTION_ANGLE, failure_strength
+from sojourn_mechanics.soil.relative_density import density_at
 from sojourn_mechanics.soil.shear import hump_coefficients
 from sojourn_mechanics.soil.spread import check_spread
 
@@ -153,7 +154,13 @@ class SoilParams(Params):
     unloading_stiffness_per_sinkage: float = Field(
         default=LETE_SAND_A_U, ge=0.0, le=1e14, description="A_u of the unloading stiffness k_0 + A_u z_u [N/m^4]"
     )
-    density: float = Field(default=3000.0, gt=0.0, le=10000.0, description="bulk density [kg/m3]")
+    density: float = Field(
+        default=3000.0, gt=0.0, le=10000.0, description="bulk density [kg/m3]; or relative_density instead"
+    )
+    density_range: tuple[float, float] | None = Field(default=None, description="loosest and densest state [kg/m3]")
+    relative_density: float | None = Field(
+        default=None, ge=0.0, le=1.0, description="0 loosest, 1 densest; gives the density, within density_range"
+    )
     theta_m_c1: float = Field(default=0.0, ge=0.0, le=1.0, description="c1 of theta_m = (c1 + c2 s) theta_1 [-]")
     theta_m_c2: float = Field(default=0.0, ge=-1.0, le=1.0, description="c2 of theta_m = (c1 + c2 s) theta_1 [-]")
     exit_angle: str = Field(default="zero", description="'zero' or 'lambda:L', L = rut height / sinkage [-]")
@@ -191,8 +198,17 @@ class SoilParams(Params):
         return text
 
     @model_validator(mode="after")
+    def _density_or_relative_density(self) -> Self:
+        if self.relative_density is not None:
+            if self.density_range is None:
+                raise InvalidValueError("density_range", None, "[loosest, densest] where a relative_density is given")
+            # the model is frozen for everybody else
+            self.__dict__["density"] = density_at(self.relative_density, *self.density_range)
+        return self
+
     def _soil_is_complete(self) -> Self:
-        missing = self.missing(SOIL_ONLY) if self.kind == "soil" else ()
+        needed = [name for name in SOIL_ONLY if name != "density" or self.relative_density is None]
+        missing = self.missing(needed) if self.kind == "soil" else ()
         if missing:
             raise InvalidValueError(
                 "kind", self.kind, "rigid, or soil with all of its keys; missing: " + ", ".join(missing)

@@ -5,8 +5,9 @@
     Wong     tau = tau_max R {1 + [1/(R (1 - 1/e)) - 1] e^(1 - j/K)} (1 - e^(-j/K))
                                         (Wong 2008, Theory of Ground Vehicles, 4th ed., eq. 2.57)
 
-Wong's form is for dense or cemented soil: the stress rises to tau_max at j = K and falls to the residual R tau_max
-(for R from 0.6 to 0.75; its peak stands up to 6 % above tau_max for larger R). With x = e^(-j/K) both are  tau_max (1 - x)(A + B x), A = R, B = 1/(1 - 1/e) e - R e;  A = 1, B = 0 for Janosi's.
+Wong's form is for dense or cemented soil: the stress rises to about tau_max at j = K and falls to the residual, R
+tau_max. Its peak is tau_max for R near 0.66, and up to 6 % more for R up to 1. With x = e^(-j/K) both forms are
+tau_max (1 - x)(A + B x), with A = R, B = e/(1 - 1/e) - e R for Wong's and A = 1, B = 0 for Janosi's.
 
 K is read off a shear-ring or shear-box record: for Janosi's form the displacement at 95 % of the limit is 3 K.
 Assumes one direction of shear and a constant normal stress.

@@ -117,7 +117,9 @@ class MemoryBoard:
 
     def load(self, memory: GroundMemory) -> None:
         """Make this the working copy of a memory, with room for a period. Free of cost if it was made here last."""
-        if memory is not self._memory or self.pool.shape[0] - int(self.pages[0, _USED]) < SPARE_PAGES:
+        used = int(self.pages[0, _USED])
+        abandoned = bool(self.pages[1:used, 2].any())  # by a step that raised an error before it was stored
+        if memory is not self._memory or abandoned or self.pool.shape[0] - used < SPARE_PAGES:
             self._fill(memory)
 
     def store(self) -> GroundMemory:

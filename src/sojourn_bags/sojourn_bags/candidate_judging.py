@@ -1,0 +1,81 @@
+"""Judges a candidate by the contract while a bag is played to it: no other node takes part.
+
+with run_configuration(bag) as configuration:
+    report = judge_candidate(bag, "drive", NodeCandidate(DriveNode), configuration, domain=7)
+"""
+
+from rclpy.serialization import deserialize_message
+
+from sojourn_bags.candidate import Candidate
+from sojourn_bags.judging import machine_of
+from sojourn_bags.reading import Bag
+from sojourn_bags.replay import DEFAULT_TIMEOUT_S, play
+from sojourn_bags.replay_script import ReplayScript, Step, script_of
+from sojourn_bags.run_configuration import RunConfiguration
+from sojourn_contract.conformance.findings import Report
+from sojourn_contract.conformance.judge import Judge
+from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import TOPICS, outputs_of, topic
+from sojourn_contract.types import message_class
+
+
+class CandidateJudge:
+    """Listens to a replay and hands everything to the judge, who judges the candidate alone.
+
+    Args:
+        script: what is played. machine: the rover.
+    """
+
+    def __init__(self, script: ReplayScript, machine: Machine) -> None:
+        self._script = script
+        rows = {row.name for row in (*script.inputs, *outputs_of(script.role))}
+        self._judge = Judge(
+            machine,
+            lockstep=True,
+            participants=script.participants,
+            roles=(script.role,),
+            unseen=[row.name for row in TOPICS if row.name not in rows],
+        )
+
+    def sent(self, step: Step) -> None:
+        """The judge knows by the inputs what the candidate was asked, and by /clock what time it is."""
+        for name, data in (*step.goals, *step.inputs):
+            self._judge.take(name, deserialize_message(data, message_class(topic(name).type)))
+
+    def heard(self, row: Topic, _stamp: int, data: bytes) -> None:
+        """Judge a message of the candidate."""
+        self._judge.take(row.name, deserialize_message(data, message_class(row.type)))
+
+    def finish(self) -> Report:
+        """The verdict. An answer is asked for in every period that has been played."""
+        return self._judge.finish(until=self._script.steps[-1].period * CONTROL_PERIOD_NS)
+
+
+def judge_candidate(
+    bag: Bag,
+    role: str,
+    candidate: Candidate,
+    configuration: RunConfiguration,
+    domain: int,
+    namespace: str = "",
+    timeout_s: float = DEFAULT_TIMEOUT_S,
+    ready_timeout_s: float = 60.0,
+    machine: Machine | None = None,
+) -> Report:
+    """Play a bag to a candidate and judge what it says; its answers need not be those of the bag.
+
+    Args:
+        role, candidate, domain, namespace, timeout_s, ready_timeout_s: as in `replay`.
+        machine: the rover, None for the one that the bag describes.
+
+    Raises:
+        ReplayError: the bag cannot be played to this role. UnansweredError: the candidate does not answer, or cannot
+            be heard. UnjudgeableBagError: the bag does not describe its rover.
+        OtherContractError, IncompleteConfigError: of the bag.
+    """
+    script = script_of(bag, role)
+    judge = CandidateJudge(script, machine or machine_of(bag))
+    play(script, candidate, configuration, domain, namespace, timeout_s, ready_timeout_s, judge)
+    return judge.finish()

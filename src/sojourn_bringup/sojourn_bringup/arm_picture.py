@@ -1,0 +1,144 @@
+"""The workspace of an arm as a picture."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from sojourn_mechanics.arm.closed_form import has_spherical_wrist, is_planar_with_yaw
+from sojourn_mechanics.arm.redundancy import joint_origins
+from sojourn_mechanics.arm.serial_arm import SerialArm
+from sojourn_mechanics.arm.workspace import DIRECTIONS, WorkspaceMap, first_axis
+from sojourn_mechanics.params import FloatArray
+
+_BLANK = " "
+_HARDLY = 0.01
+"""Share of cells below which a map is not drawn."""
+_INK, _ARM = "#333333", "#c1002d"
+
+
+def draw_workspace(arm: SerialArm, found: WorkspaceMap, gravity: FloatArray, stance: FloatArray, path: Path) -> None:
+    """Four maps of the section, the view along the first axis, and the figures of the layout, into a file.
+
+    Args:
+        stance: joint positions (n,) in which the arm is drawn.
+    """
+    figure = Figure(figsize=(13.0, 8.2), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(2, 3)
+    points = joint_origins(arm, stance)[1:]  # from the first joint on
+    section = _to_section(arm, points) if found.about_axis else points[:, [0, 2]]
+    payload = found.payload
+    maps = (
+        (found.pointing, "Pointing directions [share]", "viridis", 1.0),
+        (found.manipulability, "Manipulability", "cividis", None),
+        (found.force, "Force in the worst direction [N]", "magma", None),
+        (payload, "Payload held at rest [kg]", "magma", None),
+    )
+    for axis, (values, title, colours, top) in zip(axes.flat[:4], maps, strict=True):
+        if values is None:
+            _say(axis, title, "no weight: any mass is held at rest")
+            continue
+        if np.nanmean(values > 0.0) < _HARDLY:
+            _say(axis, title, "none: the arm cannot hold itself\nunder this gravity (see --gravity)")
+            continue
+        _map(figure, axis, found, values, title, colours, top)
+        axis.plot(section[:, 0], section[:, 1], "-o", color=_ARM, linewidth=1.6, markersize=3, label="the arm")
+    _view_along(axes.flat[4], arm, found, points)
+    axes.flat[5].set_axis_off()
+    axes.flat[5].text(0.0, 0.98, _layout(arm, found, gravity), va="top", fontsize=9.5, linespacing=1.55)
+    figure.suptitle(f"Workspace of {arm.name} (red: the arm; collisions are not looked at)", fontsize=12)
+    figure.savefig(path, dpi=110)
+
+
+def _map(
+    figure: Figure, axis: Axes, found: WorkspaceMap, values: FloatArray, title: str, colours: str, top: float | None
+) -> None:
+    finite = values[np.isfinite(values)]
+    # a few postures near the axis give far more than all others: they would take the whole scale
+    high = top if top is not None else float(np.percentile(finite, 98)) if finite.size else 1.0
+    shown = axis.pcolormesh(found.across, found.height, values, cmap=colours, vmin=0.0, vmax=max(high, 1e-9))
+    over = top is None and finite.size and float(finite.max()) > 1.02 * high
+    figure.colorbar(shown, ax=axis, extend="max" if over else "neither", shrink=0.85)
+    across = "distance from the first joint's axis [m]" if found.about_axis else "x [m]"
+    axis.set(title=title, xlabel=across, ylabel="height along it [m]" if found.about_axis else "z [m]")
+    axis.set_aspect("equal")
+    axis.set_facecolor("#f2f2f2")
+
+
+def _view_along(axis: Axes, arm: SerialArm, found: WorkspaceMap, points: FloatArray) -> None:
+    """Tips seen along the first axis, or from above."""
+    first, second = _plane(arm)
+    axis.plot(found.tips @ first, found.tips @ second, ",", color="#7aa6c2", alpha=0.5, rasterized=True)
+    axis.plot(points @ first, points @ second, "-o", color=_ARM, linewidth=1.6, markersize=3)
+    names = [_name(first), _name(second)]
+    title = "Tips, seen along the first joint's axis" if found.about_axis else "Tips, seen from above"
+    axis.set(title=title, xlabel=f"{names[0]} [m]", ylabel=f"{names[1]} [m]")
+    axis.set_aspect("equal")
+
+
+def _layout(arm: SerialArm, found: WorkspaceMap, gravity: FloatArray) -> str:
+    kinds = "".join("R" if turns else "P" for turns in arm.revolute)
+    wrist = (
+        "spherical wrist"
+        if has_spherical_wrist(arm)
+        else "planar, with yaw and roll"
+        if is_planar_with_yaw(arm)
+        else ""
+    )
+    spare = arm.joint_count - 6
+    freedom = "as many joints as a pose has numbers: 6"
+    if spare:
+        freedom = f"to spare for a pose: {spare}" if spare > 0 else f"missing for any pose: {-spare}"
+    lines = [
+        f"joints: {arm.joint_count} ({kinds})" + (f", {wrist}" if wrist else ""),
+        freedom,
+        f"stretched length: {arm.reach:.3f} m",
+        f"farthest tip from the axis: {found.reach_from_axis:.3f} m" if found.about_axis else "",
+        f"volume reached: {found.volume:.4g} m³" if found.about_axis else "",
+        f"gravity in the base: {gravity[0]:g} {gravity[1]:g} {gravity[2]:g} m/s²",
+        f"pointing: of {DIRECTIONS} equal patches of the sphere; 1 is dexterous",
+        "other maps: of the best posture found in each cell",
+        _BLANK,
+        "range of each joint, largest speed and effort:",
+    ]
+    for i, name in enumerate(arm.joint_names):
+        turns = arm.revolute[i]
+        low, high = np.degrees([arm.lower[i], arm.upper[i]]) if turns else (arm.lower[i], arm.upper[i])
+        unit, rate, effort = ("°", "rad/s", "N m") if turns else (" m", "m/s", "N")
+        speed, limit = arm.max_velocity[i], arm.max_effort[i]
+        lines.append(f"  {name}: {low:.4g} to {high:.4g}{unit}, {speed:.3g} {rate}, {limit:.4g} {effort}")
+    return "\n".join(line for line in lines if line)
+
+
+def _to_section(arm: SerialArm, points: FloatArray) -> FloatArray:
+    """Points (k, 3) as distance from the first axis, signed by the side of the tip, and height (k, 2)."""
+    place, axis = first_axis(arm)
+    if axis[2] < -0.5:
+        axis = -axis
+    out = points - place
+    height = out @ axis
+    radial = out - height[:, None] * axis
+    side = radial[-1] / max(float(np.linalg.norm(radial[-1])), 1e-9)
+    sign = np.where(radial @ side < 0.0, -1.0, 1.0)
+    return np.stack([sign * np.linalg.norm(radial, axis=1), height + float(place @ axis)], axis=1)
+
+
+def _plane(arm: SerialArm) -> tuple[FloatArray, FloatArray]:
+    """Two of the base's axes, square to the first joint's axis if that turns, else x and y."""
+    axis = first_axis(arm)[1] if arm.revolute[0] else np.array([0.0, 0.0, 1.0])
+    along = int(np.argmax(np.abs(axis)))
+    first, second = (k for k in range(3) if k != along)
+    return np.eye(3)[first], np.eye(3)[second]
+
+
+def _name(axis: FloatArray) -> str:
+    return "xyz"[int(np.argmax(axis))]
+
+
+def _say(axis: Axes, title: str, words: str) -> None:
+    axis.set_title(title)
+    axis.set_axis_off()
+    axis.text(0.5, 0.5, words, ha="center", va="center", color=_INK, transform=axis.transAxes)

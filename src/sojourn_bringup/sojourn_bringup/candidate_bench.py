@@ -1,0 +1,93 @@
+"""A candidate alone on its bench, to which a bag is played: for scripts/replay and scripts/contract check --exec."""
+
+import argparse
+import os
+import signal
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+from sojourn_bags.errors import BagsError, UnansweredError
+from sojourn_bags.reading import Bag
+from sojourn_bags.replay import DEFAULT_TIMEOUT_S
+from sojourn_bags.replay_script import ROLES_TO_REPLAY
+from sojourn_bags.run_configuration import RunConfiguration, run_configuration
+from sojourn_bringup import options
+from sojourn_bringup.candidate_process import ProcessCandidate
+from sojourn_bringup.environment import ros_variables
+from sojourn_bringup.errors import BringupError, UsageError
+from sojourn_bringup.instance import RoleTokens
+from sojourn_bringup.plan import replacement_of
+
+
+def add_bench(parser: argparse.ArgumentParser) -> None:
+    """--log, --timeout and --start-timeout: how a candidate is treated."""
+    parser.add_argument("--log", type=Path, metavar="FILE", help="what the program prints (default: not kept)")
+    parser.add_argument(
+        "--timeout", type=options.positive_seconds, default=DEFAULT_TIMEOUT_S, metavar="S",
+        help="wall time after which a missing answer is an error (default: %(default)g s)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--start-timeout", type=options.positive_seconds, default=60.0, metavar="S",
+        help="wall time within which it must be ready (default: %(default)g s)",
+    )  # fmt: skip
+
+
+def check_role(role: str, option: str) -> str:
+    """The role, if a bag can be played to it. Raises UsageError."""
+    if role not in ROLES_TO_REPLAY:
+        raise UsageError(f"{option}: role {role!r} is unknown, allowed is one of {', '.join(ROLES_TO_REPLAY)}")
+    return role
+
+
+def candidate_of(command: str, role: str) -> tuple[str, str]:
+    """Role and command of a program. Raises UsageError if one of them cannot be."""
+    return replacement_of(f"{check_role(role, '--role')}={command}", "--exec")
+
+
+@contextmanager
+def bench(
+    given: argparse.Namespace, role: str, command: str, bag: Bag
+) -> Iterator[tuple[ProcessCandidate, RunConfiguration]]:
+    """A candidate, not started yet, and the configuration of the bag's run; no process and no file stays behind.
+
+    Args:
+        given: with the options of `add_bench` and `options.add_place`. command: "" for our own node.
+
+    Raises:
+        UsageError: the bag cannot be played. BringupError: the candidate does not answer.
+    """
+    ros = ros_variables(given.domain)  # before the run's configuration takes the place of ours
+    os.environ.update(ros)
+    try:
+        with (
+            tempfile.TemporaryDirectory(prefix="sojourn-replay-") as folder,
+            run_configuration(bag) as configuration,
+            RoleTokens(given.domain, given.namespace, ROLES_TO_REPLAY),
+            ended_by_signals(),
+        ):
+            for warning in configuration.warnings():
+                print(f"note: {warning}")
+            log = given.log or Path(folder) / f"{role}.log"
+            yield ProcessCandidate(role, command, ros, given.namespace, log), configuration
+    except UnansweredError as error:
+        raise BringupError(str(error)) from error
+    except BagsError as error:
+        raise UsageError(str(error)) from error
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """SIGTERM and SIGHUP end the program as Ctrl-C does: after everything that it has started."""
+
+    def interrupt(_number: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = {number: signal.signal(number, interrupt) for number in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,78 @@
+"""Measures in the plant what the odometry expects of the slip: the figures of `odometry:` in config/nodes/drive.yaml.
+
+    scripts/lib/python -m sojourn_bringup.measure_slip --scenario flat_drive
+
+The machine drives straight ahead on planes of the scenario's soil, up, down and across, at a steady rate of its wheels.
+Slip is the part of the travel of the grouser tips that does not become way; side slip is the way downhill over the way
+ahead. Both are means over the way after the first 1.5 m, so that rear wheels run in the ruts of the front ones.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from sojourn_bringup import options
+from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_mechanics.plant.state import zeros_command
+from sojourn_mechanics.plant.step import step
+from sojourn_plant.start import build_plant
+
+GRADES_DEG = (-8.0, -4.0, 0.0, 4.0, 8.0)
+ACROSS_DEG = (2.0, 4.0, 8.0)
+WHEEL_RATE = 0.6
+BEGIN_S, LENGTH_S = 25.0, 40.0
+
+
+def on_plane(scenario: str, overrides: Sequence[str], slope_deg: float, uphill_deg: float) -> LoadedScenario:
+    """The scenario on a plane instead of its own ground."""
+    plane = ["terrain.kind=flat"]
+    if slope_deg:
+        plane = ["terrain.kind=slope", f"terrain.slope_deg={slope_deg}", f"terrain.slope_direction_deg={uphill_deg}"]
+    start = ["start.x=0.0", "start.y=0.0", "start.yaw=0.0", "steps=[]"]
+    return load_scenario(scenario, [*overrides, "terrain.size_x=40.0", "terrain.size_y=20.0", *plane, *start])
+
+
+def drive(scenario: LoadedScenario) -> tuple[float, float]:
+    """Slip along and way to the left over way ahead [-]."""
+    model, state = build_plant(scenario)
+    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command.reference[0] = state.joints[0]
+    wheels = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
+    command.reference[1, wheels] = WHEEL_RATE
+    travel = np.array([wheel.shear_radius for wheel in model.machine.wheels])
+    period = model.simulation.control_period
+    for _ in range(round(BEGIN_S / period)):
+        state, _ = step(model, state, command)
+    begin, angles = state.configuration[:3].copy(), state.joints[0, wheels].copy()
+    for _ in range(round(LENGTH_S / period)):
+        state, _ = step(model, state, command)
+    way = state.configuration[:3] - begin
+    turned = float(np.mean(travel * (state.joints[0, wheels] - angles)))
+    ahead = math.hypot(way[0], way[2])
+    return 1.0 - ahead / turned, float(way[1]) / ahead
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure and print."""
+    parser = options.Parser(prog="measure_slip", description="Measure the slip that the odometry should expect.")
+    parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+    given = parser.parse_args(arguments)
+    slips = {}
+    for grade in GRADES_DEG:
+        slips[grade], _ = drive(on_plane(given.scenario, given.set, abs(grade), 0.0 if grade > 0.0 else 180.0))
+        print(f"grade {grade:+.0f} deg: slip {slips[grade]:.3f}", flush=True)
+    rise = math.tan(math.radians(4.0))
+    print(f"mean_slip: {slips[0.0]:.3f}")
+    print(f"slip_per_grade: {(slips[4.0] - slips[-4.0]) / (2.0 * rise):.2f}")
+    for slope in ACROSS_DEG:
+        _, aside = drive(on_plane(given.scenario, given.set, slope, 90.0))
+        print(
+            f"across {slope:.0f} deg: side slip for each grade {-aside / math.tan(math.radians(slope)):.2f}", flush=True
+        )
+    return 0
+
+
+if __name__ == "__main__":
+    options.run_script(main)

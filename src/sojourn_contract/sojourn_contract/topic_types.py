@@ -1,0 +1,87 @@
+"""What a row of the topic table consists of: a topic, the rules of its fields, its quality of service."""
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+INFINITY = float("inf")
+
+JOINT_SETS = {
+    "moving": "names every joint of the URDF that moves",
+    "measured": "names every drive, steer and arm joint, and no joint that the URDF does not have",
+    "wheels": "names drive and steer joints only",
+    "arm": "names arm joints only",
+}
+"""Sets of joints that a row may ask for, in words."""
+
+
+class Reliability(Enum):
+    """Quality of service of a topic; depths are in `qos.py`."""
+
+    RELIABLE = "reliable"
+    BEST_EFFORT = "best effort"
+
+
+@dataclass(frozen=True)
+class FieldRule:
+    """What one field of a message means.
+
+    Args:
+        path: field, dotted; arrays are meant element by element.
+        unit: SI unit, or "" for text and flags.
+        frame: frame the value is expressed in, "" where it has none.
+        low, high: plausible range in that unit, both included.
+        tolerance: largest difference in a replay that still counts as the same answer. The default is far above
+            the rounding of float64 and below that of float32, which is a fault where the field is a float64. A
+            field without a rule has no tolerance at all; see `tolerance.py`.
+        optional: a number may be NaN where it is not measured; an array may be empty.
+        rate_of: field whose change over time this one is, "" for none.
+        rate_tolerance: by how much it may differ from the change of that field over one period.
+    """
+
+    path: str
+    unit: str
+    frame: str = ""
+    low: float = -INFINITY
+    high: float = INFINITY
+    tolerance: float = 1e-9
+    optional: bool = False
+    rate_of: str = ""
+    rate_tolerance: float = INFINITY
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One row of the table.
+
+    Args:
+        name: absolute name in the default namespace.
+        type: ROS type, "package/Name".
+        publisher: role that publishes it; "operator" for goals, "all" for heartbeats.
+        subscribers: roles that act on it. The recorder listens to every logged topic besides.
+        every: published each so many control periods; 0 means event.
+        max_age_s: older than this it counts as lost [s]; for events: older stamps are refused.
+        lag: the consumer at period k waits for the message of period k - lag (pipelined participants).
+        logged: whether the recorder writes it.
+        frames: what header.frame_id may be; empty where it carries no frame. child_frame: child_frame_id.
+        joints: set of joints that a message names, see JOINT_SETS; "" where it names none.
+    """
+
+    name: str
+    type: str
+    publisher: str
+    subscribers: tuple[str, ...]
+    every: int
+    max_age_s: float
+    meaning: str
+    fields: tuple[FieldRule, ...] = field(default=())
+    reliability: Reliability = Reliability.RELIABLE
+    lag: int = 0
+    logged: bool = True
+    frames: tuple[str, ...] = ()
+    child_frame: str = ""
+    joints: str = ""
+
+    @property
+    def is_event(self) -> bool:
+        """True where messages come when somebody sends one, not at a rate."""
+        return self.every == 0

@@ -1,0 +1,145 @@
+"""What to do with joints to spare: move the arm at rest of its tip until a secondary measure is best.
+
+With J the Jacobian and J# its damped pseudo-inverse, every motion  (I - J# J) z  leaves the tip where it is
+(Liegeois, IEEE Trans. SMC 7(12), 1977). z is the gradient of the measure; each step is followed by a correction
+J# e that takes out the drift of the tip, and is made only if it betters the measure. Joint limits are kept: a joint
+at its limit takes no further part.
+
+Measures to be made large: the joints' nearness to the middle of their range, Yoshikawa's manipulability, the
+clearance of the arm's links (as lines between joint origins) from spheres. Any function of q will do; its gradient is
+taken by central differences.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from sojourn_mechanics.arm.inverse_search import POSE, search
+from sojourn_mechanics.arm.kinematics import TipPose, forward_kinematics
+from sojourn_mechanics.arm.manipulability import manipulability
+from sojourn_mechanics.arm.serial_arm import SerialArm
+from sojourn_mechanics.params import FloatArray
+
+Measure = Callable[[FloatArray], float]
+"""Of joint positions (n,); the larger the better."""
+_DIFFERENCE = 1.0e-5
+_SMALLEST_STEP = 1.0e-4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sphere:
+    """Something to keep away from, in the base."""
+
+    centre: FloatArray  # (3,) [m]
+    radius: float  # [m]
+
+
+def joint_centring(arm: SerialArm) -> Measure:
+    """Minus the mean square of the joints' distance from mid-range, in half ranges: 0 in the middle, -1 at limits."""
+    middle, half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
+    return lambda q: -float(np.mean(((q - middle) / half) ** 2))
+
+
+def manipulability_measure(arm: SerialArm) -> Measure:
+    """Yoshikawa's measure of the whole Jacobian."""
+    return lambda q: manipulability(forward_kinematics(arm, q).jacobian)
+
+
+def clearance(arm: SerialArm, obstacles: tuple[Sphere, ...], link_radius: float = 0.0) -> Measure:
+    """Least distance of the arm from the obstacles [m]; its links are lines of a thickness `link_radius` [m]."""
+
+    def measure(q: FloatArray) -> float:
+        points = joint_origins(arm, q)
+        return min(
+            _segment_distance(points[i], points[i + 1], ball.centre) - ball.radius - link_radius
+            for i in range(len(points) - 1)
+            for ball in obstacles
+        )
+
+    return measure
+
+
+def better_posture(arm: SerialArm, positions: FloatArray, measure: Measure, steps: int = 200) -> FloatArray:
+    """Joint positions (n,) with the same tip pose as `positions` and a larger measure.
+
+    Args:
+        steps: most steps; the search ends earlier where no step betters the measure.
+    """
+    goal = forward_kinematics(arm, positions)
+    q, value, step = positions.copy(), measure(positions), 0.2
+    for _ in range(steps):
+        direction = _null_motion(arm, q, _gradient(measure, q))
+        size = float(np.max(np.abs(direction)))
+        if size < 1e-12:
+            break
+        trial = _back_to_tip(arm, np.clip(q + direction * (step / size), arm.lower, arm.upper), goal)
+        new = measure(trial) if trial is not None else -np.inf
+        if trial is not None and new > value:
+            q, value, step = trial, new, min(1.5 * step, 0.5)
+        else:
+            step *= 0.5
+            if step < _SMALLEST_STEP:
+                break
+    return q
+
+
+def joint_origins(arm: SerialArm, positions: FloatArray) -> FloatArray:
+    """Places of the base's origin, of each joint and of the tip, in the base (n + 2, 3) [m]."""
+    rotation, position = np.eye(3), np.zeros(3)
+    points = [position]
+    for i in range(arm.joint_count):
+        position = position + rotation @ arm.chain.translation[i]
+        rotation = rotation @ arm.chain.rotation[i]
+        points.append(position)
+        axis = arm.chain.axis[i]
+        if arm.chain.revolute[i] > 0.5:
+            k = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+            rotation = rotation @ (np.eye(3) + np.sin(positions[i]) * k + (1.0 - np.cos(positions[i])) * (k @ k))
+        else:
+            position = position + rotation @ axis * positions[i]
+    points.append(position + rotation @ arm.chain.tip_translation)
+    return np.array(points)
+
+
+def _null_motion(arm: SerialArm, q: FloatArray, gradient: FloatArray) -> FloatArray:
+    """Part of the gradient that leaves the tip at rest, with joints at their limits held."""
+    free = np.ones(arm.joint_count, dtype=bool)
+    jacobian = forward_kinematics(arm, q).jacobian
+    motion = np.zeros(arm.joint_count)
+    for _ in range(arm.joint_count):
+        part = jacobian[:, free]
+        motion[:] = 0.0
+        motion[free] = gradient[free] - np.linalg.pinv(part, rcond=1e-6) @ (part @ gradient[free])
+        blocked = free & (((q <= arm.lower) & (motion < 0.0)) | ((q >= arm.upper) & (motion > 0.0)))
+        if not np.any(blocked):
+            break
+        free &= ~blocked
+    return motion
+
+
+def _back_to_tip(arm: SerialArm, q: FloatArray, goal: TipPose) -> FloatArray | None:
+    """The nearest posture with the wanted tip pose, or None."""
+    reach = arm.reach
+    settings = np.array([1e-9 * reach, 1e-9, 1e-12 * reach**2, 0.5, 20.0])
+    found, distance, angle = search(
+        arm.chain, q, arm.lower, arm.upper, POSE, goal.position, goal.rotation, 0.25 * reach, settings
+    )
+    return np.asarray(found) if distance < 1e-8 * reach and angle < 1e-8 else None
+
+
+def _gradient(measure: Measure, q: FloatArray) -> FloatArray:
+    gradient = np.empty(q.shape[0])
+    for i in range(q.shape[0]):
+        ahead, behind = q.copy(), q.copy()
+        ahead[i] += _DIFFERENCE
+        behind[i] -= _DIFFERENCE
+        gradient[i] = (measure(ahead) - measure(behind)) / (2.0 * _DIFFERENCE)
+    return gradient
+
+
+def _segment_distance(start: FloatArray, end: FloatArray, point: FloatArray) -> float:
+    along = end - start
+    length = float(along @ along)
+    share = 0.0 if length < 1e-18 else min(max(float((point - start) @ along) / length, 0.0), 1.0)
+    return float(np.linalg.norm(start + share * along - point))
