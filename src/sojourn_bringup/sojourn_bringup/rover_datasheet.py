@@ -10,7 +10,7 @@ from typing import Any
 from sojourn_bringup import options
 from sojourn_bringup.errors import UsageError
 from sojourn_config.bundle import Bundle, read_machine
-from sojourn_config.errors import single
+from sojourn_config.errors import names_text, single
 from sojourn_config.load import load_params
 from sojourn_config.paths import available
 from sojourn_mechanics.environment.body import BodyParams
@@ -41,7 +41,7 @@ def subject_of(rover: str, body: str, soil: str) -> Subject:
         )
     names = sorted({*available("rovers"), *available("vehicles")})
     if rover not in names and not Path(rover).is_file():
-        raise single("command line", "rover", rover, "allowed is one of " + ", ".join(names))
+        raise single("command line", "rover", rover, names_text(rover, names))
     bundle = read_machine(rover, body, soil)
     machine = StandingMachine(bundle.urdf_xml, bundle.rover, bundle.gravity)
     angles = dict(zip(bundle.arm.joint_names, bundle.arm.named_poses.get(STOWED, ()), strict=False))

@@ -84,6 +84,17 @@ def test_an_unknown_published_figure_is_refused(sheet: Datasheet) -> None:
         compare((wrong,), sheet.sections)
 
 
+def test_ground_on_which_it_cannot_drive(rover: Subject) -> None:
+    """Heavy on Venus, in clay: the sheet says so and compares nothing."""
+    stuck = Subject(
+        rover.vehicle, load_params("soils", "clayey_soil", SoilParams), load_params("bodies", "venus", BodyParams)
+    )
+    found = datasheet(stuck)
+    figures = values(*found.sections)
+    assert figures["energy_per_km"] is None and figures["greatest_range"] is None
+    assert found.comparisons == ()
+
+
 def test_the_explorer_is_that_of_its_urdf(explorer: Subject) -> None:
     vehicle = explorer.vehicle
     assert vehicle.mass == pytest.approx(180.0)

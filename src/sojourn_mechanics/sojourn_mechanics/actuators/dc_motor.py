@@ -7,7 +7,7 @@
     (Fitzgerald, Kingsley and Umans, Electric Machinery, 6th ed. 2003, ch. 7; maxon, Key information on motors)
 
 Here T is the torque at the shaft. The stall torque of catalogues leaves out the friction I_0 k; so does `stall_torque`.
-Assumptions: linear magnetic circuit, one winding temperature (see `winding_heat` for others), friction independent of
+Assumptions: linear magnetic circuit, one winding temperature (see `motor_thermal` for others), friction independent of
 the rate. Range: the four quadrants, within the speed and current that the catalogue allows.
 """
 

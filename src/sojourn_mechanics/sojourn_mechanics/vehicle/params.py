@@ -95,6 +95,10 @@ class VehicleParams(Params):
     rolling_loss_quadratic: float = Field(default=0.0, ge=0.0, le=1.0, description="K_v [s^2/m^2]")
     published: tuple[PublishedFigure, ...] = Field(default=(), description="figures to compare with")
 
+    published_on: tuple[str, str] | None = Field(
+        default=None, description="body and soil that the published figures are for; none: any"
+    )
+
     @model_validator(mode="after")
     def _axles_are_ordered(self) -> Self:
         places = [axle.x for axle in self.axles]

@@ -62,7 +62,8 @@ def performance(subject: Subject) -> Section:
     fastest = greatest_speed(course)
     if fastest <= 0.0:
         note = "the motors or the ground do not move it"
-        return Section("Performance", (Figure("greatest_speed", "Greatest speed, level", 0.0, "km/h", note),))
+        speed = Figure("greatest_speed", "Greatest speed, level", 0.0, "km/h", note)
+        return Section("Performance", (speed, Figure("greatest_grade", "Greatest grade", None, "°", note)))
     slow = SLOW * fastest
     grade, limit = greatest_grade(course, slow)
     reference = 0.8 * fastest
@@ -96,7 +97,10 @@ def energy(subject: Subject) -> Section:
     state = steady_state(course, cruise)
     figures = [Figure("cruise_speed", "Cruise speed", 3.6 * cruise, "km/h")]
     if state is None or not state.feasible:
-        return Section("Energy", (*figures, Figure("energy_per_km", "Energy at cruise", None, "Wh/km", "not reached")))
+        note = "cruise speed is not reached on this ground"
+        figures.append(Figure("energy_per_km", "Energy at cruise, level", None, "Wh/km", note))
+        figures.append(Figure("greatest_range", "Range at cruise, level", None, "km", note))
+        return Section("Energy", tuple(figures))
     figures += [
         Figure("energy_per_km", "Energy at cruise, level", state.energy_per_metre / 3.6, "Wh/km"),
         Figure("bus_power", "Power from the bus at cruise", state.bus_power, "W"),

@@ -24,7 +24,7 @@ class Comparison(NamedTuple):
 
 
 class Datasheet(NamedTuple):
-    """Sections and comparisons."""
+    """Sections and comparisons; none of these where the published figures are for another ground."""
 
     sections: tuple[Section, ...]
     comparisons: tuple[Comparison, ...]
@@ -42,7 +42,9 @@ def datasheet(subject: Subject) -> Datasheet:
     """
     makers = (general, standing, steps, traction, performance, energy, steering, handling, riding)
     sections = tuple(make(subject) for make in makers)
-    return Datasheet(sections, compare(subject.vehicle.published, sections))
+    vehicle = subject.vehicle
+    elsewhere = vehicle.published_on is not None and vehicle.published_on != (subject.body.name, subject.soil.name)
+    return Datasheet(sections, () if elsewhere else compare(vehicle.published, sections))
 
 
 def compare(published: tuple[PublishedFigure, ...], sections: tuple[Section, ...]) -> tuple[Comparison, ...]:

@@ -1,0 +1,55 @@
+"""The simulated explorer against the closed analysis of `sojourn_mechanics.vehicle`, which shares no code above the
+wheel.
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sojourn_config.bundle import Bundle, read_machine
+from sojourn_mechanics.plant.step import step
+from sojourn_mechanics.vehicle.datasheet.subject import Subject
+from sojourn_mechanics.vehicle.from_machine import Supply, vehicle_of
+from sojourn_mechanics.vehicle.longitudinal import steady_state
+from sojourn_mechanics.vehicle.wheel_loads import StandingMachine
+
+
+@pytest.fixture(scope="module")
+def bundle() -> Bundle:
+    return read_machine("explorer", "moon", "lunar_nominal")
+
+
+@pytest.fixture(scope="module")
+def explorer(bundle: Bundle, flat: Any) -> Subject:
+    """The explorer as the analysis sees it, joints where the plant has them."""
+    machine = StandingMachine(bundle.urdf_xml, bundle.rover, bundle.gravity)
+    index = flat.model.joint_index
+    angles = {name: float(flat.start.joints[0, index[name]]) for name in bundle.arm.joint_names}
+    vehicle = vehicle_of("explorer", machine, Supply(29.0, 473.0, 80.0), 0.05, angles)
+    return Subject(vehicle, bundle.soil, bundle.body, machine, angles)
+
+
+def test_wheel_loads_at_rest(explorer: Subject, flat: Any) -> None:
+    """By virtual work without friction, and as the soil carries the settled machine with the friction of its pivots."""
+    loads = step(flat.model, flat.start, flat.hold())[1].contacts[flat.wheels, 8]
+    assert explorer.machine is not None
+    found = explorer.machine.loads(explorer.machine.stand(lambda x, y: 0.0, angles=explorer.angles)).normal
+    assert loads == pytest.approx(found, rel=0.06)
+    assert loads.sum() == pytest.approx(found.sum(), rel=1e-4)
+
+
+def test_power_and_slip_of_a_steady_drive(explorer: Subject, flat: Any) -> None:
+    """Wheels behind the first run in its rut, which the analysis does not know: a little more slip, the power alike."""
+    rate, log = 0.5, []
+    flat.run(14.0, flat.hold(rate), watch=lambda state, output: log.append((state, output)))
+    first, last = log[len(log) // 2][0], log[-1][0]
+    seconds = (len(log) - 1 - len(log) // 2) * flat.model.simulation.control_period
+    speed = (last.configuration[0] - first.configuration[0]) / seconds
+    power = (last.energy.electrical - first.energy.electrical) / seconds
+    state = steady_state(explorer.course(), float(speed))
+    assert state is not None and state.feasible
+    assert power == pytest.approx(state.drive_power, rel=0.03)
+    assert 1.0 - speed / (rate * 0.131) == pytest.approx(state.slip, abs=0.03)
+    front = log[-1][1].contacts[:2, 3]
+    assert front == pytest.approx(np.full(2, state.wheels[0].sinkage), rel=0.03)
