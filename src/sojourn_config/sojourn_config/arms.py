@@ -32,7 +32,8 @@ def load_arm(name: str) -> SerialArm:
     """An arm.
 
     Args:
-        name: one of `arm_names()`, or the path of a URDF or of a YAML file with a Denavit-Hartenberg table.
+        name: one of `arm_names()`; a rover, for its arm; or the path of a URDF, or of a Denavit-Hartenberg table in
+            YAML.
 
     Raises:
         ConfigError: no such arm or file, or its content is wrong; the message lists the names.
@@ -42,10 +43,12 @@ def load_arm(name: str) -> SerialArm:
         if not path.is_file():
             raise single("command line", "arm", name, "there is no such file; without a path, " + _known(path.stem))
         return arm_of_file(path)
+    if name in available("rovers"):
+        name = load_params("rovers", name, RoverConfig).arm
     if name in available("arms"):
         return _arm_on_rover(name)
     if name not in arm_names():
-        raise single("command line", "arm", name, _known(name) + ", or the path of a URDF or a table in YAML")
+        raise single("command line", "arm", name, _known(name) + " (or the path of a URDF or a table in YAML)")
     return arm_of_file(urdf_folder() / f"{name}.urdf")
 
 

@@ -26,6 +26,12 @@ def test_a_short_trapezoid_is_a_triangle() -> None:
     assert profile.sample(0.5 * profile.duration)[1] == pytest.approx(math.sqrt(0.2))
 
 
+def test_a_long_slow_way_with_hard_brakes_ends_at_rest() -> None:
+    """4100 s of way and 0.2 ms of braking: the time's rounding is seen in the speed."""
+    profile = rest_to_rest("trapezoid", 41.0, 0.01, 47.8828125)
+    assert profile.sample(profile.duration)[1] == 0.0
+
+
 @pytest.mark.parametrize("shape", SHAPES)
 @given(distance=POSITIVE, speed=POSITIVE, acceleration=POSITIVE, jerk=POSITIVE)
 @settings(max_examples=60, deadline=None)

@@ -66,8 +66,10 @@ class PolynomialProfile:
             values[2] = values[2] * u + 2.0 * values[1]
             values[1] = values[1] * u + values[0]
             values[0] = values[0] * u + coefficient
-        outside = time < 0.0 or time > self.duration
-        return values[0], 0.0 if outside else values[1], 0.0 if outside else values[2]
+        if time < 0.0 or time > self.duration:
+            return values[0], 0.0, 0.0
+        # at rest at the end, whatever rounding has made of a short last piece after a long way
+        return values[0], 0.0 if time == self.duration else values[1], values[2]
 
 
 @dataclass(frozen=True, slots=True)
