@@ -56,7 +56,7 @@ def test_what_a_program_does_wrong_is_told_with_topic_stamp_and_field(
 @pytest.mark.parametrize(
     ("command", "words"),
     [
-        ("sleep 1000", "drive is not ready after 2 s of wall time: it does not publish /odom"),
+        ("sh -c 'sleep 1000'", "drive is not ready after 2 s of wall time: it does not publish /odom"),
         ("false", "ended with status 1 (it was not ready yet)"),
         ("no_such_program", "no_such_program"),
     ],

@@ -1,6 +1,5 @@
 """Judges a bag by the contract: hands its messages, in the order of the file, to the judge of `sojourn_contract`."""
 
-import json
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -8,9 +7,10 @@ from typing import Any
 import yaml
 from rosbags.serde import SerdeError
 
+from sojourn_bags.contract_version import check_own_contract
 from sojourn_bags.description import Run
 from sojourn_bags.errors import BagsError, IncompleteConfigError
-from sojourn_bags.provenance import CONTRACT_NAME, RUN_RECORD
+from sojourn_bags.provenance import RUN_RECORD
 from sojourn_bags.reading import Bag, Messages
 from sojourn_bags.transforms import TOPIC as TRANSFORMS
 from sojourn_config.errors import ConfigError
@@ -19,17 +19,14 @@ from sojourn_contract.conformance.endpoints import BEST_EFFORT, RELIABLE, Endpoi
 from sojourn_contract.conformance.findings import Finding, Report
 from sojourn_contract.conformance.judge import CLOCK, Judge
 from sojourn_contract.conformance.machine import Machine
-from sojourn_contract.description import contract_data, contract_differences, contract_name
 from sojourn_contract.topics import ROLES, TOPICS
 
 _RELIABILITY_CODES = {1: RELIABLE, 2: BEST_EFFORT}
 """Numbers that older recorders write for words."""
-_SHOWN = 3
-"""Differences of two contracts that a sentence names."""
 
 
 class UnjudgeableBagError(BagsError):
-    """A bag that cannot be judged: recorded under another contract, or without what the judge needs."""
+    """A bag that cannot be judged: it lacks what the judge needs."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +53,8 @@ def judge_bag(
         machine: the rover, None for the one that the bag describes.
 
     Raises:
-        UnjudgeableBagError: another contract, no message of the contract, a role that took no part.
+        OtherContractError: another contract.
+        UnjudgeableBagError: no message of the contract, a role that took no part.
     """
     run = recorded_as(bag)
     for role in roles or ():
@@ -88,13 +86,11 @@ def judge_bag(
 
 
 def recorded_as(bag: Bag) -> Recorded:
-    """How the bag was recorded, from what it says of itself. Raises UnjudgeableBagError."""
+    """How the bag was recorded, from what it says of itself. Raises OtherContractError, UnjudgeableBagError."""
     notes = []
-    text = bag.attachments.get(CONTRACT_NAME)
-    if text is None:
+    named = check_own_contract(bag)
+    if not named:
         notes.append("the bag does not say under which contract it was recorded: judged by the present one")
-    else:
-        _check_contract(bag, text)
     if not any(row.name in bag for row in TOPICS):
         raise UnjudgeableBagError(f"{bag.path} holds no message of the contract")
     if not bag.whole:
@@ -104,7 +100,7 @@ def recorded_as(bag: Bag) -> Recorded:
     participants = tuple(role for role in record.get("participants", "").split(",") if role in ROLES)
     lockstep = record["lockstep"] == "true" if "lockstep" in record else _clock_is_reliable(bag)
     # a bag of ours that was cut off has no record of the run yet, but its attachments
-    by_us = bool(record) or text is not None
+    by_us = bool(record) or named
     return Recorded(lockstep, participants or _speakers(bag, by_us), by_us, notes)
 
 
@@ -156,24 +152,6 @@ def _profiles(text: str) -> Sequence[dict[str, Any]]:
     except yaml.YAMLError:
         found = None
     return [entry for entry in found if isinstance(entry, dict)] if isinstance(found, list) else []
-
-
-def _check_contract(bag: Bag, text: bytes) -> None:
-    """Raise UnjudgeableBagError if the bag's contract is not ours."""
-    ours = contract_data()
-    try:
-        theirs = json.loads(text)
-        same = theirs["digest"] == ours["digest"]
-    except (ValueError, KeyError, TypeError) as error:
-        raise UnjudgeableBagError(f"{bag.path}: its {CONTRACT_NAME} cannot be read: {error}") from error
-    if same:
-        return
-    differences = list(contract_differences(theirs, ours))
-    more = f"; and {len(differences) - _SHOWN} more" if len(differences) > _SHOWN else ""
-    raise UnjudgeableBagError(
-        f"{bag.path} was recorded under contract {contract_name(theirs)}, ours is {contract_name(ours)} "
-        f"({'; '.join(differences[:_SHOWN])}{more}): judge it with the Sojourn that recorded it"
-    )
 
 
 def _clock_is_reliable(bag: Bag) -> bool:

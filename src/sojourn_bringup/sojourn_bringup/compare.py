@@ -13,6 +13,7 @@ from sojourn_bags.contract_version import check_contract
 from sojourn_bags.errors import BagsError
 from sojourn_bags.reading import Bag, Messages, read_bag
 from sojourn_bringup import options
+from sojourn_bringup.cut_off import unless_cut_off
 from sojourn_bringup.errors import UsageError
 
 PREFIX = "/b"
@@ -23,7 +24,7 @@ def parser() -> argparse.ArgumentParser:
     result = options.Parser(
         prog="compare",
         description="Compare two runs, field by field on every topic, within the tolerances of the contract. "
-        "The status is 0 if they are identical or within tolerance, 1 if they are different.",
+        "The status is 0 if they are identical or within tolerance, 1 if they are different or one is cut off.",
     )
     for name in ("A", "B"):
         result.add_argument(f"bag_{name.lower()}", type=Path, metavar=f"BAG_{name}", help="a run's folder or a bag")
@@ -93,7 +94,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print("\n".join(comparison_lines(comparison)))
     data = {"a": str(bags[0].path), "b": str(bags[1].path), "cut_off": [str(bag.path) for bag in cut]}
     write_result(given, comparison, data | comparison.as_data(), (sides[0], sides[1]), PREFIX, bags[0])
-    return exit_status(comparison.verdict, given.exact)
+    return unless_cut_off(exit_status(comparison.verdict, given.exact), bags)
 
 
 def last_log_time(messages: dict[str, Messages]) -> int:

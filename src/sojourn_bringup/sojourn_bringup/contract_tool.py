@@ -9,12 +9,13 @@ from typing import Any
 from sojourn_bags.candidate_judging import judge_candidate
 from sojourn_bags.errors import BagsError
 from sojourn_bags.judging import judge_bag
-from sojourn_bags.reading import read_bag
+from sojourn_bags.reading import Bag, read_bag
 from sojourn_bringup import options
 from sojourn_bringup.candidate_bench import add_bench, bench, candidate_of
 from sojourn_bringup.compare import read_runs
 from sojourn_bringup.contract_live import LiveSource
 from sojourn_bringup.contract_screen import console, show_contract, show_report
+from sojourn_bringup.cut_off import unless_cut_off
 from sojourn_bringup.errors import UsageError
 from sojourn_bringup.process_table import check_roles
 from sojourn_bringup.references import default_reference
@@ -29,6 +30,9 @@ SCENARIO = "lunar_sample"
 """Whose rover is meant where nothing else says."""
 LIVE_S = 10.0
 
+Checked = tuple[Report, dict[str, Any], list[Bag]]
+"""Verdict, where it is from, and the bags that were read."""
+
 
 def parser() -> argparse.ArgumentParser:
     """Options of scripts/contract."""
@@ -37,7 +41,9 @@ def parser() -> argparse.ArgumentParser:
     show = commands.add_parser("show", help="print topics, fields, rules and joints")
     show.add_argument("--format", choices=("table", "json", "html"), default="table", help="default: %(default)s")
     show.add_argument("--scenario", default=SCENARIO, metavar="NAME", help="whose rover to show (default: %(default)s)")
-    check = commands.add_parser("check", help="judge every message; exit status 1 if there is any violation")
+    check = commands.add_parser(
+        "check", help="judge every message; exit status 1 if there is any violation, or the bag is cut off"
+    )
     source = check.add_mutually_exclusive_group(required=True)
     source.add_argument("--bag", type=Path, metavar="BAG", help="a bag, its folder, or the folder of a run")
     source.add_argument("--live", action="store_true", help="a running stack")
@@ -67,13 +73,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     _check_options(given)
     judge = _check_live if given.live else _check_program if given.exec is not None else _check_bag
-    report, facts = judge(given)
+    report, facts, bags = judge(given)
     if not report.messages:
         raise UsageError(f"{facts['source']}: there was no message to judge")
     show_report(console(), report, facts["notes"], facts["source"])
     if given.json is not None:
         _write_json(given.json, facts | report.as_data())
-    return 1 if report.violations else 0
+    return unless_cut_off(1 if report.violations else 0, bags)
 
 
 def _check_options(given: argparse.Namespace) -> None:
@@ -96,7 +102,7 @@ def show_as(form: str, machine: Machine) -> None:
         show_contract(console(), machine)
 
 
-def _check_bag(given: argparse.Namespace) -> tuple[Report, dict[str, Any]]:
+def _check_bag(given: argparse.Namespace) -> Checked:
     roles = None if given.node is None else check_roles((given.node,), "--node")
     machine = None if given.scenario is None else _machine(given.scenario)
     try:
@@ -104,10 +110,10 @@ def _check_bag(given: argparse.Namespace) -> tuple[Report, dict[str, Any]]:
         report, run = judge_bag(bag, roles, machine)
     except BagsError as error:
         raise UsageError(str(error)) from error
-    return report, _facts(str(bag.path), run.lockstep, run.participants, run.notes)
+    return report, _facts(str(bag.path), run.lockstep, run.participants, run.notes), [bag]
 
 
-def _check_live(given: argparse.Namespace) -> tuple[Report, dict[str, Any]]:
+def _check_live(given: argparse.Namespace) -> Checked:
     machine = _machine(given.scenario or SCENARIO)
     with LiveSource(given.domain, given.namespace) as source:
         stack = source.find()
@@ -119,10 +125,10 @@ def _check_live(given: argparse.Namespace) -> tuple[Report, dict[str, Any]]:
     mode = "lock-step" if stack.lockstep else "real time"
     notes = [f"{mode}, listened for {listened:.1f} s of wall time, {judge.simulated_s:.2f} s of simulation"]
     what = f"the stack on domain {given.domain}{given.namespace}"
-    return report, _facts(what, stack.lockstep, tuple(stack.nodes), notes)
+    return report, _facts(what, stack.lockstep, tuple(stack.nodes), notes), []
 
 
-def _check_program(given: argparse.Namespace) -> tuple[Report, dict[str, Any]]:
+def _check_program(given: argparse.Namespace) -> Checked:
     role, command = candidate_of(given.exec, given.role)
     machine = None if given.scenario is None else _machine(given.scenario)
     (bag,) = read_runs([given.reference])
@@ -132,7 +138,7 @@ def _check_program(given: argparse.Namespace) -> tuple[Report, dict[str, Any]]:
             machine,
         )  # fmt: skip
     notes = [f"alone as {role}, with what {role} heard in {bag.path}"]
-    return report, _facts(command, True, (role,), notes)
+    return report, _facts(command, True, (role,), notes), [bag]
 
 
 def _machine(scenario: str) -> Machine:

@@ -12,6 +12,7 @@ from sojourn_bags.fields import Series, series
 from sojourn_bags.plot import draw, write_table
 from sojourn_bags.reading import read_bag
 from sojourn_bringup import options
+from sojourn_bringup.cut_off import unless_cut_off
 from sojourn_bringup.errors import UsageError
 
 EXAMPLES = """examples:
@@ -68,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise UsageError(f"{error.filename}: {error.strerror}") from error
     console.print(summary(found), markup=False)
     console.print(" and ".join(str(path) for path in (picture, given.csv) if path), markup=False)
-    return 0
+    return unless_cut_off(0, [bag])
 
 
 if __name__ == "__main__":

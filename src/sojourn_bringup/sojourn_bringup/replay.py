@@ -13,6 +13,7 @@ from sojourn_bags.replay_script import ROLES_TO_REPLAY
 from sojourn_bringup import options
 from sojourn_bringup.candidate_bench import add_bench, bench, candidate_of, check_role
 from sojourn_bringup.compare import exit_status, read_runs, write_result
+from sojourn_bringup.cut_off import unless_cut_off
 from sojourn_bringup.errors import UsageError
 
 
@@ -22,7 +23,7 @@ def parser() -> argparse.ArgumentParser:
         prog="replay",
         description="Feed the recorded inputs of a role to a node, in lock-step over real topics, and compare its "
         "answers with the recorded ones. The status is 0 if they are identical or within the contract's tolerance, "
-        "1 if not.",
+        "1 if not, or if the bag is cut off.",
     )
     roles = ", ".join(ROLES_TO_REPLAY)
     result.add_argument("bag", type=Path, metavar="BAG", help="a run's folder or a bag, recorded in lock-step")
@@ -74,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     data = {"bag": str(bag.path), "role": role, "command": command, "cut_off": script.cut_off}
     sides = (dict(script.recorded), dict(result.answers))
     write_result(given, result.comparison, data | result.comparison.as_data(), sides, PREFIX, bag)
-    return exit_status(result.comparison.verdict, given.exact)
+    return unless_cut_off(exit_status(result.comparison.verdict, given.exact), [bag])
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from sojourn_bags.reading import Bag, bag_file, read_bag
 from sojourn_bags.report import write_report
 from sojourn_bags.summary import goal_lines, summarise, write_summary
 from sojourn_bringup import options
+from sojourn_bringup.cut_off import unless_cut_off
 from sojourn_bringup.errors import UsageError
 
 
@@ -20,7 +21,7 @@ def parser() -> options.Parser:
     result = options.Parser(
         prog="report",
         description="Say how the run in a bag went: verdict in words, report.png and summary.json, or one page.",
-        epilog="Exit status: 0 the report is written, whatever it says; 2 it cannot be.",
+        epilog="Exit status: 0 the report is written, whatever it says; 1 of a bag that is cut off; 2 it cannot be.",
     )
     result.add_argument("bag", type=Path, metavar="BAG", help="folder of a run, folder of a bag, or an .mcap file")
     result.add_argument("--html", action="store_true", help="one page in one file, report.html")
@@ -66,13 +67,11 @@ def _page(bag: Bag, page: Path, judged: bool, console: Console) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Report of a bag; 0 if it could be written."""
+    """Report of a bag; 0 if it could be written and the bag is whole."""
     given = parser().parse_args(arguments)
     console = Console(highlight=False, soft_wrap=True)
     try:
         bag = read_bag(given.bag)
-        if not bag.whole:
-            console.print("The bag is cut off: this is what could be read. scripts/recover mends it.", markup=False)
         out: Path = given.out or place_of(given.bag) / ("report.html" if given.html else "report.png")
         if given.html:
             _page(bag, out, not given.no_contract, console)
@@ -83,7 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise UsageError(f"{error}{hint}") from error
     except OSError as error:
         raise UsageError(f"{error.filename}: {error.strerror}") from error
-    return 0
+    return unless_cut_off(0, [bag])
 
 
 if __name__ == "__main__":

@@ -48,8 +48,14 @@ def contract_differences(theirs: Mapping[str, Any], ours: Mapping[str, Any]) -> 
             continue
         before, now = _interface(topic), _interface(our_topics[name])
         for key in now:
-            if before.get(key) != now[key]:
-                yield f"{name}: {key} is {_words(before.get(key))}, ours {_words(now[key])}"
+            then, ours_now = before.get(key), now[key]
+            if then == ours_now:
+                continue
+            if isinstance(then, Mapping) and isinstance(ours_now, Mapping):  # say no more than what differs
+                apart = [each for each in {**then, **ours_now} if then.get(each) != ours_now.get(each)]
+                then = {each: then.get(each) for each in apart}
+                ours_now = {each: ours_now.get(each) for each in apart}
+            yield f"{name}: {key} is {_words(then)}, ours {_words(ours_now)}"
 
 
 def _digest(topics: Mapping[str, Any]) -> str:
