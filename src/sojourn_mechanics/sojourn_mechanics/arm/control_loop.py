@@ -129,6 +129,9 @@ def run(
         waiting.append(given)
         effort = waiting.pop(0)
         q, qd, work = _move(arm, q, qd, effort, gravity, settings)
+        if not np.all(np.isfinite(q)):
+            unstable = True
+            break
         energy += work
         wanted = motion.sample((k + 1) * settings.sample_time)[0]
         errors.append(wanted - q)
@@ -137,7 +140,7 @@ def run(
         )
         moving = np.abs(way) > 1e-9
         overshoot = max(overshoot, float(np.max(((q - goal) / np.where(moving, way, 1.0))[moving], initial=0.0)))
-        if not np.all(np.isfinite(q)) or float(np.max(np.abs(errors[-1]))) > 10.0 * max(1.0, arm.reach):
+        if float(np.max(np.abs(errors[-1]))) > 10.0 * max(1.0, arm.reach):
             unstable = True
             break
     joint = np.array(errors)
