@@ -151,10 +151,10 @@ def _at_slip(course: Course, speed: float, grade: float, slip: float) -> SteadyS
     vehicle = course.vehicle
     forces = pulls(course, grade, slip, speed)
     motors, power, feasible, fastest = [], 0.0, True, 0.0
-    for axle, force in zip(vehicle.axles, forces, strict=True):
+    for axle, wheel, force in zip(vehicle.axles, course.wheels, forces, strict=True):
         if not axle.driven:
             continue
-        rate = speed / (axle.wheel_radius * (1.0 - slip))
+        rate = speed / (wheel.radius * (1.0 - slip))
         point = motor_point(vehicle, force.torque, rate)
         feasible &= force.torque <= largest_wheel_torque(vehicle, rate) * (1.0 + 1e-9)
         motors.append(point)

@@ -59,7 +59,7 @@ class WheelTraction(Protocol):
 
     @property
     def radius(self) -> float:
-        """Rolling radius [m]."""
+        """Radius r of the slip 1 - v/(r w) [m]."""
 
     def forces(self, load: float, slip: float, speed: float = 0.0) -> WheelForces:
         """Forces at a load [N], a slip in -1..1 and a speed [m/s]."""
@@ -127,8 +127,8 @@ class RimStressWheel:
 
     @property
     def radius(self) -> float:
-        """Rolling radius, through the tips of the grousers [m]."""
-        return self.shape.shear_radius
+        """Of the rim: the contact law counts slip on it, not on the tips of the grousers [m]."""
+        return self.shape.radius
 
     def forces(self, load: float, slip: float, speed: float = 0.0) -> WheelForces:
         """As `WheelTraction.forces`."""
