@@ -15,7 +15,7 @@ from sojourn_bags.layout import layout_of
 from sojourn_bags.reading import Messages
 from sojourn_contract import stamps
 from sojourn_contract.heartbeat import status_message
-from sojourn_contract.messages import battery_state, contact_cloud, fill_contact_cloud
+from sojourn_contract.messages import CONTACT_FIELDS, battery_state, contact_cloud, fill_contact_cloud
 from sojourn_contract.topics import topic
 
 JOINTS = ("wheel_front_left_joint", "wheel_front_right_joint", "arm_elbow_joint")
@@ -67,7 +67,8 @@ def imu(count: int) -> list[Imu]:
 
 def contacts(count: int, points: int = 4) -> list[Any]:
     """Clouds of contacts."""
-    report = np.arange(points * 11, dtype=np.float64).reshape(points, 11)
+    columns = len(CONTACT_FIELDS)
+    report = np.arange(points * columns, dtype=np.float64).reshape(points, columns)
     return [fill_contact_cloud(contact_cloud(), period * PERIOD, report + period) for period in range(1, count + 1)]
 
 

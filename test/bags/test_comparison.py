@@ -93,7 +93,7 @@ def test_any_one_value_that_is_changed_is_found_named_and_measured(
 def test_points_of_a_cloud_are_compared_by_their_fields(changes: list[tuple[int, str, int]]) -> None:
     clouds = contacts(6)
     for index, field, point in changes:
-        report = np.frombuffer(bytes(clouds[index].data), dtype=np.float64).reshape(4, 11).copy()
+        report = np.frombuffer(bytes(clouds[index].data), dtype=np.float64).reshape(4, -1).copy()
         report[point, CONTACT_FIELDS.index(field)] += 0.25
         fill_contact_cloud(clouds[index], (index + 1) * PERIOD, report)
     result = compare(RUN, RUN | {"/truth/contacts": as_messages("/truth/contacts", clouds)})
@@ -251,7 +251,7 @@ def test_the_first_divergence_is_the_earliest_and_among_equals_the_nearest_to_th
     for name, index in places.items():
         if name == "/truth/contacts":
             clouds = contacts(6)
-            fill_contact_cloud(clouds[index], (index + 1) * PERIOD, np.zeros((4, 11)))
+            fill_contact_cloud(clouds[index], (index + 1) * PERIOD, np.zeros((4, len(CONTACT_FIELDS))))
             other[name] = as_messages(name, clouds)
         else:
             other[name], _, _ = with_value(RUN[name], index, paths[name], 0, 99.0)
