@@ -215,6 +215,7 @@ def test_heartbeats_are_matched_by_their_sender() -> None:
         ("12", "13", Verdict.DIFFERENT),  # counts
         ("moving", "reached", Verdict.DIFFERENT),
         ("0.5", "nan", Verdict.DIFFERENT),
+        ("0", "8.67362e-19", Verdict.WITHIN_TOLERANCE),  # the rest of a sum that is zero elsewhere
     ],
 )
 def test_values_of_a_status_are_compared_by_key(one: str, other: str, verdict: Verdict) -> None:
