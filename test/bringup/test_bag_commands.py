@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -69,6 +70,21 @@ def test_no_bag_is_one_sentence_and_status_2(command: str, arguments: list[str],
     done = subprocess.run(line, cwd=tmp_path, capture_output=True, text=True, env=os.environ, check=False)
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 1 and "it is no MCAP file" in done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["notes.mcap"]
+
+
+@pytest.mark.parametrize(("command", "arguments"), [(report, []), (plot, ["/truth/odom.pose.pose.position.x"])])
+def test_of_a_bag_that_is_cut_off_what_there_is_is_shown_and_the_status_is_1(
+    command: Any, arguments: list[str], run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cut, picture = tmp_path / "cut.mcap", tmp_path / "picture.png"
+    (whole,) = run.rglob("*.mcap")
+    data = whole.read_bytes()
+    cut.write_bytes(data[: len(data) - 40])
+    assert command.main([str(cut), *arguments, "--out", str(picture)]) == 1
+    assert picture.stat().st_size > 1000
+    assert capsys.readouterr().err.splitlines() == [
+        f"{cut} is cut off, so this holds as far as it goes (scripts/recover mends it)"
+    ]
 
 
 @pytest.mark.parametrize("name", ["report", "plot", "recover"])

@@ -20,7 +20,7 @@ from sojourn_bags.run_configuration import run_configuration
 from sojourn_bringup.process_table import process
 
 BAG = Path(__file__).parents[1] / "replay" / "short_goals"
-STAND_IN = Path(__file__).parent / "stand_in_drive.py"
+FLIGHT_DRIVE = Path(__file__).parent / "flight_drive.py"
 Start = Callable[..., Program]
 
 PERIOD_OF_DEATH = """
@@ -106,7 +106,7 @@ def test_our_node_as_a_process_reproduces_it_too(run_here: Path, start: Start, d
 
 
 def test_a_program_that_drives_in_another_way_is_told_apart(start: Start, domain: int) -> None:
-    command = f"{sys.executable} {STAND_IN}"
+    command = f"{sys.executable} {FLIGHT_DRIVE}"
     program = start("replay", BAG, "--exec", command, "--role", "drive", "--domain", domain)
     assert program.wait() == 1, program.text
     assert "/wheel_command.velocity" in program.text

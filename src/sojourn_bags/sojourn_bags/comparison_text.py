@@ -36,7 +36,7 @@ def _tell(topic: str, path: str, pair: int, one: Any, other: Any, tally: Tally) 
     if isinstance(one, str) and isinstance(other, str):
         difference, step = text_difference(one, other)
     numbers = difference < inf
-    allowed = max(tolerance_of(rule), step) if rule is not None and step else 0.0
+    allowed = max(tolerance_of(rule), step) if rule is not None and numbers else 0.0
     tally.add_single(path, "number" if numbers else "text", pair, one, other, difference, allowed)
 
 

@@ -1,9 +1,9 @@
 """Which rule of the topic table holds for a field of a message, and how far two of its values may lie apart.
 
 A field without a rule has no tolerance: its values must be equal. So it is with every flag, count, name and
-text. A number that is written as text (in a DiagnosticArray) may differ by one step of its last written digit
-besides, where that is LARGEST_STEP or less: two values that are nearly equal can be rounded apart. Whole numbers
-in texts count something and must be equal.
+text. A number that is written as text (in a DiagnosticArray) may differ by its rule's tolerance or by one step of its
+last written digit, where that is LARGEST_STEP or less: two values that are nearly equal can be rounded apart. Whole
+numbers in texts count something and so are equal, or differ by more than any tolerance.
 """
 
 import re
