@@ -32,7 +32,7 @@ from sojourn_contract.topics import outputs_of, topic
 from sojourn_contract.types import message_class
 
 GRACE_S = 0.25
-"""Wall time after which a topic that is missing may lag by a period more."""
+"""Wall time without a message after which a topic that is missing may lag by a period more."""
 POLL_S = 0.02
 """Wall time between two looks at the candidate's process."""
 READY_REPEAT_S = 0.2
@@ -202,12 +202,14 @@ class ReplayHarness:
     # During the run
 
     def _play(self, step: Step) -> None:
-        """Send all of a period: goals first, and where there are any they arrive before the rest."""
+        """Send all of a period: goals first. The candidate waits for those that a tick announces; others must arrive
+        before the rest, which the middleware confirms only after seconds.
+        """
         if self._listener is not None:
             self._listener.sent(step)
         for name, data in step.goals:
             self._senders[name].publish(data)
-        for name in {name for name, _ in step.goals}:
+        for name in step.unannounced:
             self._senders[name].wait_for_all_acked(rclpy.duration.Duration(seconds=ACKNOWLEDGE_S))
         for name, data in step.inputs:
             self._senders[name].publish(data)
@@ -216,18 +218,21 @@ class ReplayHarness:
             self._senders[RECORDER_TICK].publish(Header(stamp=stamp))
 
     def _wait_for_answers(self, period: int) -> None:
-        begun = patient_at = time.monotonic()
+        begun, idle_s = time.monotonic(), 0.0
         newest = self.answers.newest
         while missing := self.answers.missing(period):
+            before = time.monotonic()
             self._spin(POLL_S)
             now = time.monotonic()
             if self.answers.newest > newest:
                 newest, begun = self.answers.newest, now
-            if now - patient_at < GRACE_S:
+            # An answer may stand in the queue behind others: what counts is time in which nothing came at all.
+            idle_s += POLL_S if now - before > 0.9 * POLL_S else 0.0
+            if idle_s < GRACE_S:
                 continue
             if ended := self._ended():
                 raise UnansweredError(f"{self.script.role} {ended} (it had not answered {_named(missing[0])})")
-            patient_at = now
+            idle_s = 0.0
             if not self.answers.be_patient(period) and now - begun > self._timeout_s:
                 waited = f"{self._timeout_s:g} s of wall time"
                 raise UnansweredError(
@@ -263,7 +268,11 @@ class ReplayHarness:
         )
 
     def _sender(self, row: Topic) -> Any:
-        return self._node.create_publisher(message_class(row.type), row.name.lstrip("/"), qos.profile(row, True))
+        return self._node.create_publisher(message_class(row.type), self.input_name(row), qos.profile(row, True))
+
+    def input_name(self, row: Topic) -> str:
+        """Name under which the candidate hears a topic, relative to the namespace."""
+        return row.name.lstrip("/")
 
     def _listen(self, row: Topic) -> None:
         """One subscription that takes the messages, and as many more as participants would listen."""

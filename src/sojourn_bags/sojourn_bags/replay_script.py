@@ -30,12 +30,13 @@ class Step:
 
     Args:
         period: number. goals: (topic, CDR), to be there before the inputs. inputs: (topic, CDR) in the order of the
-            file.
+            file. unannounced: topics of goals of which no tick tells, so that nobody will wait for them.
     """
 
     period: int
     goals: list[tuple[str, bytes]] = field(default_factory=list)
     inputs: list[tuple[str, bytes]] = field(default_factory=list)
+    unannounced: set[str] = field(default_factory=set)
 
 
 class Script(Protocol):
@@ -177,9 +178,11 @@ def _steps(role: str, inputs: Sequence[Topic], topics: Mapping[str, Messages], e
             entries.append((messages.places[index], row, stamp, messages.log_times[index], messages.data[index]))
     for _, row, stamp, log_time, data in sorted(entries, key=lambda entry: entry[0]):
         if row.is_event:
-            period = _period_of_goal(row, stamp, log_time, ticks)
+            announced = _announced_in(row, stamp, ticks)
+            period = announced or max(1, log_time // CONTROL_PERIOD_NS)
             if period in steps:
                 steps[period].goals.append((row.name, data))
+                steps[period].unannounced |= set() if announced else {row.name}
         elif stamp // CONTROL_PERIOD_NS in steps:
             steps[stamp // CONTROL_PERIOD_NS].inputs.append((row.name, data))
     return tuple(steps.values())
@@ -196,14 +199,12 @@ def _ticks(topics: Mapping[str, Messages]) -> dict[int, tuple[dict[str, int], bo
     }
 
 
-def _period_of_goal(row: Topic, stamp: int, log_time: int, ticks: Mapping[int, tuple[dict[str, int], bool]]) -> int:
-    """The step in which a goal is sent."""
-    announced = stamp // CONTROL_PERIOD_NS - OPERATOR_LAG
+def _announced_in(row: Topic, stamp: int, ticks: Mapping[int, tuple[dict[str, int], bool]]) -> int:
+    """The period of the tick that tells of a scripted goal; 0 for a goal that was sent by hand."""
+    period = stamp // CONTROL_PERIOD_NS - OPERATOR_LAG
     before = topic(TICK).every
-    now, earlier = ticks.get(announced, ({}, False))[0], ticks.get(announced - before, ({}, False))[0]
-    if now.get(row.name, 0) > earlier.get(row.name, 0):
-        return announced
-    return max(1, log_time // CONTROL_PERIOD_NS)
+    now, earlier = ticks.get(period, ({}, False))[0], ticks.get(period - before, ({}, False))[0]
+    return period if now.get(row.name, 0) > earlier.get(row.name, 0) else 0
 
 
 def _sender(messages: Messages, index: int) -> str:

@@ -1,7 +1,8 @@
 """Runs a candidate beside a running stack: it hears what our node hears, and what it says is compared, not acted upon.
 
 The candidate lives in the namespace `shadow` below that of the stack, so its outputs are /shadow/odom and so on. Its
-inputs are given on to it period by period, at the pace at which it answers; the stack does not wait for it.
+inputs are given on to it period by period, at the pace at which it answers, as /shadow/to_drive/joint_states and so on;
+the stack does not wait for it.
 """
 
 import time
@@ -17,7 +18,7 @@ from sojourn_bags.comparison_result import Comparison, Divergence
 from sojourn_bags.definitions import typestore
 from sojourn_bags.errors import UnansweredError
 from sojourn_bags.reading import Messages
-from sojourn_bags.replay_harness import POLL_S, ReplayHarness
+from sojourn_bags.replay_harness import DRAIN_S, POLL_S, ReplayHarness
 from sojourn_bags.replay_script import CLOCK, HEARTBEATS, Step
 from sojourn_bags.shadow_tap import Tap
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
@@ -112,6 +113,14 @@ class Shadow(ReplayHarness):
         super().__exit__(*error)
         self._tap_node.destroy_node()
 
+    def input_name(self, row: Topic) -> str:
+        """Apart for each role: of two shadows one may be ahead, and their inputs must not mix."""
+        return f"to_{self.script.role}{row.name}"
+
+    def renamed_inputs(self) -> dict[str, str]:
+        """Names that the candidate's inputs have here, by those that it knows."""
+        return {row.name.lstrip("/"): self.input_name(row) for row in self.script.inputs}
+
     def begin(self, candidate: Candidate, parameters: Mapping[str, Any]) -> None:
         """Start the candidate and wait until it is ready. Raises UnansweredError if it never is."""
         typestore()  # takes a moment when it is first asked for: now, and not in the run's first second
@@ -142,7 +151,7 @@ class Shadow(ReplayHarness):
                 over_since = now
             if over_since and (not worked or now - over_since > CATCH_UP_S):
                 break
-        self._spin(POLL_S)
+        self._catch_up()
         look(self._look())
         return self.comparison()
 
@@ -161,15 +170,30 @@ class Shadow(ReplayHarness):
             if ended := self._ended():
                 raise UnansweredError(f"{self.script.role} {ended}")
             self._spin(POLL_S)
+            self._take_all()
             step = self.tap.next_step()
             if step is None:
                 return False
         self._play(step)
         if self._lockstep:
             self._wait_for_answers(step.period)
-        else:
-            self._spin(0.0)
+        self._take_all()
         return True
+
+    def _take_all(self) -> None:
+        """Take all that has come. A queue that is not emptied loses what is oldest, waited for or not."""
+        before = -1
+        while before != self.answers.count + self.tap.heard:
+            before = self.answers.count + self.tap.heard
+            self._spin(0.0)
+
+    def _catch_up(self) -> None:
+        """Wait for the last answers, as long as any come."""
+        count, quiet_since = -1, time.monotonic()
+        while self.answers.newest < self.tap.newest and time.monotonic() - quiet_since < DRAIN_S and not self._ended():
+            self._spin(POLL_S)
+            if self.answers.count != count:
+                count, quiet_since = self.answers.count, time.monotonic()
 
     def _look(self) -> Look:
         """Compare what has come since the last look."""

@@ -38,6 +38,8 @@ class Tap:
         self.role, self.lockstep = role, lockstep
         self.newest = 0
         """Latest stamp heard on what the role waits for [ns]."""
+        self.heard = 0
+        """Messages taken."""
         self.ours: dict[str, Messages] = {}
         """What our node has said, by topic, without heartbeats."""
         awaited = awaited_inputs(role, participants)
@@ -90,6 +92,7 @@ class Tap:
         node.create_subscription(message_class(row.type), name, lambda data: take(row, data), profile, raw=True)
 
     def _hear(self, row: Topic, data: bytes) -> None:
+        self.heard += 1
         stamp = stamps.from_cdr(data)
         if not self.lockstep:
             self.newest = max(self.newest, stamp if row.name in self._awaited else 0)
@@ -103,6 +106,7 @@ class Tap:
                 self._barrier.offer(row, stamp, data)
 
     def _hear_ours(self, row: Topic, data: bytes) -> None:
+        self.heard += 1
         stamp = stamps.from_cdr(data)
         self.ours[row.name].log_times.append(stamp)
         self.ours[row.name].data.append(data)

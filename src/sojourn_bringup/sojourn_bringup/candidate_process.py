@@ -24,13 +24,23 @@ class ProcessCandidate:
     Args:
         role: whom it stands in for. command: program and arguments as one text; "" for our own node.
         ros: variables by which nodes find each other. namespace: ROS namespace. log: file for what it prints.
+        renamed: names of topics in it, for those that are to have another.
     """
 
-    def __init__(self, role: str, command: str, ros: Mapping[str, str], namespace: str, log: Path) -> None:
+    def __init__(
+        self,
+        role: str,
+        command: str,
+        ros: Mapping[str, str],
+        namespace: str,
+        log: Path,
+        renamed: Mapping[str, str] | None = None,
+    ) -> None:
         self.role = role
         self._words = shlex.split(command) or [sys.executable, "-m", process(role).module]
         self._ours = not command or is_ours(self._words[0])
         self._ros, self._namespace, self._log = dict(ros), namespace, log
+        self._renamed = dict(renamed or {})
         self._child: Child | None = None
 
     def start(self, context: Context, executor: EventsExecutor, parameters: Mapping[str, Any]) -> None:
@@ -38,7 +48,7 @@ class ProcessCandidate:
         environment = (own_environment if self._ours else foreign_environment)(os.environ, self._ros)
         if ENVIRONMENT_VARIABLE in os.environ:  # the configuration of the run that is replayed
             environment[ENVIRONMENT_VARIABLE] = os.environ[ENVIRONMENT_VARIABLE]
-        command = self._words + ros_arguments(parameters, self._namespace)
+        command = self._words + ros_arguments(parameters, self._namespace, self._renamed)
         self._child = Child(self.role, command, environment, self._log)
 
     def poll(self) -> None:

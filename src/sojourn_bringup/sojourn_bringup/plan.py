@@ -89,8 +89,10 @@ class RunPlan:
         return ros_arguments(values, self.namespace)
 
 
-def ros_arguments(parameters: Mapping[str, object], namespace: str) -> list[str]:
-    """Parameters and namespace as command line arguments.
+def ros_arguments(
+    parameters: Mapping[str, object], namespace: str, renamed: Mapping[str, str] | None = None
+) -> list[str]:
+    """Parameters, namespace and topics of other names as command line arguments.
 
     ROS reads a value as YAML, and JSON is YAML: so the name "2024" stays text and 10.0 stays a float.
     """
@@ -99,6 +101,8 @@ def ros_arguments(parameters: Mapping[str, object], namespace: str) -> list[str]
         arguments += ["-p", f"{name}:={json.dumps(value)}"]
     if namespace:
         arguments += ["-r", f"__ns:={namespace}"]
+    for name, other in (renamed or {}).items():
+        arguments += ["-r", f"{name}:={other}"]
     return arguments
 
 

@@ -43,7 +43,6 @@ def follow(given: argparse.Namespace, stop: StopFlag) -> Comparison:
     parameters = json.loads(given.parameters)
     report = ShadowReport()
     ros = ros_variables(given.domain, given.network)
-    candidate = ProcessCandidate(given.role, given.command, ros, given.namespace + NAMESPACE, given.log)
 
     def look(now: Look) -> None:
         report.state, report.detail = RUNNING, words_of(now)
@@ -57,6 +56,8 @@ def follow(given: argparse.Namespace, stop: StopFlag) -> Comparison:
         given.namespace,
         parameters["lockstep_timeout_s"],
     ) as shadow:
+        place = given.namespace + NAMESPACE
+        candidate = ProcessCandidate(given.role, given.command, ros, place, given.log, shadow.renamed_inputs())
         shadow.begin(candidate, parameters)
         ShadowReport(READY, "waits for the run").write(given.result)
         comparison = shadow.follow(lambda: stop.is_set, look)

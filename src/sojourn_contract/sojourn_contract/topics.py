@@ -21,6 +21,7 @@ RECORDER_LAG = 25
 
 _RATE = FieldRule("velocity", "rad/s", low=-200.0, high=200.0)
 _MEASURED_RATE = replace(_RATE, rate_of="position", rate_tolerance=0.05)
+_ENCODER_RATE = replace(_MEASURED_RATE, rate_tolerance=0.2)  # lags by half a window, and a count in a period is 0.08
 _ANGLE = FieldRule("position", "rad", low=-1e6, high=1e6)
 _TORQUE_TOLERANCE = 1e-7
 """Of torques [N m], which are some hundred times larger than the angles that they follow from."""
@@ -156,7 +157,7 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.1,
         "measured position and rate of every joint with an encoder",
-        (_ANGLE, _MEASURED_RATE, replace(_EFFORT, optional=True)),
+        (_ANGLE, _ENCODER_RATE, replace(_EFFORT, optional=True)),
         joints="measured",
     ),
     Topic(
