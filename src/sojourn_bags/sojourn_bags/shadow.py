@@ -28,6 +28,8 @@ from sojourn_contract.topics import inputs_of, outputs_of, topic
 NAMESPACE = "/shadow"
 LOOK_S = 0.25
 """Wall time between two comparisons while the run goes on."""
+ON_THE_WAY = 50
+"""Periods of the newest answers that a look leaves out."""
 CATCH_UP_S = 20.0
 """Wall time that the candidate has after the end of the run, for what it has not answered yet."""
 _FOR_EVER = 1 << 62
@@ -197,7 +199,8 @@ class Shadow(ReplayHarness):
 
     def _look(self) -> Look:
         """Compare what has come since the last look."""
-        horizon = min(self.answers.newest, self.tap.newest)
+        # what is younger may still be on its way here from one of the two
+        horizon = max(0, min(self.answers.newest, self.tap.newest) - ON_THE_WAY * CONTROL_PERIOD_NS)
         if self._divergence is None and horizon > self._compared:
             sides = (self._between(self.tap.ours, horizon), self._between(self.answers.messages(), horizon))
             self._divergence = compare(*sides).divergence(beyond_tolerance=True)
