@@ -217,7 +217,10 @@ BODY = "config/bodies/moon.yaml"
             ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {stiffness: 1.0e+4}}",
             ["wheels[0].contact.model", "the key is missing"],
         ),
-        (SOIL, "shear_modulus: 0.0178", "# shear_modulus: 0.0178", [SOIL, "shear_modulus: the key is missing", "front_left"]),
+        (
+            SOIL, "shear_modulus: 0.0178", "# shear_modulus: 0.0178",
+            [SOIL, "shear_modulus: the key is missing", "front_left"],
+        ),
         (
             ROVER, "joint: wheel_front_left_joint", "joint: wheel_front_lef_joint",
             ["wheels[0].joint", "not a joint", "did you mean wheel_front_left_joint?"],
