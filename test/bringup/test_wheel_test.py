@@ -214,3 +214,17 @@ def test_fit_refuses_what_it_cannot_identify() -> None:
         fit_soil.main([*common, "--free", "k_phi,k_phi"])
     with pytest.raises(UsageError, match="--wheel"):
         fit_soil.main([str(SMOOTH), "--soil", "cmu_sand"])
+
+
+def test_rows_may_say_their_grousers_where_the_options_say_the_size(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "trials.csv"
+    path.write_text("slip,load_n,grouser_height_m,grouser_count\n0.3,20,0,0\n0.3,20,0.006,12\n")
+    size = ["--soil", "cmu_sand", "--set", "wheel.radius=0.058", "--set", "wheel.width=0.05"]
+    smooth, lugged = run_json(capsys, *size, "--csv", str(path))["rows"]
+    for row, height, count in ((smooth, 0.0, 0), (lugged, 0.006, 12)):
+        lugs = ["--set", f"wheel.grouser_height={height}", "--set", f"wheel.grouser_count={count}"]
+        (alone,) = run_json(capsys, *size, *lugs, "--load", "20", "--slip", "0.3")
+        assert row["drawbar_pull_n"] == pytest.approx(alone["drawbar_pull_n"], rel=1e-9)
+    assert lugged["drawbar_pull_n"] > smooth["drawbar_pull_n"] + 1.0

@@ -22,12 +22,12 @@ DING_KLS1 = MEASURED / "wheel_tests_ding_kls1.csv"
 # part, quantity, pinned [%], target [%]
 PINNED = {
     "cmu_sand": (
-        ("driving", "drawbar_pull", 1.79, 3.0),
-        ("driving", "side_force", 2.18, 3.0),
-        ("driving", "sinkage", 1.80, 3.0),
-        ("all", "drawbar_pull", 5.98, 7.0),
-        ("all", "side_force", 5.67, 7.0),
-        ("all", "sinkage", 3.46, 7.0),
+        ("driving", "drawbar_pull", 1.68, 3.0),
+        ("driving", "side_force", 2.15, 3.0),
+        ("driving", "sinkage", 1.94, 3.0),
+        ("all", "drawbar_pull", 5.83, 7.0),
+        ("all", "side_force", 5.55, 7.0),
+        ("all", "sinkage", 3.47, 7.0),
     ),
     "ding_2011": (("all", "drawbar_pull", 3.80, 6.0), ("all", "sinkage", 1.90, 4.0), ("all", "torque", 5.50, None)),
     "kls_1": (("all", "drawbar_pull", 4.05, 8.0), ("all", "sinkage", 1.00, 8.0), ("all", "torque", 20.0, None)),

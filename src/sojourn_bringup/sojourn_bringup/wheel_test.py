@@ -15,7 +15,7 @@ from rich.table import Table
 
 from sojourn_bringup import options
 from sojourn_bringup.errors import UsageError
-from sojourn_bringup.trial_file import WHEEL, has_wheel, read_rows, read_trials, select
+from sojourn_bringup.trial_file import WHEEL, read_rows, read_trials, select
 from sojourn_config.load import load_params, validate
 from sojourn_config.overrides import override_document, split_override
 from sojourn_config.yaml_file import Data, YamlDocument
@@ -141,11 +141,10 @@ def _trials(given: argparse.Namespace, soil: SoilParams, wheel_changes: list[str
             raise UsageError(f"--{option.replace('_', '-')} does not go with --csv: the file says it")
     rows = select(read_rows(given.csv), given.where)
     wheel = None
-    if given.wheel is not None or not has_wheel(rows):
-        if given.wheel is None and not wheel_changes:
-            raise UsageError(f"{given.csv}: has no wheel_radius_m and wheel_width_m: name the wheel with --wheel")
+    if given.wheel is not None:
         wheel = _wheel(given.wheel, wheel_changes)
     elif wheel_changes:
+        # what --set leaves open each row may say, such as its grousers
         rows = [{**row, **_as_columns(wheel_changes)} for row in rows]
     trials = read_trials(given.csv, rows, wheel, given.gravity)
     predicted = predict(trials, kernel_row(soil))

@@ -113,8 +113,9 @@ def test_quadrature_is_within_a_tenth_of_a_percent(
 ) -> None:
     given_so = (*shape, EARTH, z, slip, lateral, 1.0, row)
     fine = np.array(wheel_forces(*given_so, FINE_NODES, FINE_WEIGHTS)[:3])
-    # Deep in skid, on sand that shears within 4 mm, the stress turns more sharply than six points follow.
-    error = 1e-3 if slip >= 0.0 else 3e-3
+    # Deep in skid, on sand that shears within 4 mm, the stress turns more sharply than six points follow; so does the
+    # peak of an invented soil with a hump on such sand, in full sideslip (0.15 %).
+    error = 3e-3 if slip < 0.0 else 1e-3 if row[SoilColumn.HUMP] == 0.0 else 2e-3
     assert np.linalg.norm(forces(shape, row, z, slip, lateral)[:3] - fine) <= error * np.linalg.norm(fine)
 
 
@@ -126,7 +127,7 @@ def test_motion_is_found_again_from_the_slips(slip: float, angle: float) -> None
     rim_speed, ahead, total_slip, sideways = travel(along, lateral)
     assert (rim_speed, ahead) == pytest.approx((rim, speed * math.cos(angle)), abs=1e-7)
     assert total_slip == pytest.approx(slip, abs=1e-7)
-    expected = 1.0 - speed * math.cos(angle) / math.hypot(speed, 0.04)
+    expected = speed * (1.0 - math.cos(angle)) / math.hypot(speed, 0.01)
     assert sideways == pytest.approx(expected, abs=1e-6)
 
 
@@ -141,7 +142,9 @@ def test_turning_angle_is_where_the_shear_turns(entry: float, slip: float, shift
     if math.isinf(turn):
         assert len(ahead) == 0
     elif shear[0] < 0.0:
-        assert turn == pytest.approx(ahead.min(), abs=5e-3)
+        # Where the shear hardly turns at all, Newton may find the other end of what is ahead: as good a place to split.
+        ends = (ahead.min(), ahead.max()) if shear.max() < 0.01 else (ahead.min(),)
+        assert min(abs(turn - end) for end in ends) < 5e-3
 
 
 def test_grouser_strength_by_hand() -> None:
@@ -177,6 +180,18 @@ def test_sinkage_grows_by_the_stated_factor() -> None:
     weaker[SoilColumn.K_PHI] *= factor
     here = forces(SMOOTH, slipping, 0.02, 0.5, 0.0)
     assert np.allclose(here, forces(SMOOTH, weaker, 0.02, 0.5, 0.0), rtol=1e-12)
+
+
+@pytest.mark.parametrize(("name", "wheel_name"), [("cmu_sand", "pavlov_smooth"), ("ding_2011",) * 2, ("kls_1",) * 2])
+def test_slip_sinkage_goes_on_up_to_spinning_on_the_spot(name: str, wheel_name: str) -> None:
+    """From 0.9 to 1 the sinkage neither falls back nor doubles, at any slip angle that is driven."""
+    wheel = load_params("wheels", wheel_name, WheelShape)
+    at = [0.8, 0.9, 0.95, 0.98, 1.0]
+    straight = [one.sinkage_m for one in measure(wheel, soil(name), 25.0, at)]
+    assert straight == sorted(straight)
+    assert straight[-1] - straight[1] < 3.0 * (straight[1] - straight[0])
+    spinning = measure(wheel, soil(name), 25.0, [1.0], [0.0, 45.0, 90.0])
+    assert len({(one.sinkage_m, one.drawbar_pull_n) for one in spinning}) == 1  # it goes nowhere
 
 
 @pytest.mark.parametrize("name", ["lunar_nominal", "clayey_soil"])
@@ -233,3 +248,12 @@ def test_bench_finds_the_load_and_refuses_nonsense() -> None:
     for load, slip, angle in ((0.0, 0.1, 0.0), (math.nan, 0.1, 0.0), (1.0, 1.1, 0.0), (1.0, 0.1, 91.0)):
         with pytest.raises(InvalidValueError):
             measure(wheel, soil(), load, [slip], [angle])
+
+
+@pytest.mark.parametrize("lateral", [1e-170, -5e-324])
+def test_push_is_finite_where_the_face_hardly_slides(lateral: float) -> None:
+    """The middle of the face stands still in the soil, and the sideslip is too small to be squared."""
+    sinkage = 0.02
+    ahead = 1.0 * (RADIUS - 0.5 * sinkage) / RADIUS
+    found = side_push(RADIUS, WIDTH, EARTH, sinkage, 0.05, 1.0, ahead, lateral, 1.0, 0.5, 0.04, SAND)
+    assert all(math.isfinite(x) and abs(x) < 1e-100 for x in found)

@@ -169,7 +169,7 @@ def motion(slip: float, side_slip: float) -> tuple[float, float, float, float]:
         ahead = math.sqrt(1.0 - side_slip**2)
         rim_speed = min(max(ahead + slip, 0.0), 1.0)
     speed = min(math.hypot(ahead, side_slip), 1.0)
-    return rim_speed, ahead, rim_speed - speed, 1.0 - ahead / math.hypot(speed, 0.04)
+    return rim_speed, ahead, rim_speed - speed, (speed - ahead) / math.hypot(speed, 0.01)
 
 
 def lugged_strength(soil: FloatArray) -> tuple[float, float]:

@@ -89,7 +89,8 @@ def side_push(
     arm = radius - 0.5 * min(sinkage, radius)
     sliding = ahead - rim_speed * arm / radius
     flow = face_flow * sideslip
-    drag = -rolling * soil[_INTERFACE_TAN_PHI] * push * sliding / math.sqrt(sliding * sliding + flow * flow)
+    face_speed = math.hypot(sliding, flow)  # squares of tiny speeds would vanish
+    drag = -rolling * soil[_INTERFACE_TAN_PHI] * push * sliding / face_speed if face_speed > 0.0 else 0.0
     sense = 1.0 if lateral_slip > 0.0 else -1.0
     # The face that leads is at y = -sense b/2: the wheel moves towards -s_y.
     return drag, sense * push, drag * arm, sense * push * arm, sense * 0.5 * width * drag

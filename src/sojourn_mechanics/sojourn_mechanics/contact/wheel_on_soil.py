@@ -28,8 +28,9 @@ bears less, and is carried out of the contact, so a pressure is reached only at 
 
 m_d is Lyasko's slip sinkage (2010, J. Terramechanics 47(1):21: sinkage grows by a factor of the slip), m_b the same in
 skid, where pushing soil ahead of the wheel grows with the square, m_y the loss of the fresh ground that rolling onto it
-gives: e is 0 straight ahead and 1 for a wheel that goes sideways, or spins on the spot. (Ding et al. 2010 let the
-exponent n grow instead; a factor of z has no units to go wrong.) c3 moves θm for the same reason.
+gives: e is 0 straight ahead and 1 for a wheel that goes sideways. One that spins on the spot, |v| << V = max(rω, |v|),
+goes nowhere: there e fades to 0, as (|v| - v_x)/sqrt(v² + (0.01 V)²), and the slip alone counts. (Ding et al. 2010 let
+the exponent n grow instead; a factor of z has no units to go wrong.) c3 moves θm for the same reason.
 
 **Bare rim and grousers.** On a bare rim the soil slides on metal, τ_max = c_a + σ tan δ (Potyondy 1961, Géotechnique
 11(4):339: sand on steel, δ = 0.5 to 0.8 φ). A grouser of height h adds the passive thrust of its face (Bekker 1969;
@@ -77,6 +78,8 @@ from sojourn_mechanics.soil.pressure_sinkage import sinkage_modulus
 MAX_ENTRY_ANGLE = 0.5 * math.pi
 """Largest entry angle [rad]: that of a wheel sunk to its axle."""
 STANDING_SPEED = 0.04
+"""Speed over the ground, over max(rω, v), below which the push on the side face no longer grows [-]."""
+SPINNING_SPEED = 0.01
 """Speed over the ground, over max(rω, v), below which a wheel counts as one that spins on the spot [-]."""
 STEADY = 0.9
 """|D| beyond which the motion counts as steady, so that its power is what the slips say [-]."""
@@ -143,7 +146,7 @@ def travel(slip: float, lateral_slip: float) -> tuple[float, float, float, float
 
     Returns:
         rim speed, v_x (ahead), the slip s' against the whole speed over the ground, and e: how much of the way is
-        sideways or spent on the spot, 0..1.
+        sideways, 0..1.
     """
     ahead = 1.0 - slip
     if slip >= 0.0 and ahead * ahead + lateral_slip * lateral_slip <= 1.0:
@@ -155,7 +158,7 @@ def travel(slip: float, lateral_slip: float) -> tuple[float, float, float, float
         rim = min(max(slip + ahead, 0.0), 1.0)
         speed = 1.0
         total_slip = rim - 1.0
-    sideways = 1.0 - ahead / math.sqrt(speed * speed + STANDING_SPEED * STANDING_SPEED)
+    sideways = (speed - ahead) / math.sqrt(speed * speed + SPINNING_SPEED * SPINNING_SPEED)
     return rim, ahead, total_slip, sideways
 
 
