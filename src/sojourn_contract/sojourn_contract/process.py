@@ -5,6 +5,7 @@ and only then the context is shut down. The executor's own `spin()` is not used:
 the end and ignores SIGTERM.
 """
 
+import faulthandler
 import gc
 import signal
 import sys
@@ -21,6 +22,8 @@ from sojourn_contract.node import ContractNode
 
 COLLECT_AFTER = 50_000
 """Objects made and not freed after which the garbage collector looks at the youngest."""
+TEARDOWN_S = 4.5
+"""Wall time after which a process whose middleware does not end is ended all the same, with a trace in its log."""
 POLL_S = 0.02
 """Wall time between two looks at the nodes' wall-clock chores."""
 
@@ -45,8 +48,13 @@ def spin(
     nodes: Iterable[ContractNode],
     stop: StopFlag,
     each_poll: Callable[[], bool] = lambda: False,
+    when_closed: Callable[[], None] = lambda: None,
 ) -> int:
     """Run nodes until a signal, until all that can finish have, or until `each_poll` returns True.
+
+    Args:
+        nodes: the nodes. stop: set by a signal. each_poll: called some times a second.
+        when_closed: called once all have said farewell, before the executor lets them go.
 
     Returns the largest exit status of the nodes. In a composed run the nodes are closed in the given order,
     so the recorder goes last.
@@ -67,7 +75,7 @@ def spin(
                     node.poll()
                 if not rclpy.ok() or each_poll() or any(node.finished for node in nodes if node.ends_the_run):
                     break
-        drain(executor, nodes)
+        drain(executor, nodes, when_closed)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     return max(node.exit_status for node in nodes)
@@ -84,14 +92,22 @@ def settle_collector() -> None:
     gc.set_threshold(COLLECT_AFTER)
 
 
-def drain(executor: EventsExecutor, nodes: list[ContractNode]) -> None:
+def drain(executor: EventsExecutor, nodes: list[ContractNode], when_closed: Callable[[], None]) -> None:
     """Close the nodes in order, each after what is still on its way to it has been taken."""
     for node in nodes:
         while not node.is_drained():
             executor.spin_once(timeout_sec=POLL_S)
         node.close()
+    when_closed()
     for node in nodes:
         executor.remove_node(node)
+
+
+def limit_teardown() -> None:
+    """End this process in a while, whatever it waits for. In this build the middleware now and then does not come back
+    from its end; what the nodes had to say is said by then.
+    """
+    faulthandler.dump_traceback_later(TEARDOWN_S, exit=True)
 
 
 def run(factory: Callable[[], ContractNode], arguments: list[str] | None = None) -> int:
@@ -101,8 +117,9 @@ def run(factory: Callable[[], ContractNode], arguments: list[str] | None = None)
     node: ContractNode | None = None
     try:
         node = factory()
-        return spin([node], stop)
+        return spin([node], stop, when_closed=limit_teardown)
     finally:
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()
+        faulthandler.cancel_dump_traceback_later()
