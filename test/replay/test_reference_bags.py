@@ -13,6 +13,7 @@ from sojourn_bags.candidate import NodeCandidate
 from sojourn_bags.comparison_result import Comparison, Verdict
 from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.digest import digest
+from sojourn_bags.provenance import run_of
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.replay import Replay, replay
 from sojourn_bags.replay_script import ROLES_TO_REPLAY, Step
@@ -37,6 +38,14 @@ def replayed(name: str, role: str, node_class: Any, domain: int) -> Replay:
     bag = reference(name)
     with run_configuration(bag) as configuration:
         return replay(bag, role, NodeCandidate(node_class), configuration, domain)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_bag_does_not_tell_where_the_checkout_stood(name: str) -> None:
+    bag = reference(name)
+    assert run_of(bag)["scenario"] == f"test/replay/{name}.yaml"
+    checkout = str(references_folder().parents[1])
+    assert not [file.name for file in bag.path.parent.iterdir() if checkout.encode() in file.read_bytes()]
 
 
 @pytest.mark.parametrize("role", ROLES_TO_REPLAY)

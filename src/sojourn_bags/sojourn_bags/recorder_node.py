@@ -21,6 +21,7 @@ from sojourn_bags.recording import CLOCK, Recording
 from sojourn_bags.transforms import channel as transform_channel
 from sojourn_bags.writer import BagWriter
 from sojourn_config.errors import ConfigError
+from sojourn_config.paths import display
 from sojourn_contract import process, qos, stamps
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import STALLED
@@ -127,8 +128,10 @@ class RecorderNode(ContractNode):
                 self.publish("/recorder/tick", Header(stamp=written))
 
     def _run(self) -> dict[str, str]:
+        path = Path(self.scenario_name)
         return {
-            "scenario": self.scenario_name,
+            # not the place of the checkout on this machine
+            "scenario": display(path) if path.is_absolute() else self.scenario_name,
             "lockstep": str(self.lockstep).lower(),
             "participants": ",".join(self.participants),
             "namespace": self.get_namespace(),
