@@ -229,7 +229,7 @@ def test_good_goals() -> None:
     ("name", "message", "rule", "field"),
     [
         ("/goal_pose", pose("moon"), "frame", "header.frame_id"),
-        ("/arm/goal_pose", pose("map"), "frame", "header.frame_id"),
+        ("/arm/goal_pose", pose("camera"), "frame", "header.frame_id"),
         ("/goal_pose", pose("map", 0.5), "orientation", "pose.orientation"),
         ("/arm/joint_goal", JointState(), "joints", "header.frame_id"),
         ("/arm/joint_goal", JointState(name=["elbow"], position=[0.0]), "joints", "name"),

@@ -11,7 +11,6 @@ from dataclasses import replace
 from sojourn_contract.errors import UnknownRoleError, UnknownTopicError
 from sojourn_contract.field_rules import (
     ANGLE,
-    ARM_GOAL,
     BATTERY,
     COVARIANCE,
     EFFORT,
@@ -195,7 +194,7 @@ TOPICS: tuple[Topic, ...] = (
         "/odom",
         "nav_msgs/Odometry",
         "drive",
-        (),
+        ("arm",),
         1,
         0.1,
         "estimated pose of base_link in odom with covariance, twist in base_link",
@@ -217,7 +216,7 @@ TOPICS: tuple[Topic, ...] = (
         "/wheel_command",
         "sensor_msgs/JointState",
         "drive",
-        ("plant",),
+        ("plant", "arm"),
         1,
         0.2,
         "drive joints: velocity; steer joints: position and velocity",
@@ -289,8 +288,8 @@ TOPICS: tuple[Topic, ...] = (
         0,
         10.0,
         "place the arm's tip there; an orientation other than identity or zero asks for the direction of its z axis",
-        ARM_GOAL,
-        frames=("base_link",),
+        GOAL,
+        frames=GOAL_FRAMES,
     ),
     Topic(
         "/arm/joint_goal",
