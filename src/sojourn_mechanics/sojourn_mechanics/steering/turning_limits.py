@@ -20,6 +20,7 @@ import numpy as np
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.kinematics import PlanarTwist, wheels_from_twist
 from sojourn_mechanics.steering.params import MotionLimits
+from sojourn_mechanics.steering.wheel_table import WheelTableColumn
 
 SLIDING = 1e-6
 """Sideways speed of a wheel over the speed of the machine that still counts as rolling [-]."""
@@ -54,7 +55,8 @@ def turning_limits(table: FloatArray, limits: MotionLimits, greatest_curvature: 
             middle = 0.5 * (low + high)
             low, high = (low, middle) if np.any(_slide(table, 1.0, middle)[able] > SLIDING) else (middle, high)
         curvature = low
-    on_the_spot = bool(np.all(_slide(table, 0.0, 1.0)[table[:, 3] > 0.5] <= SLIDING))
+    steered = table[:, WheelTableColumn.STEERED] > 0.5
+    on_the_spot = bool(np.all(_slide(table, 0.0, 1.0)[steered] <= SLIDING))
     return TurningLimits(curvature, _sharpness(table, limits, curvature), on_the_spot)
 
 
@@ -67,11 +69,12 @@ def _slide(table: FloatArray, speed: float, yaw_rate: float) -> FloatArray:
 
 
 def _sharpness(table: FloatArray, limits: MotionLimits, curvature: float) -> float:
-    """Fastest growth of the curvature with distance [1/m^2]: d'(k) = x / ((1 - k y)^2 + (k x)^2)."""
-    x, y, steered = table[:, 0], table[:, 1], table[:, 3] > 0.5
-    k = np.linspace(-curvature, curvature, 101)[:, None]
-    turning = float(np.max(np.abs(x) / ((1.0 - k * y) ** 2 + (k * x) ** 2) * steered, initial=0.0))
-    speed, widest = limits.max_speed, float(np.max(np.abs(y)))
+    """Fastest growth of the curvature with distance [1/m^2]; d'(k) by differences."""
+    curvatures = np.linspace(-curvature, curvature, 101)
+    straight = np.zeros(table.shape[0])
+    angles = [wheels_from_twist(table, PlanarTwist(1.0, 0.0, float(k)), straight).steer_angles for k in curvatures]
+    turning = float(np.max(np.abs(np.diff(angles, axis=0)))) / float(curvatures[1] - curvatures[0])
+    speed, widest = limits.max_speed, float(np.max(np.abs(table[:, WheelTableColumn.Y])))
     sharpness = limits.max_acceleration / (speed**2 * widest) if widest > 0.0 else np.inf
     if turning > 0.0:
         sharpness = min(sharpness, limits.max_steer_rate / (speed * turning))
