@@ -160,6 +160,9 @@ def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: Ya
             problem = _joint_problem(document, ("joint_groups", group, "joints", number), name, urdf)
             if problem is not None:
                 yield problem
+    if sensors.sun is not None and sensors.sun.link not in urdf.links:
+        allowed = f"is no link of {urdf.file}: " + names_text(sensors.sun.link, urdf.links)
+        yield document.problem(("sun", "link"), sensors.sun.link, allowed)
 
 
 def _arm_problems(arm: ArmParams, rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:

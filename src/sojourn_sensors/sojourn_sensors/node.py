@@ -25,6 +25,7 @@ from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
 from sojourn_mechanics.sensors import suite
 from sojourn_sensors.motion import ImuMotion
+from sojourn_sensors.sun import SunReadings
 
 STORE = "battery"
 NOT_MEASURED = float("nan")
@@ -46,6 +47,7 @@ class SensorsNode(ContractNode):
         self._seed = scenario.config.seed
         self._gravity = scenario.gravity
         self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
+        self._sun = SunReadings(scenario)
         suite.warm_up(self.params, self._gravity)
         self.state: suite.SensorSuiteState | None = None
         """None until the first truth says which joints there are and how the machine stands."""
@@ -98,6 +100,8 @@ class SensorsNode(ContractNode):
                 self._joints, stamp, measured.joint_position, measured.joint_velocity, measured.joint_effort
             ),
         )
+        if is_due(topic("/sun_direction"), stamp // stamps.CONTROL_PERIOD_NS):
+            self.publish("/sun_direction", self._sun.message(stamp, odometry))
         self.publish("/imu/data", self._imu_message(stamp, measured.imu))
 
     def _first_state(self, odometry: Any, joints: Any) -> suite.SensorSuiteState:
