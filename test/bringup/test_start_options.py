@@ -1,6 +1,8 @@
 """What can be asked of scripts/start.py, and the one sentence that answers what cannot."""
 
 import argparse
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -194,3 +196,21 @@ def test_a_namespace_is_a_name_of_ros_or_is_refused(text: str) -> None:
     except argparse.ArgumentTypeError:
         return
     assert name == "" or all(part[0].isalpha() and part.replace("_", "a").isalnum() for part in name[1:].split("/"))
+
+
+def test_a_reader_that_has_had_enough_brings_no_traceback() -> None:
+    script = (
+        "from sojourn_bringup.options import run_script\n"
+        "def main(arguments):\n"
+        "    print('line\\n' * 100_000)\n"
+        "    return 0\n"
+        "run_script(main, [])\n"
+    )
+    program = subprocess.Popen(
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert program.stdout is not None and program.stderr is not None
+    program.stdout.readline()
+    program.stdout.close()
+    assert program.stderr.read() == ""
+    assert program.wait(20) == 141

@@ -61,7 +61,7 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def rotation_matrix(orientation: FloatArray) -> FloatArray:
-    """Rotation (3, 3) of a unit quaternion x y z w."""
+    """Of a unit quaternion x y z w: shape (3, 3)."""
     x, y, z, w = orientation
     return np.array(
         (
