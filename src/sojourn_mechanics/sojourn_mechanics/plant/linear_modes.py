@@ -1,7 +1,7 @@
 """What a linearised plant tells: modes and their names, reduction to mechanical states, answers to ground and steering.
 
-    modes       eigenvalues l of A: natural frequency |l|/2 pi, damping ratio -Re l/|l|. What moves is told by the kinetic
-                energy of each coordinate, s_i = Re(w_i* (M w)_i)/(w* M w), w the rates of its eigenvector
+    modes       eigenvalues l of A: natural frequency |l|/2 pi, damping ratio -Re l/|l|. What moves is told by the
+                kinetic energy of each coordinate, s_i = Re(w_i* (M w)_i)/(w* M w), w the rates of its eigenvector
     reduced     memory m eliminated. What it forgets slowly, below a limit, as the shear of a contact at rest or at a
                 crawl, moves with the coordinates, m = T y with T = A_mw; what it forgets fast stands, m = -A_mm^-1
                 (A_my y + A_mw w); integrals of position servos, slower than any motion here, are held. Exact at rest;
@@ -112,7 +112,7 @@ def reduced(plant: LinearPlant, slow: float = 10.0) -> tuple[FloatArray, FloatAr
 
 def response(
     plant: LinearPlant, output: str, drive: Mapping[str, complex] | str, frequencies: FloatArray
-) -> FloatArray:
+) -> ComplexArray:
     """Acceleration of a coordinate over an input, complex, shape (frequencies,).
 
     Args:
