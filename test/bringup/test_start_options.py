@@ -1,6 +1,8 @@
 """What can be asked of scripts/start.py, and the one sentence that answers what cannot."""
 
 import argparse
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -211,3 +213,21 @@ def test_the_demonstration_of_a_rover_takes_its_own_course_or_the_common_one() -
     assert demo.scenario_of(None, "skid") == "machine_course"
     assert demo.scenario_of(None, "micro") == "micro_course"
     assert demo.scenario_of("flat_drive", "micro") == "flat_drive"
+
+
+def test_a_reader_that_has_had_enough_brings_no_traceback() -> None:
+    script = (
+        "from sojourn_bringup.options import run_script\n"
+        "def main(arguments):\n"
+        "    print('line\\n' * 100_000)\n"
+        "    return 0\n"
+        "run_script(main, [])\n"
+    )
+    program = subprocess.Popen(
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert program.stdout is not None and program.stderr is not None
+    program.stdout.readline()
+    program.stdout.close()
+    assert program.stderr.read() == ""
+    assert program.wait(20) == 141

@@ -3,9 +3,12 @@
 import math
 from typing import Any
 
+import numpy as np
+import pinocchio as pin
 import pytest
 from geometry_msgs.msg import PoseStamped
-from node_bench import ARM, Bench, at, imu, joints, stamp_of
+from node_bench import ARM, WHEELS, Bench, at, imu, joints, odometry, stamp_of
+from node_bench import command as wheel_command
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -18,15 +21,17 @@ from sojourn_contract.heartbeat import status_message
 class ArmBench:
     """An arm that is where it was told to be one period before."""
 
-    def __init__(self, bench: Bench) -> None:
+    def __init__(self, bench: Bench, *others: str) -> None:
         self.bench = bench
-        self.node = bench.start(ArmNode, "sensors", "arm", "power")
+        self.node = bench.start(ArmNode, "sensors", "arm", "power", *others)
+        self.with_drive = "drive" in others
+        self.here = odometry(0)
         bench.connect(self.node)
         self.period = 0
         self.angles = dict(zip(ARM, self.node.params.named_poses["unfold"], strict=True))
 
-    def step(self, periods: int = 1, spoil: str = "", switch: str = "on") -> JointState:
-        """Go on; the last command."""
+    def step(self, periods: int = 1, spoil: str = "", switch: str = "on", rate: float = 0.0) -> JointState:
+        """Go on, the wheels told to turn at `rate`; the last command."""
         for _ in range(periods):
             self.period += 1
             message = joints(self.period, self.angles)
@@ -42,6 +47,10 @@ class ArmBench:
             if spoil == "attitude":
                 attitude.orientation.w = 0.0
             self.bench.send("/imu/data", attitude)
+            if self.with_drive:
+                self.here.header.stamp = stamps.to_message(at(self.period))
+                self.bench.send("/odom", self.here)
+                self.bench.send("/wheel_command", wheel_command(WHEELS, self.period, rate))
             command = self.bench.answer("/arm_command", self.period)
             if command.name:
                 self.angles = dict(zip(command.name, command.position, strict=True))
@@ -130,7 +139,11 @@ def trajectory(names: tuple[str, ...], *points: list[float]) -> JointTrajectory:
 
 REFUSED = {
     "unreachable": ("/arm/goal_pose", pose_goal(4.0, 0.0, 0.0), r"reach"),
-    "wrong frame": ("/arm/goal_pose", pose_goal(1.0, 0.0, 0.0, "map"), "header.frame_id = 'map': allowed is base_link"),
+    "wrong frame": (
+        "/arm/goal_pose",
+        pose_goal(1.0, 0.0, 0.0, "map"),
+        "header.frame_id = 'map': allowed is base_link: there is no /odom",
+    ),
     "unknown joint": (
         "/arm/joint_goal",
         joint_goal(("elbow",), [0.0]),
@@ -209,6 +222,52 @@ def test_without_power_a_goal_is_refused(arm: ArmBench, text: str) -> None:
     arm.step(45, switch=text)
     status = arm.bench.status("/arm/status", 50)
     assert status["state"] == "refused" and "power manager has switched the arm off" in status["reason"]
+
+
+def test_while_the_rover_drives_a_goal_is_refused_and_a_motion_stops(bench: Bench) -> None:
+    arm = ArmBench(bench, "drive")
+    arm.step()
+    before = arm.node.events.received.get("/arm/joint_goal", 0)
+    bench.send("/arm/joint_goal", joint_goal((), [], "stow"))
+    bench.until(lambda: arm.node.events.received.get("/arm/joint_goal", 0) > before, "the goal has arrived")
+    arm.step(49, rate=0.01)
+    status = bench.status("/arm/status", 50)
+    assert status["state"] == "refused" and "the rover drives: wheel_front_left_joint is told 0.010" in status["reason"]
+    assert arm.goal("/arm/joint_goal", joint_goal((), [], "stow"))["state"] == "moving"
+    assert max(map(abs, arm.step().velocity)) > 0.0
+    command = arm.step(99, rate=0.01)
+    status = bench.status("/arm/status", arm.period)
+    assert status["state"] == "stopped" and "the rover drives" in status["reason"]
+    assert list(command.velocity) == [0.0] * 5
+
+
+def test_a_goal_on_the_ground_is_found_from_where_the_rover_stands(bench: Bench) -> None:
+    """Turned by a quarter and tilted: the point asked for in odom is the same point of space."""
+    arm = ArmBench(bench, "drive")
+    attitude = pin.Quaternion(pin.rpy.rpyToMatrix(0.1, -0.15, math.pi / 2))
+    base_in_odom = pin.SE3(attitude, np.array([3.0, -2.0, 0.5]))
+    pose = arm.here.pose.pose
+    pose.position.x, pose.position.y, pose.position.z = base_in_odom.translation.tolist()
+    pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w = attitude.coeffs().tolist()
+    arm.step()
+    tip = np.array([float(value) for value in arm.status()["tip_in_base_m"].split()])
+    wanted = tip + np.array([0.0, 0.03, 0.02])
+    status = arm.goal("/arm/goal_pose", pose_goal(*base_in_odom.act(wanted).tolist(), "odom"))
+    assert status["state"] in ("moving", "reached"), status["reason"]
+    assert arm.node.state.tip_target == pytest.approx(wanted, abs=1e-4)
+    status = arm.goal("/arm/goal_pose", pose_goal(*wanted.tolist(), "camera"))
+    assert "header.frame_id = 'camera': allowed is one of base_link, map, odom" in status["reason"]
+
+
+def test_in_real_time_it_acts_without_the_drive(bench: Bench) -> None:
+    """A drive that is down and started again does not keep the arm from holding."""
+    node = bench.start(ArmNode, "sensors", "drive", "arm", lockstep=False)
+    bench.connect(node, lockstep=False)
+    for period in (1, 2):
+        bench.send("/joint_states", joints(period))
+        bench.until(lambda period=period: node._latest.get("/joint_states", (0,))[0] == at(period), "joints are there")
+        bench.send("/imu/data", imu(period))
+    assert tuple(bench.answer("/arm_command", 2).name) == ARM
 
 
 def test_in_real_time_any_input_may_come_first(bench: Bench) -> None:

@@ -16,6 +16,7 @@ from sojourn_bags.digest import digest
 from sojourn_bags.provenance import run_of
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.replay import Replay, replay
+from sojourn_bags.replay_harness import ReplaySettings
 from sojourn_bags.replay_script import ROLES_TO_REPLAY, Step
 from sojourn_bags.run_configuration import run_configuration
 from sojourn_bringup.process_table import process
@@ -37,7 +38,7 @@ def reference(name: str) -> Bag:
 def replayed(name: str, role: str, node_class: Any, domain: int) -> Replay:
     bag = reference(name)
     with run_configuration(bag) as configuration:
-        return replay(bag, role, NodeCandidate(node_class), configuration, domain)
+        return replay(bag, role, NodeCandidate(node_class), configuration, ReplaySettings(domain))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -187,7 +188,7 @@ def test_all_that_is_said_is_handed_out(domain: int) -> None:
     bag, ear = reference("short_goals"), Ear()
     with run_configuration(bag) as configuration:
         candidate = NodeCandidate(process("power").load_class())
-        result = replay(bag, "power", candidate, configuration, domain, listener=ear)
+        result = replay(bag, "power", candidate, configuration, ReplaySettings(domain), ear)
     assert ear.periods == [step.period for step in result.script.steps]
     for name, messages in result.answers.items():
         assert [data for topic, stamp, data in ear.messages if topic == name and stamp] == messages.data

@@ -18,6 +18,7 @@ from sojourn_bags.errors import UnansweredError
 from sojourn_bags.judging import machine_of
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.replay import replay
+from sojourn_bags.replay_harness import ReplaySettings
 from sojourn_bags.replay_script import ROLES_TO_REPLAY, script_of
 from sojourn_bags.run_configuration import RunConfiguration, run_configuration
 from sojourn_bringup.process_table import process
@@ -52,7 +53,7 @@ def tried(
         bag = Bag(bag.path, False, until(bag.topics, PLANT_S * SECOND), bag.attachments, bag.records)
     judge = CandidateJudge(script_of(bag, role), machine_of(bag))
     candidate = NodeCandidate(partial(defective, found, process(role).load_class()))
-    comparison = replay(bag, role, candidate, configuration, domain, listener=judge).comparison
+    comparison = replay(bag, role, candidate, configuration, ReplaySettings(domain), judge).comparison
     report = judge.finish()
     differs = {INDEX.sub("", field.name) for field in comparison.fields if field.beyond}
     differs |= {f"{topic.topic} missing" for topic in comparison.topics if topic.missing}

@@ -15,6 +15,7 @@ from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.reading import read_bag
 from sojourn_bags.replay import replay
+from sojourn_bags.replay_harness import ReplaySettings
 from sojourn_bags.replay_script import ROLES_TO_REPLAY
 from sojourn_bags.run_configuration import run_configuration
 from sojourn_bringup.process_table import process
@@ -86,7 +87,7 @@ def test_our_nodes_reproduce_a_run_of_this_machine_exactly(role: str, run_here: 
     bag = read_bag(run_here)
     with run_configuration(bag) as configuration:
         candidate = NodeCandidate(process(role).load_class())
-        result = replay(bag, role, candidate, configuration, domain, timeout_s=50.0, ready_timeout_s=120.0)
+        result = replay(bag, role, candidate, configuration, ReplaySettings(domain, "", 50.0, 120.0))
     assert result.comparison.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result.comparison))
     assert result.comparison.matched == sum(len(messages) for messages in result.script.recorded.values())
 

@@ -10,6 +10,7 @@ import numpy as np
 from rclpy.context import Context
 
 from sojourn_arm.goals import GoalDesk
+from sojourn_arm.rover import ODOMETRY, Rover
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import process, stamps
 from sojourn_contract.barrier import is_due
@@ -40,14 +41,16 @@ class ArmNode(ContractNode):
         overrides: Mapping[str, Any] | None = None,
         namespace: str | None = None,
     ) -> None:
-        super().__init__("arm", context=context, overrides=overrides, namespace=namespace)
+        raw = frozenset({ODOMETRY})
+        super().__init__("arm", context=context, overrides=overrides, namespace=namespace, raw_topics=raw)
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         self.params = scenario.carried_arm()
         self.model = build_arm_model(scenario.urdf_xml, self.params)
         controller.warm_up(self.params, self.model)
         self.state = controller.initial_state(self.params)
         self._gravity = scenario.gravity
-        self._goals = GoalDesk(self.params)
+        self._rover = Rover(self.params.interlock, [wheel.joint for wheel in scenario.rover.wheels])
+        self._goals = GoalDesk(self.params, self._rover)
         self._powered = True
         self._pending: ArmGoal | None = None
         """A goal that waits for the first period whose measurements can be used."""
@@ -62,6 +65,7 @@ class ArmNode(ContractNode):
         switches = inputs.get("/power/switches")
         if switches is not None:
             self._powered = fraction_of(status_values(switches).get(ARM_LOAD, "on")) != 0.0
+        self._rover.hear(inputs)
         self._take_goals(goals)
         self._step(inputs["/joint_states"], inputs["/imu/data"])
         if is_due(topic("/arm/status"), stamp // stamps.CONTROL_PERIOD_NS):
@@ -82,13 +86,14 @@ class ArmNode(ContractNode):
         if measured is None or gravity is None:
             self._command.velocity = doubles(np.zeros(len(self._command.name)))
             return
+        why_not = self._rover.why_not_allowed if self._powered else "the power manager has switched the arm off"
         request = controller.ArmInput(
             positions=measured[0],
             velocities=measured[1],
             gravity_in_base=gravity,
             goal=self._pending,
-            allowed=self._powered,
-            not_allowed_reason="" if self._powered else "the power manager has switched the arm off",
+            allowed=not why_not,
+            not_allowed_reason=why_not,
         )
         self.state, self._output = controller.step(
             self.params, self.model, self.state, request, stamps.CONTROL_PERIOD_S

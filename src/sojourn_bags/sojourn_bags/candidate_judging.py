@@ -1,7 +1,7 @@
 """Judges a candidate by the contract while a bag is played to it: no other node takes part.
 
 with run_configuration(bag) as configuration:
-    report = judge_candidate(bag, "drive", NodeCandidate(DriveNode), configuration, domain=7)
+    report = judge_candidate(bag, "drive", NodeCandidate(DriveNode), configuration, ReplaySettings(domain=7))
 """
 
 from rclpy.serialization import deserialize_message
@@ -9,7 +9,8 @@ from rclpy.serialization import deserialize_message
 from sojourn_bags.candidate import Candidate
 from sojourn_bags.judging import machine_of
 from sojourn_bags.reading import Bag
-from sojourn_bags.replay import DEFAULT_TIMEOUT_S, play
+from sojourn_bags.replay import play
+from sojourn_bags.replay_harness import ReplaySettings
 from sojourn_bags.replay_script import ReplayScript, Step, script_of
 from sojourn_bags.run_configuration import RunConfiguration
 from sojourn_contract.conformance.findings import Report
@@ -58,16 +59,13 @@ def judge_candidate(
     role: str,
     candidate: Candidate,
     configuration: RunConfiguration,
-    domain: int,
-    namespace: str = "",
-    timeout_s: float = DEFAULT_TIMEOUT_S,
-    ready_timeout_s: float = 60.0,
+    settings: ReplaySettings,
     machine: Machine | None = None,
 ) -> Report:
     """Play a bag to a candidate and judge what it says; its answers need not be those of the bag.
 
     Args:
-        role, candidate, domain, namespace, timeout_s, ready_timeout_s: as in `replay`.
+        role, candidate, configuration, settings: as in `replay`.
         machine: the rover, None for the one that the bag describes.
 
     Raises:
@@ -77,5 +75,5 @@ def judge_candidate(
     """
     script = script_of(bag, role)
     judge = CandidateJudge(script, machine or machine_of(bag))
-    play(script, candidate, configuration, domain, namespace, timeout_s, ready_timeout_s, judge)
+    play(script, candidate, configuration, settings, judge)
     return judge.finish()

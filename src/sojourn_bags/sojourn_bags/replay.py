@@ -1,7 +1,7 @@
 """Replays one role of a bag: the candidate hears what the run's node heard, and its answers are compared.
 
 with run_configuration(bag) as configuration:
-    result = replay(bag, "drive", NodeCandidate(DriveNode), configuration, domain=7)
+    result = replay(bag, "drive", NodeCandidate(DriveNode), configuration, ReplaySettings(domain=7))
 result.comparison.verdict, result.answers["/odom"]
 """
 
@@ -12,12 +12,11 @@ from sojourn_bags.candidate import Candidate
 from sojourn_bags.comparison import compare, stamps_of
 from sojourn_bags.comparison_result import Comparison
 from sojourn_bags.reading import Bag, Messages
-from sojourn_bags.replay_harness import Listener, ReplayHarness
+from sojourn_bags.replay_harness import Listener, ReplayHarness, ReplaySettings
 from sojourn_bags.replay_script import ReplayScript, script_of
 from sojourn_bags.run_configuration import RunConfiguration
 
 PREFIX = "/replay"
-DEFAULT_TIMEOUT_S = 10.0
 
 
 @dataclass(frozen=True)
@@ -39,25 +38,20 @@ def replay(
     role: str,
     candidate: Candidate,
     configuration: RunConfiguration,
-    domain: int,
-    namespace: str = "",
-    timeout_s: float = DEFAULT_TIMEOUT_S,
-    ready_timeout_s: float = 60.0,
+    settings: ReplaySettings,
     listener: Listener | None = None,
 ) -> Replay:
     """Replay a bag through a candidate.
 
     Args:
-        role: whom it stands in for. domain, namespace: where they meet; nobody else may be there.
-        timeout_s: wall time after which a missing answer is an error. ready_timeout_s: for the start.
-        listener: gets all that is said.
+        role: whom it stands in for. settings: where, and how long to wait. listener: gets all that is said.
 
     Raises:
         ReplayError: the bag cannot be replayed through this role. UnansweredError: the candidate does not answer.
         OtherContractError, IncompleteConfigError: of the bag.
     """
     script = script_of(bag, role)
-    answers = play(script, candidate, configuration, domain, namespace, timeout_s, ready_timeout_s, listener)
+    answers = play(script, candidate, configuration, settings, listener)
     if script.cut_off:
         answers = {name: _up_to(messages, script.end) for name, messages in answers.items()}
     return Replay(script, answers, compare(script.recorded, answers))
@@ -67,15 +61,12 @@ def play(
     script: ReplayScript,
     candidate: Candidate,
     configuration: RunConfiguration,
-    domain: int,
-    namespace: str = "",
-    timeout_s: float = DEFAULT_TIMEOUT_S,
-    ready_timeout_s: float = 60.0,
+    settings: ReplaySettings,
     listener: Listener | None = None,
 ) -> dict[str, Messages]:
     """Play a script to a candidate and return its answers by topic, uncompared; arguments and errors as of `replay`."""
-    with ReplayHarness(script, domain, namespace, timeout_s, ready_timeout_s, listener) as harness:
-        return harness.run(candidate, configuration.parameters(script.participants, timeout_s))
+    with ReplayHarness(script, settings, listener) as harness:
+        return harness.run(candidate, configuration.parameters(script.participants, settings.timeout_s))
 
 
 def _up_to(messages: Messages, end: int) -> Messages:
@@ -89,4 +80,4 @@ def _up_to(messages: Messages, end: int) -> Messages:
     )
 
 
-__all__ = ["DEFAULT_TIMEOUT_S", "PREFIX", "Replay", "play", "replay"]
+__all__ = ["PREFIX", "Replay", "play", "replay"]

@@ -6,6 +6,7 @@ listen, says that they are ready, and goes on to the next period when the candid
 
 import time
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import rclpy
@@ -39,6 +40,7 @@ READY_REPEAT_S = 0.2
 DRAIN_S = 2.0
 """Wall time without a message after which what is still missing at the end is not waited for."""
 ACKNOWLEDGE_S = 5.0
+DEFAULT_TIMEOUT_S = 10.0
 RECORDER_TICK = "/recorder/tick"
 
 
@@ -52,28 +54,34 @@ class Listener(Protocol):
         """A message of the candidate, also from before the run: row, stamp [ns], CDR."""
 
 
+@dataclass(frozen=True, slots=True)
+class ReplaySettings:
+    """Where a replay takes place, and how long it waits.
+
+    Args:
+        domain, namespace: where candidate and harness meet; nobody else may be there.
+        timeout_s: wall time after which a missing answer is an error.
+        ready_timeout_s: wall time within which the candidate must be ready.
+    """
+
+    domain: int
+    namespace: str = ""
+    timeout_s: float = DEFAULT_TIMEOUT_S
+    ready_timeout_s: float = 60.0
+
+
 class ReplayHarness:
     """One replay. A context manager; nothing is left behind.
 
     Args:
-        script: what to play. domain, namespace: where. timeout_s: wall time after which a missing answer is an error.
-        ready_timeout_s: wall time within which the candidate must be ready.
-        listener: gets all that is said.
+        script: what to play. settings: where, and how long to wait. listener: gets all that is said.
     """
 
-    def __init__(
-        self,
-        script: Script,
-        domain: int,
-        namespace: str = "",
-        timeout_s: float = 10.0,
-        ready_timeout_s: float = 60.0,
-        listener: Listener | None = None,
-    ) -> None:
+    def __init__(self, script: Script, settings: ReplaySettings, listener: Listener | None = None) -> None:
         self.script = script
-        self.namespace = namespace
-        self._domain = domain
-        self._timeout_s, self._ready_timeout_s = timeout_s, ready_timeout_s
+        self.namespace = settings.namespace
+        self._domain = settings.domain
+        self._timeout_s, self._ready_timeout_s = settings.timeout_s, settings.ready_timeout_s
         self._listener = listener
         self.answers = Answers(script.due, script.lead)
         self._heartbeats = Answers({}, 0)

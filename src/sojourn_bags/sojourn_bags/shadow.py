@@ -7,7 +7,7 @@ the stack does not wait for it.
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from rclpy.node import Node
@@ -18,7 +18,7 @@ from sojourn_bags.comparison_result import Comparison, Divergence
 from sojourn_bags.definitions import typestore
 from sojourn_bags.errors import UnansweredError
 from sojourn_bags.reading import Messages
-from sojourn_bags.replay_harness import DRAIN_S, POLL_S, ReplayHarness
+from sojourn_bags.replay_harness import DRAIN_S, POLL_S, ReplayHarness, ReplaySettings
 from sojourn_bags.replay_script import CLOCK, HEARTBEATS, Step
 from sojourn_bags.shadow_tap import Tap
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
@@ -75,24 +75,14 @@ class Shadow(ReplayHarness):
     """One candidate beside one node. A context manager; nothing is left behind.
 
     Args:
-        role: whom it shadows. participants: of the run. lockstep: mode of time. domain, namespace: of the stack.
-        timeout_s, ready_timeout_s: as in `ReplayHarness`.
+        role: whom it shadows. participants: of the run. lockstep: mode of time. settings: of the stack.
     """
 
-    def __init__(
-        self,
-        role: str,
-        participants: Sequence[str],
-        lockstep: bool,
-        domain: int,
-        namespace: str = "",
-        timeout_s: float = 10.0,
-        ready_timeout_s: float = 60.0,
-    ) -> None:
+    def __init__(self, role: str, participants: Sequence[str], lockstep: bool, settings: ReplaySettings) -> None:
         rows = (topic(CLOCK), *(row for row in inputs_of(role) if row.publisher in participants))
         script = LiveScript(role, tuple(participants), rows)
-        super().__init__(script, domain, namespace + NAMESPACE, timeout_s, ready_timeout_s)
-        self._lockstep, self._stack = lockstep, namespace
+        super().__init__(script, replace(settings, namespace=settings.namespace + NAMESPACE))
+        self._lockstep, self._stack = lockstep, settings.namespace
         self._divergence: Divergence | None = None
         self._compared = 0
         """Latest stamp that has been looked at [ns]."""

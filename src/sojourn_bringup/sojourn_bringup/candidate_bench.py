@@ -11,7 +11,7 @@ from types import FrameType
 
 from sojourn_bags.errors import BagsError, UnansweredError
 from sojourn_bags.reading import Bag
-from sojourn_bags.replay import DEFAULT_TIMEOUT_S
+from sojourn_bags.replay_harness import DEFAULT_TIMEOUT_S, ReplaySettings
 from sojourn_bags.replay_script import ROLES_TO_REPLAY
 from sojourn_bags.run_configuration import RunConfiguration, run_configuration
 from sojourn_bringup import options
@@ -33,6 +33,11 @@ def add_bench(parser: argparse.ArgumentParser) -> None:
         "--start-timeout", type=options.positive_seconds, default=60.0, metavar="S",
         help="wall time within which it must be ready (default: %(default)g s)",
     )  # fmt: skip
+
+
+def replay_settings(given: argparse.Namespace) -> ReplaySettings:
+    """What the options of `add_bench` and `options.add_place` ask for."""
+    return ReplaySettings(given.domain, given.namespace, given.timeout, given.start_timeout)
 
 
 def check_role(role: str, option: str) -> str:

@@ -11,7 +11,7 @@ from sojourn_bags.errors import BagsError
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bringup import options
-from sojourn_bringup.candidate_bench import add_bench, bench, candidate_of
+from sojourn_bringup.candidate_bench import add_bench, bench, candidate_of, replay_settings
 from sojourn_bringup.compare import read_runs
 from sojourn_bringup.contract_live import LiveSource
 from sojourn_bringup.contract_screen import console, show_contract, show_report
@@ -137,10 +137,7 @@ def _check_program(given: argparse.Namespace) -> Checked:
     machine = _machine(given)
     (bag,) = read_runs([given.reference])
     with bench(given, role, command, bag) as (candidate, configuration):
-        report = judge_candidate(
-            bag, role, candidate, configuration, given.domain, given.namespace, given.timeout, given.start_timeout,
-            machine,
-        )  # fmt: skip
+        report = judge_candidate(bag, role, candidate, configuration, replay_settings(given), machine)
     notes = [f"alone as {role}, with what {role} heard in {bag.path}"]
     return report, _facts(command, True, (role,), notes), [bag]
 

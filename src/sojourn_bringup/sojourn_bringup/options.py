@@ -2,7 +2,9 @@
 
 import argparse
 import math
+import os
 import re
+import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,6 +16,8 @@ from sojourn_bringup.process_table import check_roles
 from sojourn_bringup.shared_memory import remove_tracing_files
 from sojourn_config.errors import ConfigError
 
+OUTPUT_CLOSED = 128 + signal.SIGPIPE
+"""Exit status where nobody reads our output any more: what a shell reports of a program that this signal ends."""
 _NAMESPACE = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+")
 
 
@@ -110,7 +114,12 @@ def role_list(option: str) -> Callable[[str], tuple[str, ...]]:
 def run_script(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | None = None) -> NoReturn:
     """Main of a script: its errors as one sentence on the standard error, its status as ours."""
     try:
-        sys.exit(main(arguments))
+        status = main(arguments)
+        sys.stdout.flush()
+        sys.exit(status)
+    except BrokenPipeError:  # whoever read our output, such as head, has had enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the interpreter stumbles over it at its end
+        sys.exit(OUTPUT_CLOSED)
     except BringupError as error:
         print(error, file=sys.stderr)
         sys.exit(error.exit_status)

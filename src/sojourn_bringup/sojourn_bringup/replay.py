@@ -11,7 +11,7 @@ from sojourn_bags.reading import Bag
 from sojourn_bags.replay import PREFIX, Replay, replay
 from sojourn_bags.replay_script import ROLES_TO_REPLAY
 from sojourn_bringup import options
-from sojourn_bringup.candidate_bench import add_bench, bench, candidate_of, check_role
+from sojourn_bringup.candidate_bench import add_bench, bench, candidate_of, check_role, replay_settings
 from sojourn_bringup.compare import exit_status, read_runs, write_result
 from sojourn_bringup.cut_off import unless_cut_off
 from sojourn_bringup.errors import UsageError
@@ -53,9 +53,7 @@ def wanted(given: argparse.Namespace) -> tuple[str, str]:
 def run_replay(given: argparse.Namespace, bag: Bag, role: str, command: str) -> Replay:
     """Replay, and leave no process and no file behind. Raises as `bench` does."""
     with bench(given, role, command, bag) as (candidate, configuration):
-        return replay(
-            bag, role, candidate, configuration, given.domain, given.namespace, given.timeout, given.start_timeout
-        )
+        return replay(bag, role, candidate, configuration, replay_settings(given))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -14,6 +14,7 @@ from sojourn_bags.comparison_result import Comparison, at
 from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.errors import BagsError, UnansweredError
 from sojourn_bags.reading import Bag
+from sojourn_bags.replay_harness import ReplaySettings
 from sojourn_bags.shadow import NAMESPACE, Look, Shadow
 from sojourn_bringup import options
 from sojourn_bringup.candidate_process import ProcessCandidate
@@ -48,14 +49,8 @@ def follow(given: argparse.Namespace, stop: StopFlag) -> Comparison:
         report.state, report.detail = RUNNING, words_of(now)
         report.write(given.result)
 
-    with Shadow(
-        given.role,
-        parameters["participants"],
-        parameters["lockstep"],
-        given.domain,
-        given.namespace,
-        parameters["lockstep_timeout_s"],
-    ) as shadow:
+    settings = ReplaySettings(given.domain, given.namespace, parameters["lockstep_timeout_s"])
+    with Shadow(given.role, parameters["participants"], parameters["lockstep"], settings) as shadow:
         place = given.namespace + NAMESPACE
         candidate = ProcessCandidate(given.role, given.command, ros, place, given.log, shadow.renamed_inputs())
         shadow.begin(candidate, parameters)

@@ -9,6 +9,24 @@ period, from the plant's truth to the commands that go back to it.
 from dataclasses import replace
 
 from sojourn_contract.errors import UnknownRoleError, UnknownTopicError
+from sojourn_contract.field_rules import (
+    ANGLE,
+    BATTERY,
+    COVARIANCE,
+    EFFORT,
+    ENCODER_RATE,
+    ESTIMATED_TWIST,
+    FLOAT32_TOLERANCE,
+    FORCE_TOLERANCE,
+    GOAL,
+    GOAL_FRAMES,
+    MEASURED_RATE,
+    POSE,
+    RATE,
+    TEXTS,
+    TORQUE_TOLERANCE,
+    TWIST,
+)
 from sojourn_contract.topic_types import INFINITY, FieldRule, Topic
 
 ROLES = ("plant", "sensors", "drive", "arm", "power", "operator", "recorder")
@@ -18,58 +36,6 @@ OPERATOR_LAG = 5
 """Periods between the operator's look at the machine and the effect of its goals, in lock-step."""
 RECORDER_LAG = 25
 """Periods that the recorder may lag behind the plant, in lock-step."""
-
-_RATE = FieldRule("velocity", "rad/s", low=-200.0, high=200.0)
-_MEASURED_RATE = replace(_RATE, rate_of="position", rate_tolerance=0.05)
-_ENCODER_RATE = replace(_MEASURED_RATE, rate_tolerance=0.2)  # lags by half a window, and a count in a period is 0.08
-_ANGLE = FieldRule("position", "rad", low=-1e6, high=1e6)
-_TORQUE_TOLERANCE = 1e-7
-"""Of torques [N m], which are some hundred times larger than the angles that they follow from."""
-_FORCE_TOLERANCE = 1e-6
-_FLOAT32_TOLERANCE = 1e-5
-"""Of fields that the type declares as float32: above its spacing up to 128."""
-_EFFORT = FieldRule("effort", "N m", low=-1e4, high=1e4, tolerance=_TORQUE_TOLERANCE)
-_TEXTS = FieldRule("status.values", "")
-_POSE = (
-    FieldRule("pose.pose.position", "m", low=-1e5, high=1e5),
-    FieldRule("pose.pose.orientation", "", low=-1.0, high=1.0),
-)
-_COVARIANCE = (FieldRule("pose.covariance", ""), FieldRule("twist.covariance", ""))
-_TWIST = (
-    FieldRule(
-        "twist.twist.linear",
-        "m/s",
-        frame="base_link",
-        low=-50.0,
-        high=50.0,
-        rate_of="pose.pose.position",
-        rate_tolerance=0.02,
-    ),
-    FieldRule(
-        "twist.twist.angular",
-        "rad/s",
-        frame="base_link",
-        low=-50.0,
-        high=50.0,
-        rate_of="pose.pose.orientation",
-        rate_tolerance=0.02,
-    ),
-)
-_ESTIMATED_TWIST = (_TWIST[0], replace(_TWIST[1], rate_tolerance=0.5))  # roll and pitch are set anew, not integrated
-_GOAL_FRAMES = ("map", "odom", "base_link")
-_GOAL = (
-    FieldRule("pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),
-    FieldRule("pose.orientation", "", low=-1.0, high=1.0),
-)
-_ARM_GOAL = tuple(replace(rule, frame=rule.frame and "base_link") for rule in _GOAL)
-_BATTERY = (
-    FieldRule("voltage", "V", low=0.0, high=100.0, tolerance=_FLOAT32_TOLERANCE),
-    FieldRule("current", "A, negative while discharging", low=-500.0, high=500.0, tolerance=_FLOAT32_TOLERANCE),
-    FieldRule("temperature", "degree Celsius", low=-150.0, high=150.0, tolerance=_FLOAT32_TOLERANCE),
-    FieldRule("charge", "Ah", low=0.0, high=1000.0, tolerance=_FLOAT32_TOLERANCE, optional=True),
-    FieldRule("capacity", "Ah", low=0.0, high=1000.0, tolerance=_FLOAT32_TOLERANCE, optional=True),
-    FieldRule("percentage", "1", low=0.0, high=1.0, tolerance=1e-7, optional=True),
-)
 
 TOPICS: tuple[Topic, ...] = (
     Topic("/clock", "rosgraph_msgs/Clock", "plant", (), 1, 0.1, "simulation time", (FieldRule("clock", "s"),)),
@@ -81,7 +47,7 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.1,
         "true pose of base_link in map, true twist in base_link",
-        _POSE + _TWIST,
+        POSE + TWIST,
         frames=("map",),
         child_frame="base_link",
     ),
@@ -99,8 +65,8 @@ TOPICS: tuple[Topic, ...] = (
             FieldRule("sinkage", "m", low=-1.0, high=1.0),
             FieldRule("slip_ratio", "1", low=-1.0, high=1.0),
             FieldRule("slip_angle", "rad", low=-3.2, high=3.2),
-            FieldRule("force_x force_y force_z", "N", frame="map", low=-1e6, high=1e6, tolerance=_FORCE_TOLERANCE),
-            FieldRule("torque", "N m", low=-1e5, high=1e5, tolerance=_TORQUE_TOLERANCE),
+            FieldRule("force_x force_y force_z", "N", frame="map", low=-1e6, high=1e6, tolerance=FORCE_TOLERANCE),
+            FieldRule("torque", "N m", low=-1e5, high=1e5, tolerance=TORQUE_TOLERANCE),
             FieldRule("soil", "index", low=0.0, high=255.0),
             FieldRule("deflection", "m", low=0.0, high=5.0),
             FieldRule("rolling_resistance compaction_resistance bulldozing_resistance", "N", low=0.0, high=1e6),
@@ -116,7 +82,7 @@ TOPICS: tuple[Topic, ...] = (
         5,
         0.5,
         "true state of the battery",
-        _BATTERY,
+        BATTERY,
     ),
     Topic(
         "/truth/loads",
@@ -136,7 +102,7 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.1,
         "true position, rate and effort of every joint",
-        (_ANGLE, _MEASURED_RATE, _EFFORT),
+        (ANGLE, MEASURED_RATE, EFFORT),
         joints="moving",
     ),
     Topic(
@@ -147,7 +113,7 @@ TOPICS: tuple[Topic, ...] = (
         5,
         0.5,
         "measured voltage, current and temperature of the bus",
-        _BATTERY,
+        BATTERY,
     ),
     Topic(
         "/joint_states",
@@ -157,7 +123,7 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.1,
         "measured position and rate of every joint with an encoder",
-        (_ANGLE, _ENCODER_RATE, replace(_EFFORT, optional=True)),
+        (ANGLE, ENCODER_RATE, replace(EFFORT, optional=True)),
         joints="measured",
     ),
     Topic(
@@ -184,6 +150,27 @@ TOPICS: tuple[Topic, ...] = (
         frames=("imu_link",),
     ),
     Topic(
+        "/sun_direction",
+        "geometry_msgs/Vector3Stamped",
+        "sensors",
+        ("drive",),
+        50,
+        3.0,
+        "measured direction to the Sun in the frame of its sensor, a unit vector; zeros where no Sun is seen",
+        (FieldRule("vector", "1", low=-1.0, high=1.0),),
+    ),
+    Topic(
+        "/hazcam/points",
+        "sensor_msgs/PointCloud2",
+        "sensors",
+        ("drive",),
+        50,
+        3.0,
+        "measured points of the ground ahead: x y z; none from a machine without a hazard camera",
+        (FieldRule("x y z", "m", frame="base_link", low=-100.0, high=100.0, tolerance=FLOAT32_TOLERANCE),),
+        frames=("base_link",),
+    ),
+    Topic(
         "/power/switches",
         "diagnostic_msgs/DiagnosticArray",
         "power",
@@ -201,7 +188,7 @@ TOPICS: tuple[Topic, ...] = (
         50,
         3.0,
         "estimated charge of the battery",
-        _BATTERY,
+        BATTERY,
     ),
     Topic(
         "/power/status",
@@ -211,17 +198,17 @@ TOPICS: tuple[Topic, ...] = (
         50,
         3.0,
         "what the power manager does and why",
-        (_TEXTS,),
+        (TEXTS,),
     ),
     Topic(
         "/odom",
         "nav_msgs/Odometry",
         "drive",
-        (),
+        ("arm",),
         1,
         0.1,
         "estimated pose of base_link in odom with covariance, twist in base_link",
-        _POSE + _ESTIMATED_TWIST + _COVARIANCE,
+        POSE + ESTIMATED_TWIST + COVARIANCE,
         frames=("odom",),
         child_frame="base_link",
     ),
@@ -233,17 +220,17 @@ TOPICS: tuple[Topic, ...] = (
         50,
         3.0,
         "goal, state, distance to go and reason",
-        (_TEXTS,),
+        (TEXTS,),
     ),
     Topic(
         "/wheel_command",
         "sensor_msgs/JointState",
         "drive",
-        ("plant",),
+        ("plant", "arm"),
         1,
         0.2,
         "drive joints: velocity; steer joints: position and velocity",
-        (replace(_ANGLE, optional=True), replace(_RATE, optional=True)),
+        (replace(ANGLE, optional=True), replace(RATE, optional=True)),
         joints="wheels",
     ),
     Topic(
@@ -254,7 +241,7 @@ TOPICS: tuple[Topic, ...] = (
         1,
         0.2,
         "position, velocity and feed-forward effort of the arm's joints",
-        (_ANGLE, replace(_RATE, optional=True), replace(_EFFORT, optional=True)),
+        (ANGLE, replace(RATE, optional=True), replace(EFFORT, optional=True)),
         joints="arm",
     ),
     Topic(
@@ -265,7 +252,7 @@ TOPICS: tuple[Topic, ...] = (
         50,
         3.0,
         "goal, state, progress and reason",
-        (_TEXTS,),
+        (TEXTS,),
     ),
     Topic(
         "/cmd_vel",
@@ -289,8 +276,8 @@ TOPICS: tuple[Topic, ...] = (
         0,
         10.0,
         "drive there",
-        _GOAL,
-        frames=_GOAL_FRAMES,
+        GOAL,
+        frames=GOAL_FRAMES,
     ),
     Topic(
         "/waypoints",
@@ -301,7 +288,7 @@ TOPICS: tuple[Topic, ...] = (
         10.0,
         "drive along these",
         (FieldRule("poses.pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),),
-        frames=_GOAL_FRAMES,
+        frames=GOAL_FRAMES,
     ),
     Topic(
         "/arm/goal_pose",
@@ -311,8 +298,8 @@ TOPICS: tuple[Topic, ...] = (
         0,
         10.0,
         "place the arm's tip there; an orientation other than identity or zero asks for the direction of its z axis",
-        _ARM_GOAL,
-        frames=("base_link",),
+        GOAL,
+        frames=GOAL_FRAMES,
     ),
     Topic(
         "/arm/joint_goal",
@@ -322,7 +309,7 @@ TOPICS: tuple[Topic, ...] = (
         0,
         10.0,
         "move to these joint positions; a header.frame_id of stow or unfold and no joints asks for that pose",
-        (replace(_ANGLE, optional=True),),
+        (replace(ANGLE, optional=True),),
         joints="arm",
     ),
     Topic(
