@@ -105,7 +105,7 @@ def with_drive_data(arm: ArmParams, rover: RoverConfig) -> ArmParams:
     update = {
         "reflected_inertia": tuple(drive.reflected_inertia for drive in found),
         "coulomb_friction": tuple(drive.friction_torque for drive in found),
-        "viscous_friction": tuple(drive.gear.viscous_friction for drive in found),
+        "viscous_friction": tuple(drive.viscous_friction for drive in found),
     }
     return arm.model_copy(update={name: value for name, value in update.items() if not getattr(arm, name)})
 

@@ -12,7 +12,11 @@ Friction of gear and bearings is of Dahl's kind (Dahl 1968, Aerospace Report TOR
 rests at a fixed point:  dz/dt = q' - |q'| z/z_c,  τ_f = F z/z_c + b q',  F = F_0 + (1 - η)|τ|:
 with F_0 the friction without load, η the gear's efficiency, in both directions of power.
 
-A joint driven into its limit meets a stiff, damped stop.
+A joint driven into its limit meets a stiff, damped stop. A joint with a spring (suspension) feels τ_s = -k (q - q_0),
+explicit: with the plant's order (rate first, then angle) that keeps the energy, an implicit one would lose k dt^2/J of
+it each step. The damper of a suspension counts as viscous friction.
+
+A series motor has its own law and a brake: see `series_drive`.
 
 All torques are taken as linear in the rate at the end of the step, τ(q' + a dt) = τ_0 - B a dt. B dt is added
 to the joint's inertia before the machine is solved, which makes the stiff terms (back-EMF, servo, friction)
@@ -24,12 +28,15 @@ import math
 
 from numba import njit
 
+from sojourn_mechanics.actuators.series_drive import series_current, series_torque, torque_at_full_voltage
 from sojourn_mechanics.params import FloatArray, IntArray
 
 # Columns of a joint's parameters
 RATIO, TORQUE_CONSTANT, RESISTANCE, MAX_CURRENT, EFFICIENCY, FRICTION, VISCOUS, PROPORTIONAL = range(8)
 INTEGRAL, DERIVATIVE, MAX_TORQUE, ARMATURE, LOWER, UPPER, STOP_STIFFNESS, STOP_DAMPING = range(8, 16)
-JOINT_COLUMNS = 16
+SATURATION, SPRING_STIFFNESS, SPRING_REST = range(16, 19)
+JOINT_COLUMNS = 19
+"""SATURATION above 0: a series motor, whose field constant stands for TORQUE_CONSTANT."""
 
 PASSIVE, RATE, POSITION = 0, 1, 2
 """Kinds of joint."""
@@ -40,8 +47,8 @@ FRICTION_ANGLE = 5e-4
 # Rows of a joint's state and of the step's working arrays
 STATE_ROWS = 3
 """angle [rad], integral of the servo, friction deflection z [rad]"""
-WORK_ROWS = 6
-"""motor torque and its slope, friction and its slope, stop and its slope"""
+WORK_ROWS = 7
+"""motor torque and its slope, friction and its slope, stop and its slope, 1 where a brake gives the motor's torque"""
 ENERGY_TERMS = ("electrical", "winding_heat", "friction_heat", "stop_heat")
 
 
@@ -71,7 +78,7 @@ def joint_torques(
         command: (3, joints): position [rad], rate [rad/s], feed-forward torque [N m].
         lead: time since the command's stamp [s]: a position reference moves on at its rate.
         limits: (loads,) fraction of the current that each load may draw; 0 is switched off.
-        bus_voltage: [V]. work: (6, joints), written. generalised_force, armature: (nv,), written at
+        bus_voltage: [V]. work: (WORK_ROWS, joints), written. generalised_force, armature: (nv,), written at
             `columns`.
     """
     for i in range(kinds.shape[0]):
@@ -81,14 +88,18 @@ def joint_torques(
         angle = states[0, i]
         torque = 0.0
         slope = 0.0
+        series = p[SATURATION] > 0.0
+        braking = False
         if kinds[i] != PASSIVE:
             gain = p[RATIO] * p[TORQUE_CONSTANT]
             fraction = limits[loads[i]]
-            if fraction > 0.0:
+            if fraction > 0.0 or series:
                 if kinds[i] == RATE:
-                    error = command[1, i] - rate
+                    wanted = command[1, i] if fraction > 0.0 else 0.0
+                    error = wanted - rate
                     torque = p[PROPORTIONAL] * error + p[INTEGRAL] * states[1, i]
                     slope = p[PROPORTIONAL]
+                    braking = series and (wanted == 0.0 or torque * rate < 0.0)
                 else:
                     error = command[0, i] + command[1, i] * lead - angle
                     torque = (
@@ -98,18 +109,34 @@ def joint_torques(
                         + p[INTEGRAL] * states[1, i]
                     )
                     slope = p[DERIVATIVE] + dt * p[PROPORTIONAL]
-                largest = min(p[MAX_TORQUE], gain * p[MAX_CURRENT] * fraction)
+                most = p[MAX_CURRENT] * fraction
+                if braking:
+                    largest = p[MAX_TORQUE]
+                elif series:
+                    by_current = p[RATIO] * series_torque(p[TORQUE_CONSTANT], p[SATURATION], most)
+                    largest = min(p[MAX_TORQUE], by_current)
+                else:
+                    largest = min(p[MAX_TORQUE], gain * most)
                 limited = min(max(torque, -largest), largest)
                 if limited != torque:
                     torque = limited
                     slope = 0.0
                 # what the bus voltage can drive against the back-EMF
-                back = gain * rate
-                high = gain * (bus_voltage - back) / p[RESISTANCE]
-                low = gain * (-bus_voltage - back) / p[RESISTANCE]
+                if braking:
+                    high, low, steep = largest, -largest, 0.0
+                elif series:
+                    high, steep = torque_at_full_voltage(
+                        p[TORQUE_CONSTANT], p[SATURATION], p[RESISTANCE], bus_voltage, p[RATIO] * abs(rate)
+                    )
+                    high, low, steep = p[RATIO] * high, -p[RATIO] * high, p[RATIO] ** 2 * steep
+                else:
+                    back = gain * rate
+                    high = gain * (bus_voltage - back) / p[RESISTANCE]
+                    low = gain * (-bus_voltage - back) / p[RESISTANCE]
+                    steep = gain * gain / p[RESISTANCE]
                 if torque > high or torque < low:
                     torque = high if torque > high else low
-                    slope = gain * gain / p[RESISTANCE]
+                    slope = steep
                     # driven backwards beyond no-load speed: the amplifier's limit holds
                     if abs(torque) > largest:
                         torque = math.copysign(largest, torque)
@@ -137,7 +164,9 @@ def joint_torques(
         work[3, i] = friction_slope
         work[4, i] = stop
         work[5, i] = stop_slope
-        generalised_force[column] += torque + friction_torque + stop
+        work[6, i] = 1.0 if braking else 0.0
+        spring = -p[SPRING_STIFFNESS] * (angle - p[SPRING_REST])
+        generalised_force[column] += torque + friction_torque + stop + spring
         armature[column] = p[ARMATURE] + dt * (slope + friction_slope + stop_slope)
 
 
@@ -179,15 +208,24 @@ def settle_joints(
         torque = work[0, i] - work[1, i] * change
         friction_torque = work[2, i] - work[3, i] * change
         stop = work[4, i] - work[5, i] * change
+        spring = -p[SPRING_STIFFNESS] * (states[0, i] - p[SPRING_REST])
         states[0, i] += rate * dt
         states[2, i] = (states[2, i] + dt * rate) / (1.0 + dt * abs(old_rate) / FRICTION_ANGLE)
         energy[2] -= friction_torque * mean_rate * dt
         energy[3] -= stop * mean_rate * dt
-        efforts[i] = torque + friction_torque
+        efforts[i] = torque + friction_torque + spring
         if kinds[i] == PASSIVE:
             continue
-        gain = p[RATIO] * p[TORQUE_CONSTANT]
-        current = torque / gain
+        series = p[SATURATION] > 0.0
+        if work[6, i] > 0.0 or (series and torque * mean_rate < 0.0):  # a brake, not the motor
+            currents[i] = 0.0
+            energy[2] -= torque * mean_rate * dt
+            continue
+        if series:
+            current = series_current(p[TORQUE_CONSTANT], p[SATURATION], abs(torque) / p[RATIO])
+            current = math.copysign(current, torque)
+        else:
+            current = torque / (p[RATIO] * p[TORQUE_CONSTANT])
         heat = p[RESISTANCE] * current * current
         power = heat + torque * mean_rate
         currents[i] = current

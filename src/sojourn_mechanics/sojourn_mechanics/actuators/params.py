@@ -1,14 +1,17 @@
 """Parameters of a joint's drive: motor, gear, servo. A joint without a motor has friction alone."""
 
-from typing import Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from sojourn_mechanics.params import Params
 
 
 class MotorParams(Params):
     """Permanent-magnet DC motor (or brushless with its amplifier, as seen from the supply)."""
+
+    kind: Literal["permanent_magnet"] = Field(default="permanent_magnet", description="kind of motor")
 
     resistance: float = Field(gt=0.0, le=1e4, description="winding resistance [ohm]")
     torque_constant: float = Field(
@@ -17,6 +20,21 @@ class MotorParams(Params):
     rotor_inertia: float = Field(gt=0.0, le=1.0, description="rotor inertia, brake and encoder included [kg m^2]")
     no_load_current: float = Field(ge=0.0, le=10.0, description="current at no load, from friction in the motor [A]")
     max_current: float = Field(gt=0.0, le=500.0, description="largest current that the amplifier gives [A]")
+
+
+class SeriesMotorParams(Params):
+    """A series motor, see `series_motor`. `field_constant` is the torque for one ampere squared, without saturation."""
+
+    kind: Literal["series"] = Field(default="series", description="kind of motor")
+
+    series_resistance: float = Field(gt=0.0, le=1e4, description="armature, field and brushes [ohm]")
+    field_constant: float = Field(gt=0.0, le=10.0, description="K_0, torque over current squared [N m/A^2]")
+    saturation_current: float = Field(gt=0.0, le=1e6, description="current at which the field is half of linear [A]")
+    inductance: float = Field(default=1e-3, gt=0.0, le=10.0, description="of both windings in series [H]")
+    rotor_inertia: float = Field(gt=0.0, le=1.0, description="[kg m^2]")
+    friction_torque: float = Field(ge=0.0, le=10.0, description="T_f, brushes and bearings [N m]")
+    viscous_friction: float = Field(ge=0.0, le=1.0, description="b, windage and iron losses [N m s/rad]")
+    max_current: float = Field(gt=0.0, le=5000.0, description="largest current that the amplifier gives [A]")
 
 
 class GearParams(Params):
@@ -54,6 +72,19 @@ class ServoParams(Params):
     max_torque: float = Field(gt=0.0, le=1e5, description="largest torque that it asks for at the output [N m]")
 
 
+def motor_kind(motor: Any) -> str:
+    """Kind of a motor, as parameters or as a table that may leave it out."""
+    if isinstance(motor, Mapping):
+        return str(motor.get("kind", "permanent_magnet"))
+    return str(getattr(motor, "kind", ""))
+
+
+AnyMotorParams: TypeAlias = Annotated[
+    Annotated[MotorParams, Tag("permanent_magnet")] | Annotated[SeriesMotorParams, Tag("series")],
+    Discriminator(motor_kind),
+]
+
+
 class DriveParams(Params):
     """A joint's whole drive.
 
@@ -65,7 +96,7 @@ class DriveParams(Params):
 
     joints: tuple[str, ...] = Field(min_length=1, description="joints of the URDF with this drive")
     load: str = Field(min_length=1, description="name of the electrical load that feeds it")
-    motor: MotorParams
+    motor: AnyMotorParams
     gear: GearParams
     servo: ServoParams
 
@@ -75,6 +106,8 @@ class DriveParams(Params):
             raise ValueError("joints: allowed is each joint once")
         if self.servo.mode == "position" and self.servo.derivative == 0.0:
             raise ValueError("servo.derivative = 0: allowed is above 0 in mode 'position', or the joint swings")
+        if self.servo.mode == "position" and isinstance(self.motor, SeriesMotorParams):
+            raise ValueError("motor.kind = 'series': allowed in mode 'rate' alone: it brakes by friction")
         return self
 
     @property
@@ -86,4 +119,12 @@ class DriveParams(Params):
     def friction_torque(self) -> float:
         """Coulomb friction at the output without load, motor's own included [N m]."""
         motor = self.motor
+        if isinstance(motor, SeriesMotorParams):
+            return self.gear.friction_torque + motor.friction_torque * self.gear.ratio
         return self.gear.friction_torque + motor.no_load_current * motor.torque_constant * self.gear.ratio
+
+    @property
+    def viscous_friction(self) -> float:
+        """Viscous friction at the output, motor's own included [N m s/rad]."""
+        own = self.motor.viscous_friction * self.gear.ratio**2 if isinstance(self.motor, SeriesMotorParams) else 0.0
+        return self.gear.viscous_friction + own

@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from sojourn_mechanics.actuators import joint_drive
 from sojourn_mechanics.contact.contact_law import STATE_COLUMNS, WheelColumn
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
@@ -131,7 +132,7 @@ def _close_period(
         friction_heat=old.friction_heat + float(sums[2]),
         stop_heat=old.stop_heat + float(sums[3]),
         soil_work=old.soil_work + float(sums[SOIL_WORK]),
-        mechanical=mechanical_energy(model, configuration, velocity),
+        mechanical=mechanical_energy(model, configuration, velocity, state.joints[0]),
     )
     x, y = configuration[3], configuration[4]
     upright = 1.0 - 2.0 * (x * x + y * y)  # cosine between the base's z axis and up
@@ -160,12 +161,19 @@ def _close_period(
     return new, output
 
 
-def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: FloatArray) -> float:
-    """Kinetic energy, turning rotors included, and potential energy over z = 0 [J]."""
+def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: FloatArray, angles: FloatArray) -> float:
+    """Kinetic energy, turning rotors included, potential energy over z = 0, and what the springs hold [J].
+
+    Args:
+        angles: of the joints, (joints,).
+    """
     multibody, data = model.multibody, model.data
     kinetic = pin.computeKineticEnergy(multibody, data, configuration, velocity)
     rotors = 0.5 * float(np.dot(model.joints.armature, velocity * velocity))
-    return float(kinetic + rotors + pin.computePotentialEnergy(multibody, data, configuration))
+    table = model.joints.parameters
+    stretch = angles - table[:, joint_drive.SPRING_REST]
+    springs = 0.5 * float(np.dot(table[:, joint_drive.SPRING_STIFFNESS], stretch * stretch))
+    return float(kinetic + rotors + springs + pin.computePotentialEnergy(multibody, data, configuration))
 
 
 def initial_state(
