@@ -89,10 +89,12 @@ class PlantCommand:
     Args:
         reference: (3, joints): position [rad], rate [rad/s], feed-forward torque [N m] of each joint.
         load_fractions: (loads,) 0 off to 1 on; a motor load's current is limited to that fraction.
+        motor_health: (joints,) part of its current that each motor can take, 0 dead to 1; None: all are well.
     """
 
     reference: FloatArray
     load_fractions: FloatArray
+    motor_health: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)

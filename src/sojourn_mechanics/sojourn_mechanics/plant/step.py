@@ -63,13 +63,16 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     multibody, data = model.multibody, model.data
     joints, contacts, terrain = model.joints, model.contacts, model.terrain
     # Bound to locals: twenty times through here is most of what the plant costs outside its kernels.
-    joint_tables = (joints.parameters, joints.kinds, joints.columns, joints.loads)
+    joint_tables = (joints.parameters, joints.kinds, joints.columns)
+    current_limits = (command.load_fractions * state.served)[joints.loads]
+    if command.motor_health is not None:
+        current_limits *= command.motor_health
     model.memory.load(state.ground)
     ground = (terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim, model.memory.tables)
     contact_tables = (
         contacts.wheels, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count,
     )  # fmt: skip
-    memory = (new.joints, new.contacts, command.reference, command.load_fractions * state.served)
+    memory = (new.joints, new.contacts, command.reference, current_limits)
     outputs = (model.report, model.work, model.contact_force, model.force, model.armature, model.mass_matrix)
     efforts, currents, load_power = model.efforts, model.currents, model.load_power
     on_map = True
@@ -86,7 +89,7 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
         for row, coupling in couplings:
             row[:] = pin.cholesky.solve(multibody, data, coupling)
         velocity = advance_velocity(
-            *joint_tables, velocity, acceleration, model.coupling, response, model.contact_force, dt,
+            *joint_tables, joints.loads, velocity, acceleration, model.coupling, response, model.contact_force, dt,
             model.work, new.joints, efforts, currents, load_power, load_energy, sums,
         )  # fmt: skip
         configuration = pin.integrate(multibody, configuration, velocity * dt)
@@ -103,6 +106,8 @@ def _check_command(model: PlantModel, command: PlantCommand) -> None:
             (command.reference.shape, command.load_fractions.shape),
             f"{shape} and one a load",
         )
+    if command.motor_health is not None and command.motor_health.shape != shape[1:]:
+        raise InvalidValueError("shape of the motors' health", command.motor_health.shape, f"{shape[1:]}")
     if not (np.isfinite(command.reference).all() and np.isfinite(command.load_fractions).all()):
         raise InvalidValueError("command", "NaN or infinity", "finite numbers")
 
