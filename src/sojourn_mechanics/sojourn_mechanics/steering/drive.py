@@ -11,7 +11,7 @@ Sources and equations: see kinematics, rate_limiter, odometry and goal_follower 
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numba import njit
@@ -27,6 +27,7 @@ from sojourn_mechanics.steering.goal_follower import (
     follow,
     stop,
 )
+from sojourn_mechanics.steering.heading_fix import SunSighting, fix_heading, mounting_variances
 from sojourn_mechanics.steering.kinematics import PlanarTwist, limited_twist
 from sojourn_mechanics.steering.motor_watch import (
     MotorState,
@@ -68,7 +69,7 @@ class DriveModel:
 
     def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
         """At rest at a pose in odom [m, rad]."""
-        odometry = initial_odometry(self.params.odometry, x, y, yaw)
+        odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting_variances(self.params.heading_fix))
         motors = MotorState.unsuspected(len(self.table))
         return DriveState("idle", odometry, None, None, None, math.inf, 0.0, motors, "idle")
 
@@ -90,6 +91,7 @@ class DriveModel:
             turning = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.1), roll_pitch=(0.0, 0.0), goal=goal)
             state, _ = self.step(state, turning, dt)
         resting = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.0), roll_pitch=(0.0, 0.0), stop=True)
+        resting = replace(resting, sun=SunSighting(np.array((1.0, 0.0, 0.0)), np.array((1.0, 0.0, 0.0))))
         for _ in range(round(2.0 * self.params.odometry.standing_time / dt)):
             state, _ = self.step(state, resting, dt)
 
@@ -231,6 +233,9 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         motors = motors.steering_on_trial()
     table = commandable(model.table, motors)
     odometry = step_odometry(params.odometry, believable(model.table, motors), state.odometry, measured, dt)
+    heading = state.heading
+    if inputs.sun is not None and params.heading_fix is not None:
+        odometry, heading = fix_heading(params.heading_fix, odometry, heading, inputs.sun)
     if limiter is None:
         limiter = LimiterState.at_rest(measured.steer_angles)
 
@@ -277,6 +282,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         stuck_for=stuck_for,
         motors=motors,
         text=arbiter.text,
+        heading=heading,
     )
     pose_covariance, twist_covariance = message_covariances(params.odometry, odometry, dt)
     output = DriveOutput(
@@ -293,7 +299,12 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
 
 
 def _watch(
-    model: DriveModel, state: DriveState, commanded: LimiterState, inputs: DriveInput, measured: OdometryInput, dt: float
+    model: DriveModel,
+    state: DriveState,
+    commanded: LimiterState,
+    inputs: DriveInput,
+    measured: OdometryInput,
+    dt: float,
 ) -> MotorState:
     """What is thought of the motors; they learn nothing while the power manager holds them."""
     last = state.odometry.steer_angles
@@ -336,6 +347,11 @@ def _status(
         "speed_m_s": math.hypot(odometry.v_x, odometry.v_y),
         "yaw_rate_rad_s": odometry.yaw_rate,
         "gyro_bias_rad_s": odometry.gyro_bias,
+        "heading_sigma_rad": math.sqrt(odometry.covariance[2, 2]),
+        "sun": state.heading.text,
+        "sun_fixes": float(state.heading.fixes),
+        "sun_rejected": float(state.heading.rejected),
+        "sun_deviation_sigma": state.heading.deviation,
         "wheel_disagreement_m_s": odometry.residual,
         "yaw_rate_difference_rad_s": odometry.yaw_rate_difference,
         "encoder_jumps": float(odometry.encoder_jumps),

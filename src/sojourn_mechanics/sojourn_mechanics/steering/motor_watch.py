@@ -64,9 +64,7 @@ class MotorState:
 
     def steering_on_trial(self) -> "MotorState":
         """The steering motors get another try."""
-        return replace(
-            self, steer_doubt=np.zeros_like(self.steer_doubt), steer_failed=np.zeros_like(self.steer_failed)
-        )
+        return replace(self, steer_doubt=np.zeros_like(self.steer_doubt), steer_failed=np.zeros_like(self.steer_failed))
 
 
 def watch_motors(

@@ -269,6 +269,18 @@ class OdometryParams(Params):
     )
 
 
+class HeadingFixParams(Params):
+    """Trust in the sun sensor. Sigmas are standard deviations about one axis."""
+
+    noise_sigma: float = Field(..., gt=0.0, le=0.2, description="noise of a sighting [rad]")
+    misalignment_sigma: float = Field(..., gt=0.0, le=0.2, description="lasting error of the mounting [rad]")
+    levelling_sigma: float = Field(..., gt=0.0, le=0.2, description="lasting error of roll and pitch [rad]")
+    gate: float = Field(..., gt=1.0, le=10.0, description="standard deviations beyond which a sighting is refused [-]")
+    max_elevation: float = Field(
+        ..., gt=0.0, lt=0.5 * math.pi, description="a Sun that stands higher gives no heading [rad]"
+    )
+
+
 class GoalFollowerParams(Params):
     """How goals are approached and when they are met."""
 
@@ -319,4 +331,5 @@ class DriveParams(Params):
     transition: SteeringTransitionParams = Field(..., description="slowing down while steering")
     motors: MotorWatchParams = Field(default=MotorWatchParams(), description="when a motor counts as failed")
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")
+    heading_fix: HeadingFixParams | None = Field(None, description="trust in the sun sensor; none: it is not used")
     follower: GoalFollowerParams = Field(..., description="approach to goals")
