@@ -46,7 +46,9 @@ from sojourn_mechanics.steering.odometry import (
 )
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
 from sojourn_mechanics.steering.rate_limiter import LimiterState
+from sojourn_mechanics.steering.turning_limits import TurningLimits, turning_limits
 from sojourn_mechanics.steering.wheel_commands import WheelCommands, command_wheels, expected_slip
+from sojourn_mechanics.vehicle.clothoid import Pose
 
 LONGEST_PERIOD = 1.0
 """Longest period a step accepts [s]."""
@@ -62,10 +64,14 @@ class DriveModel:
     table: FloatArray = field(init=False)
     turn_radius: float = field(init=False)
     """Distance of the farthest wheel from base_link [m]."""
+    turning: TurningLimits = field(init=False)
+    """How sharply it can turn."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "table", self.geometry.table(self.params.track_ratio))
         object.__setattr__(self, "turn_radius", max(math.hypot(w.x, w.y) for w in self.geometry.wheels))
+        turning = turning_limits(self.table, self.params.limits, self.params.follower.max_curvature)
+        object.__setattr__(self, "turning", turning)
 
     def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
         """At rest at a pose in odom [m, rad]."""
@@ -160,9 +166,9 @@ class _Arbiter:
             self.end_goal(stop(self.follower, reason))
         self.mode, self.text, self.since_override = "idle", f"stopped: {reason}", 0.0
 
-    def take_goal(self, model: DriveModel, goal: Goal, position: tuple[float, float]) -> None:
+    def take_goal(self, model: DriveModel, goal: Goal, pose: Pose) -> None:
         """A new goal ends the older one, unless it is refused."""
-        answer = accept(model.params.follower, goal, position)
+        answer = accept(model.params.follower, model.turning, goal, pose)
         if isinstance(answer, GoalOutcome):
             self.outcomes.append(answer)
             if self.follower is None and self.mode == "idle":
@@ -203,9 +209,13 @@ def _follow(
         min(limits.max_yaw_rate, limits.max_speed / model.turn_radius) * power,
         limits.max_deceleration,
         limits.max_deceleration / model.turn_radius,
+        model.turning,
     )
-    pose = (odometry.x, odometry.y, odometry.yaw)
-    way, v_x, yaw_rate, outcome = follow(model.params.follower, way, pose, moving, able, dt)
+    pose = Pose(odometry.x, odometry.y, odometry.yaw)
+    drift = None  # of a rover that hardly moves it is mostly noise
+    if odometry.v_x > model.params.odometry.standing_speed:
+        drift = math.atan2(odometry.v_y, odometry.v_x)
+    way, v_x, yaw_rate, outcome = follow(model.params.follower, way, pose, drift, moving, able, dt)
     arbiter.follower = way
     if outcome is not None:
         arbiter.end_goal(outcome)
@@ -243,7 +253,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     if inputs.stop:
         arbiter.take_stop(inputs.stop_reason)
     if inputs.goal is not None:
-        arbiter.take_goal(model, inputs.goal, (odometry.x, odometry.y))
+        arbiter.take_goal(model, inputs.goal, Pose(odometry.x, odometry.y, odometry.yaw))
     wanted = arbiter.take_twist(model, inputs.twist, dt)
     reason = shortcoming(model.table, motors, model.geometry.names)
     if arbiter.follower is not None and reason:
@@ -330,6 +340,7 @@ def _status(
 ) -> dict[str, str | float]:
     """Fields of /drive/status; the unit is the last part of a name."""
     odometry, way, outcome = state.odometry, state.follower, state.last_outcome
+    followed = way if way is not None else outcome
     status: dict[str, str | float] = {
         "mode": state.mode,
         "failed_motors": failures(state.motors, model.geometry.names),
@@ -338,6 +349,8 @@ def _status(
         "goal": way.goal.name if way is not None else "",
         "distance_to_go_m": way.distance_to_go if way is not None else 0.0,
         "lateral_error_m": way.lateral_error if way is not None else 0.0,
+        "lateral_rms_m": followed.lateral_rms if followed is not None else 0.0,
+        "lateral_max_m": followed.lateral_max if followed is not None else 0.0,
         "waypoint": float(way.index) if way is not None else 0.0,
         "waypoints": float(len(way.goal.points)) if way is not None else 0.0,
         "outcome": outcome.kind if outcome is not None else "",

@@ -289,9 +289,13 @@ class GoalFollowerParams(Params):
     arrive_fraction: float = Field(
         ..., gt=0.0, le=1.0, description="driving ends at this fraction of the position tolerance [-]"
     )
-    pass_radius: float = Field(..., gt=0.0, le=50.0, description="a waypoint is passed within this distance [m]")
-    lookahead: float = Field(..., gt=0.0, le=100.0, description="distance of the pursued point along the path [m]")
-    max_curvature: float = Field(..., gt=0.0, le=20.0, description="sharpest curve while driving [1/m]")
+    corner_cut: float = Field(..., gt=0.0, le=50.0, description="a waypoint is passed within this distance [m]")
+    max_curvature: float = Field(
+        ..., gt=0.0, le=20.0, description="sharpest curve while driving, if the steering can [1/m]"
+    )
+    planned_curvature: float = Field(..., gt=0.0, le=1.0, description="part of it that paths may ask for [-]")
+    lateral_length: float = Field(..., gt=0.0, le=100.0, description="distance that takes out a lateral error [m]")
+    heading_length: float = Field(..., gt=0.0, le=100.0, description="distance that takes out a course error [m]")
     align_tolerance: float = Field(..., gt=0.0, le=0.5, description="a point turn ends within this angle [rad]")
     realign_angle: float = Field(..., gt=0.0, le=1.5, description="bearing from which a point turn is made [rad]")
     yaw_gain: float = Field(..., gt=0.0, le=10.0, description="turn rate per heading error in a point turn [1/s]")
