@@ -114,7 +114,8 @@ def test_a_new_goal_gives_the_steering_another_try(model: DriveModel) -> None:
     del motors.locked[FRONT_LEFT]
     assert motors.drive(AHEAD, 5.0)["failed_motors"] != ""
     assert motors.drive(None, 5.0, Goal.at(5.0, 0.0))["failed_motors"] == ""
-    assert motors.angles[FRONT_LEFT] == pytest.approx(0.0, abs=0.01)  # in the curve to the goal
+    assert motors.angles[FRONT_LEFT] == pytest.approx(motors.output.steer_angles[FRONT_LEFT], abs=0.01)
+    assert abs(motors.angles[FRONT_LEFT]) < 0.1
 
 
 @pytest.mark.parametrize(
