@@ -15,14 +15,16 @@ from sojourn_contract import process, stamps
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_message, status_values
-from sojourn_contract.messages import doubles, fill_joint_state, joint_state
+from sojourn_contract.messages import doubles, fill_joint_state, joint_state, wrench_values
 from sojourn_contract.node import ContractNode
 from sojourn_contract.switches import fraction_of
 from sojourn_contract.topics import topic
-from sojourn_mechanics.arm import controller
 from sojourn_mechanics.arm.feedforward import gravity_in_body
 from sojourn_mechanics.arm.goals import ArmGoal
 from sojourn_mechanics.arm.model import build_arm_model
+from sojourn_mechanics.arm.state import ArmInput, ArmOutput
+from sojourn_mechanics.arm.tasks import task_control
+from sojourn_mechanics.arm.tasks.requests import TaskRequest
 from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
@@ -44,14 +46,14 @@ class ArmNode(ContractNode):
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         self.params = scenario.arm
         self.model = build_arm_model(scenario.urdf_xml, self.params)
-        controller.warm_up(self.params, self.model)
-        self.state = controller.initial_state(self.params)
+        task_control.warm_up(self.params, self.model)
+        self.state = task_control.initial_state(self.params, self.model)
         self._gravity = scenario.gravity
         self._goals = GoalDesk(self.params)
         self._powered = True
-        self._pending: ArmGoal | None = None
+        self._pending: ArmGoal | TaskRequest | None = None
         """A goal that waits for the first period whose measurements can be used."""
-        self._output: controller.ArmOutput | None = None
+        self._output: ArmOutput | None = None
         self._command = joint_state(())
         """Empty until the first measurement says where the arm is: a command of no joint."""
         self._places: tuple[list[str], list[int]] = ([], [])
@@ -63,7 +65,7 @@ class ArmNode(ContractNode):
         if switches is not None:
             self._powered = fraction_of(status_values(switches).get(ARM_LOAD, "on")) != 0.0
         self._take_goals(goals)
-        self._step(inputs["/joint_states"], inputs["/imu/data"])
+        self._step(inputs["/joint_states"], inputs["/imu/data"], inputs.get("/wrist/wrench"))
         if is_due(topic("/arm/status"), stamp // stamps.CONTROL_PERIOD_NS):
             values = self._goals.status(self._output)
             level = 1 if values["state"] in ("refused", "failed") else 0
@@ -74,7 +76,7 @@ class ArmNode(ContractNode):
         self._command.header.stamp = stamps.to_message(stamp)
         self.publish("/arm_command", self._command)
 
-    def _step(self, joints: Any, imu: Any) -> None:
+    def _step(self, joints: Any, imu: Any, wrist: Any) -> None:
         """Form the command of this period. Where a measurement cannot be used the arm holds where it was
         last sent.
         """
@@ -82,18 +84,20 @@ class ArmNode(ContractNode):
         if measured is None or gravity is None:
             self._command.velocity = doubles(np.zeros(len(self._command.name)))
             return
-        request = controller.ArmInput(
+        task = self._pending if isinstance(self._pending, TaskRequest) else None
+        request = ArmInput(
             positions=measured[0],
             velocities=measured[1],
             gravity_in_base=gravity,
-            goal=self._pending,
+            goal=None if isinstance(self._pending, TaskRequest) else self._pending,
             allowed=self._powered,
             not_allowed_reason="" if self._powered else "the power manager has switched the arm off",
         )
-        self.state, self._output = controller.step(
-            self.params, self.model, self.state, request, stamps.CONTROL_PERIOD_S
+        tasks = task_control.TaskInput(request, task, None if wrist is None else wrench_values(wrist), measured[2])
+        self.state, self._output, report = task_control.step(
+            self.params, self.model, self.state, tasks, stamps.CONTROL_PERIOD_S
         )
-        self._goals.note(self._output, self._pending is not None)
+        self._goals.note(self._output, report, self._pending is not None)
         self._pending = None
         output = self._output
         self._command.name = list(self.params.joint_names)
@@ -107,8 +111,8 @@ class ArmNode(ContractNode):
             except RefusedMessageError as refusal:
                 self.refuse(name, refusal)
 
-    def _measured(self, joints: Any) -> tuple[FloatArray, FloatArray] | None:
-        """Positions and rates of the arm's joints, or None where they cannot be used."""
+    def _measured(self, joints: Any) -> tuple[FloatArray, FloatArray, FloatArray | None] | None:
+        """Positions, rates and efforts (None where not told) of the arm's joints; None where they cannot be used."""
         if joints is None:  # refused on arrival
             return None
         if self._places[0] != joints.name:
@@ -122,7 +126,8 @@ class ArmNode(ContractNode):
                     return None
             self._places = (names, [names.index(joint) for joint in self.params.joint_names])
         places = self._places[1]
-        return np.array(joints.position)[places], np.array(joints.velocity)[places]
+        effort = np.array(joints.effort)[places] if len(joints.effort) else None
+        return np.array(joints.position)[places], np.array(joints.velocity)[places], effort
 
     def _gravity_in_base(self, imu: Any) -> FloatArray | None:
         """Gravity from the attitude that the IMU reports, or None where it cannot be used."""

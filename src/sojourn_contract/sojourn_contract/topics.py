@@ -6,6 +6,7 @@ unit, its frame and its plausible range. Rows stand in the order in which data f
 period, from the plant's truth to the commands that go back to it.
 """
 
+from collections.abc import Collection
 from dataclasses import replace
 
 from sojourn_contract.errors import UnknownRoleError, UnknownTopicError
@@ -26,6 +27,7 @@ from sojourn_contract.field_rules import (
     TEXTS,
     TORQUE_TOLERANCE,
     TWIST,
+    WRENCH,
 )
 from sojourn_contract.topic_types import INFINITY, FieldRule, Topic
 
@@ -106,6 +108,17 @@ TOPICS: tuple[Topic, ...] = (
         joints="moving",
     ),
     Topic(
+        "/truth/wrist_wrench",
+        "geometry_msgs/WrenchStamped",
+        "plant",
+        ("sensors",),
+        1,
+        0.1,
+        "true load on the wrist's force sensor, mean of the period: weight, inertia and contact of the tool",
+        WRENCH,
+        part="arm",
+    ),
+    Topic(
         "/bus/state",
         "sensor_msgs/BatteryState",
         "sensors",
@@ -148,6 +161,17 @@ TOPICS: tuple[Topic, ...] = (
             FieldRule("linear_acceleration", "m/s^2", frame="imu_link", low=-500.0, high=500.0),
         ),
         frames=("imu_link",),
+    ),
+    Topic(
+        "/wrist/wrench",
+        "geometry_msgs/WrenchStamped",
+        "sensors",
+        ("arm",),
+        1,
+        0.1,
+        "measured force and moment of the tool on the arm; NaN where the arm has no such sensor",
+        WRENCH,
+        part="arm",
     ),
     Topic(
         "/power/switches",
@@ -302,6 +326,16 @@ TOPICS: tuple[Topic, ...] = (
         (FieldRule("points.positions", "rad", low=-10.0, high=10.0),),
         joints="arm",
     ),
+    Topic(
+        "/arm/task",
+        "diagnostic_msgs/DiagnosticArray",
+        "operator",
+        ("arm",),
+        0,
+        10.0,
+        "carry out a task: status[0].name says which, its values are its numbers",
+        (TEXTS,),
+    ),
     Topic("/arm/stop", "std_msgs/Header", "operator", ("arm",), 0, 10.0, "stop the arm and hold"),
     Topic(
         "/operator/tick",
@@ -346,18 +380,19 @@ def topic(name: str) -> Topic:
         raise UnknownTopicError(name, tuple(_BY_NAME)) from None
 
 
-def outputs_of(role: str) -> tuple[Topic, ...]:
-    """Topics that a role publishes, heartbeats included. Raises UnknownRoleError."""
+def outputs_of(role: str, participants: Collection[str] = ROLES) -> tuple[Topic, ...]:
+    """Topics that a role publishes in a run of these roles, heartbeats included. Raises UnknownRoleError."""
     _check_role(role)
-    return tuple(row for row in TOPICS if row.publisher in (role, "all"))
+    return tuple(row for row in TOPICS if row.publisher in (role, "all") and row.is_in(participants))
 
 
-def inputs_of(role: str) -> tuple[Topic, ...]:
-    """Topics that a role acts on; for the recorder every logged one. Raises UnknownRoleError."""
+def inputs_of(role: str, participants: Collection[str] = ROLES) -> tuple[Topic, ...]:
+    """Topics that a role acts on in a run of these roles; for the recorder every logged one. Raises UnknownRoleError."""
     _check_role(role)
+    rows = (row for row in TOPICS if row.is_in(participants))
     if role == "recorder":
-        return tuple(row for row in TOPICS if row.logged)
-    return tuple(row for row in TOPICS if role in row.subscribers)
+        return tuple(row for row in rows if row.logged)
+    return tuple(row for row in rows if role in row.subscribers)
 
 
 def _check_role(role: str) -> None:

@@ -8,6 +8,7 @@ from sojourn_mechanics.params import Params
 from sojourn_mechanics.sensors.bus import BusTelemetryParams
 from sojourn_mechanics.sensors.encoder import EncoderParams
 from sojourn_mechanics.sensors.imu import ImuParams
+from sojourn_mechanics.sensors.wrench import WrenchSensorParams
 
 
 class JointGroupParams(Params):
@@ -20,11 +21,17 @@ class JointGroupParams(Params):
 
 
 class SensorSuiteParams(Params):
-    """Encoders by joint group, IMU and bus telemetry. A joint that is in no group is not measured."""
+    """Encoders by joint group, IMU, bus telemetry, and the wrist's force sensor where there is one.
+
+    A joint that is in no group is not measured.
+    """
 
     joint_groups: dict[str, JointGroupParams] = Field(min_length=1, description="group name to its joints")
     imu: ImuParams = Field(description="the inertial measurement unit")
     bus: BusTelemetryParams = Field(description="telemetry channels of every energy store")
+    wrist: WrenchSensorParams | None = Field(
+        default=None, description="force/torque sensor of the arm's wrist, or none"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
