@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from geometry_msgs.msg import WrenchStamped
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, Imu, JointState
@@ -15,6 +16,7 @@ from std_msgs.msg import Header
 
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import stamps
+from sojourn_contract.clouds import point_cloud
 from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.judge import Judge
 from sojourn_contract.conformance.machine import Machine
@@ -173,7 +175,9 @@ def _battery(row: Topic, _time: float, _machine: Machine) -> BatteryState:
     return message
 
 
-def _cloud(_row: Topic, time: float, machine: Machine) -> Any:
+def _cloud(row: Topic, time: float, machine: Machine) -> Any:
+    if row.name == "/hazcam/points":
+        return point_cloud(round(time * 1e9), "base_link", np.full((40, 3), time, dtype=np.float32))
     points = np.zeros((machine.contacts, len(CONTACT_FIELDS)))
     return fill_contact_cloud(contact_cloud(), round(time * 1e9), points)
 
@@ -190,6 +194,7 @@ _MAKERS: dict[str, Callable[[Topic, float, Machine], Any]] = {
     "nav_msgs/Odometry": _odometry,
     "sensor_msgs/JointState": _joint_state,
     "sensor_msgs/Imu": _imu,
+    "geometry_msgs/WrenchStamped": lambda _row, _time, _machine: WrenchStamped(),
     "sensor_msgs/BatteryState": _battery,
     "sensor_msgs/PointCloud2": _cloud,
     "diagnostic_msgs/DiagnosticArray": _status,

@@ -8,16 +8,20 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import rclpy
+from geometry_msgs.msg import WrenchStamped
 from nav_msgs.msg import Odometry
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
-from sensor_msgs.msg import BatteryState, Imu, JointState
+from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
 from std_msgs.msg import Header
 
+from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos, stamps
+from sojourn_contract.clouds import point_cloud
 from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats, status_values
-from sojourn_contract.messages import battery_state, fill_joint_state, joint_state
+from sojourn_contract.messages import battery_state, fill_joint_state, joint_state, wrench_stamped
 from sojourn_contract.topics import TOPICS, topic
 from sojourn_contract.types import message_class
 
@@ -31,6 +35,7 @@ JOINTS = tuple(
 WHEELS = tuple(name for name in JOINTS if name.startswith("wheel_"))
 STEERS = tuple(name for name in JOINTS if name.startswith("steer_"))
 ARM = tuple(name for name in JOINTS if name.startswith("arm_"))
+STOWED = dict(zip(ARM, load_scenario(SCENARIO).arm.named_poses["stow"], strict=True))
 
 
 def stamp_of(message: Any) -> int:
@@ -161,9 +166,9 @@ class Bench:
 
 
 def joints(period: int, angles: dict[str, float] | None = None, rates: dict[str, float] | None = None) -> JointState:
-    """Measured (or true) joints; zero where nothing is said."""
+    """Measured (or true) joints; zero where nothing is said, and the arm stowed."""
     message = joint_state(JOINTS)
-    position = [(angles or {}).get(name, 0.0) for name in JOINTS]
+    position = [(STOWED | (angles or {})).get(name, 0.0) for name in JOINTS]
     velocity = [(rates or {}).get(name, 0.0) for name in JOINTS]
     return fill_joint_state(message, at(period), position, velocity, [0.0] * len(JOINTS))
 
@@ -179,6 +184,13 @@ def imu(period: int, yaw: float = 0.0, yaw_rate: float = 0.0) -> Imu:
     return message
 
 
+def wrist(period: int, force: Any = (0.0, 0.0, -3.25)) -> WrenchStamped:
+    """Load of the hanging turret on the wrist's sensor, or another force [N]."""
+    return wrench_stamped(
+        at(period), "arm_turret_link", np.array([*force, 0.0, 0.0, 0.0]) if np.isfinite(force).all() else None
+    )
+
+
 def odometry(period: int) -> Odometry:
     """A machine at rest at the origin of map."""
     message = Odometry(child_frame_id="base_link")
@@ -186,6 +198,11 @@ def odometry(period: int) -> Odometry:
     message.header.frame_id = "map"
     message.pose.pose.orientation.w = 1.0
     return message
+
+
+def cloud(period: int, points: Any = ()) -> PointCloud2:
+    """Points that the hazard camera has found, in base_link [m]."""
+    return point_cloud(at(period), "base_link", np.asarray(points, dtype=np.float32).reshape(-1, 3))
 
 
 def battery(period: int, voltage: float = 29.0, current: float = 2.0) -> BatteryState:

@@ -3,9 +3,13 @@
 import math
 from typing import Any
 
+import numpy as np
+import pinocchio as pin
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
-from node_bench import ARM, Bench, at, imu, joints, stamp_of
+from node_bench import ARM, WHEELS, Bench, at, imu, joints, odometry, stamp_of, wrist
+from node_bench import command as wheel_command
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -18,15 +22,19 @@ from sojourn_contract.heartbeat import status_message
 class ArmBench:
     """An arm that is where it was told to be one period before."""
 
-    def __init__(self, bench: Bench) -> None:
+    def __init__(self, bench: Bench, *others: str) -> None:
         self.bench = bench
-        self.node = bench.start(ArmNode, "sensors", "arm", "power")
+        self.node = bench.start(ArmNode, "sensors", "arm", "power", *others)
+        self.with_drive = "drive" in others
+        self.here = odometry(0)
         bench.connect(self.node)
         self.period = 0
+        self.force = (0.0, 0.0, -3.25)
+        """On the wrist's sensor [N]: the turret hangs."""
         self.angles = dict(zip(ARM, self.node.params.named_poses["unfold"], strict=True))
 
-    def step(self, periods: int = 1, spoil: str = "", switch: str = "on") -> JointState:
-        """Go on; the last command."""
+    def step(self, periods: int = 1, spoil: str = "", switch: str = "on", rate: float = 0.0) -> JointState:
+        """Go on, the wheels told to turn at `rate`; the last command."""
         for _ in range(periods):
             self.period += 1
             message = joints(self.period, self.angles)
@@ -41,7 +49,12 @@ class ArmBench:
             attitude = imu(self.period)
             if spoil == "attitude":
                 attitude.orientation.w = 0.0
+            self.bench.send("/wrist/wrench", wrist(self.period, self.force))
             self.bench.send("/imu/data", attitude)
+            if self.with_drive:
+                self.here.header.stamp = stamps.to_message(at(self.period))
+                self.bench.send("/odom", self.here)
+                self.bench.send("/wheel_command", wheel_command(WHEELS, self.period, rate))
             command = self.bench.answer("/arm_command", self.period)
             if command.name:
                 self.angles = dict(zip(command.name, command.position, strict=True))
@@ -130,7 +143,11 @@ def trajectory(names: tuple[str, ...], *points: list[float]) -> JointTrajectory:
 
 REFUSED = {
     "unreachable": ("/arm/goal_pose", pose_goal(4.0, 0.0, 0.0), r"reach"),
-    "wrong frame": ("/arm/goal_pose", pose_goal(1.0, 0.0, 0.0, "map"), "header.frame_id = 'map': allowed is base_link"),
+    "wrong frame": (
+        "/arm/goal_pose",
+        pose_goal(1.0, 0.0, 0.0, "map"),
+        "header.frame_id = 'map': allowed is base_link: there is no /odom",
+    ),
     "unknown joint": (
         "/arm/joint_goal",
         joint_goal(("elbow",), [0.0]),
@@ -209,6 +226,103 @@ def test_without_power_a_goal_is_refused(arm: ArmBench, text: str) -> None:
     arm.step(45, switch=text)
     status = arm.bench.status("/arm/status", 50)
     assert status["state"] == "refused" and "power manager has switched the arm off" in status["reason"]
+
+
+def test_while_the_rover_drives_a_goal_is_refused_and_a_motion_stops(bench: Bench) -> None:
+    arm = ArmBench(bench, "drive")
+    arm.step()
+    before = arm.node.events.received.get("/arm/joint_goal", 0)
+    bench.send("/arm/joint_goal", joint_goal((), [], "stow"))
+    bench.until(lambda: arm.node.events.received.get("/arm/joint_goal", 0) > before, "the goal has arrived")
+    arm.step(49, rate=0.01)
+    status = bench.status("/arm/status", 50)
+    assert status["state"] == "refused" and "the rover drives: wheel_front_left_joint is told 0.010" in status["reason"]
+    assert arm.goal("/arm/joint_goal", joint_goal((), [], "stow"))["state"] == "moving"
+    assert max(map(abs, arm.step().velocity)) > 0.0
+    command = arm.step(99, rate=0.01)
+    status = bench.status("/arm/status", arm.period)
+    assert status["state"] == "stopped" and "the rover drives" in status["reason"]
+    assert list(command.velocity) == [0.0] * 5
+
+
+def test_a_goal_on_the_ground_is_found_from_where_the_rover_stands(bench: Bench) -> None:
+    """Turned by a quarter and tilted: the point asked for in odom is the same point of space."""
+    arm = ArmBench(bench, "drive")
+    attitude = pin.Quaternion(pin.rpy.rpyToMatrix(0.1, -0.15, math.pi / 2))
+    base_in_odom = pin.SE3(attitude, np.array([3.0, -2.0, 0.5]))
+    pose = arm.here.pose.pose
+    pose.position.x, pose.position.y, pose.position.z = base_in_odom.translation.tolist()
+    pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w = attitude.coeffs().tolist()
+    arm.step()
+    tip = np.array([float(value) for value in arm.status()["tip_in_base_m"].split()])
+    wanted = tip + np.array([0.0, 0.03, 0.02])
+    status = arm.goal("/arm/goal_pose", pose_goal(*base_in_odom.act(wanted).tolist(), "odom"))
+    assert status["state"] in ("moving", "reached"), status["reason"]
+    assert arm.node.state.arm.tip_target == pytest.approx(wanted, abs=1e-4)
+    status = arm.goal("/arm/goal_pose", pose_goal(*wanted.tolist(), "camera"))
+    assert "header.frame_id = 'camera': allowed is one of base_link, map, odom" in status["reason"]
+
+
+def task(name: str, **numbers: str) -> Any:
+    return status_message(at(1), name, numbers)
+
+
+UNKNOWN_TASKS = {
+    "unknown task": (task("wave"), "unknown task 'wave': there are unfold, stow, place"),
+    "unknown key": (task("guarded_move", sped="0.01"), "unknown key 'sped' (there are preempt, direction, speed"),
+    "no number": (task("guarded_move", force="much"), "force = 'much'"),
+    "out of range": (task("guarded_move", force="1000"), "force = '1000'"),
+    "no target": (task("place"), "position is missing"),
+    "no length": (task("guarded_move", direction="0 0 0"), "allowed is a vector that has a length"),
+    "beyond reach": (task("guarded_move", direction="1 0 0", distance="0.5"), "the arm can follow"),
+    "nothing": (DiagnosticArray(), "0 statuses: allowed is one"),
+}
+
+
+@pytest.mark.parametrize("message,reason", UNKNOWN_TASKS.values(), ids=UNKNOWN_TASKS.keys())
+def test_tasks_that_cannot_be_are_refused_with_what_is_allowed(arm: ArmBench, message: Any, reason: str) -> None:
+    arm.step()
+    before = list(arm.step().position)
+    status = arm.goal("/arm/task", message)
+    assert status["state"] == "refused" and reason in status["reason"]
+    assert list(arm.step().position) == before
+
+
+def test_a_guarded_move_ends_where_the_wrist_feels_the_ground(arm: ArmBench) -> None:
+    arm.step()
+    status = arm.goal("/arm/task", task("guarded_move", force="8", distance="0.1"))
+    assert (status["state"], status["task"]) == ("moving", "guarded_move")
+    assert float(status["contact_force_n"]) == pytest.approx(0.0, abs=0.1)
+    assert 0.0 < float(status["progress"]) < 1.0 and 0.0 < float(status["time_to_go"]) < 10.0
+    second = arm.goal("/arm/task", task("stow"))
+    assert second["state"] == "refused" and "guarded_move is under way" in second["reason"]
+    arm.force = (0.0, 0.0, 5.0)  # 8.25 N from below
+    status = arm.status()
+    assert float(status["overshoot_n"]) == pytest.approx(0.25, abs=0.1)
+    still = arm.step().position
+    arm.step(25)
+    assert list(arm.step().position) == pytest.approx(list(still), abs=1e-3)
+    arm.force = (0.0, 0.0, -3.25)
+    assert arm.goal("/arm/task", task("unfold", preempt="true"))["state"] in ("moving", "reached")
+
+
+def test_without_a_wrist_sensor_tasks_that_feel_are_refused(arm: ArmBench) -> None:
+    arm.force = (math.nan, math.nan, math.nan)
+    arm.step()
+    status = arm.goal("/arm/task", task("guarded_move"))
+    assert status["state"] == "refused" and "feels no forces" in status["reason"]
+    assert arm.goal("/arm/task", task("stow"))["state"] == "moving"
+
+
+def test_in_real_time_it_acts_without_the_drive(bench: Bench) -> None:
+    """A drive that is down and started again does not keep the arm from holding."""
+    node = bench.start(ArmNode, "sensors", "drive", "arm", lockstep=False)
+    bench.connect(node, lockstep=False)
+    for period in (1, 2):
+        bench.send("/joint_states", joints(period))
+        bench.until(lambda period=period: node._latest.get("/joint_states", (0,))[0] == at(period), "joints are there")
+        bench.send("/imu/data", imu(period))
+    assert tuple(bench.answer("/arm_command", 2).name) == ARM
 
 
 def test_in_real_time_any_input_may_come_first(bench: Bench) -> None:

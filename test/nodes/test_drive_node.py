@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import Path
-from node_bench import JOINTS, STEERS, WHEELS, Bench, at, imu, joints, stamp_of, tick
+from node_bench import JOINTS, STEERS, WHEELS, Bench, at, cloud, imu, joints, stamp_of, tick
 
 from sojourn_contract import stamps
 from sojourn_contract.events import format_tick
@@ -24,11 +24,13 @@ def drive(bench: Bench) -> DriveNode:
     return node
 
 
-def step(bench: Bench, *periods: int) -> Any:
-    """Measurements at rest for these periods; the last wheel command."""
+def step(bench: Bench, *periods: int, angles: dict[str, float] | None = None) -> Any:
+    """Measurements at rest for these periods, joints at these angles; the last wheel command."""
     for period in periods:
-        bench.send("/joint_states", joints(period))
+        bench.send("/joint_states", joints(period, angles))
         bench.send("/imu/data", imu(period))
+        if period % 50 == 0:
+            bench.send("/hazcam/points", cloud(period))
         bench.answer("/odom", period)
         command = bench.answer("/wheel_command", period)
     return command
@@ -181,6 +183,8 @@ def test_measurements_that_cannot_be_used_stop_the_wheels(bench: Bench, drive: D
         bad.position[3] = math.nan
         bench.send("/joint_states", bad)
         bench.send("/imu/data", imu(period))
+        if period % 50 == 0:
+            bench.send("/hazcam/points", cloud(period))
         assert rates(bench.answer("/wheel_command", period)) == [0.0] * 6
         bench.answer("/odom", period)
         if period == 60:
@@ -256,3 +260,33 @@ def test_in_real_time_an_old_measurement_is_lost(bench: Bench) -> None:
     bench.send("/imu/data", imu(3))
     bench.until(lambda: node.counters.refused, "a stamp from the past is refused")
     assert node.counters.refused == {"/imu/data": 1} and "header.stamp" in node.counters.last_refusal
+
+
+def test_with_the_arm_out_it_refuses_goals_and_velocities_with_the_reason(bench: Bench, drive: DriveNode) -> None:
+    out = {"arm_azimuth_joint": 0.0}
+    step(bench, *range(1, 48), angles=out)
+    send_event(bench, drive, "/goal_pose", pose(2.0, 0.0))
+    send_event(bench, drive, "/cmd_vel", twist(0.03))
+    command = step(bench, 48, 49, 50, angles=out)
+    assert rates(command) == [0.0] * 6
+    assert drive.counters.refused == {"/goal_pose": 1, "/cmd_vel": 1}
+    status = bench.status("/drive/status", 50)
+    assert status["state"] == "refused" and "arm_azimuth_joint is 1.57 from 'stow'" in status["reason"]
+    send_event(bench, drive, "/goal_pose", pose(2.0, 0.0))
+    assert min(rates(step(bench, *range(51, 101)))) > 0.1, "stowed, it drives"
+
+
+def test_it_stops_when_the_arm_leaves_its_driving_pose(bench: Bench, drive: DriveNode) -> None:
+    send_event(bench, drive, "/goal_pose", pose(2.0, 0.0))
+    assert min(rates(step(bench, *range(1, 41)))) > 0.1
+    command = step(bench, *range(41, 101), angles={"arm_elbow_joint": -2.6})
+    assert rates(command) == [0.0] * 6 and drive.state.follower is None
+    status = bench.status("/drive/status", 100)
+    assert status["state"] == "stopped" and "arm_elbow_joint is 0.10 from 'stow'" in status["reason"]
+
+
+def test_the_interlock_can_be_switched_off(bench: Bench) -> None:
+    node = bench.start(DriveNode, "sensors", "drive", overrides=["arm.interlock.enabled=false"])
+    bench.connect(node)
+    send_event(bench, node, "/goal_pose", pose(2.0, 0.0))
+    assert min(rates(step(bench, *range(1, 41), angles={"arm_azimuth_joint": 0.0}))) > 0.1

@@ -4,9 +4,11 @@ the status.
 
 from typing import Any
 
+from sojourn_arm.rover import Rover
 from sojourn_arm.tasks import task_fields, task_of
 from sojourn_contract import stamps
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.messages import quaternion, xyz
 from sojourn_mechanics.arm.controller import ArmOutput
 from sojourn_mechanics.arm.goals import (
     ArmGoal,
@@ -21,10 +23,6 @@ from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.tasks.requests import TaskRequest
 from sojourn_mechanics.arm.tasks.task_control import TaskReport
 
-FRAME = "base_link"
-"""Frame of pose goals: what the arm's cameras measure from. The drive's estimate of map is not good to
-millimetres.
-"""
 _STATES = {
     "holding": "failed",
     "idle": "idle",
@@ -38,8 +36,9 @@ _STATES = {
 class GoalDesk:
     """Takes goals in and keeps the state of the last one."""
 
-    def __init__(self, params: ArmParams) -> None:
+    def __init__(self, params: ArmParams, rover: Rover) -> None:
         self._params = params
+        self._rover = rover
         self._state = "idle"
         self._reason = ""
         self._stamp = 0
@@ -97,14 +96,9 @@ class GoalDesk:
         if topic == "/arm/task":
             return task_of(message)
         if topic == "/arm/goal_pose":
-            if message.header.frame_id != FRAME:
-                raise RefusedMessageError(topic, "header.frame_id", repr(message.header.frame_id), FRAME)
-            position, orientation = message.pose.position, message.pose.orientation
-            return pose_goal(
-                self._params,
-                (position.x, position.y, position.z),
-                (orientation.x, orientation.y, orientation.z, orientation.w),
-            )
+            pose = message.pose
+            goal = pose_goal(self._params, xyz(pose.position).tolist(), quaternion(pose.orientation).tolist())
+            return self._rover.in_base(goal, message.header.frame_id)
         if topic == "/arm/joint_goal":
             if not message.name:
                 return NamedGoal(message.header.frame_id)

@@ -23,7 +23,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from sojourn_bringup import bench_arm, bench_wheel, options, start
+from sojourn_bringup import bench_arm, bench_machine, bench_wheel, options, start
 from sojourn_bringup.bench_contacts import NOT_FINITE, bench_contacts
 from sojourn_bringup.bench_ground import bench_ground
 from sojourn_bringup.errors import BringupError
@@ -49,6 +49,7 @@ TARGETS = {
     "processes, times real time": (">=", 5.0),
     **bench_arm.TARGETS,
     **bench_wheel.TARGETS,
+    **bench_machine.TARGETS,
 }
 
 
@@ -182,6 +183,8 @@ PARTS = {
     "contacts": bench_contacts,
     "ground": bench_ground,
     "arm": bench_arm.inverse_kinematics,
+    "wheels": bench_machine.bench_wheels,
+    "energy": bench_machine.bench_energy,
 }
 LOOPS = ("composed", "processes")
 

@@ -160,6 +160,9 @@ def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: Ya
             problem = _joint_problem(document, ("joint_groups", group, "joints", number), name, urdf)
             if problem is not None:
                 yield problem
+    if sensors.hazcam is not None and sensors.hazcam.link not in urdf.links:
+        allowed = f"is not a link of {urdf.file}: " + names_text(sensors.hazcam.link, urdf.links)
+        yield document.problem(("hazcam", "link"), sensors.hazcam.link, allowed)
 
 
 def _arm_problems(arm: ArmParams, rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:

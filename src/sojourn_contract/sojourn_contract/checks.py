@@ -7,6 +7,7 @@ from collections.abc import Callable
 from math import isfinite, isnan
 from typing import Any
 
+from sojourn_contract.clouds import points_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.topic_types import Topic
 
@@ -130,6 +131,10 @@ def _check_path(topic: str, message: Any) -> None:
         _check_pose(topic, f"poses[{index}].pose", pose.pose)
 
 
+def _check_cloud(topic: str, message: Any) -> None:
+    points_of(topic, message)
+
+
 _CHECKS: dict[str, Callable[[str, Any], None]] = {
     "JointState": _check_joint_state,
     "JointTrajectory": _check_trajectory,
@@ -140,4 +145,5 @@ _CHECKS: dict[str, Callable[[str, Any], None]] = {
     "Imu": _check_imu,
     "BatteryState": _check_battery,
     "WrenchStamped": _check_wrench,
+    "PointCloud2": _check_cloud,
 }

@@ -50,7 +50,6 @@ GOAL = (
     FieldRule("pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),
     FieldRule("pose.orientation", "", low=-1.0, high=1.0),
 )
-ARM_GOAL = tuple(replace(rule, frame=rule.frame and "base_link") for rule in GOAL)
 BATTERY = (
     FieldRule("voltage", "V", low=0.0, high=100.0, tolerance=FLOAT32_TOLERANCE),
     FieldRule("current", "A, negative while discharging", low=-500.0, high=500.0, tolerance=FLOAT32_TOLERANCE),

@@ -237,10 +237,15 @@ class ContractNode(Node):
         )
 
     def _trigger_input(self) -> str:
+        """In real time: the input on which it acts. Of the fastest ones that of the earliest role of a period: a node
+        that is down, and started again, does not keep those after it from acting.
+        """
         if not self._awaited:
             return ""
         fastest = min(row.every for row in self._awaited)
-        return [row.name for row in self._awaited if row.every == fastest][-1]
+        rows = [row for row in self._awaited if row.every == fastest]
+        first = min((row.publisher for row in rows), key=ROLES.index)
+        return [row.name for row in rows if row.publisher == first][-1]
 
     def _stamp_of(self, message: Any) -> int:
         if isinstance(message, bytes):

@@ -12,15 +12,13 @@ from dataclasses import replace
 from sojourn_contract.errors import UnknownRoleError, UnknownTopicError
 from sojourn_contract.field_rules import (
     ANGLE,
-    ARM_GOAL,
     BATTERY,
     COVARIANCE,
     EFFORT,
     ENCODER_RATE,
     ESTIMATED_TWIST,
+    FLOAT32_TOLERANCE,
     FORCE_TOLERANCE,
-    GOAL,
-    GOAL_FRAMES,
     MEASURED_RATE,
     POSE,
     RATE,
@@ -29,6 +27,7 @@ from sojourn_contract.field_rules import (
     TWIST,
     WRENCH,
 )
+from sojourn_contract.goal_topics import GOAL_TOPICS
 from sojourn_contract.topic_types import INFINITY, FieldRule, Topic
 
 ROLES = ("plant", "sensors", "drive", "arm", "power", "operator", "recorder")
@@ -97,17 +96,6 @@ TOPICS: tuple[Topic, ...] = (
         (FieldRule("status.values", "W, J"),),
     ),
     Topic(
-        "/truth/joint_states",
-        "sensor_msgs/JointState",
-        "plant",
-        ("sensors",),
-        1,
-        0.1,
-        "true position, rate and effort of every joint",
-        (ANGLE, MEASURED_RATE, EFFORT),
-        joints="moving",
-    ),
-    Topic(
         "/truth/wrist_wrench",
         "geometry_msgs/WrenchStamped",
         "plant",
@@ -117,6 +105,17 @@ TOPICS: tuple[Topic, ...] = (
         "true load on the wrist's force sensor, mean of the period: weight, inertia and contact of the tool",
         WRENCH,
         part="arm",
+    ),
+    Topic(
+        "/truth/joint_states",
+        "sensor_msgs/JointState",
+        "plant",
+        ("sensors",),
+        1,
+        0.1,
+        "true position, rate and effort of every joint",
+        (ANGLE, MEASURED_RATE, EFFORT),
+        joints="moving",
     ),
     Topic(
         "/bus/state",
@@ -138,6 +137,17 @@ TOPICS: tuple[Topic, ...] = (
         "measured position and rate of every joint with an encoder",
         (ANGLE, ENCODER_RATE, replace(EFFORT, optional=True)),
         joints="measured",
+    ),
+    Topic(
+        "/wrist/wrench",
+        "geometry_msgs/WrenchStamped",
+        "sensors",
+        ("arm",),
+        1,
+        0.1,
+        "measured force and moment of the tool on the arm; NaN where the arm has no such sensor",
+        WRENCH,
+        part="arm",
     ),
     Topic(
         "/imu/data",
@@ -163,15 +173,15 @@ TOPICS: tuple[Topic, ...] = (
         frames=("imu_link",),
     ),
     Topic(
-        "/wrist/wrench",
-        "geometry_msgs/WrenchStamped",
+        "/hazcam/points",
+        "sensor_msgs/PointCloud2",
         "sensors",
-        ("arm",),
-        1,
-        0.1,
-        "measured force and moment of the tool on the arm; NaN where the arm has no such sensor",
-        WRENCH,
-        part="arm",
+        ("drive",),
+        50,
+        3.0,
+        "measured points of the ground ahead: x y z; none from a machine without a hazard camera",
+        (FieldRule("x y z", "m", frame="base_link", low=-100.0, high=100.0, tolerance=FLOAT32_TOLERANCE),),
+        frames=("base_link",),
     ),
     Topic(
         "/power/switches",
@@ -207,7 +217,7 @@ TOPICS: tuple[Topic, ...] = (
         "/odom",
         "nav_msgs/Odometry",
         "drive",
-        (),
+        ("arm",),
         1,
         0.1,
         "estimated pose of base_link in odom with covariance, twist in base_link",
@@ -229,7 +239,7 @@ TOPICS: tuple[Topic, ...] = (
         "/wheel_command",
         "sensor_msgs/JointState",
         "drive",
-        ("plant",),
+        ("plant", "arm"),
         1,
         0.2,
         "drive joints: velocity; steer joints: position and velocity",
@@ -257,86 +267,7 @@ TOPICS: tuple[Topic, ...] = (
         "goal, state, progress and reason",
         (TEXTS,),
     ),
-    Topic(
-        "/cmd_vel",
-        "geometry_msgs/TwistStamped",
-        "operator",
-        ("drive",),
-        0,
-        0.5,
-        "wanted velocity of base_link",
-        (
-            FieldRule("twist.linear", "m/s", frame="base_link", low=-10.0, high=10.0),
-            FieldRule("twist.angular", "rad/s", frame="base_link", low=-10.0, high=10.0),
-        ),
-        frames=("base_link", ""),
-    ),
-    Topic(
-        "/goal_pose",
-        "geometry_msgs/PoseStamped",
-        "operator",
-        ("drive",),
-        0,
-        10.0,
-        "drive there",
-        GOAL,
-        frames=GOAL_FRAMES,
-    ),
-    Topic(
-        "/waypoints",
-        "nav_msgs/Path",
-        "operator",
-        ("drive",),
-        0,
-        10.0,
-        "drive along these",
-        (FieldRule("poses.pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),),
-        frames=GOAL_FRAMES,
-    ),
-    Topic(
-        "/arm/goal_pose",
-        "geometry_msgs/PoseStamped",
-        "operator",
-        ("arm",),
-        0,
-        10.0,
-        "place the arm's tip there; an orientation other than identity or zero asks for the direction of its z axis",
-        ARM_GOAL,
-        frames=("base_link",),
-    ),
-    Topic(
-        "/arm/joint_goal",
-        "sensor_msgs/JointState",
-        "operator",
-        ("arm",),
-        0,
-        10.0,
-        "move to these joint positions; a header.frame_id of stow or unfold and no joints asks for that pose",
-        (replace(ANGLE, optional=True),),
-        joints="arm",
-    ),
-    Topic(
-        "/arm/joint_trajectory",
-        "trajectory_msgs/JointTrajectory",
-        "operator",
-        ("arm",),
-        0,
-        10.0,
-        "move through these joint positions",
-        (FieldRule("points.positions", "rad", low=-10.0, high=10.0),),
-        joints="arm",
-    ),
-    Topic(
-        "/arm/task",
-        "diagnostic_msgs/DiagnosticArray",
-        "operator",
-        ("arm",),
-        0,
-        10.0,
-        "carry out a task: status[0].name says which, its values are its numbers",
-        (TEXTS,),
-    ),
-    Topic("/arm/stop", "std_msgs/Header", "operator", ("arm",), 0, 10.0, "stop the arm and hold"),
+    *GOAL_TOPICS,
     Topic(
         "/operator/tick",
         "std_msgs/Header",
@@ -387,7 +318,10 @@ def outputs_of(role: str, participants: Collection[str] = ROLES) -> tuple[Topic,
 
 
 def inputs_of(role: str, participants: Collection[str] = ROLES) -> tuple[Topic, ...]:
-    """Topics that a role acts on in a run of these roles; for the recorder every logged one. Raises UnknownRoleError."""
+    """Topics that a role acts on in a run of these roles; for the recorder every logged one.
+
+    Raises UnknownRoleError.
+    """
     _check_role(role)
     rows = (row for row in TOPICS if row.is_in(participants))
     if role == "recorder":

@@ -58,6 +58,12 @@ class GoalDesk:
             return Goal.along(points, yaw, name=self._name())
         return Goal.at(*points[0], yaw, name=self._name())
 
+    def refused(self, topic: str, message: Any, reason: str) -> RefusedMessageError:
+        """Note that a goal or a velocity command was refused; the refusal."""
+        self._state, self._reason, self._stamp = "refused", reason, stamps.from_message(message.header.stamp)
+        self._count += 1
+        return RefusedMessageError(topic, "header", "a goal now", f"none while {reason}")
+
     def pre_empted(self, stamp: int, unseen: bool) -> None:
         """A velocity command has come: a goal on its way ends with the outcome that the drive gives it.
 

@@ -19,6 +19,7 @@ from sojourn_contract.heartbeat import status_message, status_values
 from sojourn_contract.messages import set_quaternion, set_xyz
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
+from sojourn_drive.arm_interlock import ArmInterlock
 from sojourn_drive.goals import GoalDesk
 from sojourn_drive.measurements import WheelMeasurements
 from sojourn_mechanics.errors import MechanicsError
@@ -46,6 +47,7 @@ class DriveNode(ContractNode):
         self.state = self.model.initial_state(start.x, start.y, start.yaw)
         self._measurements = WheelMeasurements(scenario.rover.wheels, scenario.urdf_xml)
         self._goals = GoalDesk(scenario.terrain)
+        self._interlock = ArmInterlock(scenario.arm)
         self._twist: tuple[int, PlanarTwist] | None = None
         self._power_limit = 1.0
         self._last: int | None = None
@@ -60,6 +62,7 @@ class DriveNode(ContractNode):
         switches = inputs.get("/power/switches")
         if switches is not None:
             self._power_limit = self._measurements.power_limit(status_values(switches), self._power_limit)
+        self._interlock.hear(inputs["/joint_states"], driving=self.state.mode != "idle")
         self._take_goals(goals)
         output = self._step(stamp, inputs["/joint_states"], inputs["/imu/data"])
         self._goals.note(output.outcomes)
@@ -77,6 +80,8 @@ class DriveNode(ContractNode):
                 measured = self._measurements.drive_input(
                     joints, imu, self._twist_command(stamp), self._pending, self._power_limit
                 )
+                if self._interlock.reason:
+                    measured = replace(measured, goal=None, stop=True, stop_reason=self._interlock.reason)
                 self.state, self._output = self.model.step(self.state, measured, self._since_last(stamp))
                 self._last, self._pending = stamp, None
                 return self._output
@@ -100,6 +105,9 @@ class DriveNode(ContractNode):
     def _take_goals(self, goals: list[tuple[str, Any]]) -> None:
         """Keep the goal that takes effect now; of several the last."""
         for name, message in goals:
+            if self._interlock.reason:
+                self.refuse(name, self._goals.refused(name, message, self._interlock.reason))
+                continue
             if name == "/cmd_vel":
                 linear, angular = message.twist.linear, message.twist.angular
                 stamp = stamps.from_message(message.header.stamp) or self.now

@@ -80,8 +80,8 @@ class TruthMessages:
                 ),
             )
         yield "/truth/odom", odometry
-        yield "/truth/joint_states", fill_joint_state(self._joints, stamp, state.joints[0], rates, output.efforts)
         yield "/truth/wrist_wrench", wrench_stamped(stamp, self._wrist_frame, output.wrist_wrench)
+        yield "/truth/joint_states", fill_joint_state(self._joints, stamp, state.joints[0], rates, output.efforts)
         yield "/clock", Clock(clock=time)
         yield "/truth/contacts", fill_contact_cloud(self._contacts, stamp, output.contacts)
         if seldom:

@@ -1,18 +1,18 @@
 """Control of force and of motion at the tip, through the position references of the joints' servos.
 
-The servos of the joints hold positions, so the outer loop is an admittance: it reads the force at the wrist and moves the
-reference of the tip.
+The servos of the joints hold positions, so the outer loop is an admittance: it reads the force at the wrist and moves
+the reference of the tip.
 
 - Along a direction of contact d, with the force f that the tool presses with, (F - f)/D is the speed of the reference:
-  a damper D between the wanted force F and the measured one. Against a contact of stiffness k (arm and ground in series)
-  the force then closes in with the rate k/D; a sampled loop with a delay T is stable for k T/D < π/2.
+  a damper D between the wanted force F and the measured one. Against a contact of stiffness k (arm and ground in
+  series) the force then closes in with the rate k/D; a sampled loop with a delay T is stable for k T/D < π/2.
 - Across d the reference follows the wanted motion: hybrid control of position and force (Raibert & Craig 1981, ASME J.
   Dyn. Syst. Meas. Control 103:126), with the selection matrix  S = I - d dᵀ  for motion and  d dᵀ  for force.
 - Where the place matters as well as the force, the reference gives way as a mass on a spring and a damper would,
   M a + D v + K (x - x0) = f  (Hogan 1985, ASME J. Dyn. Syst. Meas. Control 107:1), semi-implicit in the step.
 
-Forces are those of the ground on the tool, in base_link [N]. A lost contact makes f = 0: the tip then seeks the ground with
-at most `max_speed`.
+Forces are those of the ground on the tool, in base_link [N]. A lost contact makes f = 0: the tip then seeks the ground
+with at most `max_speed`.
 """
 
 import numpy as np

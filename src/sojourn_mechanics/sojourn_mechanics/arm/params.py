@@ -15,6 +15,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from sojourn_mechanics.arm.force_control import ForceControlParams
+from sojourn_mechanics.arm.interlock import InterlockParams
 from sojourn_mechanics.params import Params
 
 PositiveRate = Annotated[float, Field(gt=0.0, le=1.0e4)]
@@ -180,6 +181,7 @@ class ArmParams(Params):
         default=ForceControlParams(), description="control of contact forces through the joints' references"
     )
     trim: TrimParams = Field(default=TrimParams(), description="integral trim at rest")
+    interlock: InterlockParams = Field(default=InterlockParams(), description="interlock with the drive")
 
     @property
     def joint_count(self) -> int:
@@ -203,9 +205,10 @@ class ArmParams(Params):
         for pose, values in self.named_poses.items():
             if len(values) != count:
                 raise ValueError(f"named_poses.{pose} has {len(values)} values: allowed is {count}, one per joint")
-        for name in self.via_poses:
-            if name not in self.named_poses:
-                raise ValueError(f"via_poses: '{name}' is not a named pose; there are {sorted(self.named_poses)}")
+        for key, names in (("via_poses", self.via_poses), ("interlock.driving_poses", self.interlock.driving_poses)):
+            for name in names:
+                if name not in self.named_poses:
+                    raise ValueError(f"{key}: '{name}' is not a named pose; there are {sorted(self.named_poses)}")
         for name, axis in (("tool_axis", self.tool_axis), ("preferred_direction", self.preferred_direction)):
             if axis is not None and abs(math.hypot(*axis) - 1.0) > 1.0e-6:
                 raise ValueError(f"{name} = {axis} has length {math.hypot(*axis):.6g}: allowed is a unit vector")

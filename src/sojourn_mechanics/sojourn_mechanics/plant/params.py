@@ -31,7 +31,7 @@ class MachineParams(Params):
     wrench_sensor_link: str | None = Field(
         default=None,
         min_length=1,
-        description="link of the arm that hangs on its force/torque sensor, which sits at that link's joint; null: none",
+        description="link of the arm that hangs on a force/torque sensor at that link's joint; null: there is none",
     )
     couplings: tuple[CouplingParams, ...] = Field(default=(), description="joints coupled by a mechanism")
     stop_stiffness: float = Field(default=2e4, gt=0.0, le=1e8, description="stiffness of joint stops [N m/rad]")

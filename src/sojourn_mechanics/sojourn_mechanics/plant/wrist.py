@@ -3,8 +3,8 @@
     w = -(Σ I a + v × I v) + Σ w_contact,   a relative to free fall
 
 over the bodies beyond the sensor: weight and inertia by recursive Newton-Euler (Featherstone 2008, table 5.1;
-Pinocchio's rnea), and the contacts of those bodies with the ground. Force and moment are those on the arm, at the origin
-of the sensor's link and in its frame.
+Pinocchio's rnea), and the contacts of those bodies with the ground. Force and moment are those on the arm, at the
+origin of the sensor's link and in its frame.
 
 The acceleration is the change of velocity over the control period, the contact forces are means over it: a reading is
 the mean of a period, as an integrating converter gives it.
@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from sojourn_mechanics.errors import InvalidValueError
-from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.params import FloatArray, IntArray
 
 _FORCE = slice(6, 9)
 """Columns of a contact's report: force in map; 0 to 2 are the place."""
@@ -31,7 +31,7 @@ class WristLoad:
         InvalidValueError: no such link, or one that no joint of an arm carries.
     """
 
-    def __init__(self, multibody: pin.Model, link: str, bodies: FloatArray) -> None:
+    def __init__(self, multibody: pin.Model, link: str, bodies: IntArray) -> None:
         if not multibody.existFrame(link):
             raise InvalidValueError("wrench_sensor_link", link, "a link of the URDF")
         frame = multibody.frames[multibody.getFrameId(link)]

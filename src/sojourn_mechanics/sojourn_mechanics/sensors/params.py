@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 from sojourn_mechanics.params import Params
 from sojourn_mechanics.sensors.bus import BusTelemetryParams
 from sojourn_mechanics.sensors.encoder import EncoderParams
+from sojourn_mechanics.sensors.hazcam import HazcamParams
 from sojourn_mechanics.sensors.imu import ImuParams
 from sojourn_mechanics.sensors.wrench import WrenchSensorParams
 
@@ -21,7 +22,7 @@ class JointGroupParams(Params):
 
 
 class SensorSuiteParams(Params):
-    """Encoders by joint group, IMU, bus telemetry, and the wrist's force sensor where there is one.
+    """Encoders by joint group, IMU, bus telemetry and, where it has one, a hazard camera and the wrist's force sensor.
 
     A joint that is in no group is not measured.
     """
@@ -32,6 +33,7 @@ class SensorSuiteParams(Params):
     wrist: WrenchSensorParams | None = Field(
         default=None, description="force/torque sensor of the arm's wrist, or none"
     )
+    hazcam: HazcamParams | None = Field(default=None, description="stereo camera for hazards; left out: it has none")
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -215,7 +215,7 @@ def step(
 
 def _require_truth(layout: Layout, truth: SensorTruth) -> None:
     joints, stores = (layout.joint_count,), (len(layout.stores),)
-    values = (
+    values: tuple[tuple[str, FloatArray, tuple[int, ...]], ...] = (
         ("joint_position", truth.joint_position, joints),
         ("joint_effort", truth.joint_effort, joints),
         ("angular_velocity_imu_in_imu", truth.angular_velocity_imu_in_imu, (3,)),
@@ -225,7 +225,7 @@ def _require_truth(layout: Layout, truth: SensorTruth) -> None:
         ("bus_temperature", truth.bus_temperature, stores),
     )
     if truth.wrist_wrench is not None:
-        values = (*values, ("wrist_wrench", truth.wrist_wrench, (wrench.AXES,)))
+        values += (("wrist_wrench", truth.wrist_wrench, (wrench.AXES,)),)
     right_shape = all(value.shape == shape for _, value, shape in values)
     # One look at all of them at once: the usual case must be cheap.
     if right_shape and bool(np.isfinite(np.concatenate([value for _, value, _ in values])).all()):

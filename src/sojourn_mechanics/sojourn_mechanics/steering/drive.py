@@ -142,11 +142,11 @@ class _Arbiter:
         self.mode = mode
         self.text = f"{outcome.kind}: {outcome.reason}"
 
-    def take_stop(self) -> None:
+    def take_stop(self, reason: str) -> None:
         """A stop request ends goal and twist."""
         if self.follower is not None:
-            self.end_goal(stop(self.follower, "stop requested"))
-        self.mode, self.text, self.since_override = "idle", "stopped: stop requested", 0.0
+            self.end_goal(stop(self.follower, reason))
+        self.mode, self.text, self.since_override = "idle", f"stopped: {reason}", 0.0
 
     def take_goal(self, model: DriveModel, goal: Goal, position: tuple[float, float]) -> None:
         """A new goal ends the older one, unless it is refused."""
@@ -223,7 +223,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
 
     arbiter = _Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [])
     if inputs.stop:
-        arbiter.take_stop()
+        arbiter.take_stop(inputs.stop_reason)
     if inputs.goal is not None:
         arbiter.take_goal(model, inputs.goal, (odometry.x, odometry.y))
     wanted = arbiter.take_twist(model, inputs.twist, dt)

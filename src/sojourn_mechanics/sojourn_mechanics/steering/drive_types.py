@@ -59,6 +59,7 @@ class DriveInput:
     """A goal or path that arrived in this period, in odom."""
     stop: bool = False
     """A stop request that arrived in this period."""
+    stop_reason: str = "stop requested"
     power_limit: float = 1.0
     """Factor of the power manager on all speeds, 0 to 1 [-]."""
 

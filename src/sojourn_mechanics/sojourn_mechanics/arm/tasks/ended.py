@@ -30,8 +30,5 @@ class Released:
 
     def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
-        still = np.zeros(3)
-        velocity = (
-            still if look.force is None else hybrid_velocity(look.control, self.direction, 0.0, look.force, still)
-        )
+        velocity = hybrid_velocity(look.control, self.direction, 0.0, look.force, np.zeros(3))
         return self, Doing(velocity=velocity, state="failed", reason=self.reason)

@@ -1,7 +1,7 @@
 """Task: advance along a line until the tool presses with a force, then stop and stay in touch.
 
-    advance   the tip's reference runs at the speed asked for, slowed down over its first millimetres by the acceleration
-              limit; the joints' servos and the wheels' soil are the spring that a contact presses against
+    advance   the tip's reference runs at the speed asked for, slowed down over its first millimetres by the
+              acceleration limit; the joints' servos and the wheels' soil are the spring that a contact presses against
     touch     from the period in which the pressing force is at the threshold the force loop of `force_control` holds
               the threshold, so that the servos' integrals do not go on pushing; after `SETTLE` within the deadband and
               its tolerance, or after `LONGEST`, the task has ended. The loop goes on until the next goal
@@ -35,12 +35,12 @@ class GuardedMoveTask:
     """Phases advance, touch, retract, hold."""
 
     direction: FloatArray
+    start: FloatArray
     speed: float
     threshold: float
     distance: float
     retract: float
     phase: str = "advance"
-    start: FloatArray | None = None
     contact: FloatArray | None = None
     elapsed: float = 0.0
     settled: float = 0.0
@@ -49,20 +49,16 @@ class GuardedMoveTask:
 
     def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
-        if look.force is None:
+        if not look.feels:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing: no contact would be felt")
-        task = self if self.start is not None else replace(self, start=look.tip.position)
-        force = pressing(task.direction, look.force)
-        task = replace(task, elapsed=task.elapsed + dt)
-        if task.phase == "advance":
+        force = pressing(self.direction, look.force)
+        task = replace(self, elapsed=self.elapsed + dt)
+        if task.contact is None:
             return task._advance(look, force)
         if task.phase == "retract":
             return task._retract(look, force)
-        task = replace(
-            task,
-            peak=max(task.peak, force),
-            went_on=max(task.went_on, float(task.direction @ (look.tip.position - task.contact))),
-        )
+        went_on = float(task.direction @ (look.tip.position - task.contact))
+        task = replace(task, peak=max(task.peak, force), went_on=max(task.went_on, went_on))
         return task._touch(look, force, dt)
 
     def _advance(self, look: Look, force: float) -> tuple[Self, Doing]:

@@ -1,8 +1,9 @@
 """Task: press along a direction with a force for a time, and go on pressing until the next goal.
 
-The force loop of `force_control` along the direction, nothing across it. A tool that does not touch yet moves towards the
-ground with `max_speed` at most, for no more than the distance that the task allows. Time counts while the force is within
-the tolerance. Told: the largest error and the mean square error of the force since it was first within the tolerance.
+The force loop of `force_control` along the direction, nothing across it. A tool that does not touch yet moves towards
+the ground with `max_speed` at most, for no more than the distance that the task allows. Time counts while the force is
+within the tolerance. Told: the largest error and the mean square error of the force since it was first within the
+tolerance.
 """
 
 import math
@@ -25,11 +26,11 @@ class HoldForceTask:
     """Force loop with a clock."""
 
     direction: FloatArray
+    start: FloatArray
     force: float
     seconds: float
     tolerance: float
     distance: float
-    start: FloatArray | None = None
     held: float = 0.0
     off: float = 0.0
     square: float = 0.0
@@ -39,15 +40,14 @@ class HoldForceTask:
 
     def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
-        if look.force is None:
+        if not look.feels:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing")
         if self.failed:
             return self, Doing(velocity=ZERO, state="failed", reason=self.failed)
-        task = self if self.start is not None else replace(self, start=look.tip.position)
-        present = pressing(task.direction, look.force)
-        error = present - task.force
-        within = abs(error) <= task.tolerance
-        task = replace(task, held=task.held + dt if within else task.held, off=0.0 if within else task.off + dt)
+        present = pressing(self.direction, look.force)
+        error = present - self.force
+        within = abs(error) <= self.tolerance
+        task = replace(self, held=self.held + dt if within else self.held, off=0.0 if within else self.off + dt)
         if task.held > 0.0:
             square, worst = task.square + error * error * dt, max(task.worst, abs(error))
             task = replace(task, square=square, worst=worst, watched=task.watched + dt)

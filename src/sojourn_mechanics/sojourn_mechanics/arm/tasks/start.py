@@ -35,16 +35,17 @@ def start_task(params: ArmParams, model: ArmModel, request: TaskRequest, posture
             return Go(PoseGoal(request.position, request.direction))
     if not feels:
         raise GoalRefusedError(f"{request.task}: this arm feels no forces: its wrist's sensor says nothing")
+    start = forward_kinematics(model, posture).position
     match request:
         case Tare():
             return TareTask(request.seconds, np.zeros(6))
         case GuardedMove():
             direction = _direction(model, request.direction, posture)
             check_line(params, model, posture, direction, request.distance)
-            return GuardedMoveTask(direction, request.speed, request.force, request.distance, request.retract)
+            return GuardedMoveTask(direction, start, request.speed, request.force, request.distance, request.retract)
         case HoldForce():
             direction = _direction(model, request.direction, posture)
-            return HoldForceTask(direction, request.force, request.seconds, request.tolerance, request.distance)
+            return HoldForceTask(direction, start, request.force, request.seconds, request.tolerance, request.distance)
     raise GoalRefusedError(f"{request.task}: this arm has no law for it")
 
 

@@ -1,7 +1,7 @@
 """Task: find the bias of the wrist's sensor, the tool hanging free and the arm at rest.
 
-The bias of each axis is the mean of what is left of the readings when the known weight of the tool is taken off; noise of
-one reading over the square root of their number stays in it.
+The bias of each axis is the mean of what is left of the readings when the known weight of the tool is taken off; noise
+of one reading over the square root of their number stays in it.
 """
 
 from dataclasses import dataclass, replace
@@ -27,7 +27,7 @@ class TareTask:
         """See `Task`."""
         if self.done:
             return self, Doing(state="reached", progress=1.0)
-        if look.wrench is None:
+        if not look.feels:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing")
         after = replace(self, total=self.total + look.wrench, readings=self.readings + 1, elapsed=self.elapsed + dt)
         left = self.seconds - after.elapsed

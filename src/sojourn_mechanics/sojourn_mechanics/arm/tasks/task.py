@@ -16,10 +16,12 @@ class Look:
 
     tip: TipPose
     """Measured, in base_link."""
-    force: FloatArray | None
-    """Of the ground on the tool in base_link, (3,) [N]; None where it is not measured."""
-    wrench: FloatArray | None
-    """As measured, less the weight of the tool, in the sensor's frame (6,) [N], [N m]."""
+    feels: bool
+    """Whether the wrist's sensor has told its wrench; if not, force and wrench are zero."""
+    force: FloatArray
+    """Of the ground on the tool in base_link, (3,) [N]."""
+    wrench: FloatArray
+    """As measured, less bias and weight of the tool, in the sensor's frame (6,) [N], [N m]."""
     efforts: FloatArray | None
     """Of the joints as measured, (n,) [N m]; None where nobody tells them."""
     positions: FloatArray

@@ -1,13 +1,13 @@
 """The arm's laws with named tasks over them: one call of `step` a control period, in place of `controller.step`.
 
-A task is started by a TaskRequest. It either gives goals to the arm, which plans and checks them as those of an operator,
-or guides the reference of the tip by what the wrist's sensor feels. One goal at a time: a task that comes while another
-goal is under way is refused, or replaces it if it asks to; any other goal that is taken, and a stop, replaces a task. A
-task that has ended goes on holding what it has reached (a contact force) until the next goal.
+A task is started by a TaskRequest. It either gives goals to the arm, which plans and checks them as those of an
+operator, or guides the reference of the tip by what the wrist's sensor feels. One goal at a time: a task that comes
+while another goal is under way is refused, or replaces it if it asks to; any other goal that is taken, and a stop,
+replaces a task. A task that has ended goes on holding what it has reached (a contact force) until the next goal.
 
 A guided motion is given up when the contact force exceeds `max_force` (the tool then gives way until it presses no
-more), when the joints are further than `following_error_limit` from their reference, when the tip cannot follow, and when
-the arm may not move (it then stops).
+more), when the joints are further than `following_error_limit` from their reference, when the tip cannot follow, and
+when the arm may not move (it then stops).
 """
 
 from dataclasses import dataclass, field, replace
@@ -168,8 +168,8 @@ def _guard(params: ArmParams, state: TaskState, inputs: TaskInput, look: Look) -
         return replace(state, task=Ended(f"not allowed to move: {inputs.arm.not_allowed_reason}"))
     if state.motion is None:
         return state
-    force = 0.0 if look.force is None else float(np.linalg.norm(look.force))
-    if look.force is not None and force > params.force_control.max_force:
+    force = float(np.linalg.norm(look.force))
+    if force > params.force_control.max_force:
         reason = f"contact force {force:.0f} N: at most {params.force_control.max_force:g} N is allowed"
         return replace(state, task=Released(reason, -look.force / force))
     behind = np.abs(state.arm.reference.position + state.arm.trim - inputs.arm.positions)
@@ -187,12 +187,13 @@ def _give_up(state: TaskState, ended: Ended) -> TaskState:
 def _look(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> Look:
     arm = inputs.arm
     tip = forward_kinematics(model, arm.positions)
-    force, rest = None, None
+    force, rest = np.zeros(3), np.zeros(6)
     if inputs.wrench is not None:
         force = state.sense.contact(model, tip, inputs.wrench, arm.gravity_in_base)
         rest = inputs.wrench - state.sense.bias - state.sense.tool_load(model, tip, arm.gravity_in_base)
     return Look(
         tip=tip,
+        feels=inputs.wrench is not None,
         force=force,
         wrench=rest,
         efforts=inputs.efforts,

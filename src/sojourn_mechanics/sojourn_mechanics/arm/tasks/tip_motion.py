@@ -2,10 +2,10 @@
 
     q' = W (J_lin; E J_ang)⁺ ((p + v dt - p(q))/dt; error of the direction/dt)
 
-Closed-loop inverse kinematics (Siciliano et al. 2009, section 3.7) with damped least squares: the reference of the tip p
-integrates the wanted velocity, and what the joints are behind it is taken up in the next period. E keeps the two turns
-across the tool's axis. The speed of the tip changes by no more than `tip_acceleration`, that of a joint by no more than its
-own limit; jerk is not limited, or a contact could not be answered.
+Closed-loop inverse kinematics (Siciliano et al. 2009, section 3.7) with damped least squares: the reference of the tip
+p integrates the wanted velocity, and what the joints are behind it is taken up in the next period. E keeps the two
+turns across the tool's axis. The speed of the tip changes by no more than `tip_acceleration`, that of a joint by no
+more than its own limit; jerk is not limited, or a contact could not be answered.
 """
 
 from dataclasses import dataclass, replace
