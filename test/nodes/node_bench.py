@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import rclpy
-from geometry_msgs.msg import WrenchStamped
+from geometry_msgs.msg import Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
@@ -186,9 +186,15 @@ def imu(period: int, yaw: float = 0.0, yaw_rate: float = 0.0) -> Imu:
 
 def wrist(period: int, force: Any = (0.0, 0.0, -3.25)) -> WrenchStamped:
     """Load of the hanging turret on the wrist's sensor, or another force [N]."""
-    return wrench_stamped(
-        at(period), "arm_turret_link", np.array([*force, 0.0, 0.0, 0.0]) if np.isfinite(force).all() else None
-    )
+    return wrench_stamped(at(period), "arm_turret_link", np.array([*force, 0.0, 0.0, 0.0]))
+
+
+def sun(period: int, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Vector3Stamped:
+    """A reading of the sun sensor; zeros: no Sun."""
+    message = Vector3Stamped()
+    message.header.stamp = stamps.to_message(at(period))
+    message.vector.x, message.vector.y, message.vector.z = x, y, z
+    return message
 
 
 def odometry(period: int) -> Odometry:

@@ -228,6 +228,10 @@ def silent(bench: Bench, plant: PlantNode) -> str:
     return plant.failure
 
 
+MEASURED = [row.name for row in outputs_of("sensors", ("plant", "sensors", "drive")) if "drive" in row.subscribers]
+"""What the drive hears from the sensors."""
+
+
 def chain(bench: Bench, *nodes: Any) -> PlantNode:
     """A plant with these real nodes; the peer speaks for the rest of plant, sensors and drive."""
     roles = ("plant", "sensors", "drive")
@@ -242,7 +246,7 @@ def chain(bench: Bench, *nodes: Any) -> PlantNode:
 def test_who_is_silent_from_the_first_period_on_is_named(bench: Bench) -> None:
     """The drive's command is missing, but the drive has had nothing to act on: the sensors are to blame."""
     plant = chain(bench, DriveNode)
-    bench.speak("/joint_states", "/imu/data")
+    bench.speak(*MEASURED)
     bench.listen("/wheel_command", "/odom")
     bench.met()
     bench.say_ready("sensors")
@@ -251,7 +255,7 @@ def test_who_is_silent_from_the_first_period_on_is_named(bench: Bench) -> None:
 
 def test_who_falls_silent_later_is_named(bench: Bench) -> None:
     plant = chain(bench, DriveNode)
-    bench.speak("/joint_states", "/imu/data")
+    bench.speak(*MEASURED)
     bench.listen("/wheel_command", "/odom")
     bench.met()
     bench.say_ready("sensors")
@@ -266,7 +270,7 @@ def test_who_falls_silent_later_is_named(bench: Bench) -> None:
 def test_the_last_of_the_chain_is_named_itself(bench: Bench, answered: int) -> None:
     plant = chain(bench, SensorsNode)
     bench.speak("/wheel_command")
-    bench.listen("/joint_states", "/imu/data")
+    bench.listen(*MEASURED)
     bench.met()
     bench.say_ready("drive")
     for period in range(1, answered + 1):

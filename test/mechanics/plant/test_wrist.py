@@ -1,6 +1,5 @@
 """The load on the wrist's sensor, against weight, lever and contact in closed form."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -17,8 +16,8 @@ LEVER = -0.00813
 """Of the turret's centre of mass along z of its link [m] (URDF)."""
 
 
-def test_at_rest_it_feels_the_turret_hanging(machine: Callable[..., Any]) -> None:
-    rover = machine()
+def test_at_rest_it_feels_the_turret_hanging(flat: Any) -> None:
+    rover = flat
     _, output = step(rover.model, rover.start, rover.hold())
     data = rover.model.multibody.createData()
     pin.framesForwardKinematics(rover.model.multibody, data, rover.start.configuration)
@@ -28,9 +27,9 @@ def test_at_rest_it_feels_the_turret_hanging(machine: Callable[..., Any]) -> Non
     assert output.wrist_wrench == pytest.approx(expected, abs=1e-3)
 
 
-def test_in_free_fall_it_feels_nothing(machine: Callable[..., Any]) -> None:
+def test_in_free_fall_it_feels_nothing(flat: Any) -> None:
     """All of the machine falls alike; what the arm's servos still give is part of it."""
-    rover = machine()
+    rover = flat
     load = rover.model.wrist
     gravity = np.zeros(rover.model.multibody.nv)
     gravity[2] = -rover.model.gravity
@@ -41,8 +40,8 @@ def test_in_free_fall_it_feels_nothing(machine: Callable[..., Any]) -> None:
     assert wrench == pytest.approx(np.zeros(6), abs=1e-9)
 
 
-def test_a_contact_acts_at_its_place(machine: Callable[..., Any]) -> None:
-    rover = machine()
+def test_a_contact_acts_at_its_place(flat: Any) -> None:
+    rover = flat
     load = rover.model.wrist
     names = rover.model.contacts.names
     assert [names[i] for i in load.contacts] == ["arm_tip"]
@@ -60,9 +59,9 @@ def test_a_contact_acts_at_its_place(machine: Callable[..., Any]) -> None:
     assert load.at_rest(rover.start.configuration, report) - free == pytest.approx(added, abs=1e-9)
 
 
-def test_an_accelerated_turret_pushes_back(machine: Callable[..., Any]) -> None:
+def test_an_accelerated_turret_pushes_back(flat: Any) -> None:
     """Newton: the force on the sensor is less weight by mass times the acceleration of the centre of mass."""
-    rover = machine()
+    rover = flat
     multibody = rover.model.multibody
     still, acceleration = np.zeros(multibody.nv), np.zeros(multibody.nv)
     acceleration[multibody.joints[multibody.getJointId("arm_azimuth_joint")].idx_v] = 2.0
@@ -78,8 +77,8 @@ def test_an_accelerated_turret_pushes_back(machine: Callable[..., Any]) -> None:
     assert added[:3] == pytest.approx(-TURRET * of_centre, abs=1e-9)
 
 
-def test_a_machine_without_the_sensor_tells_nothing(machine: Callable[..., Any]) -> None:
-    rover = machine()
+def test_a_machine_without_the_sensor_tells_nothing(flat: Any) -> None:
+    rover = flat
     multibody, bodies = rover.model.multibody, rover.model.contacts.bodies
     for link in ("nothing_link", "base_link", "arm_tip_link"):
         with pytest.raises(InvalidValueError, match="wrench_sensor_link"):

@@ -59,6 +59,7 @@ class WristLoad:
             report: (contacts, REPORT_COLUMNS), forces as means over the period.
         """
         pin.rnea(self._multibody, self._data, configuration, velocity, acceleration)
+        pin.updateGlobalPlacements(self._multibody, self._data)
         load = -np.array(self._data.f[self._joint].vector)
         placement = self._data.oMi[self._joint]
         for contact in self.contacts:

@@ -9,6 +9,7 @@ from sojourn_mechanics.sensors.bus import BusTelemetryParams
 from sojourn_mechanics.sensors.encoder import EncoderParams
 from sojourn_mechanics.sensors.hazcam import HazcamParams
 from sojourn_mechanics.sensors.imu import ImuParams
+from sojourn_mechanics.sensors.sun_sensor import SunSensorParams
 from sojourn_mechanics.sensors.wrench import WrenchSensorParams
 
 
@@ -33,6 +34,7 @@ class SensorSuiteParams(Params):
     wrist: WrenchSensorParams | None = Field(
         default=None, description="force/torque sensor of the arm's wrist, or none"
     )
+    sun: SunSensorParams | None = Field(default=None, description="the sun sensor, if there is one")
     hazcam: HazcamParams | None = Field(default=None, description="stereo camera for hazards; left out: it has none")
 
     @model_validator(mode="after")

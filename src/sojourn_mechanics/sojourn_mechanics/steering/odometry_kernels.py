@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.steering.kinematics import twist_kernel, velocity_kernel
+from sojourn_mechanics.steering.wheel_twist import twist_kernel, velocity_kernel
 
 START_POSITION_VARIANCE = 1e-6
 """Variance of the start position [m^2]: zero by definition, but a covariance must be positive definite."""
@@ -36,7 +36,7 @@ def wheel_motion(
 ) -> tuple[float, float, float, float, float, int]:  # fmt: skip
     """v_x, v_y, yaw rate of the wheels alone, residual, fastest rim (roll or steer) [m/s], encoder jumps."""
     count = table.shape[0]
-    rates, middle = np.empty(count), np.empty(count)
+    rates, middle, turning = np.empty(count), np.empty(count), np.empty(count)
     fastest = 0.0
     jumps = 0
     for i in range(count):
@@ -45,11 +45,12 @@ def wheel_motion(
             rates[i] = measured_rates[i]
             jumps += 1
         middle[i] = 0.5 * (angles[i] + old_angles[i])
+        turning[i] = (angles[i] - old_angles[i]) / dt
         fastest = max(fastest, abs(rates[i]) * table[i, 2])
-        fastest = max(fastest, abs(angles[i] - old_angles[i]) / dt * table[i, 2])
-    v_x, v_y, wheel_yaw_rate, residual = twist_kernel(table, rates, middle, lateral_weight)
+        fastest = max(fastest, abs(turning[i]) * table[i, 2])
+    v_x, v_y, wheel_yaw_rate, residual = twist_kernel(table, rates, middle, turning, lateral_weight)
     if use_gyro:
-        v_x, v_y, residual = velocity_kernel(table, rates, middle, yaw_rate, lateral_weight)
+        v_x, v_y, residual = velocity_kernel(table, rates, middle, turning, yaw_rate, lateral_weight)
     return v_x, v_y, wheel_yaw_rate, residual, fastest, jumps
 
 
@@ -68,8 +69,11 @@ def propagate(
     yaw_variance: float,
     bias_variance: float,
 ) -> FloatArray:
-    """F P F^T + Q for one period; the variances are those added, `slip_kept` what is left of the old slip."""
-    size = 6
+    """F P F^T + Q for one period; the variances are those added, `slip_kept` what is left of the old slip.
+
+    States beyond the six of the odometry are constants.
+    """
+    size = covariance.shape[0]
     jacobian = np.eye(size)
     # The bias turns the heading while the rover moves: half of the period's turn counts for its displacement.
     jacobian[0, 2], jacobian[0, 3], jacobian[0, 4], jacobian[0, 5] = (
@@ -114,11 +118,32 @@ def update_bias(covariance: FloatArray, noise_variance: float) -> tuple[float, F
     """Gain and covariance after the standing gyro has measured its bias; other states are left alone."""
     gain = covariance[5, 5] / (covariance[5, 5] + noise_variance)
     result = covariance.copy()
-    for i in range(5):
+    for i in range(covariance.shape[0]):
         result[i, 5] *= 1.0 - gain
         result[5, i] = result[i, 5]
     result[5, 5] = (1.0 - gain) ** 2 * covariance[5, 5] + gain * gain * noise_variance
     return gain, result
+
+
+@njit(cache=True)
+def update_all(
+    covariance: FloatArray, row: FloatArray, noise_variance: float, innovation: float
+) -> tuple[FloatArray, FloatArray]:
+    """Change of the states and covariance (Joseph's form) after a measurement of row . states; shapes (n,), (n, n)."""
+    size = covariance.shape[0]
+    carried = covariance @ row
+    gain = carried / (row @ carried + noise_variance)
+    result = np.empty((size, size))
+    middle = row @ carried
+    for i in range(size):
+        for j in range(size):
+            result[i, j] = (
+                covariance[i, j]
+                - gain[i] * carried[j]
+                - carried[i] * gain[j]
+                + gain[i] * gain[j] * (middle + noise_variance)
+            )
+    return gain * innovation, result
 
 
 @njit(cache=True)
