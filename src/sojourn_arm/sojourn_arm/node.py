@@ -43,7 +43,7 @@ class ArmNode(ContractNode):
         raw = frozenset({ODOMETRY})
         super().__init__("arm", context=context, overrides=overrides, namespace=namespace, raw_topics=raw)
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
-        self.params = scenario.arm
+        self.params = scenario.carried_arm()
         self.model = build_arm_model(scenario.urdf_xml, self.params)
         task_control.warm_up(self.params, self.model)
         self.state = task_control.initial_state(self.params, self.model)
