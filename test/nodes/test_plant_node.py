@@ -11,6 +11,7 @@ from sojourn_config.scenario import load_scenario
 from sojourn_contract import stamps
 from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import READY, STALLED, WAITING_FOR, Counters, heartbeat_message, status_message
+from sojourn_contract.topics import outputs_of
 from sojourn_drive.node import DriveNode
 from sojourn_plant import node
 from sojourn_plant.node import PlantNode
