@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from node_bench import ALL_TOPICS, ARM, SCENARIO, STEERS, WHEELS, Bench, at, command, imu, joints, stamp_of, tick
+from node_bench import ARM, SCENARIO, STEERS, WHEELS, Bench, at, command, imu, joints, stamp_of, tick
 
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import stamps
@@ -239,7 +239,7 @@ def chain(bench: Bench, *nodes: Any) -> PlantNode:
     plant = bench.start(PlantNode, *roles, lockstep_timeout_s=1.0)
     for node_class in nodes:
         bench.start(node_class, *roles, lockstep_timeout_s=1.0)
-    bench.listen(*(name for name in ALL_TOPICS if name.startswith("/truth") or name in ("/clock", "/diagnostics")))
+    bench.listen(*(row.name for row in outputs_of("plant", roles)))
     bench.speak("/diagnostics")
     return plant
 
