@@ -169,7 +169,8 @@ class PlantNode(ContractNode):
 
     def _publish(self, messages: Iterable[tuple[str, Any]]) -> None:
         for topic, message in messages:
-            self.publish(topic, message)
+            if self.gives(topic):
+                self.publish(topic, message)
 
 
 def main() -> None:

@@ -28,6 +28,11 @@ class MachineParams(Params):
     pads: tuple[PadParams, ...] = Field(default=(), description="other points that may touch the ground")
     drives: tuple[DriveParams, ...] = Field(min_length=1, description="motor, gear and servo of groups of joints")
     passive_joint: JointFrictionParams
+    wrench_sensor_link: str | None = Field(
+        default=None,
+        min_length=1,
+        description="link of the arm that hangs on a force/torque sensor at that link's joint; null: there is none",
+    )
     couplings: tuple[CouplingParams, ...] = Field(default=(), description="joints coupled by a mechanism")
     stop_stiffness: float = Field(default=2e4, gt=0.0, le=1e8, description="stiffness of joint stops [N m/rad]")
     stop_damping: float = Field(default=200.0, ge=0.0, le=1e6, description="damping of joint stops [N m s/rad]")

@@ -111,6 +111,8 @@ class PlantOutput:
     """(loads,) power of each load [W]."""
     battery_current: float
     """Out of the battery [A]."""
+    wrist_wrench: FloatArray | None = None
+    """(6,) force [N] and moment [N m] on the wrist's sensor in its own frame; None for a machine without one."""
 
 
 def zeros_command(joints: int, loads: int) -> PlantCommand:

@@ -75,6 +75,8 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     memory = (new.joints, new.contacts, command.reference, current_limits)
     outputs = (model.report, model.work, model.contact_force, model.force, model.armature, model.mass_matrix)
     efforts, currents, load_power = model.efforts, model.currents, model.load_power
+    touching = [] if model.wrist is None else model.wrist.contacts
+    wrist_force = np.zeros((len(touching), 3))
     on_map = True
     for i in range(model.simulation.substeps):
         pin.crba(multibody, data, configuration, pin.Convention.WORLD)
@@ -83,6 +85,8 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
             (i + 1) * dt, state.bus_voltage, dt, *outputs,
         )  # fmt: skip
         on_map = on_map and all_on_map
+        for place, contact in enumerate(touching):
+            wrist_force[place] += model.report[contact, 6:9]
         pin.nonLinearEffects(multibody, data, configuration, velocity)
         pin.cholesky.decompose(multibody, data)
         acceleration = pin.cholesky.solve(multibody, data, model.force - model.bias)
@@ -95,7 +99,13 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
         configuration = pin.integrate(multibody, configuration, velocity * dt)
     if not (np.isfinite(configuration).all() and np.isfinite(velocity).all()):
         raise InvalidValueError("state of the plant", f"infinite at tick {state.tick + 1}", "finite numbers")
-    return _close_period(model, new, configuration, velocity, command, sums, load_energy, on_map)
+    wrist = None
+    if model.wrist is not None:
+        report = model.report.copy()
+        report[touching, 6:9] = wrist_force / model.simulation.substeps
+        mean = (velocity - state.velocity) / model.simulation.control_period
+        wrist = model.wrist.wrench(configuration, velocity, mean, report)
+    return _close_period(model, new, configuration, velocity, command, sums, load_energy, on_map, wrist)
 
 
 def _check_command(model: PlantModel, command: PlantCommand) -> None:
@@ -121,6 +131,7 @@ def _close_period(
     sums: FloatArray,
     load_energy: FloatArray,
     on_map: bool,
+    wrist: FloatArray | None,
 ) -> tuple[PlantState, PlantOutput]:
     """Supply, energy account and events of the period that has passed."""
     period = model.simulation.control_period
@@ -161,6 +172,7 @@ def _close_period(
         currents=model.currents.copy(),
         load_power=supply.load_power,
         battery_current=supply.current,
+        wrist_wrench=wrist,
     )
     return new, output
 
