@@ -25,13 +25,14 @@ def machine_problems(
     urdf: UrdfSummary,
     bus: BusParams,
     sensors: SensorSuiteParams,
-    arm: ArmParams,
+    arm: ArmParams | None,
     drive: DriveParams,
     documents: Mapping[str, YamlDocument],
 ) -> list[Problem]:
     """All that does not fit together.
 
     Args:
+        arm: None for a rover without one.
         documents: the files by role (`rover`, `sensors`, `arm`, `drive`), for messages.
     """
     problems = [
@@ -40,7 +41,7 @@ def machine_problems(
         *_drive_problems(rover, urdf, bus, documents["rover"]),
         *_reference_problems(rover, urdf, documents["rover"]),
         *_sensor_problems(sensors, urdf, documents["sensors"]),
-        *_arm_problems(arm, rover, urdf, documents["arm"]),
+        *(() if arm is None else _arm_problems(arm, rover, urdf, documents["arm"])),
     ]
     if not problems:
         problems += _limit_problems(rover, urdf, drive, documents["drive"])

@@ -148,7 +148,7 @@ class DriveNode(ContractNode):
     def _status(self, stamp: int, output: DriveOutput) -> Any:
         values = self._goals.status(self.state)
         values |= {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in output.status.items()}
-        level = 1 if values["state"] in ("refused", "stopped") else 0
+        level = 1 if values["state"] in ("refused", "stopped") or values.get("failed_motors") else 0
         return status_message(stamp, "drive", values, values["reason"] or values["state"], level)
 
 

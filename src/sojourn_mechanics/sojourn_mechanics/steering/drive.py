@@ -37,6 +37,14 @@ from sojourn_mechanics.steering.goal_follower import (
 )
 from sojourn_mechanics.steering.heading_fix import SunSighting, fix_heading, mounting_variances
 from sojourn_mechanics.steering.kinematics import PlanarTwist, limited_twist
+from sojourn_mechanics.steering.motor_watch import (
+    MotorState,
+    believable,
+    commandable,
+    failures,
+    shortcoming,
+    watch_motors,
+)
 from sojourn_mechanics.steering.odometry import (
     OdometryInput,
     OdometryState,
@@ -76,7 +84,8 @@ class DriveModel:
     def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
         """At rest at a pose in odom [m, rad]."""
         odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting_variances(self.params.heading_fix))
-        return DriveState("idle", odometry, None, None, None, math.inf, 0.0, "idle")
+        motors = MotorState.unsuspected(len(self.table))
+        return DriveState("idle", odometry, None, None, None, math.inf, 0.0, motors, "idle")
 
     def at_rest(self, state: DriveState) -> DriveOutput:
         """Output before the first step: nothing moves, the estimate is that of `state`."""
@@ -255,12 +264,15 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         InvalidValueError: if a measurement is not finite or has a wrong shape; the state stays as it was.
     """
     measured = _measured(model, state, inputs, dt)
-    params, table = model.params, model.table
-    odometry = step_odometry(params.odometry, table, state.odometry, measured, dt)
+    params, limiter = model.params, state.limiter
+    motors = state.motors if limiter is None else _watch(model, state, limiter, inputs, measured, dt)
+    if inputs.goal is not None:
+        motors = motors.steering_on_trial()
+    table = commandable(model.table, motors)
+    odometry = step_odometry(params.odometry, believable(model.table, motors), state.odometry, measured, dt)
     heading = state.heading
     if inputs.sun is not None and params.heading_fix is not None:
         odometry, heading = fix_heading(params.heading_fix, odometry, heading, inputs.sun)
-    limiter = state.limiter
     if limiter is None:
         limiter = LimiterState.at_rest(measured.steer_angles)
 
@@ -271,6 +283,9 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         arbiter.take_goal(model, inputs.goal, odometry, inputs.supply)
     arbiter.watch_energy(model, inputs.supply, dt)
     wanted = arbiter.take_twist(model, inputs.twist, dt)
+    reason = shortcoming(model.table, motors, model.geometry.names)
+    if arbiter.follower is not None and reason:
+        arbiter.end_goal(stop(arbiter.follower, reason))
     if arbiter.follower is not None:
         wanted = _follow(model, arbiter, odometry, inputs.power_limit, measured.commanded_still, dt)
 
@@ -303,6 +318,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         last_outcome=last_outcome,
         since_override=arbiter.since_override,
         stuck_for=stuck_for,
+        motors=motors,
         text=arbiter.text,
         energy=arbiter.energy,
         heading=heading,
@@ -316,17 +332,47 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         pose_covariance,
         twist_covariance,
         tuple(arbiter.outcomes),
-        _status(new_state, inputs, cut, limited),
+        _status(model, new_state, inputs, cut, limited),
     )
     return new_state, output
 
 
-def _status(state: DriveState, inputs: DriveInput, cut: float, commands: WheelCommands) -> dict[str, str | float]:
+def _watch(
+    model: DriveModel,
+    state: DriveState,
+    commanded: LimiterState,
+    inputs: DriveInput,
+    measured: OdometryInput,
+    dt: float,
+) -> MotorState:
+    """What is thought of the motors; they learn nothing while the power manager holds them."""
+    last = state.odometry.steer_angles
+    if last is None or inputs.power_limit <= 0.0:
+        return state.motors
+    efforts = None if inputs.wheel_efforts is None else _measured_array(model, "wheel effort", inputs.wheel_efforts)
+    return watch_motors(
+        model.params.motors,
+        model.params.limits,
+        model.table,
+        state.motors,
+        commanded,
+        measured.steer_angles,
+        (measured.steer_angles - last) / dt,
+        measured.wheel_rates,
+        efforts,
+        dt,
+    )
+
+
+def _status(
+    model: DriveModel, state: DriveState, inputs: DriveInput, cut: float, commands: WheelCommands
+) -> dict[str, str | float]:
     """Fields of /drive/status; the unit is the last part of a name."""
     odometry, way, outcome = state.odometry, state.follower, state.last_outcome
     followed = way if way is not None else outcome
     status: dict[str, str | float] = {
         "mode": state.mode,
+        "failed_motors": failures(state.motors, model.geometry.names),
         "text": state.text,
         "phase": way.phase.value if way is not None else "",
         "goal": way.goal.name if way is not None else "",

@@ -14,6 +14,7 @@ from sojourn_mechanics.steering.goal import Goal, GoalOutcome
 from sojourn_mechanics.steering.goal_follower import FollowerState
 from sojourn_mechanics.steering.heading_fix import HeadingFixState, SunSighting
 from sojourn_mechanics.steering.kinematics import PlanarTwist
+from sojourn_mechanics.steering.motor_watch import MotorState
 from sojourn_mechanics.steering.odometry import OdometryState
 from sojourn_mechanics.steering.rate_limiter import LimiterState
 
@@ -51,6 +52,8 @@ class DriveInput:
     """[rad/s]"""
     steer_angles: FloatArray
     """[rad]; 0 for fixed wheels"""
+    wheel_efforts: FloatArray | None = None
+    """Torques of the drives [N m], None where they are not measured."""
     gyro: tuple[float, float, float] | None = None
     """Angular velocity in base_link [rad/s], None without a gyro."""
     roll_pitch: tuple[float, float] | None = None
@@ -86,6 +89,8 @@ class DriveState:
     """Time since the last goal or stop request [s]; a twist command older than that does not count."""
     stuck_for: float
     """Time the wheels have waited for the steering [s]."""
+    motors: MotorState
+    """Which motors have failed."""
     text: str
     """What the drive is doing, in words."""
     energy: EnergyAccount = field(default_factory=EnergyAccount)
