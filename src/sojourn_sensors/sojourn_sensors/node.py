@@ -21,6 +21,8 @@ from sojourn_contract.messages import (
     quaternion,
     set_quaternion,
     set_xyz,
+    wrench_stamped,
+    wrench_values,
 )
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
@@ -59,6 +61,7 @@ class SensorsNode(ContractNode):
         self._joints = joint_state(())
         self._imu = Imu()
         self._imu.header.frame_id = "imu_link"
+        self._wrist_frame = scenario.rover.wrench_sensor_link or ""
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """Measure the truth of this period."""
@@ -71,6 +74,7 @@ class SensorsNode(ContractNode):
         dt = (stamp - self._last) * 1e-9 if self.state is not None else stamps.CONTROL_PERIOD_S
         self._last = stamp
         motion = self._motion.update(odometry, dt)
+        wrist = inputs.get("/truth/wrist_wrench")
         if self.state is None:
             self.state = self._first_state(odometry, joints)
         voltage, current, temperature = self._electrical
@@ -82,6 +86,7 @@ class SensorsNode(ContractNode):
             bus_voltage=np.array([voltage]),
             bus_current=np.array([current]),
             bus_temperature=np.array([temperature]),
+            wrist_wrench=None if wrist is None else wrench_values(wrist),
         )
         self.state, measured = suite.step(self.params, self.state, truth, dt)
         if electrical is not None and is_due(topic("/bus/state"), stamp // stamps.CONTROL_PERIOD_NS):
@@ -103,6 +108,8 @@ class SensorsNode(ContractNode):
                 self._joints, stamp, measured.joint_position, measured.joint_velocity, measured.joint_effort
             ),
         )
+        if self.gives("/wrist/wrench"):
+            self.publish("/wrist/wrench", wrench_stamped(stamp, self._wrist_frame, measured.wrist_wrench))
         if is_due(topic("/sun_direction"), stamp // stamps.CONTROL_PERIOD_NS):
             self.publish("/sun_direction", self._sun.message(stamp, odometry))
         self.publish("/imu/data", self._imu_message(stamp, measured.imu))
