@@ -18,7 +18,7 @@ def printed(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
     out = tmp_path_factory.mktemp("sheet") / "lrv.html"
     with pytest.MonkeyPatch.context() as patch:
         lines: list[str] = []
-        patch.setattr("builtins.print", lambda text: lines.append(text))
+        patch.setattr("sojourn_bringup.rover_datasheet.print", lambda text: lines.append(text), raising=False)
         assert main(["lrv", "--json", "--out", str(out)]) == 0
     return "\n".join(lines), out.read_text(encoding="utf-8")
 
