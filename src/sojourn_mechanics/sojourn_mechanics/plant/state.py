@@ -54,7 +54,7 @@ class PlantState:
     velocity: FloatArray
     """(nv,): base velocity in base_link [m/s], [rad/s], joint rates [rad/s]."""
     joints: FloatArray
-    """(3, joints): angle, not wrapped [rad]; servo integral; friction deflection [rad]."""
+    """(STATE_ROWS, joints): angle, not wrapped [rad]; servo integral; friction deflection [rad]; see `joint_drive`."""
     contacts: FloatArray
     """(contacts, STATE_COLUMNS): memory of each contact, see `contact_law`."""
     ground: GroundMemory
