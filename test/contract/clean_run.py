@@ -15,6 +15,7 @@ from std_msgs.msg import Header
 
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import stamps
+from sojourn_contract.clouds import point_cloud
 from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.judge import Judge
 from sojourn_contract.conformance.machine import Machine
@@ -173,7 +174,9 @@ def _battery(row: Topic, _time: float, _machine: Machine) -> BatteryState:
     return message
 
 
-def _cloud(_row: Topic, time: float, machine: Machine) -> Any:
+def _cloud(row: Topic, time: float, machine: Machine) -> Any:
+    if row.name == "/hazcam/points":
+        return point_cloud(round(time * 1e9), "base_link", np.full((40, 3), time, dtype=np.float32))
     points = np.zeros((machine.contacts, len(CONTACT_FIELDS)))
     return fill_contact_cloud(contact_cloud(), round(time * 1e9), points)
 

@@ -106,7 +106,7 @@ def test_stamps_that_are_late_off_the_grid_or_from_another_clock_are_refused(sta
 
 
 def test_a_stamp_comes_once() -> None:
-    (row, _) = awaited_inputs("drive", ("sensors",))
+    row = awaited_inputs("drive", ("sensors",))[0]
     barrier: Barrier[str] = Barrier((row,))
     barrier.offer(row, stamped(3), "first")
     assert barrier.refusal(row, stamped(3)) is not None

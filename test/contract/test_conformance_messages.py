@@ -76,6 +76,20 @@ def infinite_torque(message: Any) -> None:
     message.data = points.tobytes()
 
 
+def put_point(message: Any, point: int, column: int, value: float) -> None:
+    points = np.frombuffer(bytes(message.data), dtype=np.float32).reshape(-1, 3).copy()
+    points[point, column] = value
+    message.data = points.tobytes()
+
+
+def no_number(message: Any) -> None:
+    put_point(message, 7, 1, math.nan)
+
+
+def far_point(message: Any) -> None:
+    put_point(message, 3, 0, 1e4)
+
+
 WHEELS = "wheel_front_left_joint"
 DEFECTS: dict[str, tuple[str, Edit, str, str]] = {
     "NaN in a position": ("/odom", set_at("pose.pose.position.x", math.nan), "value", "pose.pose.position.x"),
@@ -111,6 +125,12 @@ DEFECTS: dict[str, tuple[str, Edit, str, str]] = {
     "one point too many": ("/truth/contacts", wider_cloud, "cloud", "width"),
     "a field of the cloud renamed": ("/truth/contacts", set_at("fields.3.name", "depth"), "cloud", "fields"),
     "an infinite torque": ("/truth/contacts", infinite_torque, "cloud", "torque"),
+    "a cloud in the camera's frame": ("/hazcam/points", set_at("header.frame_id", "hazcam_link"), "frame",
+                                      "header.frame_id"),
+    "a point that is none": ("/hazcam/points", no_number, "cloud", "y"),
+    "a point on the horizon": ("/hazcam/points", far_point, "cloud", "x"),
+    "a cloud without heights": ("/hazcam/points", set_at("fields.2.name", "intensity"), "cloud", "fields"),
+    "points cut off": ("/hazcam/points", set_at("data", [1, 2]), "cloud", "data"),
     "data cut off": ("/truth/contacts", set_at("data", [1, 2]), "cloud", "data"),
     "a load that is not there": ("/power/switches", lambda m: setattr(value_of(m, "arm"), "key", "oven"), "switches",
                                  "status.values.key"),

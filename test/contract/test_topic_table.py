@@ -10,6 +10,7 @@ from rclpy.qos import HistoryPolicy, ReliabilityPolicy
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from sojourn_contract import qos
+from sojourn_contract.clouds import POINT_FIELDS
 from sojourn_contract.errors import UnknownRoleError, UnknownTopicError
 from sojourn_contract.messages import CONTACT_FIELDS
 from sojourn_contract.topic_types import Reliability, Topic
@@ -55,7 +56,8 @@ def test_field_paths_exist_and_ranges_are_ranges(row: Topic) -> None:
     for rule in row.fields:
         assert rule.low < rule.high and rule.tolerance >= 0.0
         if row.type == "sensor_msgs/PointCloud2":
-            assert set(rule.path.split()) <= set(CONTACT_FIELDS)
+            fields = CONTACT_FIELDS if row.name == "/truth/contacts" else POINT_FIELDS
+            assert tuple(name for other in row.fields for name in other.path.split()) == fields
             continue
         if row.name == "/power/switches":  # the key stands for each load
             assert rule.path == "status.values"

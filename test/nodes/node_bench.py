@@ -8,15 +8,17 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import rclpy
 from nav_msgs.msg import Odometry
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
-from sensor_msgs.msg import BatteryState, Imu, JointState
+from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
 from std_msgs.msg import Header
 
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos, stamps
+from sojourn_contract.clouds import point_cloud
 from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats, status_values
 from sojourn_contract.messages import battery_state, fill_joint_state, joint_state
 from sojourn_contract.topics import TOPICS, topic
@@ -188,6 +190,11 @@ def odometry(period: int) -> Odometry:
     message.header.frame_id = "map"
     message.pose.pose.orientation.w = 1.0
     return message
+
+
+def cloud(period: int, points: Any = ()) -> PointCloud2:
+    """Points that the hazard camera has found, in base_link [m]."""
+    return point_cloud(at(period), "base_link", np.asarray(points, dtype=np.float32).reshape(-1, 3))
 
 
 def battery(period: int, voltage: float = 29.0, current: float = 2.0) -> BatteryState:

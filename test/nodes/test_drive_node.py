@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import Path
-from node_bench import JOINTS, STEERS, WHEELS, Bench, at, imu, joints, stamp_of, tick
+from node_bench import JOINTS, STEERS, WHEELS, Bench, at, cloud, imu, joints, stamp_of, tick
 
 from sojourn_contract import stamps
 from sojourn_contract.events import format_tick
@@ -29,6 +29,8 @@ def step(bench: Bench, *periods: int, angles: dict[str, float] | None = None) ->
     for period in periods:
         bench.send("/joint_states", joints(period, angles))
         bench.send("/imu/data", imu(period))
+        if period % 50 == 0:
+            bench.send("/hazcam/points", cloud(period))
         bench.answer("/odom", period)
         command = bench.answer("/wheel_command", period)
     return command
@@ -181,6 +183,8 @@ def test_measurements_that_cannot_be_used_stop_the_wheels(bench: Bench, drive: D
         bad.position[3] = math.nan
         bench.send("/joint_states", bad)
         bench.send("/imu/data", imu(period))
+        if period % 50 == 0:
+            bench.send("/hazcam/points", cloud(period))
         assert rates(bench.answer("/wheel_command", period)) == [0.0] * 6
         bench.answer("/odom", period)
         if period == 60:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from node_bench import ARM, JOINTS, STEERS, WHEELS, Bench, at, battery, imu, joints, odometry, stamp_of
 
+from sojourn_contract.clouds import points_of
 from sojourn_sensors.node import SensorsNode
 
 TRUTH = ("/truth/odom", "/truth/joint_states", "/truth/electrical")
@@ -65,6 +66,38 @@ def test_imu_at_rest_feels_gravity(bench: Bench) -> None:
         assert reading.header.frame_id == "imu_link"
         assert reading.orientation_covariance[0] > 0.0
     assert np.linalg.norm(np.mean(felt, axis=0)) == pytest.approx(1.625, abs=0.05)
+
+
+def test_the_hazard_camera_looks_once_a_second(bench: Bench) -> None:
+    """Level ground, the base where a machine at rest has it."""
+    node = bench.start(SensorsNode, "plant", "sensors")
+    bench.connect(node)
+    for period in range(1, 101):
+        raised = odometry(period)
+        raised.pose.pose.position.z = 0.47
+        bench.send("/truth/odom", raised)
+        bench.send("/truth/joint_states", joints(period))
+        if period % 5 == 0:
+            bench.send("/truth/electrical", battery(period))
+        bench.answer("/imu/data", period)
+    first, second = bench.answer("/hazcam/points", 50), bench.answer("/hazcam/points", 100)
+    assert [stamp_of(message) for message in bench.received["/hazcam/points"]] == [at(50), at(100)]
+    assert first.header.frame_id == "base_link" and bytes(first.data) != bytes(second.data), "its noise goes on"
+    for message in (first, second):
+        points = points_of("/hazcam/points", message)
+        assert len(points) > 700 and 0.4 < points[:, 0].min() < points[:, 0].max() < 5.5
+        assert abs(points[:, 2] + 0.47).max() < 0.05
+
+
+def test_a_machine_without_a_hazard_camera_says_so_with_empty_clouds(bench: Bench) -> None:
+    """In lock-step the drive waits for its answer, so there is one."""
+    node = bench.start(SensorsNode, "plant", "sensors", overrides=["sensors.hazcam=null"])
+    bench.connect(node)
+    assert node.params.hazcam is None
+    for period in range(1, 51):
+        feed(bench, period)
+        bench.answer("/imu/data", period)
+    assert bench.answer("/hazcam/points", 50).width == 0
 
 
 def test_truth_that_is_none_is_refused(bench: Bench) -> None:

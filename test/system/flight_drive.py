@@ -6,8 +6,8 @@ centre, turns on the spot towards a goal and drives to it in an arc, and keeps a
     scripts/start.py flat_drive --replace drive="python3 flight_drive.py --start -1 0 0"
 
 Lock-step: it acts at each stamp at which its inputs are in: measurements of that stamp, switches at each fifth period,
-and the operator's tick of five periods before, with all goals that the tick announces. Real time: it acts when joint
-states come, with the latest of the rest.
+points of the hazard camera at each fiftieth (it makes no use of them), and the operator's tick of five periods before,
+with all goals that the tick announces. Real time: it acts when joint states come, with the latest of the rest.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from nav_msgs.msg import Odometry, Path
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import Imu, JointState, PointCloud2
 from std_msgs.msg import Header
 
 # The machine, from its drawing: positions of the wheels in base_link [m], rolling radius with grousers [m].
@@ -56,6 +56,7 @@ INPUTS = {
     "joint_states": (JointState, 1, 0),
     "imu/data": (Imu, 1, 0),
     "power/switches": (DiagnosticArray, 5, 0),
+    "hazcam/points": (PointCloud2, 50, 0),
     "operator/tick": (Header, 5, 5),
 }
 """Type, periods between two, and periods that the message lags."""

@@ -63,8 +63,7 @@ def write_report(
     _draw_contacts(wheel_axes[0], bag, run, "sinkage", 1000.0, "Sinkage of each wheel", "sinkage [mm]")
     _draw_contacts(wheel_axes[1], bag, run, "slip_ratio", 1.0, "Slip of each wheel", "slip ratio [-]")
     _draw_joints(wheel_axes[2], bag, [wheel.joint for wheel in run.rover.wheels], "Torque of the wheel drives")
-    steered = [wheel.steer_joint for wheel in run.rover.wheels if wheel.steer_joint]
-    _draw_joints(wheel_axes[3], bag, steered, "Torque of the steering joints")
+    _draw_joints(wheel_axes[3], bag, list(run.rover.steer_joints), "Torque of the steering joints")
     times = (charge_axes, arm_axes, *wheel_axes)
     for axes in times:
         _shade_goals(axes, summary["goals"])

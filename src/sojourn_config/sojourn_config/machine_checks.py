@@ -1,21 +1,23 @@
 """Checks of a rover across its files: URDF, wheels, drives, loads, sensors, arm, drive node."""
 
+import math
 from collections.abc import Iterator, Mapping
 
 from sojourn_config.errors import MISSING, Problem, names_text
-from sojourn_config.mechanism_checks import mechanism_problems
+from sojourn_config.mechanism_checks import BASE_LINK, mechanism_problems
 from sojourn_config.rover import RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
 from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.contact.params import WheelParams
+from sojourn_mechanics.contact.roller_wheel import RollerWheelParams
 from sojourn_mechanics.power.loads import BusParams
 from sojourn_mechanics.sensors.params import SensorSuiteParams
 from sojourn_mechanics.soil.params import SoilParams
-from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams, geometry_from_placements
+from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams, WheelGeometry
 
 SAME_LENGTH = 1e-6
 """Largest difference of two lengths that are meant to be one [m]."""
-BASE_LINK = "base_link"
 
 
 def machine_problems(
@@ -59,13 +61,40 @@ def ground_problems(rover: RoverConfig, soil: SoilParams, document: YamlDocument
 
 def steering_geometry(rover: RoverConfig, urdf: UrdfSummary) -> SteeringGeometryParams:
     """The wheels as the drive node sees them. They roll on the circle on which the soil shears."""
-    steer = [None if wheel.steer_joint is None else urdf.joints[wheel.steer_joint] for wheel in rover.wheels]
-    return geometry_from_placements(
-        [wheel.name for wheel in rover.wheels],
-        [urdf.position_in_link(wheel.joint, BASE_LINK) for wheel in rover.wheels],
-        [wheel.shear_radius for wheel in rover.wheels],
-        [None if joint is None else (joint.lower, joint.upper) for joint in steer],
+    return SteeringGeometryParams(wheels=tuple(_wheel_geometry(wheel, urdf) for wheel in rover.wheels))
+
+
+def _wheel_geometry(wheel: WheelParams, urdf: UrdfSummary) -> WheelGeometry:
+    place = urdf.position_in_link(wheel.joint, BASE_LINK)
+    steering: dict[str, float | str | None] = {}
+    if wheel.steer_joint is not None:
+        joint = urdf.joints[wheel.steer_joint]
+        axis = urdf.position_in_link(wheel.steer_joint, BASE_LINK)
+        steering = {
+            "steer_min": joint.lower,
+            "steer_max": joint.upper,
+            "pivot_x": float(axis[0]),
+            "pivot_y": float(axis[1]),
+            "steer_joint": wheel.steer_joint,
+            "max_steer_rate": _finite(joint.velocity),
+        }
+    contact = wheel.contact
+    return WheelGeometry.model_validate(
+        {
+            "name": wheel.name,
+            "x": float(place[0]),
+            "y": float(place[1]),
+            "radius": wheel.shear_radius,
+            "steered": wheel.steer_joint is not None,
+            "roller_angle": math.radians(contact.roller_angle_deg) if isinstance(contact, RollerWheelParams) else None,
+            "max_rate": _finite(urdf.joints[wheel.joint].velocity),
+            **steering,
+        }
     )
+
+
+def _finite(limit: float) -> float | None:
+    return limit if math.isfinite(limit) else None
 
 
 def with_drive_data(arm: ArmParams, rover: RoverConfig) -> ArmParams:
@@ -160,6 +189,9 @@ def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: Ya
             problem = _joint_problem(document, ("joint_groups", group, "joints", number), name, urdf)
             if problem is not None:
                 yield problem
+    if sensors.hazcam is not None and sensors.hazcam.link not in urdf.links:
+        allowed = f"is not a link of {urdf.file}: " + names_text(sensors.hazcam.link, urdf.links)
+        yield document.problem(("hazcam", "link"), sensors.hazcam.link, allowed)
 
 
 def _arm_problems(arm: ArmParams, rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
@@ -188,13 +220,12 @@ def _arm_problems(arm: ArmParams, rover: RoverConfig, urdf: UrdfSummary, documen
 def _limit_problems(
     rover: RoverConfig, urdf: UrdfSummary, drive: DriveParams, document: YamlDocument
 ) -> Iterator[Problem]:
-    """The drive node may not ask for more than the joints can do."""
-    steered = [wheel.steer_joint for wheel in rover.wheels if wheel.steer_joint is not None]
+    """The drive node may not ask for more than the fastest of the joints can do; slower ones keep to their own."""
     for key, value, joints in (
         ("max_wheel_rate", drive.limits.max_wheel_rate, [wheel.joint for wheel in rover.wheels]),
-        ("max_steer_rate", drive.limits.max_steer_rate, steered),
+        ("max_steer_rate", drive.limits.max_steer_rate, rover.steer_joints),
     ):
-        slowest = min((urdf.joints[joint].velocity for joint in joints), default=value)
-        if value > slowest:
-            allowed = f"allowed is at most {slowest:g} rad/s, the velocity of these joints in {urdf.file}"
+        fastest = max((urdf.joints[joint].velocity for joint in joints), default=value)
+        if value > fastest:
+            allowed = f"allowed is at most {fastest:g} rad/s, the velocity of these joints in {urdf.file}"
             yield document.problem(("limits", key), value, allowed)

@@ -13,6 +13,9 @@ from sojourn_mechanics.params import FloatArray
 SAME_MASS = 1e-3
 """Largest difference of two masses that are meant to be one, as a part of them."""
 SAME_DIRECTION = 1e-6
+BASE_LINK = "base_link"
+UPRIGHT = 0.866
+"""Least vertical part of a steering axis: its wheels are steered as if it were vertical."""
 TRIANGLE = 1e-6
 """Slack of the inequality of the principal moments of inertia, as a part of the largest: rounding of the file."""
 
@@ -25,6 +28,7 @@ def mechanism_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocu
     if rover.mass is not None and abs(total - rover.mass) > SAME_MASS * rover.mass:
         yield document.problem(("mass",), rover.mass, f"the masses of {urdf.file} sum up to {total:g} kg")
     yield from _axis_problems(rover, urdf)
+    yield from _steering_problems(rover, urdf)
     yield from _coupling_problems(rover, urdf, document)
 
 
@@ -69,6 +73,26 @@ def _axis_problems(rover: RoverConfig, urdf: UrdfSummary) -> Iterator[Problem]:
         elif _direction_in_root(urdf, wheel.joint)[1] <= 0.0:
             allowed = f"points to the right at zero pose, so that wheel {wheel.name} would drive backwards"
             yield Problem(urdf.file, f"joint {wheel.joint}, axis", own, allowed)
+
+
+def _steering_problems(rover: RoverConfig, urdf: UrdfSummary) -> Iterator[Problem]:
+    """A steering joint is above its wheel and turns it to the left: only then does an angle mean what is commanded."""
+    above = {joint.child: joint for joint in urdf.joints.values()}
+    for wheel in rover.wheels:
+        steer, joint = urdf.joints.get(wheel.steer_joint or ""), urdf.joints.get(wheel.joint)
+        if steer is None or joint is None:
+            continue  # not steered, or told elsewhere
+        chain = []
+        while joint.parent in above:
+            joint = above[joint.parent]
+            chain.append(joint.name)
+        if steer.name not in chain:
+            allowed = f"is not between {BASE_LINK} and wheel {wheel.name}: allowed is one that turns it"
+            yield Problem(urdf.file, f"joint {steer.name}", steer.child, allowed)
+        elif steer.kind != "fixed" and _direction_in_root(urdf, steer.name)[2] < UPRIGHT:
+            own = " ".join(f"{value:g}" for value in steer.axis)
+            allowed = "does not point up: allowed is an axis at most 30 degrees from the vertical at zero pose"
+            yield Problem(urdf.file, f"joint {steer.name}, axis", own, allowed)
 
 
 def _direction_in_root(urdf: UrdfSummary, name: str) -> FloatArray:

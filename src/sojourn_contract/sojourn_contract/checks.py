@@ -7,6 +7,7 @@ from collections.abc import Callable
 from math import isfinite
 from typing import Any
 
+from sojourn_contract.clouds import points_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.topic_types import Topic
 
@@ -122,6 +123,10 @@ def _check_path(topic: str, message: Any) -> None:
         _check_pose(topic, f"poses[{index}].pose", pose.pose)
 
 
+def _check_cloud(topic: str, message: Any) -> None:
+    points_of(topic, message)
+
+
 _CHECKS: dict[str, Callable[[str, Any], None]] = {
     "JointState": _check_joint_state,
     "JointTrajectory": _check_trajectory,
@@ -131,4 +136,5 @@ _CHECKS: dict[str, Callable[[str, Any], None]] = {
     "Odometry": _check_odometry,
     "Imu": _check_imu,
     "BatteryState": _check_battery,
+    "PointCloud2": _check_cloud,
 }

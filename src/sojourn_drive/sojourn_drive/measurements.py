@@ -1,7 +1,6 @@
 """Measured joints and IMU as the drive's input, and its output as a wheel command."""
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,8 +10,8 @@ from sensor_msgs.msg import JointState
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.messages import fill_joint_state, joint_state, quaternion, xyz
 from sojourn_contract.switches import fraction_of
-from sojourn_mechanics.contact.params import WheelParams
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.plant.params import MachineParams
 from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, TwistCommand
 from sojourn_mechanics.steering.goal import Goal
@@ -26,13 +25,17 @@ class WheelMeasurements:
     """Maps the joints of messages to wheels and back.
 
     Args:
-        wheels: in the order of the steering geometry. urdf_xml: the machine, with a link `imu_link`.
+        machine: its wheels are in the order of the steering geometry.
+        urdf_xml: the machine, with a link `imu_link`.
     """
 
-    def __init__(self, wheels: Sequence[WheelParams], urdf_xml: str) -> None:
-        self._drive_joints = [wheel.joint for wheel in wheels]
-        self._steered = [place for place, wheel in enumerate(wheels) if wheel.steer_joint is not None]
-        self._steer_joints = [wheel.steer_joint for wheel in wheels if wheel.steer_joint is not None]
+    def __init__(self, machine: MachineParams, urdf_xml: str) -> None:
+        self._drive_joints = [wheel.joint for wheel in machine.wheels]
+        self._steer_joints = list(machine.steer_joints)
+        turned_by = [wheel.steer_joint for wheel in machine.wheels]
+        self._steered = [place for place, joint in enumerate(turned_by) if joint is not None]
+        self._joint_of_steered = [self._steer_joints.index(joint) for joint in turned_by if joint is not None]
+        self._first_of_joint = [turned_by.index(joint) for joint in self._steer_joints]
         self._columns: tuple[list[str], list[int], list[int]] | None = None
         self._message = joint_state([*self._drive_joints, *self._steer_joints])
         self._imu_to_base, _ = mounting(urdf_xml, IMU_LINK)
@@ -45,7 +48,7 @@ class WheelMeasurements:
         position = np.array(joints.position)
         rate = np.array(joints.velocity)
         angles = np.zeros(len(drive))
-        angles[self._steered] = position[steer]
+        angles[self._steered] = position[steer][self._joint_of_steered]
         gyro = self._imu_to_base @ xyz(imu.angular_velocity)
         return DriveInput(
             wheel_positions=position[drive],
@@ -61,11 +64,11 @@ class WheelMeasurements:
     def command(self, stamp: int, output: DriveOutput) -> JointState:
         """Wheel command: rates of the drive joints, angles and rates of the steering joints."""
         count = len(self._drive_joints)
-        position = np.zeros(count + len(self._steered))
+        position = np.zeros(count + len(self._steer_joints))
         velocity = np.empty_like(position)
         velocity[:count] = output.wheel_rates
-        position[count:] = output.steer_angles[self._steered]
-        velocity[count:] = output.steer_rates[self._steered]
+        position[count:] = output.steer_angles[self._first_of_joint]
+        velocity[count:] = output.steer_rates[self._first_of_joint]
         return fill_joint_state(self._message, stamp, position, velocity)
 
     def orientation(self, estimate: OdometryState) -> FloatArray:

@@ -45,7 +45,7 @@ class DriveNode(ContractNode):
         self.model = DriveModel(scenario.drive, scenario.steering)
         self.model.warm_up()
         self.state = self.model.initial_state(start.x, start.y, start.yaw)
-        self._measurements = WheelMeasurements(scenario.rover.wheels, scenario.urdf_xml)
+        self._measurements = WheelMeasurements(scenario.rover, scenario.urdf_xml)
         self._goals = GoalDesk(scenario.terrain)
         self._interlock = ArmInterlock(scenario.arm)
         self._twist: tuple[int, PlanarTwist] | None = None

@@ -40,13 +40,13 @@ class ImuMotion:
 
     def orientation_imu_in_map(self, orientation_base_in_map: FloatArray) -> FloatArray:
         """Quaternion x y z w of the IMU from that of the base."""
-        rotation = _rotation(orientation_base_in_map) @ self._rotation_imu_to_base
+        rotation = rotation_matrix(orientation_base_in_map) @ self._rotation_imu_to_base
         coefficients: FloatArray = np.array(pin.Quaternion(rotation).coeffs())
         return coefficients
 
     def update(self, odometry: Any, dt: float) -> Motion:
         """Motion at the end of a period of `dt` [s], from the base's true odometry."""
-        rotation = _rotation(quaternion(odometry.pose.pose.orientation))
+        rotation = rotation_matrix(quaternion(odometry.pose.pose.orientation))
         angular = xyz(odometry.twist.twist.angular)
         velocity = rotation @ (xyz(odometry.twist.twist.linear) + _cross(angular, self._lever))
         before = velocity if self._velocity is None else self._velocity
@@ -60,7 +60,8 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
 
 
-def _rotation(orientation: FloatArray) -> FloatArray:
+def rotation_matrix(orientation: FloatArray) -> FloatArray:
+    """Of a unit quaternion x y z w: shape (3, 3)."""
     x, y, z, w = orientation
     return np.array(
         (

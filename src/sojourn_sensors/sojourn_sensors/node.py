@@ -11,6 +11,7 @@ from sensor_msgs.msg import Imu
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import process, stamps
 from sojourn_contract.barrier import is_due
+from sojourn_contract.clouds import point_cloud
 from sojourn_contract.messages import (
     battery_readings,
     battery_state,
@@ -25,6 +26,7 @@ from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
 from sojourn_mechanics.sensors import suite
 from sojourn_sensors.motion import ImuMotion
+from sojourn_sensors.view import HazardView
 
 STORE = "battery"
 NOT_MEASURED = float("nan")
@@ -46,6 +48,7 @@ class SensorsNode(ContractNode):
         self._seed = scenario.config.seed
         self._gravity = scenario.gravity
         self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
+        self._view = HazardView(scenario)
         suite.warm_up(self.params, self._gravity)
         self.state: suite.SensorSuiteState | None = None
         """None until the first truth says which joints there are and how the machine stands."""
@@ -99,6 +102,8 @@ class SensorsNode(ContractNode):
             ),
         )
         self.publish("/imu/data", self._imu_message(stamp, measured.imu))
+        if is_due(topic("/hazcam/points"), stamp // stamps.CONTROL_PERIOD_NS):
+            self.publish("/hazcam/points", point_cloud(stamp, "base_link", self._view.look(odometry)))
 
     def _first_state(self, odometry: Any, joints: Any) -> suite.SensorSuiteState:
         state = suite.initial_state(

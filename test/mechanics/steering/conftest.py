@@ -1,6 +1,7 @@
 """The explorer's wheels, the parameters the drive node ships with, and a machine that obeys kinematically."""
 
 import math
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,12 +13,14 @@ import yaml
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.drive import DriveModel
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, DriveState
-from sojourn_mechanics.steering.kinematics import twist_from_wheels
 from sojourn_mechanics.steering.params import (
     DriveParams,
     SteeringGeometryParams,
     geometry_from_placements,
 )
+from sojourn_mechanics.steering.wheel_twist import twist_from_wheels
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 DRIVE_YAML = Path(__file__).parents[3] / "config" / "nodes" / "drive.yaml"
 
@@ -85,7 +88,9 @@ class Machine:
             self.steer_angles = output.steer_angles
         self.wheel_rates = output.wheel_rates
         self.wheel_positions = self.wheel_positions + output.wheel_rates * dt
-        v_x, v_y, yaw_rate, _ = twist_from_wheels(self.model.table, output.wheel_rates, middle)
+        v_x, v_y, yaw_rate, _ = twist_from_wheels(
+            self.model.table, output.wheel_rates, middle, steer_rates=output.steer_rates
+        )
         grip = 0.0 if self.stuck_wheels else 1.0 - self.slip
         self.yaw_rate = grip * yaw_rate
         heading = self.yaw + 0.5 * self.yaw_rate * dt

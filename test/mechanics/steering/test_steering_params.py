@@ -22,7 +22,7 @@ def test_geometry_keeps_the_order_and_the_numbers_of_the_placements() -> None:
     assert geometry.names == ("b", "a")
     assert geometry.steered == (True, False)
     expected = np.array([[1.0, 2.0, 0.1, 1.0, -0.5, 0.7], [3.0, 4.0, 0.2, 0.0, 0.0, 0.0]])
-    np.testing.assert_array_equal(geometry.table(), expected)
+    np.testing.assert_array_equal(geometry.table()[:, :6], expected)
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.steering.kinematics import PlanarTwist, twist_from_wheels, wheels_from_twist
+from sojourn_mechanics.steering.kinematics import PlanarTwist, wheels_from_twist
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
-from sojourn_mechanics.steering.rate_limiter import LimiterState, limit_rates, stopping_speed
+from sojourn_mechanics.steering.rate_limiter import LimiterState, stopping_speed
+from sojourn_mechanics.steering.wheel_commands import command_wheels
+from sojourn_mechanics.steering.wheel_twist import twist_from_wheels
 
 DT = 0.02
 twists = st.tuples(st.floats(-0.1, 0.1), st.just(0.0), st.floats(-0.1, 0.1))
@@ -20,7 +22,7 @@ def test_limits_are_never_exceeded_and_the_end_is_reached(
     drive_params: DriveParams, explorer: SteeringGeometryParams, wishes: list, lag: float
 ) -> None:
     table, limits, transition = explorer.table(), drive_params.limits, drive_params.transition
-    state = LimiterState(np.zeros(6), np.zeros(6))
+    state = LimiterState.at_rest(np.zeros(6))
     wheels = wheels_from_twist(table, PlanarTwist(*wishes[0][0]), state.steer_angles)
     fastest_change = max(limits.max_acceleration, limits.max_deceleration) * DT / 0.125
     measured = state.steer_angles
@@ -29,14 +31,12 @@ def test_limits_are_never_exceeded_and_the_end_is_reached(
         for _ in range(1500 if last else periods):
             wheels = wheels_from_twist(table, PlanarTwist(*twist), state.steer_angles)
             measured = measured + (1.0 - lag) * (state.steer_angles - measured)
-            result = limit_rates(
-                table, limits, transition, state, wheels.steer_angles, wheels.wheel_rates, measured, DT
-            )
+            result = command_wheels(table, limits, transition, state, PlanarTwist(*twist), measured, DT)
             new = result.state
             turned = np.abs(new.steer_angles - state.steer_angles)
             assert turned.max() <= limits.max_steer_rate * DT + 1e-12
             assert np.abs(new.wheel_rates - state.wheel_rates).max() <= fastest_change + 1e-12
-            np.testing.assert_allclose(result.steer_rates * DT, new.steer_angles - state.steer_angles, atol=1e-14)
+            np.testing.assert_allclose(new.steer_rates * DT, new.steer_angles - state.steer_angles, atol=1e-14)
             assert 0.0 <= result.speed_factor <= 1.0
             rolling = np.abs(state.wheel_rates).max() * 0.125 > transition.rolling_speed
             if rolling and np.abs(wheels.steer_angles - state.steer_angles).max() >= transition.stop_error:
@@ -54,17 +54,7 @@ def run(
 ) -> list[LimiterState]:
     states = []
     for _ in range(periods):
-        wheels = wheels_from_twist(table, twist, state.steer_angles)
-        result = limit_rates(
-            table,
-            params.limits,
-            params.transition,
-            state,
-            wheels.steer_angles,
-            wheels.wheel_rates,
-            state.steer_angles,
-            DT,
-        )
+        result = command_wheels(table, params.limits, params.transition, state, twist, state.steer_angles, DT)
         state = result.state
         states.append(state)
     return states
@@ -76,7 +66,7 @@ def test_start_in_a_curve_keeps_the_centre_of_rotation(
     table = explorer.table()
     twist = PlanarTwist(0.08, 0.0, 0.04)
     angles = wheels_from_twist(table, twist, np.zeros(6)).steer_angles
-    for state in run(drive_params, table, LimiterState(angles, np.zeros(6)), twist, 30):
+    for state in run(drive_params, table, LimiterState.at_rest(angles), twist, 30):
         found = twist_from_wheels(table, state.wheel_rates, state.steer_angles)
         assert found.residual < 1e-12
         assert found.v_x / found.yaw_rate == pytest.approx(2.0)
@@ -86,7 +76,7 @@ def test_from_driving_to_point_turn_is_stop_steer_go(
     drive_params: DriveParams, explorer: SteeringGeometryParams
 ) -> None:
     table = explorer.table()
-    straight = run(drive_params, table, LimiterState(np.zeros(6), np.zeros(6)), PlanarTwist(0.1, 0.0, 0.0), 100)
+    straight = run(drive_params, table, LimiterState.at_rest(np.zeros(6)), PlanarTwist(0.1, 0.0, 0.0), 100)
     states = run(drive_params, table, straight[-1], PlanarTwist(0.0, 0.0, 0.1), 700)
     steering = [
         np.abs(after.steer_angles - before.steer_angles).max() > 0.0
@@ -107,20 +97,12 @@ def test_wheels_wait_for_a_steering_motor_that_does_not_follow(
     drive_params: DriveParams, explorer: SteeringGeometryParams
 ) -> None:
     table = explorer.table()
-    wheels = wheels_from_twist(table, PlanarTwist(0.0, 0.0, 0.1), np.zeros(6))
+    turn = PlanarTwist(0.0, 0.0, 0.1)
+    wheels = wheels_from_twist(table, turn, np.zeros(6))
     stuck = wheels.steer_angles.copy()
     stuck[0] = 0.0
-    state = LimiterState(wheels.steer_angles, np.zeros(6))
-    result = limit_rates(
-        table,
-        drive_params.limits,
-        drive_params.transition,
-        state,
-        wheels.steer_angles,
-        wheels.wheel_rates,
-        stuck,
-        DT,
-    )
+    state = LimiterState.at_rest(wheels.steer_angles)
+    result = command_wheels(table, drive_params.limits, drive_params.transition, state, turn, stuck, DT)
     assert result.speed_factor == 0.0
     assert result.steer_error == pytest.approx(abs(wheels.steer_angles[0]))
     np.testing.assert_array_equal(result.state.wheel_rates, np.zeros(6))
@@ -128,7 +110,13 @@ def test_wheels_wait_for_a_steering_motor_that_does_not_follow(
 
 def test_nothing_wanted_turns_no_steering(drive_params: DriveParams, explorer: SteeringGeometryParams) -> None:
     angles = np.array([0.5, 0.3, 0.0, 0.0, -0.3, -0.5])
-    states = run(drive_params, explorer.table(), LimiterState(angles, np.full(6, 0.4)), PlanarTwist(0.0, 0.0, 0.0), 100)
+    states = run(
+        drive_params,
+        explorer.table(),
+        LimiterState(angles, np.full(6, 0.4), np.zeros(6)),
+        PlanarTwist(0.0, 0.0, 0.0),
+        100,
+    )
     np.testing.assert_array_equal(states[-1].steer_angles, angles)
     np.testing.assert_array_equal(states[-1].wheel_rates, np.zeros(6))
 
@@ -136,7 +124,7 @@ def test_nothing_wanted_turns_no_steering(drive_params: DriveParams, explorer: S
 def test_braking_takes_the_time_of_the_deceleration(
     drive_params: DriveParams, explorer: SteeringGeometryParams
 ) -> None:
-    start = LimiterState(np.zeros(6), np.full(6, 0.8))
+    start = LimiterState(np.zeros(6), np.full(6, 0.8), np.zeros(6))
     states = run(drive_params, explorer.table(), start, PlanarTwist(0.0, 0.0, 0.0), 60)
     moving = sum(np.abs(state.wheel_rates).max() > 1e-12 for state in states)
     assert moving * DT == pytest.approx(0.1 / drive_params.limits.max_deceleration, abs=1.5 * DT)

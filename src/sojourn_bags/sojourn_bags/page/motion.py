@@ -44,7 +44,7 @@ def wheels(story: Story) -> Section:
         draw("Horizontal contact force of each wheel", level[:, :count], "force [N]")
         parts.append(_pads(story, times))
     parts.append(_torques(story, drives if driven else [], "Torque of the wheel drives"))
-    steered = [wheel.steer_joint for wheel in story.run.rover.wheels if wheel.steer_joint]
+    steered = list(story.run.rover.steer_joints)
     parts.append(_torques(story, steered if story.moved(steered) else [], "Torque of the steering joints"))
     return Section("wheels", "Wheels", "".join(parts))
 

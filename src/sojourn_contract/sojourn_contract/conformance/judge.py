@@ -200,7 +200,7 @@ def rules_of(row: Topic, machine: Machine, lockstep: bool) -> list[Rule]:
     if RateRule.applies(row):
         rules.append(RateRule(row))
     if row.type == "sensor_msgs/PointCloud2":
-        rules.append(CloudRule(row, machine.contacts))
+        rules.append(CloudRule(row, machine.contacts if row.name == "/truth/contacts" else None))
     if row.publisher == "all":
         rules.append(heartbeats.HeartbeatRule())
     special: dict[str, Rule] = {

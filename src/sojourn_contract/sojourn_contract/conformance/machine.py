@@ -45,7 +45,7 @@ class Machine:
             name=name,
             joints={joint: urdf.joints[joint] for joint in urdf.moving_joints},
             drive=tuple(wheel.joint for wheel in rover.wheels),
-            steer=tuple(wheel.steer_joint for wheel in rover.wheels if wheel.steer_joint is not None),
+            steer=rover.steer_joints,
             arm=tuple(arm_joints),
             held=frozenset(joint for drive in rover.drives if drive.servo.mode == "position" for joint in drive.joints),
             loads=tuple(loads),

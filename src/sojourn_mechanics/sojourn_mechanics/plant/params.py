@@ -50,6 +50,11 @@ class MachineParams(Params):
                 raise ValueError(f"wheels, pads: name {name} is used {names.count(name)} times, allowed is once")
         return self
 
+    @property
+    def steer_joints(self) -> tuple[str, ...]:
+        """Steering joints, each once: several wheels may be rigid on a body that one joint turns."""
+        return tuple(dict.fromkeys(wheel.steer_joint for wheel in self.wheels if wheel.steer_joint is not None))
+
 
 class SimulationParams(Params):
     """How the plant is integrated."""

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 from sojourn_mechanics.params import Params
 from sojourn_mechanics.sensors.bus import BusTelemetryParams
 from sojourn_mechanics.sensors.encoder import EncoderParams
+from sojourn_mechanics.sensors.hazcam import HazcamParams
 from sojourn_mechanics.sensors.imu import ImuParams
 
 
@@ -20,11 +21,15 @@ class JointGroupParams(Params):
 
 
 class SensorSuiteParams(Params):
-    """Encoders by joint group, IMU and bus telemetry. A joint that is in no group is not measured."""
+    """Encoders by joint group, IMU, bus telemetry and, where it has one, a hazard camera.
+
+    A joint that is in no group is not measured.
+    """
 
     joint_groups: dict[str, JointGroupParams] = Field(min_length=1, description="group name to its joints")
     imu: ImuParams = Field(description="the inertial measurement unit")
     bus: BusTelemetryParams = Field(description="telemetry channels of every energy store")
+    hazcam: HazcamParams | None = Field(default=None, description="stereo camera for hazards; left out: it has none")
 
     @model_validator(mode="after")
     def _check(self) -> Self:

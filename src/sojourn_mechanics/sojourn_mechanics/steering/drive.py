@@ -27,7 +27,7 @@ from sojourn_mechanics.steering.goal_follower import (
     follow,
     stop,
 )
-from sojourn_mechanics.steering.kinematics import PlanarTwist, limit_kernel, wheels_kernel
+from sojourn_mechanics.steering.kinematics import PlanarTwist, limited_twist
 from sojourn_mechanics.steering.odometry import (
     OdometryInput,
     OdometryState,
@@ -36,7 +36,8 @@ from sojourn_mechanics.steering.odometry import (
     step_odometry,
 )
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
-from sojourn_mechanics.steering.rate_limiter import LimiterState, limit_rates
+from sojourn_mechanics.steering.rate_limiter import LimiterState
+from sojourn_mechanics.steering.wheel_commands import WheelCommands, command_wheels, expected_slip
 
 LONGEST_PERIOD = 1.0
 """Longest period a step accepts [s]."""
@@ -54,7 +55,7 @@ class DriveModel:
     """Distance of the farthest wheel from base_link [m]."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "table", self.geometry.table())
+        object.__setattr__(self, "table", self.geometry.table(self.params.track_ratio))
         object.__setattr__(self, "turn_radius", max(math.hypot(w.x, w.y) for w in self.geometry.wheels))
 
     def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
@@ -219,7 +220,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     odometry = step_odometry(params.odometry, table, state.odometry, measured, dt)
     limiter = state.limiter
     if limiter is None:
-        limiter = LimiterState(measured.steer_angles, np.zeros(table.shape[0]))
+        limiter = LimiterState.at_rest(measured.steer_angles)
 
     arbiter = _Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [])
     if inputs.stop:
@@ -231,37 +232,21 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         wanted = _follow(model, arbiter, odometry, inputs.power_limit, measured.commanded_still, dt)
 
     limits, power = params.limits, inputs.power_limit
-    cut = limit_kernel(
-        table,
-        float(wanted.v_x),
-        float(wanted.v_y),
-        float(wanted.yaw_rate),
-        limits.max_speed * power,
-        limits.max_yaw_rate * power,
-        limits.max_wheel_rate * power,
-    )
-    count = table.shape[0]
-    angles, rates, residual = np.empty(count), np.empty(count), np.empty(count)
-    wheels_kernel(
-        table,
-        wanted.v_x * cut,
-        wanted.v_y * cut,
-        wanted.yaw_rate * cut,
-        limiter.steer_angles,
-        angles,
-        rates,
-        residual,
-    )
-    limited = limit_rates(table, limits, params.transition, limiter, angles, rates, measured.steer_angles, dt)
+    slip = 0.0
+    if params.slip_feed_forward:
+        slip = expected_slip(params.odometry, odometry.pitch, wanted.v_x)
+    fastest_wheel = limits.max_wheel_rate * power * min(1.0 - slip, 1.0)
+    twist, cut = limited_twist(table, wanted, limits.max_speed * power, limits.max_yaw_rate * power, fastest_wheel)
+    limited = command_wheels(table, limits, params.transition, limiter, twist, measured.steer_angles, dt, slip)
     waiting = limited.speed_factor <= 0.0
     stuck_for = state.stuck_for + dt if waiting else 0.0
     if waiting and arbiter.follower is not None and stuck_for > params.transition.stuck_timeout:
-        worst = int(np.argmax(np.abs(angles - measured.steer_angles)))
+        worst = int(np.argmax(np.abs(limited.wanted_angles - measured.steer_angles)))
         arbiter.end_goal(
             stop(
                 arbiter.follower,
                 f"steering of {model.geometry.wheels[worst].name} does not reach its angle: "
-                f"{measured.steer_angles[worst]:.3f} rad measured, {angles[worst]:.3f} rad wanted",
+                f"{measured.steer_angles[worst]:.3f} rad measured, {limited.wanted_angles[worst]:.3f} rad wanted",
             )
         )
     elif waiting and wanted != NO_MOTION:
@@ -281,24 +266,17 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     output = DriveOutput(
         limited.state.wheel_rates,
         limited.state.steer_angles,
-        limited.steer_rates,
+        limited.state.steer_rates,
         odometry,
         pose_covariance,
         twist_covariance,
         tuple(arbiter.outcomes),
-        _status(new_state, inputs, cut, limited.speed_factor, limited.steer_error, float(np.abs(residual).max())),
+        _status(new_state, inputs, cut, limited),
     )
     return new_state, output
 
 
-def _status(
-    state: DriveState,
-    inputs: DriveInput,
-    cut: float,
-    speed_factor: float,
-    steer_error: float,
-    residual: float,
-) -> dict[str, str | float]:
+def _status(state: DriveState, inputs: DriveInput, cut: float, commands: WheelCommands) -> dict[str, str | float]:
     """Fields of /drive/status; the unit is the last part of a name."""
     odometry, way, outcome = state.odometry, state.follower, state.last_outcome
     status: dict[str, str | float] = {
@@ -320,9 +298,9 @@ def _status(
         "wheel_disagreement_m_s": odometry.residual,
         "yaw_rate_difference_rad_s": odometry.yaw_rate_difference,
         "encoder_jumps": float(odometry.encoder_jumps),
-        "steer_error_rad": steer_error,
-        "steering_residual_m_s": residual,
-        "speed_factor": speed_factor,
+        "steer_error_rad": commands.steer_error,
+        "steering_residual_m_s": float(np.abs(commands.residual).max()),
+        "speed_factor": commands.speed_factor,
         "limit_factor": cut,
         "power_limit": inputs.power_limit,
     }

@@ -1,31 +1,29 @@
-"""Steering kinematics of any number of wheels, steered or fixed, about an instantaneous centre of rotation.
+"""Steering kinematics of any machine: from the twist wanted of base_link to steer angles and wheel rates.
 
-Equations. A body that moves over a plane with twist (v_x, v_y, w) in base_link carries a wheel at (x, y) with
+Equations. A joint at the pivot P turns wheels (a single one about its own contact, or a whole body of them: articulated
+steering) that act at the distance c_x ahead of it, seen in the turned body. The pivot moves with V = v + w z x P.
+The wheels do not slide sideways (see `rolling_lines`) if, with the joint at rest,
 
-    u_x = v_x - w y,   u_y = v_y + w x.
+    |V| sin(q - d) = c_x w,   d = atan2(V_y, V_x)
+    q = d + asin(c_x w / |V|)   or   q = d - asin(c_x w / |V|) + pi,   both + 2 k pi
 
-The wheel rolls without sliding if its heading d and its rate q satisfy
+so that all axles meet in the instantaneous centre of rotation (-v_y / w, v_x / w): Ackermann steering, crab (w = 0),
+point turn (v = 0) and articulated steering are the same law; a wheel steered about its contact has c_x = 0. The
+representative is the one inside the steering limits that is nearest to the present angle; a pivot with no speed keeps
+its angle. Where none is inside, the angle is clipped. Each wheel then rolls as its rolling line says, and the sideways
+velocity that it cannot follow is reported. Wheels with rollers slide along them freely and follow every twist; fixed
+wheels at different places along the body scrub in a turn by nature (see `wheel_table`).
 
-    u_x cos d + u_y sin d = r q        (it rolls)
-   -u_x sin d + u_y cos d = 0          (it does not slide sideways)
+While a joint is still on its way its wheels allow other twists only: `allowed_twist` gives the one that slides least
+for the forward speed asked for (for two bodies with an axle each, that of `vehicle.articulated`, the joint's own rate
+included, and without any sliding).
 
-so d = atan2(u_y, u_x) + k pi and q = (-1)^k |u| / r. All axles then meet in the instantaneous centre of
-rotation (-v_y / w, v_x / w): Ackermann steering, crab (w = 0) and point turn (v = 0) are the same law. The
-representative k is the one inside the steering limits that is nearest to the present angle; a wheel with no
-speed keeps its angle. Where no representative is inside, the angle is clipped, the rate is the part of the
-velocity along the heading, and the sideways velocity that is left is reported.
+Sources: Siegwart, Nourbakhsh, Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed. (2011), section 3.2;
+Corke and Ridley, IEEE Trans. Robotics and Automation 17 (2001) 215 (articulated steering with its rate); Muir and
+Neuman, J. Robotic Systems 4 (1987) 281 (Mecanum).
 
-The inverse takes the same two lines of all wheels as a linear least-squares problem in (v_x, v_y, w); the
-lines "does not slide sideways" carry a weight, since on loose soil and on skid-steered machines they hold
-less well.
-
-Sources: Siegwart, Nourbakhsh, Scaramuzza, Introduction to Autonomous Mobile Robots, 2nd ed. (2011), section
-3.2 (rolling and sliding constraints); Muir and Neuman, J. Robotic Systems 4 (1987) 281 (least squares over
-all wheels).
-
-Assumptions: plane ground, point contact, steering axis through the contact. On uneven ground the wheels
-disagree by the differences of their slopes; the least-squares residual shows it. Exact for any speed (pure
-kinematics).
+Assumptions: plane ground, point contact, vertical steering axes, at most one joint between base_link and a wheel. Exact
+for any speed (pure kinematics).
 """
 
 import math
@@ -37,9 +35,27 @@ from numba import njit
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.rolling_lines import rolling_line, sliding_line
+from sojourn_mechanics.steering.wheel_table import WheelTableColumn
 
 NO_SPEED = 1e-10
-"""Wheel speed [m/s] below which its direction means nothing and the angle is kept."""
+"""Speed of a pivot [m/s] below which its direction means nothing and the angle is kept."""
+TRUST_IN_WISH = 1e-12
+"""Weight of the wanted twist against the sliding lines: it decides only what these leave open [-]."""
+
+_X = int(WheelTableColumn.X)
+_Y = int(WheelTableColumn.Y)
+_RADIUS = int(WheelTableColumn.RADIUS)
+_STEERED = int(WheelTableColumn.STEERED)
+_STEER_MIN = int(WheelTableColumn.STEER_MIN)
+_STEER_MAX = int(WheelTableColumn.STEER_MAX)
+_PIVOT_X = int(WheelTableColumn.PIVOT_X)
+_PIVOT_Y = int(WheelTableColumn.PIVOT_Y)
+_ARM_X = int(WheelTableColumn.ARM_X)
+_ARM_Y = int(WheelTableColumn.ARM_Y)
+_ROLLER = int(WheelTableColumn.ROLLER)
+_SLIDE_WEIGHT = int(WheelTableColumn.SLIDE_WEIGHT)
+_MAX_RATE = int(WheelTableColumn.MAX_RATE)
 
 
 class PlanarTwist(NamedTuple):
@@ -48,15 +64,6 @@ class PlanarTwist(NamedTuple):
     v_x: float
     v_y: float
     yaw_rate: float
-
-
-class TwistEstimate(NamedTuple):
-    """Twist that fits the wheels best, and the root mean square of what does not fit [m/s]."""
-
-    v_x: float
-    v_y: float
-    yaw_rate: float
-    residual: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,14 +79,17 @@ class WheelSetpoints:
 
 
 @njit(cache=True)
-def _reach(angle: float, lower: float, upper: float, present: float) -> float:
-    """Heading angle + k pi inside the limits and nearest to `present`, or else the least clipped one."""
-    best = angle
+def _reach(direction: float, lead: float, lower: float, upper: float, present: float) -> float:
+    """Heading inside the limits and nearest to `present`, or else the least clipped one.
+
+    Headings are direction + lead, and direction - lead + pi for rolling backwards, each + 2 k pi.
+    """
+    best = direction
     best_miss = math.inf
     best_move = math.inf
     # Forward (even k) first: it wins ties, for a half turn either way from straight ahead.
     for k in (0, 2, -2, 1, -1, 3, -3):
-        candidate = angle + k * math.pi
+        candidate = direction + (lead if k % 2 == 0 else -lead) + k * math.pi
         clipped = min(max(candidate, lower), upper)
         miss = abs(candidate - clipped)
         if miss < 1e-12:
@@ -88,6 +98,18 @@ def _reach(angle: float, lower: float, upper: float, present: float) -> float:
         if miss < best_miss - 1e-9 or (miss <= best_miss + 1e-9 and move < best_move - 1e-9):
             best, best_miss, best_move = clipped, miss, move
     return best
+
+
+@njit(cache=True)
+def _steer_angle(row: FloatArray, v_x: float, v_y: float, yaw_rate: float, present: float) -> float:
+    """Angle of the joint that turns a wheel [rad] for a twist."""
+    along = v_x - yaw_rate * row[_PIVOT_Y]
+    across = v_y + yaw_rate * row[_PIVOT_X]
+    speed = math.hypot(along, across)
+    if speed <= NO_SPEED:
+        return present
+    lead = math.asin(min(max(row[_ARM_X] * yaw_rate / speed, -1.0), 1.0))
+    return float(_reach(math.atan2(across, along), lead, row[_STEER_MIN], row[_STEER_MAX], present))
 
 
 @njit(cache=True)
@@ -103,86 +125,60 @@ def wheels_kernel(
 ) -> None:
     """Fill angles [rad], rates [rad/s] and residual [m/s] for a twist; see `wheels_from_twist`."""
     for i in range(table.shape[0]):
-        along = v_x - yaw_rate * table[i, 1]
-        across = v_y + yaw_rate * table[i, 0]
+        row = table[i]
         angle = 0.0
-        if table[i, 3] > 0.5:
-            angle = present[i]
-            if math.hypot(along, across) > NO_SPEED:
-                angle = _reach(math.atan2(across, along), table[i, 4], table[i, 5], present[i])
-        cosine, sine = math.cos(angle), math.sin(angle)
+        if row[_STEERED] > 0.5:
+            angle = _steer_angle(row, v_x, v_y, yaw_rate, present[i])
         angles[i] = angle
-        rates[i] = (along * cosine + across * sine) / table[i, 2]
-        residual[i] = across * cosine - along * sine
+        a_x, a_y, a_w, _ = rolling_line(row, angle, 0.0)
+        rates[i] = (a_x * v_x + a_y * v_y + a_w * yaw_rate) / row[_RADIUS]
+        # where the wheel is, which for a wheel that scrubs by nature is not where it acts
+        cosine, sine = math.cos(angle), math.sin(angle)
+        arm_x, arm_y = row[_X] - row[_PIVOT_X], row[_Y] - row[_PIVOT_Y]
+        along = v_x - yaw_rate * (row[_PIVOT_Y] + (sine * arm_x + cosine * arm_y))
+        across = v_y + yaw_rate * (row[_PIVOT_X] + (cosine * arm_x - sine * arm_y))
+        residual[i] = across * cosine - along * sine if row[_ROLLER] == 0.0 and row[_SLIDE_WEIGHT] > 0.0 else 0.0
 
 
 @njit(cache=True)
-def twist_kernel(
-    table: FloatArray, rates: FloatArray, angles: FloatArray, lateral_weight: float
-) -> tuple[float, float, float, float]:
-    """Weighted least squares of all rolling and sliding lines, by Cholesky of the 3 x 3 normal equations."""
-    a00 = a01 = a02 = a11 = a12 = a22 = b0 = b1 = b2 = 0.0
+def rates_kernel(
+    table: FloatArray,
+    v_x: float,
+    v_y: float,
+    yaw_rate: float,
+    angles: FloatArray,
+    steer_rates: FloatArray,
+    rates: FloatArray,
+) -> None:
+    """Fill the rates [rad/s] at which the wheels roll for a twist with the steering as it is and as it moves."""
     for i in range(table.shape[0]):
-        cosine, sine = math.cos(angles[i]), math.sin(angles[i])
-        speed = table[i, 2] * rates[i]
-        roll_arm = table[i, 0] * sine - table[i, 1] * cosine
-        slide_arm = table[i, 0] * cosine + table[i, 1] * sine
-        weight = lateral_weight
-        a00 += cosine * cosine + weight * sine * sine
-        a01 += (1.0 - weight) * cosine * sine
-        a11 += sine * sine + weight * cosine * cosine
-        a02 += cosine * roll_arm - weight * sine * slide_arm
-        a12 += sine * roll_arm + weight * cosine * slide_arm
-        a22 += roll_arm * roll_arm + weight * slide_arm * slide_arm
-        b0 += cosine * speed
-        b1 += sine * speed
-        b2 += roll_arm * speed
-    l00 = math.sqrt(a00)
-    l10, l20 = a01 / l00, a02 / l00
-    l11 = math.sqrt(a11 - l10 * l10)
-    l21 = (a12 - l20 * l10) / l11
-    l22 = math.sqrt(a22 - l20 * l20 - l21 * l21)
-    z0 = b0 / l00
-    z1 = (b1 - l10 * z0) / l11
-    z2 = (b2 - l20 * z0 - l21 * z1) / l22
-    yaw_rate = z2 / l22
-    v_y = (z1 - l21 * yaw_rate) / l11
-    v_x = (z0 - l10 * v_y - l20 * yaw_rate) / l00
-    return v_x, v_y, yaw_rate, _misfit(table, rates, angles, v_x, v_y, yaw_rate)
+        a_x, a_y, a_w, known = rolling_line(table[i], angles[i], steer_rates[i])
+        rates[i] = (a_x * v_x + a_y * v_y + a_w * yaw_rate + known) / table[i, _RADIUS]
 
 
 @njit(cache=True)
-def velocity_kernel(
-    table: FloatArray, rates: FloatArray, angles: FloatArray, yaw_rate: float, lateral_weight: float
-) -> tuple[float, float, float]:
-    """v_x, v_y and residual [m/s] that fit the wheels best when the yaw rate is known, from a gyro."""
+def allowed_kernel(
+    table: FloatArray, v_x: float, v_y: float, yaw_rate: float, angles: FloatArray, steer_rates: FloatArray
+) -> tuple[float, float]:
+    """v_y and yaw rate with which the wheels slide least; see `allowed_twist`."""
     a00 = a01 = a11 = b0 = b1 = 0.0
+    reach = 0.0
     for i in range(table.shape[0]):
-        cosine, sine = math.cos(angles[i]), math.sin(angles[i])
-        roll = table[i, 2] * rates[i] - yaw_rate * (table[i, 0] * sine - table[i, 1] * cosine)
-        slide = -yaw_rate * (table[i, 0] * cosine + table[i, 1] * sine)
-        weight = lateral_weight
-        a00 += cosine * cosine + weight * sine * sine
-        a01 += (1.0 - weight) * cosine * sine
-        a11 += sine * sine + weight * cosine * cosine
-        b0 += cosine * roll - weight * sine * slide
-        b1 += sine * roll + weight * cosine * slide
+        x, y, w, known = sliding_line(table[i], angles[i], steer_rates[i])
+        weight = table[i, _SLIDE_WEIGHT]
+        right = -known - x * v_x
+        a00 += weight * y * y
+        a01 += weight * y * w
+        a11 += weight * w * w
+        b0 += weight * y * right
+        b1 += weight * w * right
+        reach = max(reach, abs(table[i, _X]), abs(table[i, _Y]))
+    a00 += TRUST_IN_WISH
+    a11 += TRUST_IN_WISH * reach * reach
+    b0 += TRUST_IN_WISH * v_y
+    b1 += TRUST_IN_WISH * reach * reach * yaw_rate
     determinant = a00 * a11 - a01 * a01
-    v_x = (a11 * b0 - a01 * b1) / determinant
-    v_y = (a00 * b1 - a01 * b0) / determinant
-    return v_x, v_y, _misfit(table, rates, angles, v_x, v_y, yaw_rate)
-
-
-@njit(cache=True)
-def _misfit(table: FloatArray, rates: FloatArray, angles: FloatArray, v_x: float, v_y: float, yaw_rate: float) -> float:
-    """Root mean square over the wheels of the velocity between a wheel's contact and its rolling [m/s]."""
-    total = 0.0
-    for i in range(table.shape[0]):
-        cosine, sine = math.cos(angles[i]), math.sin(angles[i])
-        along = v_x - yaw_rate * table[i, 1] - table[i, 2] * rates[i] * cosine
-        across = v_y + yaw_rate * table[i, 0] - table[i, 2] * rates[i] * sine
-        total += along * along + across * across
-    return math.sqrt(total / table.shape[0])
+    return (a11 * b0 - a01 * b1) / determinant, (a00 * b1 - a01 * b0) / determinant
 
 
 @njit(cache=True)
@@ -203,16 +199,23 @@ def limit_kernel(
     if abs(yaw_rate) * factor > max_yaw_rate:
         factor = max_yaw_rate / abs(yaw_rate)
     for i in range(table.shape[0]):
-        along = v_x - yaw_rate * table[i, 1]
-        across = v_y + yaw_rate * table[i, 0] if table[i, 3] > 0.5 else 0.0
-        rate = math.hypot(along, across) / table[i, 2]
-        if rate * factor > max_wheel_rate:
-            factor = max_wheel_rate / rate
+        row = table[i]
+        if row[_STEERED] > 0.5:  # whatever the angle
+            along = v_x - yaw_rate * row[_PIVOT_Y]
+            across = v_y + yaw_rate * row[_PIVOT_X]
+            rim = math.hypot(along, across) + abs(yaw_rate) * math.hypot(row[_ARM_X], row[_ARM_Y])
+        else:
+            a_x, a_y, a_w, _ = rolling_line(row, 0.0, 0.0)
+            rim = abs(a_x * v_x + a_y * v_y + a_w * yaw_rate)
+        rate = rim / row[_RADIUS]
+        most = min(max_wheel_rate, row[_MAX_RATE])
+        if rate * factor > most:
+            factor = most / rate
     return factor
 
 
-def _checked(table: FloatArray, name: str, array: FloatArray) -> FloatArray:
-    """The array as the kernels want it, or an error if it has not one finite number for each wheel."""
+def checked_wheels(table: FloatArray, name: str, array: FloatArray) -> FloatArray:
+    """The array as the kernels want it. Raises InvalidValueError if it has not one finite number for each wheel."""
     fit = np.ascontiguousarray(array, dtype=np.float64)
     if fit.shape != (table.shape[0],):
         raise InvalidValueError(f"shape of {name}", fit.shape, f"({table.shape[0]},), one for each wheel")
@@ -232,34 +235,45 @@ def wheels_from_twist(table: FloatArray, twist: PlanarTwist, present_angles: Flo
     Raises:
         InvalidValueError: if the twist or an angle is not finite, or the shape is wrong.
     """
-    present = _checked(table, "present steer angles", present_angles)
-    for name, value in zip(twist._fields, twist, strict=True):
-        if not math.isfinite(value):
-            raise InvalidValueError(f"twist {name}", value, "a finite number")
+    present = checked_wheels(table, "present steer angles", present_angles)
+    _check_twist(twist)
     angles, rates, residual = np.empty_like(present), np.empty_like(present), np.empty_like(present)
     wheels_kernel(table, float(twist.v_x), float(twist.v_y), float(twist.yaw_rate), present, angles, rates, residual)
     return WheelSetpoints(angles, rates, residual)
 
 
-def twist_from_wheels(
-    table: FloatArray, wheel_rates: FloatArray, steer_angles: FloatArray, lateral_weight: float = 1.0
-) -> TwistEstimate:
-    """Twist that fits wheel rates [rad/s] and steer angles [rad], both of shape (wheels,), best.
+def allowed_twist(
+    table: FloatArray, twist: PlanarTwist, steer_angles: FloatArray, steer_rates: FloatArray
+) -> PlanarTwist:
+    """Twist of the same forward speed with which the wheels slide least, the steering at these angles and rates.
 
     Args:
         table: wheels, from `SteeringGeometryParams.table()`.
-        wheel_rates: measured or commanded rates.
-        steer_angles: measured or commanded angles, 0 for fixed wheels.
-        lateral_weight: weight of the sliding lines against the rolling lines, above 0 up to 1.
+        twist: wanted motion of base_link; where no wheel objects (rollers), it is the answer.
+        steer_angles: [rad], shape (wheels,). steer_rates: [rad/s], shape (wheels,).
 
     Raises:
-        InvalidValueError: if a number is not finite, the weight out of range or a shape wrong.
+        InvalidValueError: if a number is not finite, or a shape is wrong.
     """
-    rates = _checked(table, "wheel rates", wheel_rates)
-    angles = _checked(table, "steer angles", steer_angles)
-    if not 0.0 < lateral_weight <= 1.0:
-        raise InvalidValueError("lateral_weight", lateral_weight, "above 0 and at most 1")
-    return TwistEstimate(*twist_kernel(table, rates, angles, float(lateral_weight)))
+    angles = checked_wheels(table, "steer angles", steer_angles)
+    turning = checked_wheels(table, "steer rates", steer_rates)
+    _check_twist(twist)
+    v_y, yaw_rate = allowed_kernel(table, float(twist.v_x), float(twist.v_y), float(twist.yaw_rate), angles, turning)
+    return PlanarTwist(twist.v_x, v_y, yaw_rate)
+
+
+def wheel_rates(table: FloatArray, twist: PlanarTwist, steer_angles: FloatArray, steer_rates: FloatArray) -> FloatArray:
+    """Rates at which the wheels roll for a twist [rad/s], shape (wheels,), the steering as it is and as it moves.
+
+    Raises:
+        InvalidValueError: if a number is not finite, or a shape is wrong.
+    """
+    angles = checked_wheels(table, "steer angles", steer_angles)
+    turning = checked_wheels(table, "steer rates", steer_rates)
+    _check_twist(twist)
+    rates = np.empty_like(angles)
+    rates_kernel(table, float(twist.v_x), float(twist.v_y), float(twist.yaw_rate), angles, turning, rates)
+    return rates
 
 
 def limited_twist(
@@ -276,3 +290,9 @@ def limited_twist(
         float(max_wheel_rate),
     )
     return PlanarTwist(twist.v_x * factor, twist.v_y * factor, twist.yaw_rate * factor), factor
+
+
+def _check_twist(twist: PlanarTwist) -> None:
+    for name, value in zip(twist._fields, twist, strict=True):
+        if not math.isfinite(value):
+            raise InvalidValueError(f"twist {name}", value, "a finite number")

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.steering.kinematics import twist_kernel, velocity_kernel
+from sojourn_mechanics.steering.wheel_twist import twist_kernel, velocity_kernel
 
 START_POSITION_VARIANCE = 1e-6
 """Variance of the start position [m^2]: zero by definition, but a covariance must be positive definite."""
@@ -36,7 +36,7 @@ def wheel_motion(
 ) -> tuple[float, float, float, float, float, int]:  # fmt: skip
     """v_x, v_y, yaw rate of the wheels alone, residual, fastest rim (roll or steer) [m/s], encoder jumps."""
     count = table.shape[0]
-    rates, middle = np.empty(count), np.empty(count)
+    rates, middle, turning = np.empty(count), np.empty(count), np.empty(count)
     fastest = 0.0
     jumps = 0
     for i in range(count):
@@ -45,11 +45,12 @@ def wheel_motion(
             rates[i] = measured_rates[i]
             jumps += 1
         middle[i] = 0.5 * (angles[i] + old_angles[i])
+        turning[i] = (angles[i] - old_angles[i]) / dt
         fastest = max(fastest, abs(rates[i]) * table[i, 2])
-        fastest = max(fastest, abs(angles[i] - old_angles[i]) / dt * table[i, 2])
-    v_x, v_y, wheel_yaw_rate, residual = twist_kernel(table, rates, middle, lateral_weight)
+        fastest = max(fastest, abs(turning[i]) * table[i, 2])
+    v_x, v_y, wheel_yaw_rate, residual = twist_kernel(table, rates, middle, turning, lateral_weight)
     if use_gyro:
-        v_x, v_y, residual = velocity_kernel(table, rates, middle, yaw_rate, lateral_weight)
+        v_x, v_y, residual = velocity_kernel(table, rates, middle, turning, yaw_rate, lateral_weight)
     return v_x, v_y, wheel_yaw_rate, residual, fastest, jumps
 
 

@@ -1,9 +1,9 @@
 """Parameters of steering, odometry and goal following: the wheels of a machine and the limits of its motion.
 
-Frame: everything is in base_link (x forward, y left), seen from above. A wheel is a point at (x, y) that
-rolls along its heading; a steered wheel turns about a vertical axis through that same point (no scrub
-radius). Angles are positive to the left. Arrays of wheels are always in the order of
-`SteeringGeometryParams.wheels`.
+Frame: everything is in base_link (x forward, y left), seen from above, with the steering straight. A wheel is a point
+at (x, y) that rolls along its heading; a steered wheel turns about a vertical axis, through that same point unless its
+pivot says otherwise. Wheels that name the same steering joint are rigid on one body that this joint turns. Angles are
+positive to the left. Arrays of wheels are always in the order of `SteeringGeometryParams.wheels`.
 """
 
 import math
@@ -16,6 +16,7 @@ from pydantic import Field, model_validator
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, Params
+from sojourn_mechanics.steering.wheel_table import wheel_table
 
 SMALLEST_BASE = 1e-3
 """Two wheels must be at least this far apart [m], or the yaw rate cannot be told from the wheels."""
@@ -31,6 +32,37 @@ class WheelGeometry(Params):
     steered: bool = Field(..., description="true if a motor turns the wheel's heading")
     steer_min: float = Field(0.0, ge=-2 * math.pi, le=2 * math.pi, description="smallest steer angle [rad]")
     steer_max: float = Field(0.0, ge=-2 * math.pi, le=2 * math.pi, description="largest steer angle [rad]")
+    pivot_x: float | None = Field(
+        default=None, ge=-100.0, le=100.0, description="steering axis; none: through the wheel [m]"
+    )
+    pivot_y: float | None = Field(
+        default=None, ge=-100.0, le=100.0, description="steering axis; none: through the wheel [m]"
+    )
+    steer_joint: str | None = Field(default=None, min_length=1, description="what turns it; wheels may share one")
+    roller_angle: float | None = Field(
+        default=None,
+        ge=-math.pi / 2,
+        le=math.pi / 2,
+        description="axle to roller axis, towards ahead; none: no rollers [rad]",
+    )
+    max_rate: float | None = Field(
+        default=None, gt=0.0, le=1e3, description="of its drive motor; none: the machine's [rad/s]"
+    )
+    max_steer_rate: float | None = Field(
+        default=None, gt=0.0, le=1e3, description="of its steering; none: likewise [rad/s]"
+    )
+
+    @property
+    def pivot(self) -> tuple[float, float]:
+        """Steering axis in base_link [m]; the origin for a fixed wheel."""
+        if not self.steered:
+            return 0.0, 0.0
+        return self.x if self.pivot_x is None else self.pivot_x, self.y if self.pivot_y is None else self.pivot_y
+
+    @property
+    def steer_group(self) -> str | None:
+        """What turns the wheel, by a name that rigid neighbours share; none for a fixed wheel."""
+        return (self.steer_joint or self.name) if self.steered else None
 
     @model_validator(mode="after")
     def _limits_fit(self) -> Self:
@@ -40,6 +72,8 @@ class WheelGeometry(Params):
             )
         if not self.steered and (self.steer_min != 0.0 or self.steer_max != 0.0):
             raise ValueError(f"wheel {self.name}: steer limits of a fixed wheel must both be 0")
+        if self.roller_angle == 0.0:
+            raise ValueError(f"wheel {self.name}: roller_angle = 0, allowed is another: these rollers carry no wheel")
         return self
 
 
@@ -57,6 +91,23 @@ class SteeringGeometryParams(Params):
         base = max(math.hypot(wheel.x - first.x, wheel.y - first.y) for wheel in self.wheels)
         if base < SMALLEST_BASE:
             raise ValueError(f"wheels must be at least {SMALLEST_BASE} m apart, largest distance is {base} m")
+        joints: dict[str, tuple[object, ...]] = {}
+        for wheel in self.wheels:
+            axis = (*wheel.pivot, wheel.steer_min, wheel.steer_max)
+            if wheel.steer_joint and joints.setdefault(wheel.steer_joint, axis) != axis:
+                raise ValueError(f"wheel {wheel.name}: pivot and limits must be those of all on {wheel.steer_joint}")
+        return self
+
+    @model_validator(mode="after")
+    def _motion_can_be_told(self) -> Self:
+        rows = []
+        for wheel in self.wheels:
+            side = 0.0 if wheel.roller_angle is None else 1.0 / math.tan(wheel.roller_angle)
+            rows.append((1.0, side, side * wheel.x - wheel.y))
+            if wheel.roller_angle is None:
+                rows.append((0.0, 1.0, wheel.x))
+        if np.linalg.matrix_rank(np.array(rows)) < len(rows[0]):
+            raise ValueError("wheels: their rollers leave a motion free; allowed are angles that hold all three")
         return self
 
     @property
@@ -69,10 +120,9 @@ class SteeringGeometryParams(Params):
         """True for each wheel that can be steered, in order."""
         return tuple(wheel.steered for wheel in self.wheels)
 
-    def table(self) -> FloatArray:
-        """Array for the kernels, shape (wheels, 6): x, y, radius [m], steered 0/1, min, max [rad]."""
-        rows = [(w.x, w.y, w.radius, float(w.steered), w.steer_min, w.steer_max) for w in self.wheels]
-        return np.ascontiguousarray(rows, dtype=np.float64)
+    def table(self, track_ratio: float = 1.0) -> FloatArray:
+        """Array for the kernels, one row a wheel, see `wheel_table`."""
+        return wheel_table(self.wheels, track_ratio)
 
 
 def geometry_from_placements(
@@ -140,6 +190,9 @@ class SteeringTransitionParams(Params):
     )
     stuck_timeout: float = Field(
         ..., gt=0.0, le=3600.0, description="waiting time for the steering after which a goal is given up [s]"
+    )
+    steering_at_stand: bool = Field(
+        default=True, description="true if wheels may be steered at a stand when a motion needs it; else only rolling"
     )
 
     @model_validator(mode="after")
@@ -240,6 +293,15 @@ class DriveParams(Params):
     """Everything the drive node's model needs besides the wheels' geometry."""
 
     cmd_vel_timeout: float = Field(..., gt=0.0, le=10.0, description="age at which a twist command is dropped [s]")
+    track_ratio: float = Field(
+        default=1.0,
+        ge=1.0,
+        le=5.0,
+        description="distance of the free-rolling centres over the track, of wheels that scrub in a turn [-]",
+    )
+    slip_feed_forward: bool = Field(
+        default=True, description="true if wheels turn faster by the slip that the odometry expects"
+    )
     limits: MotionLimits = Field(..., description="what the machine may be asked to do")
     transition: SteeringTransitionParams = Field(..., description="slowing down while steering")
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")

@@ -5,11 +5,11 @@ Law, for one period dt:
 1. e = the largest steer error of any wheel, commanded or measured against wanted.
 2. Speed factor f = 1 for e <= e_full, 0 for e >= e_stop, linear between. All wheels take the same factor, so
    the centre of rotation of the wanted motion is kept and no wheel works against another.
-3. Steering moves all wheels in the same proportion, the farthest at its rate limit, so that they arrive
+3. Steering moves all wheels in the same proportion, the slowest of them at its rate limit, so that they arrive
    together. If the commanded error is e_stop or more while a wheel still rolls, the steering waits until the
    wheels stand: a change of mode (curve to point turn, say) is stop, steer, go, and nothing is dragged
-   sideways.
-4. The rates move from their last value towards f x wanted, in the same proportion for all wheels, with no
+   sideways. What a wheel rolls because its own steering moves it does not count.
+4. The rates move from their last value towards those asked for, in the same proportion for all wheels, with no
    wheel above its acceleration (away from zero) or deceleration (towards zero) at the rim.
 
 With nothing wanted the caller passes the present angles (kinematics keeps them), so the steering never turns
@@ -29,6 +29,12 @@ from numba import njit
 
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.params import MotionLimits, SteeringTransitionParams
+from sojourn_mechanics.steering.rolling_lines import rolling_line
+from sojourn_mechanics.steering.wheel_table import WheelTableColumn
+
+_RADIUS = int(WheelTableColumn.RADIUS)
+_STEERED = int(WheelTableColumn.STEERED)
+_MAX_STEER_RATE = int(WheelTableColumn.MAX_STEER_RATE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,118 +45,141 @@ class LimiterState:
     """[rad]"""
     wheel_rates: FloatArray
     """[rad/s]"""
-
-
-class LimiterOutput(NamedTuple):
-    """Result of one period of the limiter."""
-
-    state: LimiterState
-    """New commands."""
     steer_rates: FloatArray
+    """[rad/s]"""
+
+    @classmethod
+    def at_rest(cls, steer_angles: FloatArray) -> "LimiterState":
+        """Everything stands, the steering at these angles [rad]."""
+        return cls(steer_angles, np.zeros_like(steer_angles), np.zeros_like(steer_angles))
+
+
+class SteeringStep(NamedTuple):
+    """One period of the steering."""
+
+    angles: FloatArray
+    """New commands [rad], shape (wheels,)."""
+    rates: FloatArray
     """Rate of the steering command in this period [rad/s], shape (wheels,)."""
     speed_factor: float
     """1 when the wheels may roll freely, 0 when they wait for the steering [-]."""
-    steer_error: float
+    error: float
     """Largest steer error, commanded or measured against wanted [rad]."""
 
 
 @njit(cache=True)
-def _limit_kernel(
+def _steering_kernel(
     table: FloatArray,
     wanted_angles: FloatArray,
-    wanted_rates: FloatArray,
     angles: FloatArray,
-    rates: FloatArray,
+    wheel_rates: FloatArray,
+    steer_rates: FloatArray,
     measured_angles: FloatArray,
     dt: float,
     max_steer_rate: float,
-    acceleration: float,
-    deceleration: float,
     full_speed_error: float,
     stop_error: float,
     rolling_speed: float,
     new_angles: FloatArray,
     new_rates: FloatArray,
-    steer_rates: FloatArray,
 ) -> tuple[float, float]:
-    """One period; fills the last three arrays and gives the speed factor and the largest steer error."""
+    """One period; fills the last two arrays and gives the speed factor and the largest steer error."""
     count = table.shape[0]
     command_error = 0.0
     error = 0.0
+    move = 1.0
     rolling = False
     for i in range(count):
-        if table[i, 3] > 0.5:
-            command_error = max(command_error, abs(wanted_angles[i] - angles[i]))
+        if table[i, _STEERED] > 0.5:
+            miss = abs(wanted_angles[i] - angles[i])
+            command_error = max(command_error, miss)
             error = max(error, abs(wanted_angles[i] - measured_angles[i]))
-        if abs(rates[i]) * table[i, 2] > rolling_speed:
+            most = min(max_steer_rate, table[i, _MAX_STEER_RATE]) * dt
+            if miss * move > most:
+                move = most / miss
+        _, _, _, own = rolling_line(table[i], angles[i], steer_rates[i])
+        if abs(wheel_rates[i] * table[i, _RADIUS] - own) > rolling_speed:
             rolling = True
     error = max(error, command_error)
     factor = min(max((stop_error - error) / (stop_error - full_speed_error), 0.0), 1.0)
-
-    move = 1.0
-    if command_error > max_steer_rate * dt:
-        move = max_steer_rate * dt / command_error
     if rolling and command_error >= stop_error:
         move = 0.0
-    step = 1.0
     for i in range(count):
         new_angles[i] = wanted_angles[i] if move == 1.0 else angles[i] + move * (wanted_angles[i] - angles[i])
-        steer_rates[i] = (new_angles[i] - angles[i]) / dt
-        target = factor * wanted_rates[i]
-        change = abs(target - rates[i])
-        slowing = abs(target) < abs(rates[i]) and target * rates[i] >= 0.0
-        most = (deceleration if slowing else acceleration) * dt / table[i, 2]
-        if change * step > most:
-            step = most / change
-    for i in range(count):
-        target = factor * wanted_rates[i]
-        new_rates[i] = target if step == 1.0 else rates[i] + step * (target - rates[i])
+        new_rates[i] = (new_angles[i] - angles[i]) / dt
     return factor, error
 
 
-def limit_rates(
+@njit(cache=True)
+def _rates_kernel(
     table: FloatArray,
-    limits: MotionLimits,
+    targets: FloatArray,
+    rates: FloatArray,
+    dt: float,
+    acceleration: float,
+    deceleration: float,
+    new_rates: FloatArray,
+) -> None:
+    """Fills the rates that are commanded next [rad/s]."""
+    step = 1.0
+    for i in range(table.shape[0]):
+        change = abs(targets[i] - rates[i])
+        slowing = abs(targets[i]) < abs(rates[i]) and targets[i] * rates[i] >= 0.0
+        most = (deceleration if slowing else acceleration) * dt / table[i, _RADIUS]
+        if change * step > most:
+            step = most / change
+    for i in range(table.shape[0]):
+        new_rates[i] = targets[i] if step == 1.0 else rates[i] + step * (targets[i] - rates[i])
+
+
+def limit_steering(
+    table: FloatArray,
+    max_steer_rate: float,
     transition: SteeringTransitionParams,
     state: LimiterState,
     wanted_angles: FloatArray,
-    wanted_rates: FloatArray,
     measured_angles: FloatArray,
     dt: float,
-) -> LimiterOutput:
-    """Next commands on the way from the last ones to the wanted ones.
+    waits: bool = True,
+) -> SteeringStep:
+    """Next steering commands on the way from the last ones to the wanted ones.
 
     Args:
         table: wheels, from `SteeringGeometryParams.table()`.
-        limits: rate and acceleration limits.
+        max_steer_rate: of all wheels [rad/s].
         transition: steer errors at which wheels slow down and stop.
         state: last commands.
         wanted_angles: [rad], shape (wheels,), float64.
-        wanted_rates: [rad/s], shape (wheels,), float64.
         measured_angles: where the steering is [rad], shape (wheels,); a stuck motor keeps the wheels waiting.
         dt: period [s], above 0.
+        waits: whether a large move waits until the wheels stand; not where they roll along with the steering.
     """
-    count = table.shape[0]
-    angles, rates, steer_rates = np.empty(count), np.empty(count), np.empty(count)
-    factor, error = _limit_kernel(
+    angles, rates = np.empty(table.shape[0]), np.empty(table.shape[0])
+    factor, error = _steering_kernel(
         table,
         wanted_angles,
-        wanted_rates,
         state.steer_angles,
         state.wheel_rates,
+        state.steer_rates,
         measured_angles,
         float(dt),
-        limits.max_steer_rate,
-        limits.max_acceleration,
-        limits.max_deceleration,
+        float(max_steer_rate),
         transition.full_speed_error,
         transition.stop_error,
-        transition.rolling_speed,
+        transition.rolling_speed if waits else math.inf,
         angles,
         rates,
-        steer_rates,
     )
-    return LimiterOutput(LimiterState(angles, rates), steer_rates, factor, error)
+    return SteeringStep(angles, rates, factor, error)
+
+
+def limit_rates(
+    table: FloatArray, limits: MotionLimits, rates: FloatArray, targets: FloatArray, dt: float
+) -> FloatArray:
+    """Next wheel rates [rad/s], shape (wheels,), on the way from the last ones to those asked for."""
+    new_rates = np.empty(table.shape[0])
+    _rates_kernel(table, targets, rates, float(dt), limits.max_acceleration, limits.max_deceleration, new_rates)
+    return new_rates
 
 
 def stopping_speed(distance: float, deceleration: float) -> float:
