@@ -10,12 +10,16 @@ from node_bench import ARM, JOINTS, STEERS, WHEELS, Bench, at, battery, imu, joi
 from sojourn_contract.clouds import points_of
 from sojourn_sensors.node import SensorsNode
 
-TRUTH = ("/truth/odom", "/truth/joint_states", "/truth/electrical")
+TRUTH = ("/truth/odom", "/truth/joint_states", "/truth/motor_states", "/truth/electrical")
+TWIST = 0.01
+"""By which the motors of the arm are ahead of their joints [rad]."""
 
 
 def feed(bench: Bench, period: int, angle: float = 0.0, first: str = "/truth/odom") -> None:
     """The truth of one period, in one of two orders."""
-    messages = {"/truth/odom": odometry(period), "/truth/joint_states": joints(period, dict.fromkeys(JOINTS, angle))}
+    angles = dict.fromkeys(JOINTS, angle)
+    messages = {"/truth/odom": odometry(period), "/truth/joint_states": joints(period, angles)}
+    messages["/truth/motor_states"] = joints(period, angles | dict.fromkeys(ARM, angle + TWIST))
     if period % 5 == 0:
         messages["/truth/electrical"] = battery(period)
     for name in sorted(messages, key=lambda name: name != first):
@@ -50,7 +54,8 @@ def test_encoders_are_as_good_as_their_resolution(bench: Bench) -> None:
             encoder = group.encoder
             step = 2 * math.pi / 2**encoder.bits / (encoder.gear_ratio if encoder.side == "motor" else 1.0)
             for name in group.joints:
-                assert position[name] == pytest.approx(0.1234 * period, abs=step)
+                twist = TWIST if name in ARM else 0.0
+                assert position[name] == pytest.approx(0.1234 * period + twist, abs=step)
     true_rate = 0.1234 / 0.02
     rates = dict(zip(measured.name, measured.velocity, strict=True))
     assert rates["wheel_front_left_joint"] == pytest.approx(true_rate, rel=0.01)

@@ -37,7 +37,7 @@ def drive(scenario: LoadedScenario) -> tuple[float, float]:
     """Slip along and way to the left over way ahead [-]."""
     model, state = build_plant(scenario)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
-    command.reference[0] = state.joints[0]
+    command.reference[0] = state.motor_angles
     wheels = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
     command.reference[1, wheels] = WHEEL_RATE
     travel = np.array([wheel.shear_radius for wheel in model.machine.wheels])

@@ -33,6 +33,7 @@ class Bench:
     tooth_stiffness: float = 0.0
     tooth_damping: float = 0.0
     bearing_friction: float = 0.0
+    bearing_viscous: float = 0.0
     sees_joint: float = 0.0
     inertia: float = 1e-3
     voltage: float = 24.0
@@ -54,7 +55,8 @@ class Bench:
             self.ratio, self.torque_constant, self.resistance, self.max_current, self.efficiency, self.friction,
             self.viscous, self.proportional, self.integral, self.derivative, self.max_torque,
             self.rotor * self.ratio**2, self.lower, self.upper, 2e4, 200.0,
-            self.half_gap, self.tooth_stiffness, self.tooth_damping, self.bearing_friction, self.sees_joint,
+            self.half_gap, self.tooth_stiffness, self.tooth_damping,
+            self.bearing_friction, self.bearing_viscous, self.sees_joint,
         ]])  # fmt: skip
         kinds, zero = np.array([self.kind]), np.zeros(1, dtype=np.int64)
         working, force, armature = np.zeros((jd.WORK_ROWS, 1)), np.zeros(1), np.zeros(1)

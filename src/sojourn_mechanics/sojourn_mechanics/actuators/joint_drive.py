@@ -34,9 +34,9 @@ from sojourn_mechanics.params import FloatArray, IntArray
 # Columns of a joint's parameters
 RATIO, TORQUE_CONSTANT, RESISTANCE, MAX_CURRENT, EFFICIENCY, FRICTION, VISCOUS, PROPORTIONAL = range(8)
 INTEGRAL, DERIVATIVE, MAX_TORQUE, ARMATURE, LOWER, UPPER, STOP_STIFFNESS, STOP_DAMPING = range(8, 16)
-HALF_GAP, TOOTH_STIFFNESS, TOOTH_DAMPING, BEARING_FRICTION, SEES_JOINT = range(16, 21)
+HALF_GAP, TOOTH_STIFFNESS, TOOTH_DAMPING, BEARING_FRICTION, BEARING_VISCOUS, SEES_JOINT = range(16, 22)
 """Of a gear with play; a stiffness of zero: there is none, motor and joint turn as one."""
-JOINT_COLUMNS = 21
+JOINT_COLUMNS = 22
 
 PASSIVE, RATE, POSITION = 0, 1, 2
 """Kinds of joint."""
@@ -174,7 +174,9 @@ def joint_torques(
             generalised_force[column] += torque + friction_torque + stop
             armature[column] = p[ARMATURE] + dt * (slope + friction_slope + stop_slope)
             continue
-        bearing, bearing_slope = _dahl(p[BEARING_FRICTION], 0.0, states[BEARING_DEFLECTION, i], joint_rate, dt)
+        bearing, bearing_slope = _dahl(
+            p[BEARING_FRICTION], p[BEARING_VISCOUS], states[BEARING_DEFLECTION, i], joint_rate, dt
+        )
         tooth, tooth_slope = tooth_torque(
             states[TWIST, i], rate - joint_rate, p[HALF_GAP], p[TOOTH_STIFFNESS], p[TOOTH_DAMPING], dt
         )

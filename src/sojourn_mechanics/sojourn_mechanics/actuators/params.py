@@ -66,6 +66,7 @@ class PlayParams(Params):
     bearing_friction: float = Field(
         ge=0.0, le=1e4, description="Coulomb friction of the joint's own bearing and seal [N m]"
     )
+    bearing_viscous: float = Field(ge=0.0, le=1e5, description="their viscous friction [N m s/rad]")
 
 
 class DriveParams(Params):

@@ -190,6 +190,7 @@ class PlantModel:
             row[joint_drive.TOOTH_STIFFNESS] = drive.play.stiffness
             row[joint_drive.TOOTH_DAMPING] = drive.play.damping
             row[joint_drive.BEARING_FRICTION] = drive.play.bearing_friction
+            row[joint_drive.BEARING_VISCOUS] = drive.play.bearing_viscous
             row[joint_drive.SEES_JOINT] = float(drive.servo.encoder == "joint")
         return JointTables(names, parameters, kinds, columns, loads, armature, rotors)
 

@@ -34,6 +34,8 @@ from sojourn_mechanics.power import battery, loads
 
 SETTLED_SPEED = 1e-6
 """The machine has settled when nothing moves faster [m/s], [rad/s]."""
+SETTLED_PERIODS = 25
+"""For so many control periods: what swings in the play of a gear stands still at its turning points, too."""
 PLACEMENT_TRIES = 5
 PLACEMENT_TOLERANCE = 1e-3
 """How near to where it was asked for the machine has to rest [m], [rad]."""
@@ -237,9 +239,11 @@ def _settled(model: PlantModel, posture: FloatArray, command: PlantCommand, aim:
         bus_voltage=source,
         served=1.0,
     )
+    quiet = 0
     for _ in range(round(model.simulation.settle_time / model.simulation.control_period)):
         state, _ = step(model, state, command)
-        if np.abs(state.velocity).max() < SETTLED_SPEED:
+        quiet = quiet + 1 if np.abs(state.velocity).max() < SETTLED_SPEED else 0
+        if quiet >= SETTLED_PERIODS:
             break
     # settling costs nothing and wears nothing
     return replace(
