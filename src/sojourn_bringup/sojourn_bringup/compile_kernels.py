@@ -33,7 +33,8 @@ def main() -> None:
     DriveModel(scenario.drive, scenario.steering).warm_up()
     wheel = load_params("wheels", "explorer", WheelShape)
     measure(wheel, load_params("soils", "cmu_sand", SoilParams), load=50.0, slips_of_carriage=[0.2])
-    controller.warm_up(scenario.arm, build_arm_model(scenario.urdf_xml, scenario.arm))
+    arm = scenario.carried_arm()
+    controller.warm_up(arm, build_arm_model(scenario.urdf_xml, arm))
     manager.warm_up(scenario.power_manager)
     _use_arm()
 

@@ -44,7 +44,7 @@ def subject_of(rover: str, body: str, soil: str) -> Subject:
         raise single("command line", "rover", rover, names_text(rover, names))
     bundle = read_machine(rover, body, soil)
     machine = StandingMachine(bundle.urdf_xml, bundle.rover, bundle.gravity)
-    angles = dict(zip(bundle.arm.joint_names, bundle.arm.named_poses.get(STOWED, ()), strict=False))
+    angles = bundle.arm_pose(STOWED)
     vehicle = vehicle_of(Path(rover).stem, machine, supply_of(bundle), bundle.drive.limits.max_speed, angles)
     return Subject(vehicle, bundle.soil, bundle.body, machine, angles)
 

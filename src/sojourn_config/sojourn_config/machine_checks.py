@@ -26,13 +26,14 @@ def machine_problems(
     urdf: UrdfSummary,
     bus: BusParams,
     sensors: SensorSuiteParams,
-    arm: ArmParams,
+    arm: ArmParams | None,
     drive: DriveParams,
     documents: Mapping[str, YamlDocument],
 ) -> list[Problem]:
     """All that does not fit together.
 
     Args:
+        arm: None for a rover without one.
         documents: the files by role (`rover`, `sensors`, `arm`, `drive`), for messages.
     """
     problems = [
@@ -41,7 +42,7 @@ def machine_problems(
         *_drive_problems(rover, urdf, bus, documents["rover"]),
         *_reference_problems(rover, urdf, documents["rover"]),
         *_sensor_problems(sensors, urdf, documents["sensors"]),
-        *_arm_problems(arm, rover, urdf, documents["arm"]),
+        *(() if arm is None else _arm_problems(arm, rover, urdf, documents["arm"])),
     ]
     if not problems:
         problems += _limit_problems(rover, urdf, drive, documents["drive"])
@@ -203,6 +204,9 @@ def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: Ya
             problem = _joint_problem(document, ("joint_groups", group, "joints", number), name, urdf)
             if problem is not None:
                 yield problem
+    if sensors.sun is not None and sensors.sun.link not in urdf.links:
+        allowed = f"is no link of {urdf.file}: " + names_text(sensors.sun.link, urdf.links)
+        yield document.problem(("sun", "link"), sensors.sun.link, allowed)
     if sensors.hazcam is not None and sensors.hazcam.link not in urdf.links:
         allowed = f"is not a link of {urdf.file}: " + names_text(sensors.hazcam.link, urdf.links)
         yield document.problem(("hazcam", "link"), sensors.hazcam.link, allowed)

@@ -18,6 +18,7 @@ from sojourn_contract.messages import (
     joint_state,
     set_quaternion,
     set_xyz,
+    wrench_stamped,
 )
 from sojourn_contract.topics import topic
 from sojourn_mechanics.actuators.joint_drive import MOTOR_RATE
@@ -37,6 +38,7 @@ class TruthMessages:
         self._odometry = Odometry(child_frame_id="base_link")
         self._odometry.header.frame_id = "map"
         self._loads = tuple(load.name for load in model.bus.loads)
+        self._wrist_frame = model.machine.wrench_sensor_link or ""
 
     def first(self, stamp: int, state: PlantState) -> Iterator[tuple[str, Any]]:
         """Truth before the first step, with the forces of the settled machine as they were last seen."""
@@ -47,6 +49,7 @@ class TruthMessages:
             currents=model.currents.copy(),
             load_power=np.zeros(len(self._loads)),
             battery_current=0.0,
+            wrist_wrench=None if model.wrist is None else model.wrist.at_rest(state.configuration, model.report),
         )
         return self.messages(stamp, state, output)
 
@@ -80,6 +83,7 @@ class TruthMessages:
                 ),
             )
         yield "/truth/odom", odometry
+        yield "/truth/wrist_wrench", wrench_stamped(stamp, self._wrist_frame, output.wrist_wrench)
         yield "/truth/joint_states", fill_joint_state(self._joints, stamp, state.joints[0], rates, output.efforts)
         yield "/truth/motor_states", self._motor_message(stamp, state, output)
         yield "/clock", Clock(clock=time)

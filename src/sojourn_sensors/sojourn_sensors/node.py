@@ -21,12 +21,15 @@ from sojourn_contract.messages import (
     quaternion,
     set_quaternion,
     set_xyz,
+    wrench_stamped,
+    wrench_values,
 )
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.sensors import suite
 from sojourn_sensors.motion import ImuMotion
+from sojourn_sensors.sun import SunReadings
 from sojourn_sensors.view import HazardView
 
 STORE = "battery"
@@ -49,6 +52,7 @@ class SensorsNode(ContractNode):
         self._seed = scenario.config.seed
         self._gravity = scenario.gravity
         self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
+        self._sun = SunReadings(scenario)
         self._view = HazardView(scenario)
         suite.warm_up(self.params, self._gravity)
         self.state: suite.SensorSuiteState | None = None
@@ -59,6 +63,7 @@ class SensorsNode(ContractNode):
         self._joints = joint_state(())
         self._imu = Imu()
         self._imu.header.frame_id = "imu_link"
+        self._wrist_frame = scenario.rover.wrench_sensor_link or ""
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """Measure the truth of this period."""
@@ -73,6 +78,7 @@ class SensorsNode(ContractNode):
         motion = self._motion.update(odometry, dt)
         positions = numbers(joints.position)
         motors = self._motor_positions(joints, positions, inputs.get("/truth/motor_states"))
+        wrist = inputs.get("/truth/wrist_wrench")
         if self.state is None:
             self.state = self._first_state(odometry, joints, motors)
         voltage, current, temperature = self._electrical
@@ -85,6 +91,7 @@ class SensorsNode(ContractNode):
             bus_current=np.array([current]),
             bus_temperature=np.array([temperature]),
             motor_position=motors,
+            wrist_wrench=None if wrist is None else wrench_values(wrist),
         )
         self.state, measured = suite.step(self.params, self.state, truth, dt)
         if electrical is not None and is_due(topic("/bus/state"), stamp // stamps.CONTROL_PERIOD_NS):
@@ -106,6 +113,10 @@ class SensorsNode(ContractNode):
                 self._joints, stamp, measured.joint_position, measured.joint_velocity, measured.joint_effort
             ),
         )
+        if self.gives("/wrist/wrench"):
+            self.publish("/wrist/wrench", wrench_stamped(stamp, self._wrist_frame, measured.wrist_wrench))
+        if is_due(topic("/sun_direction"), stamp // stamps.CONTROL_PERIOD_NS):
+            self.publish("/sun_direction", self._sun.message(stamp, odometry))
         self.publish("/imu/data", self._imu_message(stamp, measured.imu))
         if is_due(topic("/hazcam/points"), stamp // stamps.CONTROL_PERIOD_NS):
             self.publish("/hazcam/points", point_cloud(stamp, "base_link", self._view.look(odometry)))

@@ -64,7 +64,7 @@ class Bench:
         for _ in range(count):
             force[0] = self.load
             jd.joint_torques(
-                row, kinds, zero, zero, self.velocity, self.states, self.command, self.dt,
+                row, kinds, zero, self.velocity, self.states, self.command, self.dt,
                 np.array([self.fraction]), self.voltage, self.dt, working, force, armature,
             )  # fmt: skip
             new = self.velocity + self.dt * force / (self.inertia + armature)

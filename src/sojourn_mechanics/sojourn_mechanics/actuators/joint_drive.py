@@ -77,7 +77,6 @@ def joint_torques(
     parameters: FloatArray,
     kinds: IntArray,
     columns: IntArray,
-    loads: IntArray,
     velocity: FloatArray,
     states: FloatArray,
     command: FloatArray,
@@ -93,11 +92,10 @@ def joint_torques(
 
     Args:
         parameters: (joints, JOINT_COLUMNS). kinds: (joints,). columns: (joints,) index into `velocity`.
-            loads: (joints,) index into `limits`.
         velocity: (nv,) [rad/s]. states: (STATE_ROWS, joints), servo integral advanced in place.
         command: (3, joints): position [rad], rate [rad/s], feed-forward torque [N m].
         lead: time since the command's stamp [s]: a position reference moves on at its rate.
-        limits: (loads,) fraction of the current that each load may draw; 0 is switched off.
+        limits: (joints,) fraction of its current that each motor may draw; 0 is switched off, or dead.
         bus_voltage: [V]. work: (WORK_ROWS, joints), written. generalised_force, armature: (nv,), written at
             `columns`.
     """
@@ -119,7 +117,7 @@ def joint_torques(
                 seen += states[TWIST, i]
         if kinds[i] != PASSIVE:
             gain = p[RATIO] * p[TORQUE_CONSTANT]
-            fraction = limits[loads[i]]
+            fraction = limits[i]
             if fraction > 0.0:
                 if kinds[i] == RATE:
                     error = command[1, i] - rate

@@ -14,6 +14,7 @@ follows the position and velocity given here and adds the effort.
 - `allowed` false (load shed, drive moving) ends a motion with a jerk-limited stop; goals are refused
   meanwhile. When it is true again and the arm has sagged by more than `resync_error`, the reference starts
   anew from the measured position.
+- A task may give the reference itself (`guide`): the arm then follows it and plans nothing.
 - Trim: at rest the position sent is reference + trim, with  d trim/dt = rate (reference - measured),
   limited in rate and size, and left alone within the deadband. It takes out what gravity model errors and
   friction leave to a PD servo. It is frozen in motion. The first step holds the measured position.
@@ -34,6 +35,7 @@ from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.planning import Plan, plan_goal
 from sojourn_mechanics.arm.state import ArmInput, ArmOutput, ArmState, ArmStatus, initial_state
+from sojourn_mechanics.arm.tasks.tip_motion import TipMotion
 from sojourn_mechanics.arm.trajectory import JointReference, TrajectoryError, at_rest, point_to_point, stop
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
@@ -67,7 +69,10 @@ def step(
     state = _follow_permission(params, model, state, inputs)
     if inputs.goal is not None:
         state = _take_goal(params, model, state, inputs)
-    state = _advance(params, model, state, inputs, dt)
+    if inputs.guide is not None and (inputs.goal is None or state.path is None):
+        state = _follow(model, state, inputs.guide)
+    else:
+        state = _advance(params, model, state, inputs, dt)
     return state, _output(params, model, state, inputs)
 
 
@@ -101,6 +106,12 @@ def _hold(model: ArmModel, state: ArmState, positions: FloatArray, status: ArmSt
         status=status,
         reason=reason,
     )
+
+
+def _follow(model: ArmModel, state: ArmState, guide: TipMotion) -> ArmState:
+    """Take the reference that a task gives. The trim stays as it is: against a contact it would not come to an end."""
+    held = _hold(model, state, guide.joints.position, "moving", "")
+    return replace(held, reference=guide.joints, trim=state.trim, retreat=guide.origin)
 
 
 def _follow_permission(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:

@@ -14,6 +14,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from sojourn_mechanics.arm.force_control import ForceControlParams
 from sojourn_mechanics.arm.interlock import InterlockParams
 from sojourn_mechanics.params import Params
 
@@ -184,6 +185,9 @@ class ArmParams(Params):
     )
     inverse_kinematics: InverseKinematicsParams = Field(
         InverseKinematicsParams(), description="settings of the inverse kinematics"
+    )
+    force_control: ForceControlParams = Field(
+        default=ForceControlParams(), description="control of contact forces through the joints' references"
     )
     trim: TrimParams = Field(default=TrimParams(), description="integral trim at rest")
     interlock: InterlockParams = Field(default=InterlockParams(), description="interlock with the drive")

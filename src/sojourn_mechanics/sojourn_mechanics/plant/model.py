@@ -23,6 +23,7 @@ from sojourn_mechanics.contact.params import kernel_rows
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, IntArray
 from sojourn_mechanics.plant.params import MachineParams, SimulationParams
+from sojourn_mechanics.plant.wrist import WristLoad
 from sojourn_mechanics.power.battery import BatteryParams
 from sojourn_mechanics.power.loads import BusParams
 from sojourn_mechanics.soil.params import SoilParams, kernel_table
@@ -102,6 +103,9 @@ class PlantModel:
         self.joint_index = {name: index for index, name in enumerate(self.joints.names)}
         self.contacts = self._contact_tables(machine)
         self.coupling = self._coupling_rows(machine)
+        self.wrist: WristLoad | None = None
+        if machine.wrench_sensor_link is not None:
+            self.wrist = WristLoad(self.multibody, machine.wrench_sensor_link, self.contacts.bodies)
         by_name = {soil.name: soil for soil in soils}
         for name in terrain.soil_names:
             if name not in by_name:

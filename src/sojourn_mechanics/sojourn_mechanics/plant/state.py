@@ -97,10 +97,12 @@ class PlantCommand:
     Args:
         reference: (3, joints): position [rad], rate [rad/s], feed-forward torque [N m] of each joint.
         load_fractions: (loads,) 0 off to 1 on; a motor load's current is limited to that fraction.
+        motor_health: (joints,) part of its current that each motor can take, 0 dead to 1; None: all are well.
     """
 
     reference: FloatArray
     load_fractions: FloatArray
+    motor_health: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +119,8 @@ class PlantOutput:
     """(loads,) power of each load [W]."""
     battery_current: float
     """Out of the battery [A]."""
+    wrist_wrench: FloatArray | None = None
+    """(6,) force [N] and moment [N m] on the wrist's sensor in its own frame; None for a machine without one."""
 
 
 def zeros_command(joints: int, loads: int) -> PlantCommand:

@@ -66,15 +66,20 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     multibody, data = model.multibody, model.data
     joints, contacts, terrain = model.joints, model.contacts, model.terrain
     # Bound to locals: twenty times through here is most of what the plant costs outside its kernels.
-    joint_tables = (joints.parameters, joints.kinds, joints.columns, joints.loads)
+    joint_tables = (joints.parameters, joints.kinds, joints.columns)
+    current_limits = (command.load_fractions * state.served)[joints.loads]
+    if command.motor_health is not None:
+        current_limits *= command.motor_health
     model.memory.load(state.ground)
     ground = (terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim, model.memory.tables)
     contact_tables = (
         contacts.wheels, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count,
     )  # fmt: skip
-    memory = (new.joints, new.contacts, command.reference, command.load_fractions * state.served)
+    memory = (new.joints, new.contacts, command.reference, current_limits)
     outputs = (model.report, model.work, model.contact_force, model.force, model.armature, model.mass_matrix)
     efforts, currents, load_power = model.efforts, model.currents, model.load_power
+    touching = [] if model.wrist is None else model.wrist.contacts
+    wrist_force = np.zeros((len(touching), 3))
     on_map = True
     for i in range(model.simulation.substeps):
         pin.crba(multibody, data, configuration, pin.Convention.WORLD)
@@ -83,19 +88,27 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
             (i + 1) * dt, state.bus_voltage, dt, *outputs,
         )  # fmt: skip
         on_map = on_map and all_on_map
+        for place, contact in enumerate(touching):
+            wrist_force[place] += model.report[contact, 6:9]
         pin.nonLinearEffects(multibody, data, configuration, velocity)
         pin.cholesky.decompose(multibody, data)
         acceleration = pin.cholesky.solve(multibody, data, model.force - model.bias)
         for row, coupling in couplings:
             row[:] = pin.cholesky.solve(multibody, data, coupling)
         velocity = advance_velocity(
-            *joint_tables, velocity, acceleration, model.coupling, response, model.contact_force, dt,
+            *joint_tables, joints.loads, velocity, acceleration, model.coupling, response, model.contact_force, dt,
             model.work, new.joints, efforts, currents, load_power, load_energy, sums,
         )  # fmt: skip
         configuration = pin.integrate(multibody, configuration, velocity * dt)
     if not (np.isfinite(configuration).all() and np.isfinite(velocity).all()):
         raise InvalidValueError("state of the plant", f"infinite at tick {state.tick + 1}", "finite numbers")
-    return _close_period(model, new, configuration, velocity, command, sums, load_energy, on_map)
+    wrist = None
+    if model.wrist is not None:
+        report = model.report.copy()
+        report[touching, 6:9] = wrist_force / model.simulation.substeps
+        mean = (velocity - state.velocity) / model.simulation.control_period
+        wrist = model.wrist.wrench(configuration, velocity, mean, report)
+    return _close_period(model, new, configuration, velocity, command, sums, load_energy, on_map, wrist)
 
 
 def _check_command(model: PlantModel, command: PlantCommand) -> None:
@@ -106,6 +119,8 @@ def _check_command(model: PlantModel, command: PlantCommand) -> None:
             (command.reference.shape, command.load_fractions.shape),
             f"{shape} and one a load",
         )
+    if command.motor_health is not None and command.motor_health.shape != shape[1:]:
+        raise InvalidValueError("shape of the motors' health", command.motor_health.shape, f"{shape[1:]}")
     if not (np.isfinite(command.reference).all() and np.isfinite(command.load_fractions).all()):
         raise InvalidValueError("command", "NaN or infinity", "finite numbers")
 
@@ -119,6 +134,7 @@ def _close_period(
     sums: FloatArray,
     load_energy: FloatArray,
     on_map: bool,
+    wrist: FloatArray | None,
 ) -> tuple[PlantState, PlantOutput]:
     """Supply, energy account and events of the period that has passed."""
     period = model.simulation.control_period
@@ -159,6 +175,7 @@ def _close_period(
         currents=model.currents.copy(),
         load_power=supply.load_power,
         battery_current=supply.current,
+        wrist_wrench=wrist,
     )
     return new, output
 

@@ -4,14 +4,16 @@ Arrays have one number for each wheel, in the order of the geometry. Positions [
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
 from sojourn_mechanics.steering.goal_follower import FollowerState
+from sojourn_mechanics.steering.heading_fix import HeadingFixState, SunSighting
 from sojourn_mechanics.steering.kinematics import PlanarTwist
+from sojourn_mechanics.steering.motor_watch import MotorState
 from sojourn_mechanics.steering.odometry import OdometryState
 from sojourn_mechanics.steering.rate_limiter import LimiterState
 
@@ -49,10 +51,14 @@ class DriveInput:
     """[rad/s]"""
     steer_angles: FloatArray
     """[rad]; 0 for fixed wheels"""
+    wheel_efforts: FloatArray | None = None
+    """Torques of the drives [N m], None where they are not measured."""
     gyro: tuple[float, float, float] | None = None
     """Angular velocity in base_link [rad/s], None without a gyro."""
     roll_pitch: tuple[float, float] | None = None
     """[rad], None to take the ground as level."""
+    sun: SunSighting | None = None
+    """A reading of the sun sensor that came in this period."""
     twist: TwistCommand | None = None
     """Newest /cmd_vel, every period until it is replaced; its age tells when it came."""
     goal: Goal | None = None
@@ -80,8 +86,12 @@ class DriveState:
     """Time since the last goal or stop request [s]; a twist command older than that does not count."""
     stuck_for: float
     """Time the wheels have waited for the steering [s]."""
+    motors: MotorState
+    """Which motors have failed."""
     text: str
     """What the drive is doing, in words."""
+    heading: HeadingFixState = field(default_factory=HeadingFixState)
+    """What became of the sightings of the Sun."""
 
 
 @dataclass(frozen=True, slots=True)

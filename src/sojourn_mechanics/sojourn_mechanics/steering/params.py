@@ -204,6 +204,19 @@ class SteeringTransitionParams(Params):
         return self
 
 
+class MotorWatchParams(Params):
+    """When a motor counts as failed."""
+
+    steer_error: float = Field(
+        default=0.06, gt=0.0, le=0.5, description="off its command by more than this, a steering does not follow [rad]"
+    )
+    steer_time: float = Field(default=3.0, gt=0.0, le=60.0, description="so long, and it has failed [s]")
+    rate_error: float = Field(
+        default=0.1, gt=0.0, le=1.0, description="off its command by more than this part, a wheel does not follow [-]"
+    )
+    drive_time: float = Field(default=2.0, gt=0.0, le=60.0, description="so long, and its motor has failed [s]")
+
+
 class OdometryParams(Params):
     """How far wheels and gyro can be trusted. Sigmas are standard deviations."""
 
@@ -256,6 +269,18 @@ class OdometryParams(Params):
     )
 
 
+class HeadingFixParams(Params):
+    """Trust in the sun sensor. Sigmas are standard deviations about one axis."""
+
+    noise_sigma: float = Field(..., gt=0.0, le=0.2, description="noise of a sighting [rad]")
+    misalignment_sigma: float = Field(..., gt=0.0, le=0.2, description="lasting error of the mounting [rad]")
+    levelling_sigma: float = Field(..., gt=0.0, le=0.2, description="lasting error of roll and pitch [rad]")
+    gate: float = Field(..., gt=1.0, le=10.0, description="standard deviations beyond which a sighting is refused [-]")
+    max_elevation: float = Field(
+        ..., gt=0.0, lt=0.5 * math.pi, description="a Sun that stands higher gives no heading [rad]"
+    )
+
+
 class GoalFollowerParams(Params):
     """How goals are approached and when they are met."""
 
@@ -264,9 +289,13 @@ class GoalFollowerParams(Params):
     arrive_fraction: float = Field(
         ..., gt=0.0, le=1.0, description="driving ends at this fraction of the position tolerance [-]"
     )
-    pass_radius: float = Field(..., gt=0.0, le=50.0, description="a waypoint is passed within this distance [m]")
-    lookahead: float = Field(..., gt=0.0, le=100.0, description="distance of the pursued point along the path [m]")
-    max_curvature: float = Field(..., gt=0.0, le=20.0, description="sharpest curve while driving [1/m]")
+    corner_cut: float = Field(..., gt=0.0, le=50.0, description="a waypoint is passed within this distance [m]")
+    max_curvature: float = Field(
+        ..., gt=0.0, le=20.0, description="sharpest curve while driving, if the steering can [1/m]"
+    )
+    planned_curvature: float = Field(..., gt=0.0, le=1.0, description="part of it that paths may ask for [-]")
+    lateral_length: float = Field(..., gt=0.0, le=100.0, description="distance that takes out a lateral error [m]")
+    heading_length: float = Field(..., gt=0.0, le=100.0, description="distance that takes out a course error [m]")
     align_tolerance: float = Field(..., gt=0.0, le=0.5, description="a point turn ends within this angle [rad]")
     realign_angle: float = Field(..., gt=0.0, le=1.5, description="bearing from which a point turn is made [rad]")
     yaw_gain: float = Field(..., gt=0.0, le=10.0, description="turn rate per heading error in a point turn [1/s]")
@@ -304,5 +333,7 @@ class DriveParams(Params):
     )
     limits: MotionLimits = Field(..., description="what the machine may be asked to do")
     transition: SteeringTransitionParams = Field(..., description="slowing down while steering")
+    motors: MotorWatchParams = Field(default=MotorWatchParams(), description="when a motor counts as failed")
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")
+    heading_fix: HeadingFixParams | None = Field(None, description="trust in the sun sensor; none: it is not used")
     follower: GoalFollowerParams = Field(..., description="approach to goals")

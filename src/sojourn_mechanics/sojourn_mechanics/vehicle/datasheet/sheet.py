@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from sojourn_mechanics.errors import InvalidValueError
-from sojourn_mechanics.vehicle.datasheet.driving import energy, performance, traction
+from sojourn_mechanics.vehicle.datasheet.driving import energy, performance, ruts, traction
 from sojourn_mechanics.vehicle.datasheet.figures import Section
 from sojourn_mechanics.vehicle.datasheet.riding import riding
 from sojourn_mechanics.vehicle.datasheet.standing import general, standing, steps
@@ -40,7 +40,7 @@ def datasheet(subject: Subject) -> Datasheet:
     Raises:
         InvalidValueError: a published figure that the sheet does not have, or numbers that no model takes.
     """
-    makers = (general, standing, steps, traction, performance, energy, steering, handling, riding)
+    makers = (general, standing, steps, traction, performance, energy, ruts, steering, handling, riding)
     sections = tuple(make(subject) for make in makers)
     vehicle = subject.vehicle
     elsewhere = vehicle.published_on is not None and vehicle.published_on != (subject.body.name, subject.soil.name)

@@ -19,7 +19,7 @@ from sojourn_mechanics.vehicle.handling import (
 from sojourn_mechanics.vehicle.longitudinal import loads
 from sojourn_mechanics.vehicle.params import AxleParams
 from sojourn_mechanics.vehicle.rollover import curve_limit, roll_over_factor
-from sojourn_mechanics.vehicle.side_force import SoilSideForce, cornering_stiffness
+from sojourn_mechanics.vehicle.side_force import cornering_stiffness
 from sojourn_mechanics.vehicle.steering_geometry import ideal_angles, path_radii, steering_error, turn_of_outer_wheel
 
 SIDE_ANGLE = 0.6
@@ -78,7 +78,7 @@ def handling(subject: Subject) -> Section:
     stiffness = []
     side, weight = 0.0, 0.0
     for axle, load in zip(vehicle.axles, level, strict=True):
-        law = SoilSideForce(subject.soil, axle.shape, subject.gravity)
+        law = subject.side_force(axle)
         stiffness.append(2.0 * cornering_stiffness(law, float(load)))
         side += -2.0 * law.force(float(load), SIDE_ANGLE)
         weight += 2.0 * float(load)
@@ -132,7 +132,7 @@ def handling(subject: Subject) -> Section:
                 {"yaw rate [°/s]": (times, response[:, 1]), "side slip [°]": (times, response[:, 0])},
             ),
         )
-    text = "Single-track model, small angles; side force of the soil under rigid wheels at no longitudinal slip."
+    text = "Single-track model, small angles; side force by the contact model of the plant at no longitudinal slip."
     return Section("Handling", tuple(figures), curves, text)
 
 
