@@ -82,6 +82,7 @@ def test_the_hazard_camera_looks_once_a_second(bench: Bench) -> None:
         raised.pose.pose.position.z = 0.47
         bench.send("/truth/odom", raised)
         bench.send("/truth/joint_states", joints(period))
+        bench.send("/truth/motor_states", joints(period))
         if period % 5 == 0:
             bench.send("/truth/electrical", battery(period))
         bench.answer("/imu/data", period)
@@ -115,6 +116,7 @@ def test_truth_that_is_none_is_refused(bench: Bench) -> None:
     bad.pose.pose.position.x = math.nan
     bench.send("/truth/odom", bad)
     bench.send("/truth/joint_states", joints(2))
+    bench.send("/truth/motor_states", joints(2))
     bench.until(lambda: node.counters.refused, "the truth is refused")
     feed(bench, 3)
     bench.answer("/joint_states", 3)
@@ -138,12 +140,14 @@ def test_in_real_time_the_bus_is_read_at_its_own_rate(bench: Bench) -> None:
     node = bench.start(SensorsNode, "plant", "sensors", lockstep=False)
     bench.connect(node, lockstep=False)
     for period in range(1001, 1013):  # topics do not wait for each other in real time: the trigger goes last
-        others = {"/truth/odom": odometry(period)} | ({"/truth/electrical": battery(period)} if period % 5 == 0 else {})
+        others = {"/truth/odom": odometry(period), "/truth/joint_states": joints(period)}
+        if period % 5 == 0:
+            others["/truth/electrical"] = battery(period)
         for name, message in others.items():
             bench.send(name, message)
         for name in others:
             bench.until(partial(has_come, node, name, period), f"{name} has come")
-        bench.send("/truth/joint_states", joints(period))
+        bench.send("/truth/motor_states", joints(period))
         bench.answer("/joint_states", period)
     bench.answer("/bus/state", 1010)
     assert [stamp_of(message) for message in bench.received["/bus/state"]] == [at(1005), at(1010)]

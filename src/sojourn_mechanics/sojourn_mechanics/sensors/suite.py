@@ -35,10 +35,10 @@ class SensorTruth:
     """Out of the store positive, shape (m,) [A]."""
     bus_temperature: FloatArray
     """Shape (m,) [K]."""
-    motor_position: FloatArray | None = None
-    """Of each joint's motor over its gear, shape (n,) [rad]; None where they all turn as one with their joints."""
     wrist_wrench: FloatArray | None = None
     """On the wrist's sensor in its frame, shape (6,) [N], [N m]; None where nobody tells it."""
+    motor_position: FloatArray | None = None
+    """Of each joint's motor over its gear, shape (n,) [rad]; None where they all turn as one with their joints."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
