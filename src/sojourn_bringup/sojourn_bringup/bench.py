@@ -57,7 +57,7 @@ def bench_step() -> dict[str, float]:
     """Microseconds of a physics step while driving, of its floor, and the plant's own speed; medians over rounds."""
     model, state = build_plant(load_scenario(SCENARIO))
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
-    command.reference[0] = state.joints[0]
+    command.reference[0] = state.motor_angles
     drives = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
     command.reference[1, drives] = WHEEL_RATE
     state, _ = step(model, state, command)

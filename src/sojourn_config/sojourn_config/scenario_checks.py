@@ -1,5 +1,6 @@
 """Checks of a scenario against its ground and its arm: goals on the map, named poses that exist."""
 
+import math
 import typing
 from collections.abc import Iterator
 
@@ -33,6 +34,8 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
                 yield document.problem(path, step.kind, f"the rover {config.rover} has no arm")
             elif isinstance(action, ArmJointsStep):
                 yield from _arm_goal_problems(action, path, bundle.arm, bundle.urdf, document)
+    if bundle is not None:
+        yield from _fault_problems(config, bundle, document)
     for path, x, y in places:
         yield from _place_problems(config.terrain, path, x, y, document)
 
@@ -53,6 +56,28 @@ def _place_problems(
         elif not low <= value <= high:
             allowed = f"is off the terrain or within {EDGE:g} m of its edge: allowed is {low:g} to {high:g} m"
             yield document.problem((*path, key), value, allowed)
+
+
+def _fault_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
+    """A motor that fails is one of the rover's, and an angle at which it locks one that it can reach."""
+    servos = {joint: drive.servo.mode for drive in bundle.rover.drives for joint in drive.joints}
+    for index, fault in enumerate(config.faults):
+        path: KeyPath = ("faults", index)
+        if fault.joint not in servos:
+            yield document.problem((*path, "joint"), fault.joint, "has no motor: " + names_text(fault.joint, servos))
+            continue
+        if any(other.joint == fault.joint for other in config.faults[:index]):
+            yield document.problem((*path, "joint"), fault.joint, "fails above already: allowed is one fault a joint")
+        if fault.angle_deg is None:
+            continue
+        joint = bundle.urdf.joints[fault.joint]
+        low, high = math.degrees(joint.lower), math.degrees(joint.upper)
+        if servos[fault.joint] != "position":
+            allowed = "its motor is commanded by rate: allowed is no angle"
+            yield document.problem((*path, "angle_deg"), fault.angle_deg, allowed)
+        elif not low <= fault.angle_deg <= high:
+            allowed = f"allowed is {low:g} to {high:g} degrees, the limits of {fault.joint}"
+            yield document.problem((*path, "angle_deg"), fault.angle_deg, allowed)
 
 
 def _arm_goal_problems(
