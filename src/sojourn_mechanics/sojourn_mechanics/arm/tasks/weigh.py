@@ -19,6 +19,8 @@ from sojourn_mechanics.params import FloatArray
 
 TURN = 0.5
 """Between two postures [rad]."""
+MISFIT = 0.1
+"""Root mean square of unexplained torque above which something else than a payload acts [N m]."""
 REST = 1.0
 """Time for the arm to calm down [s]."""
 
@@ -80,4 +82,7 @@ class WeighTask:
         if look.feels:
             figures["payload_by_wrist_kg"] = self.by_wrist / self.readings
             words += f", {figures['payload_by_wrist_kg']:.3f} kg by the wrist"
+        if payload.residual > MISFIT:
+            words = f"{payload.residual:.2f} N m of the torques fit no payload: the tool touches something"
+            return Doing(state="failed", reason=words, progress=1.0, figures=figures)
         return Doing(state="reached", reason=words, progress=1.0, figures=figures)
