@@ -130,7 +130,7 @@ def _draw_wrist(axes: Axes, bag: Bag) -> None:
     scale.plot(*thinned(wrench.times, force), color="black", linewidth=0.9, alpha=0.6, label="wrist")
     scale.set_ylabel("force at the wrist [N], black")
     scale.set_ylim(bottom=0.0)
-    scale.spines["right"].set_visible(True)
+    axes.legend(fontsize=7, loc="upper left", ncols=3, framealpha=0.85)  # the other axis has the place beside it
 
 
 def _draw_attitude(axes: Axes, bag: Bag) -> None:
