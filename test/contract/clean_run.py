@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from geometry_msgs.msg import Vector3Stamped
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, Imu, JointState
@@ -174,6 +175,13 @@ def _battery(row: Topic, _time: float, _machine: Machine) -> BatteryState:
     return message
 
 
+def _sun(_row: Topic, _time: float, _machine: Machine) -> Vector3Stamped:
+    message = Vector3Stamped()
+    message.header.frame_id = "solar_deck_link"
+    message.vector.x, message.vector.z = 0.8, 0.6
+    return message
+
+
 def _cloud(row: Topic, time: float, machine: Machine) -> Any:
     if row.name == "/hazcam/points":
         return point_cloud(round(time * 1e9), "base_link", np.full((40, 3), time, dtype=np.float32))
@@ -195,6 +203,7 @@ _MAKERS: dict[str, Callable[[Topic, float, Machine], Any]] = {
     "sensor_msgs/Imu": _imu,
     "sensor_msgs/BatteryState": _battery,
     "sensor_msgs/PointCloud2": _cloud,
+    "geometry_msgs/Vector3Stamped": _sun,
     "diagnostic_msgs/DiagnosticArray": _status,
 }
 

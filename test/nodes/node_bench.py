@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import rclpy
+from geometry_msgs.msg import Vector3Stamped
 from nav_msgs.msg import Odometry
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
@@ -180,6 +181,14 @@ def imu(period: int, yaw: float = 0.0, yaw_rate: float = 0.0) -> Imu:
     message.orientation.z, message.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
     message.angular_velocity.z = yaw_rate
     message.linear_acceleration.z = 1.625
+    return message
+
+
+def sun(period: int, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Vector3Stamped:
+    """A reading of the sun sensor; zeros: no Sun."""
+    message = Vector3Stamped()
+    message.header.stamp = stamps.to_message(at(period))
+    message.vector.x, message.vector.y, message.vector.z = x, y, z
     return message
 
 

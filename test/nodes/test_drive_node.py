@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import Path
-from node_bench import JOINTS, STEERS, WHEELS, Bench, at, cloud, imu, joints, stamp_of, tick
+from node_bench import JOINTS, STEERS, WHEELS, Bench, at, cloud, imu, joints, stamp_of, sun, tick
 
 from sojourn_contract import stamps
 from sojourn_contract.events import format_tick
@@ -24,13 +24,19 @@ def drive(bench: Bench) -> DriveNode:
     return node
 
 
+def measure(bench: Bench, period: int, joint_states: Any = None) -> None:
+    """What the sensors say at rest in a period: no Sun, nothing ahead."""
+    bench.send("/joint_states", joint_states or joints(period))
+    bench.send("/imu/data", imu(period))
+    if period % 50 == 0:
+        bench.send("/sun_direction", sun(period))
+        bench.send("/hazcam/points", cloud(period))
+
+
 def step(bench: Bench, *periods: int, angles: dict[str, float] | None = None) -> Any:
     """Measurements at rest for these periods, joints at these angles; the last wheel command."""
     for period in periods:
-        bench.send("/joint_states", joints(period, angles))
-        bench.send("/imu/data", imu(period))
-        if period % 50 == 0:
-            bench.send("/hazcam/points", cloud(period))
+        measure(bench, period, joints(period, angles))
         bench.answer("/odom", period)
         command = bench.answer("/wheel_command", period)
     return command
@@ -181,10 +187,7 @@ def test_measurements_that_cannot_be_used_stop_the_wheels(bench: Bench, drive: D
     for period in range(40, 101):
         bad = joints(period)
         bad.position[3] = math.nan
-        bench.send("/joint_states", bad)
-        bench.send("/imu/data", imu(period))
-        if period % 50 == 0:
-            bench.send("/hazcam/points", cloud(period))
+        measure(bench, period, bad)
         assert rates(bench.answer("/wheel_command", period)) == [0.0] * 6
         bench.answer("/odom", period)
         if period == 60:
@@ -290,3 +293,24 @@ def test_the_interlock_can_be_switched_off(bench: Bench) -> None:
     bench.connect(node)
     send_event(bench, node, "/goal_pose", pose(2.0, 0.0))
     assert min(rates(step(bench, *range(1, 41), angles={"arm_azimuth_joint": 0.0}))) > 0.1
+
+
+def test_a_sighting_of_the_sun_corrects_the_heading_once(bench: Bench, drive: DriveNode) -> None:
+    """The scenario's Sun stands 30 degrees over the east, straight ahead of a rover with heading 0."""
+    step(bench, *range(1, 50))
+    bench.send("/joint_states", joints(50))
+    bench.send("/imu/data", imu(50))
+    low = math.radians(30.0)
+    bench.send("/hazcam/points", cloud(50))
+    bench.send("/sun_direction", sun(50, math.cos(low), 0.0, math.sin(low)))
+    status = bench.status("/drive/status", 50)
+    assert (status["sun"], status["sun_fixes"], status["sun_rejected"]) == ("heading fixed", "1", "0")
+    assert abs(float(status["sun_deviation_sigma"])) < 0.1
+    step(bench, *range(51, 100))
+    bench.send("/joint_states", joints(100))
+    bench.send("/imu/data", imu(100))
+    bench.send("/hazcam/points", cloud(100))
+    bench.send("/sun_direction", sun(100, 0.0, math.cos(low), math.sin(low)))
+    status = bench.status("/drive/status", 100)
+    assert status["sun"].startswith("rejected: heading off by -90.0 deg")
+    assert (status["sun_fixes"], status["sun_rejected"]) == ("1", "1")

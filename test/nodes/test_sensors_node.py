@@ -142,3 +142,28 @@ def test_in_real_time_the_bus_is_read_at_its_own_rate(bench: Bench) -> None:
         bench.answer("/joint_states", period)
     bench.answer("/bus/state", 1010)
     assert [stamp_of(message) for message in bench.received["/bus/state"]] == [at(1005), at(1010)]
+
+
+def test_the_sun_is_seen_once_a_second_in_the_frame_of_its_sensor(bench: Bench) -> None:
+    """At the start 30 degrees over the east, and the machine looks there; the deck is level."""
+    node = bench.start(SensorsNode, "plant", "sensors")
+    bench.connect(node)
+    for period in range(1, 51):
+        feed(bench, period)
+        bench.answer("/imu/data", period)
+    reading = bench.answer("/sun_direction", 50)
+    assert reading.header.frame_id == "solar_deck_link"
+    seen = (reading.vector.x, reading.vector.y, reading.vector.z)
+    assert seen == pytest.approx((math.cos(math.pi / 6), 0.0, 0.5), abs=0.01) and math.hypot(*seen) == pytest.approx(
+        1.0
+    )
+    assert len(bench.received["/sun_direction"]) == 1
+
+
+def test_at_night_no_sun_is_seen(bench: Bench) -> None:
+    bench.connect(bench.start(SensorsNode, "plant", "sensors", overrides=["sun.elevation_deg=-5"]))
+    for period in range(1, 51):
+        feed(bench, period)
+        bench.answer("/imu/data", period)
+    vector = bench.answer("/sun_direction", 50).vector
+    assert (vector.x, vector.y, vector.z) == (0.0, 0.0, 0.0)

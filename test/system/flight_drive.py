@@ -20,7 +20,7 @@ from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import PoseStamped, TwistStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped, Vector3Stamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -55,6 +55,7 @@ PERIOD = 20_000_000
 INPUTS = {
     "joint_states": (JointState, 1, 0),
     "imu/data": (Imu, 1, 0),
+    "sun_direction": (Vector3Stamped, 50, 0),  # it steers by its gyro alone
     "power/switches": (DiagnosticArray, 5, 0),
     "hazcam/points": (PointCloud2, 50, 0),
     "operator/tick": (Header, 5, 5),

@@ -189,6 +189,9 @@ def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: Ya
             problem = _joint_problem(document, ("joint_groups", group, "joints", number), name, urdf)
             if problem is not None:
                 yield problem
+    if sensors.sun is not None and sensors.sun.link not in urdf.links:
+        allowed = f"is no link of {urdf.file}: " + names_text(sensors.sun.link, urdf.links)
+        yield document.problem(("sun", "link"), sensors.sun.link, allowed)
     if sensors.hazcam is not None and sensors.hazcam.link not in urdf.links:
         allowed = f"is not a link of {urdf.file}: " + names_text(sensors.hazcam.link, urdf.links)
         yield document.problem(("hazcam", "link"), sensors.hazcam.link, allowed)

@@ -16,8 +16,9 @@ from sojourn_config.paths import resolve
 from sojourn_config.scenario_checks import scenario_problems
 from sojourn_config.steps import FARTHEST, LONGEST, StepConfig
 from sojourn_config.yaml_file import read_yaml
+from sojourn_mechanics.environment.sun import SunParams, sun_direction
 from sojourn_mechanics.errors import MechanicsError
-from sojourn_mechanics.params import Params
+from sojourn_mechanics.params import FloatArray, Params
 from sojourn_mechanics.plant.params import SimulationParams
 from sojourn_mechanics.terrain.height_field import HeightField
 from sojourn_mechanics.terrain.params import TerrainParams
@@ -55,6 +56,7 @@ class ScenarioConfig(Params):
     soil: str = Field(min_length=1, description="name in config/soils")
     rock_soil: str = Field(default="rigid_rock", min_length=1, description="name in config/soils")
     start: StartConfig = Field(default_factory=StartConfig, description="where the rover stands")
+    sun: SunParams = Field(default_factory=SunParams, description="where the Sun stands at the start")
     battery_soc: float = Field(default=1.0, ge=0.0, le=1.0, description="state of charge at the start [1]")
     duration_limit_s: float = Field(gt=0.0, le=LONGEST, description="simulated time at which a run ends [s]")
     simulation: SimulationParams = Field(default_factory=SimulationParams, description="steps of the plant")
@@ -94,6 +96,10 @@ class LoadedScenario(Bundle):
     def soil_names(self) -> tuple[str, str]:
         """Names of the default soil and of the soil of rocks."""
         return self.soil.name, self.rock_soil.name
+
+    def sun_direction(self, time: float) -> FloatArray:
+        """Unit vector to the Sun in map, shape (3,), `time` [s] after the start of the run."""
+        return sun_direction(self.config.sun, self.body.solar_day, time)
 
     def height_field(self) -> HeightField:
         """Make the ground, from the scenario's seed.

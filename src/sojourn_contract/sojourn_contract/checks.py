@@ -135,6 +135,7 @@ _CHECKS: dict[str, Callable[[str, Any], None]] = {
     "Path": _check_path,
     "Odometry": _check_odometry,
     "Imu": _check_imu,
+    "Vector3Stamped": lambda topic, message: _check_xyz(topic, "vector", message.vector),
     "BatteryState": _check_battery,
     "PointCloud2": _check_cloud,
 }

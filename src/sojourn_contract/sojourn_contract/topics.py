@@ -150,6 +150,16 @@ TOPICS: tuple[Topic, ...] = (
         frames=("imu_link",),
     ),
     Topic(
+        "/sun_direction",
+        "geometry_msgs/Vector3Stamped",
+        "sensors",
+        ("drive",),
+        50,
+        3.0,
+        "measured direction to the Sun in the frame of its sensor, a unit vector; zeros where no Sun is seen",
+        (FieldRule("vector", "1", low=-1.0, high=1.0),),
+    ),
+    Topic(
         "/hazcam/points",
         "sensor_msgs/PointCloud2",
         "sensors",

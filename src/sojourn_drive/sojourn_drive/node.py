@@ -22,6 +22,7 @@ from sojourn_contract.topics import topic
 from sojourn_drive.arm_interlock import ArmInterlock
 from sojourn_drive.goals import GoalDesk
 from sojourn_drive.measurements import WheelMeasurements
+from sojourn_drive.sun import SunSightings
 from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.steering.drive import LONGEST_PERIOD, DriveModel
 from sojourn_mechanics.steering.drive_types import DriveOutput, TwistCommand
@@ -46,6 +47,7 @@ class DriveNode(ContractNode):
         self.model.warm_up()
         self.state = self.model.initial_state(start.x, start.y, start.yaw)
         self._measurements = WheelMeasurements(scenario.rover, scenario.urdf_xml)
+        self._sun = SunSightings(scenario)
         self._goals = GoalDesk(scenario.terrain)
         self._interlock = ArmInterlock(scenario.arm)
         self._twist: tuple[int, PlanarTwist] | None = None
@@ -64,22 +66,24 @@ class DriveNode(ContractNode):
             self._power_limit = self._measurements.power_limit(status_values(switches), self._power_limit)
         self._interlock.hear(inputs["/joint_states"], driving=self.state.mode != "idle")
         self._take_goals(goals)
-        output = self._step(stamp, inputs["/joint_states"], inputs["/imu/data"])
+        output = self._step(stamp, inputs)
         self._goals.note(output.outcomes)
         self.publish("/wheel_command", self._measurements.command(stamp, output))  # first: the plant waits for it
         self.publish("/odom", self._odometry_message(stamp, output))
         if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
             self.publish("/drive/status", self._status(stamp, output))
 
-    def _step(self, stamp: int, joints: Any, imu: Any) -> DriveOutput:
+    def _step(self, stamp: int, inputs: Mapping[str, Any]) -> DriveOutput:
         """The drive's answer to this period. Where a measurement cannot be used the wheels stop and the
         steering holds.
         """
+        joints, imu = inputs["/joint_states"], inputs["/imu/data"]
         if joints is not None and imu is not None:  # None: refused on arrival
             try:
                 measured = self._measurements.drive_input(
                     joints, imu, self._twist_command(stamp), self._pending, self._power_limit
                 )
+                measured = replace(measured, sun=self._sun.sighting(stamp, inputs.get("/sun_direction")))
                 if self._interlock.reason:
                     measured = replace(measured, goal=None, stop=True, stop_reason=self._interlock.reason)
                 self.state, self._output = self.model.step(self.state, measured, self._since_last(stamp))

@@ -26,6 +26,7 @@ from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
 from sojourn_mechanics.sensors import suite
 from sojourn_sensors.motion import ImuMotion
+from sojourn_sensors.sun import SunReadings
 from sojourn_sensors.view import HazardView
 
 STORE = "battery"
@@ -48,6 +49,7 @@ class SensorsNode(ContractNode):
         self._seed = scenario.config.seed
         self._gravity = scenario.gravity
         self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
+        self._sun = SunReadings(scenario)
         self._view = HazardView(scenario)
         suite.warm_up(self.params, self._gravity)
         self.state: suite.SensorSuiteState | None = None
@@ -101,6 +103,8 @@ class SensorsNode(ContractNode):
                 self._joints, stamp, measured.joint_position, measured.joint_velocity, measured.joint_effort
             ),
         )
+        if is_due(topic("/sun_direction"), stamp // stamps.CONTROL_PERIOD_NS):
+            self.publish("/sun_direction", self._sun.message(stamp, odometry))
         self.publish("/imu/data", self._imu_message(stamp, measured.imu))
         if is_due(topic("/hazcam/points"), stamp // stamps.CONTROL_PERIOD_NS):
             self.publish("/hazcam/points", point_cloud(stamp, "base_link", self._view.look(odometry)))

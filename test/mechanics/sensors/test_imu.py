@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
@@ -179,3 +180,29 @@ def test_bad_starts_are_refused() -> None:
             imu.initial_state(PERFECT, 0, 0.0, gravity)
     with pytest.raises(InvalidValueError, match="seed"):
         imu.initial_state(PERFECT, -1, 0.0, 1.62)
+
+
+def test_driving_off_is_not_taken_for_tilt_after_an_alignment() -> None:
+    """One second at 0.1 m/s^2 on the Moon: 3.5 degrees of seeming tilt; aligned, it takes a hundredth."""
+    pitches = {}
+    for alignment in (0.0, 100.0):
+        params = ImuParams(**(PERFECT.model_dump() | {"alignment_time": alignment}))
+        state = imu.initial_state(params, 1, 0.0, 1.62)
+        for period in range(60):
+            force = np.array([0.1 if period >= 10 else 0.0, 0.0, 1.62])
+            state, reading = imu.step(params, state, np.zeros(3), force, 0.02)
+        pitches[alignment] = abs(Rotation.from_quat(reading.orientation).as_euler("ZYX")[1])
+    assert pitches[0.0] > 0.03
+    assert pitches[100.0] == pytest.approx(0.0617 * 0.01, rel=0.05)
+
+
+def test_an_alignment_averages_the_noise_of_the_first_attitude() -> None:
+    params = ImuParams(
+        **(PERFECT.model_dump() | {"accelerometer_noise_micro_g_per_sqrt_hz": 350.0, "alignment_time": 50.0})
+    )
+    rolls = []
+    for seed in range(300):
+        state = imu.initial_state(params, seed, 0.0, 1.62)
+        _, reading = imu.step(params, state, np.zeros(3), np.array([0.0, 0.0, 1.62]), 0.02)
+        rolls.append(Rotation.from_quat(reading.orientation).as_euler("ZYX")[2])
+    assert np.std(rolls) == pytest.approx(350e-6 * 9.80665 / sqrt(50.0) / 1.62, rel=0.15)

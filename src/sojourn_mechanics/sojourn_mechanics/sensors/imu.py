@@ -14,8 +14,9 @@ the quaternion is turned by the measured rate, exactly, and then by k dt (f x u)
 the measured specific force and u the direction of "up" that the attitude predicts. This correction is at
 right angles to u: it turns roll and pitch and never the heading, which is therefore the integral of the gyro
 from the given start. It is left out while |f| is off gravity by more than the gate. The first reading sets
-roll and pitch; the gain then falls as 1/t to its steady value, which is the mean of the readings so far, as
-a Kalman filter would start.
+roll and pitch, with the noise of a machine that has stood still for the alignment time; the gain then falls as
+1/t, t from the begin of the alignment, to its steady value, which is the mean of the readings so far, as a
+Kalman filter would start. Without an alignment the acceleration of a machine that drives off at once is taken for tilt.
 
 Covariances: roll and pitch from the balance of the filter, heading growing as ARW^2 t + (bias t)^2.
 Range: rates well under 1/dt; mean acceleration small against gravity over 1/k seconds.
@@ -51,6 +52,9 @@ class ImuParams(Params):
     )
     misalignment: float = Field(default=0.0, ge=0.0, le=0.1, description="misalignment of an axis [rad]")
     attitude_gain: float = Field(gt=0.0, le=10.0, description="gain k of the levelling by gravity [1/s]")
+    alignment_time: float = Field(
+        default=0.0, ge=0.0, le=1e5, description="time for which the machine has stood still before the start [s]"
+    )
     attitude_gate: float = Field(
         gt=0.0, le=1.0, description="levelling stops when specific force is off gravity by this part [1]"
     )
@@ -96,7 +100,7 @@ class ImuState:
     orientation: FloatArray | None
     """Estimated attitude in the world, quaternion x y z w, shape (4,); None before the first reading."""
     elapsed: float
-    """Time since the reset [s]."""
+    """Time since the begin of the alignment [s]."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -139,7 +143,7 @@ def initial_state(params: ImuParams, seed: int, heading: float, gravity: float, 
         gravity=float(gravity),
         heading=float(heading),
         orientation=None,
-        elapsed=0.0,
+        elapsed=params.alignment_time,
     )
 
 
@@ -165,7 +169,9 @@ def step(
     rate = measure(state.gyro_matrix, true_rate, state.gyro_bias, gyro_sigma, noise[:3])
     force = measure(state.accelerometer_matrix, true_force, state.accelerometer_bias, force_sigma, noise[3:])
     if state.orientation is None:
-        orientation = attitude_from_specific_force(force, state.heading)
+        mean_sigma = params.accelerometer_random_walk / sqrt(max(params.alignment_time, dt))
+        mean = measure(state.accelerometer_matrix, true_force, state.accelerometer_bias, mean_sigma, noise[3:])
+        orientation = attitude_from_specific_force(mean, state.heading)
     else:
         orientation = attitude_step(
             state.orientation,
@@ -210,7 +216,8 @@ def _attitude_variance(params: ImuParams, gravity: float, elapsed: float) -> tup
     tilt = (params.accelerometer_bias / gravity) ** 2 + (params.gyro_bias / gain) ** 2
     tilt += params.gyro_random_walk**2 / (2.0 * gain)
     tilt += (params.accelerometer_random_walk / gravity) ** 2 * gain
-    return tilt, params.gyro_random_walk**2 * elapsed + (params.gyro_bias * elapsed) ** 2
+    turned_for = elapsed - params.alignment_time
+    return tilt, params.gyro_random_walk**2 * turned_for + (params.gyro_bias * turned_for) ** 2
 
 
 def _error_matrix(scale: FloatArray, cross: FloatArray) -> FloatArray:

@@ -9,6 +9,7 @@ from sojourn_mechanics.sensors.bus import BusTelemetryParams
 from sojourn_mechanics.sensors.encoder import EncoderParams
 from sojourn_mechanics.sensors.hazcam import HazcamParams
 from sojourn_mechanics.sensors.imu import ImuParams
+from sojourn_mechanics.sensors.sun_sensor import SunSensorParams
 
 
 class JointGroupParams(Params):
@@ -29,6 +30,7 @@ class SensorSuiteParams(Params):
     joint_groups: dict[str, JointGroupParams] = Field(min_length=1, description="group name to its joints")
     imu: ImuParams = Field(description="the inertial measurement unit")
     bus: BusTelemetryParams = Field(description="telemetry channels of every energy store")
+    sun: SunSensorParams | None = Field(default=None, description="the sun sensor, if there is one")
     hazcam: HazcamParams | None = Field(default=None, description="stereo camera for hazards; left out: it has none")
 
     @model_validator(mode="after")

@@ -11,7 +11,7 @@ Sources and equations: see kinematics, rate_limiter, odometry and goal_follower 
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numba import njit
@@ -27,6 +27,7 @@ from sojourn_mechanics.steering.goal_follower import (
     follow,
     stop,
 )
+from sojourn_mechanics.steering.heading_fix import SunSighting, fix_heading, mounting_variances
 from sojourn_mechanics.steering.kinematics import PlanarTwist, limited_twist
 from sojourn_mechanics.steering.odometry import (
     OdometryInput,
@@ -37,7 +38,9 @@ from sojourn_mechanics.steering.odometry import (
 )
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
 from sojourn_mechanics.steering.rate_limiter import LimiterState
+from sojourn_mechanics.steering.turning_limits import TurningLimits, turning_limits
 from sojourn_mechanics.steering.wheel_commands import WheelCommands, command_wheels, expected_slip
+from sojourn_mechanics.vehicle.clothoid import Pose
 
 LONGEST_PERIOD = 1.0
 """Longest period a step accepts [s]."""
@@ -53,14 +56,18 @@ class DriveModel:
     table: FloatArray = field(init=False)
     turn_radius: float = field(init=False)
     """Distance of the farthest wheel from base_link [m]."""
+    turning: TurningLimits = field(init=False)
+    """How sharply it can turn."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "table", self.geometry.table(self.params.track_ratio))
         object.__setattr__(self, "turn_radius", max(math.hypot(w.x, w.y) for w in self.geometry.wheels))
+        turning = turning_limits(self.table, self.params.limits, self.params.follower.max_curvature)
+        object.__setattr__(self, "turning", turning)
 
     def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
         """At rest at a pose in odom [m, rad]."""
-        odometry = initial_odometry(self.params.odometry, x, y, yaw)
+        odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting_variances(self.params.heading_fix))
         return DriveState("idle", odometry, None, None, None, math.inf, 0.0, "idle")
 
     def at_rest(self, state: DriveState) -> DriveOutput:
@@ -81,6 +88,7 @@ class DriveModel:
             turning = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.1), roll_pitch=(0.0, 0.0), goal=goal)
             state, _ = self.step(state, turning, dt)
         resting = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.0), roll_pitch=(0.0, 0.0), stop=True)
+        resting = replace(resting, sun=SunSighting(np.array((1.0, 0.0, 0.0)), np.array((1.0, 0.0, 0.0))))
         for _ in range(round(2.0 * self.params.odometry.standing_time / dt)):
             state, _ = self.step(state, resting, dt)
 
@@ -149,9 +157,9 @@ class _Arbiter:
             self.end_goal(stop(self.follower, reason))
         self.mode, self.text, self.since_override = "idle", f"stopped: {reason}", 0.0
 
-    def take_goal(self, model: DriveModel, goal: Goal, position: tuple[float, float]) -> None:
+    def take_goal(self, model: DriveModel, goal: Goal, pose: Pose) -> None:
         """A new goal ends the older one, unless it is refused."""
-        answer = accept(model.params.follower, goal, position)
+        answer = accept(model.params.follower, model.turning, goal, pose)
         if isinstance(answer, GoalOutcome):
             self.outcomes.append(answer)
             if self.follower is None and self.mode == "idle":
@@ -192,9 +200,13 @@ def _follow(
         min(limits.max_yaw_rate, limits.max_speed / model.turn_radius) * power,
         limits.max_deceleration,
         limits.max_deceleration / model.turn_radius,
+        model.turning,
     )
-    pose = (odometry.x, odometry.y, odometry.yaw)
-    way, v_x, yaw_rate, outcome = follow(model.params.follower, way, pose, moving, able, dt)
+    pose = Pose(odometry.x, odometry.y, odometry.yaw)
+    drift = None  # of a rover that hardly moves it is mostly noise
+    if odometry.v_x > model.params.odometry.standing_speed:
+        drift = math.atan2(odometry.v_y, odometry.v_x)
+    way, v_x, yaw_rate, outcome = follow(model.params.follower, way, pose, drift, moving, able, dt)
     arbiter.follower = way
     if outcome is not None:
         arbiter.end_goal(outcome)
@@ -218,6 +230,9 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     measured = _measured(model, state, inputs, dt)
     params, table = model.params, model.table
     odometry = step_odometry(params.odometry, table, state.odometry, measured, dt)
+    heading = state.heading
+    if inputs.sun is not None and params.heading_fix is not None:
+        odometry, heading = fix_heading(params.heading_fix, odometry, heading, inputs.sun)
     limiter = state.limiter
     if limiter is None:
         limiter = LimiterState.at_rest(measured.steer_angles)
@@ -226,7 +241,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     if inputs.stop:
         arbiter.take_stop(inputs.stop_reason)
     if inputs.goal is not None:
-        arbiter.take_goal(model, inputs.goal, (odometry.x, odometry.y))
+        arbiter.take_goal(model, inputs.goal, Pose(odometry.x, odometry.y, odometry.yaw))
     wanted = arbiter.take_twist(model, inputs.twist, dt)
     if arbiter.follower is not None:
         wanted = _follow(model, arbiter, odometry, inputs.power_limit, measured.commanded_still, dt)
@@ -261,6 +276,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         since_override=arbiter.since_override,
         stuck_for=stuck_for,
         text=arbiter.text,
+        heading=heading,
     )
     pose_covariance, twist_covariance = message_covariances(params.odometry, odometry, dt)
     output = DriveOutput(
@@ -279,6 +295,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
 def _status(state: DriveState, inputs: DriveInput, cut: float, commands: WheelCommands) -> dict[str, str | float]:
     """Fields of /drive/status; the unit is the last part of a name."""
     odometry, way, outcome = state.odometry, state.follower, state.last_outcome
+    followed = way if way is not None else outcome
     status: dict[str, str | float] = {
         "mode": state.mode,
         "text": state.text,
@@ -286,6 +303,8 @@ def _status(state: DriveState, inputs: DriveInput, cut: float, commands: WheelCo
         "goal": way.goal.name if way is not None else "",
         "distance_to_go_m": way.distance_to_go if way is not None else 0.0,
         "lateral_error_m": way.lateral_error if way is not None else 0.0,
+        "lateral_rms_m": followed.lateral_rms if followed is not None else 0.0,
+        "lateral_max_m": followed.lateral_max if followed is not None else 0.0,
         "waypoint": float(way.index) if way is not None else 0.0,
         "waypoints": float(len(way.goal.points)) if way is not None else 0.0,
         "outcome": outcome.kind if outcome is not None else "",
@@ -295,6 +314,11 @@ def _status(state: DriveState, inputs: DriveInput, cut: float, commands: WheelCo
         "speed_m_s": math.hypot(odometry.v_x, odometry.v_y),
         "yaw_rate_rad_s": odometry.yaw_rate,
         "gyro_bias_rad_s": odometry.gyro_bias,
+        "heading_sigma_rad": math.sqrt(odometry.covariance[2, 2]),
+        "sun": state.heading.text,
+        "sun_fixes": float(state.heading.fixes),
+        "sun_rejected": float(state.heading.rejected),
+        "sun_deviation_sigma": state.heading.deviation,
         "wheel_disagreement_m_s": odometry.residual,
         "yaw_rate_difference_rad_s": odometry.yaw_rate_difference,
         "encoder_jumps": float(odometry.encoder_jumps),

@@ -4,13 +4,14 @@ Arrays have one number for each wheel, in the order of the geometry. Positions [
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
 from sojourn_mechanics.steering.goal_follower import FollowerState
+from sojourn_mechanics.steering.heading_fix import HeadingFixState, SunSighting
 from sojourn_mechanics.steering.kinematics import PlanarTwist
 from sojourn_mechanics.steering.odometry import OdometryState
 from sojourn_mechanics.steering.rate_limiter import LimiterState
@@ -53,6 +54,8 @@ class DriveInput:
     """Angular velocity in base_link [rad/s], None without a gyro."""
     roll_pitch: tuple[float, float] | None = None
     """[rad], None to take the ground as level."""
+    sun: SunSighting | None = None
+    """A reading of the sun sensor that came in this period."""
     twist: TwistCommand | None = None
     """Newest /cmd_vel, every period until it is replaced; its age tells when it came."""
     goal: Goal | None = None
@@ -82,6 +85,8 @@ class DriveState:
     """Time the wheels have waited for the steering [s]."""
     text: str
     """What the drive is doing, in words."""
+    heading: HeadingFixState = field(default_factory=HeadingFixState)
+    """What became of the sightings of the Sun."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,10 @@ class GoalOutcome:
     """In words; for `reached`, how closely."""
     goal: Goal
     distance_to_go: float
-    """Along the path [m]; not a number for a goal that has no finite points."""
+    """Along the path [m]; not a number for a goal that was refused."""
+    lateral_rms: float = 0.0
+    lateral_max: float = 0.0
+    """Root mean square and greatest size of the lateral error on the path [m]."""
 
 
 def path_lengths(start: Point, points: Sequence[Point]) -> tuple[float, ...]:

@@ -23,6 +23,8 @@ companion S in odom, the way d and the period's gyro gain g = dt cos roll / cos 
 Q: travel_sigma^2 per metre in x and y; gyro random walk per second (or wheel_yaw_sigma^2 per metre); the bias
 walks; slip and drift are renewed so that their variances stay slip_sigma^2 and side_slip_sigma^2.
 
+The sun sensor corrects heading and bias in between, see `heading_fix`.
+
 Standing still (wheels, steering and gyro below thresholds for standing_time, and nothing commanded) freezes
 the pose and lets the gyro measure its own bias: a Kalman update of the bias alone (Schmidt gain, Joseph
 form). The part of a planet's rotation along the body's z axis is in that bias.
@@ -97,7 +99,9 @@ class OdometryState:
     distance: float
     """Distance travelled [m]."""
     covariance: FloatArray
-    """Of [x, y, yaw, slip, side slip, gyro bias], shape (6, 6)."""
+    """Of [x, y, yaw, slip, side slip, gyro bias], and of `mounting` where there is a sun sensor; (6, 6) or (9, 9)."""
+    mounting: FloatArray
+    """Estimated error of mounting and levelling of the sun sensor about the axes of base_link, shape (3,) [rad]."""
     gyro_bias: float
     """Estimated bias of the gyro's z axis [rad/s]."""
     standing_for: float
@@ -114,8 +118,10 @@ class OdometryState:
     """Times a wheel position moved farther than it can; its rate was used instead [-]."""
 
 
-def initial_odometry(params: OdometryParams, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> OdometryState:
-    """State at a known start pose in odom [m, rad]."""
+def initial_odometry(
+    params: OdometryParams, x: float = 0.0, y: float = 0.0, yaw: float = 0.0, mounting: tuple[float, ...] = ()
+) -> OdometryState:
+    """State at a known start pose in odom [m, rad]; `mounting`: variances of the sun sensor's mounting, if any."""
     variances = (
         START_POSITION_VARIANCE,
         START_POSITION_VARIANCE,
@@ -123,6 +129,7 @@ def initial_odometry(params: OdometryParams, x: float = 0.0, y: float = 0.0, yaw
         params.slip_sigma**2,
         params.side_slip_sigma**2,
         params.gyro_bias_sigma**2,
+        *mounting,
     )
     return OdometryState(
         x=x,
@@ -136,6 +143,7 @@ def initial_odometry(params: OdometryParams, x: float = 0.0, y: float = 0.0, yaw
         yaw_rate=0.0,
         distance=0.0,
         covariance=np.diag(np.array(variances)),
+        mounting=np.zeros(3),
         gyro_bias=0.0,
         standing_for=0.0,
         residual=0.0,
@@ -268,6 +276,7 @@ def step_odometry(
         yaw_rate=yaw_rate,
         distance=state.distance + travel,
         covariance=covariance,
+        mounting=state.mounting,
         gyro_bias=state.gyro_bias,
         standing_for=standing_for,
         residual=residual,

@@ -69,8 +69,11 @@ def propagate(
     yaw_variance: float,
     bias_variance: float,
 ) -> FloatArray:
-    """F P F^T + Q for one period; the variances are those added, `slip_kept` what is left of the old slip."""
-    size = 6
+    """F P F^T + Q for one period; the variances are those added, `slip_kept` what is left of the old slip.
+
+    States beyond the six of the odometry are constants.
+    """
+    size = covariance.shape[0]
     jacobian = np.eye(size)
     # The bias turns the heading while the rover moves: half of the period's turn counts for its displacement.
     jacobian[0, 2], jacobian[0, 3], jacobian[0, 4], jacobian[0, 5] = (
@@ -115,11 +118,32 @@ def update_bias(covariance: FloatArray, noise_variance: float) -> tuple[float, F
     """Gain and covariance after the standing gyro has measured its bias; other states are left alone."""
     gain = covariance[5, 5] / (covariance[5, 5] + noise_variance)
     result = covariance.copy()
-    for i in range(5):
+    for i in range(covariance.shape[0]):
         result[i, 5] *= 1.0 - gain
         result[5, i] = result[i, 5]
     result[5, 5] = (1.0 - gain) ** 2 * covariance[5, 5] + gain * gain * noise_variance
     return gain, result
+
+
+@njit(cache=True)
+def update_all(
+    covariance: FloatArray, row: FloatArray, noise_variance: float, innovation: float
+) -> tuple[FloatArray, FloatArray]:
+    """Change of the states and covariance (Joseph's form) after a measurement of row . states; shapes (n,), (n, n)."""
+    size = covariance.shape[0]
+    carried = covariance @ row
+    gain = carried / (row @ carried + noise_variance)
+    result = np.empty((size, size))
+    middle = row @ carried
+    for i in range(size):
+        for j in range(size):
+            result[i, j] = (
+                covariance[i, j]
+                - gain[i] * carried[j]
+                - carried[i] * gain[j]
+                + gain[i] * gain[j] * (middle + noise_variance)
+            )
+    return gain * innovation, result
 
 
 @njit(cache=True)

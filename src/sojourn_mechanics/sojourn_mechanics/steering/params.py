@@ -256,6 +256,18 @@ class OdometryParams(Params):
     )
 
 
+class HeadingFixParams(Params):
+    """Trust in the sun sensor. Sigmas are standard deviations about one axis."""
+
+    noise_sigma: float = Field(..., gt=0.0, le=0.2, description="noise of a sighting [rad]")
+    misalignment_sigma: float = Field(..., gt=0.0, le=0.2, description="lasting error of the mounting [rad]")
+    levelling_sigma: float = Field(..., gt=0.0, le=0.2, description="lasting error of roll and pitch [rad]")
+    gate: float = Field(..., gt=1.0, le=10.0, description="standard deviations beyond which a sighting is refused [-]")
+    max_elevation: float = Field(
+        ..., gt=0.0, lt=0.5 * math.pi, description="a Sun that stands higher gives no heading [rad]"
+    )
+
+
 class GoalFollowerParams(Params):
     """How goals are approached and when they are met."""
 
@@ -264,9 +276,13 @@ class GoalFollowerParams(Params):
     arrive_fraction: float = Field(
         ..., gt=0.0, le=1.0, description="driving ends at this fraction of the position tolerance [-]"
     )
-    pass_radius: float = Field(..., gt=0.0, le=50.0, description="a waypoint is passed within this distance [m]")
-    lookahead: float = Field(..., gt=0.0, le=100.0, description="distance of the pursued point along the path [m]")
-    max_curvature: float = Field(..., gt=0.0, le=20.0, description="sharpest curve while driving [1/m]")
+    corner_cut: float = Field(..., gt=0.0, le=50.0, description="a waypoint is passed within this distance [m]")
+    max_curvature: float = Field(
+        ..., gt=0.0, le=20.0, description="sharpest curve while driving, if the steering can [1/m]"
+    )
+    planned_curvature: float = Field(..., gt=0.0, le=1.0, description="part of it that paths may ask for [-]")
+    lateral_length: float = Field(..., gt=0.0, le=100.0, description="distance that takes out a lateral error [m]")
+    heading_length: float = Field(..., gt=0.0, le=100.0, description="distance that takes out a course error [m]")
     align_tolerance: float = Field(..., gt=0.0, le=0.5, description="a point turn ends within this angle [rad]")
     realign_angle: float = Field(..., gt=0.0, le=1.5, description="bearing from which a point turn is made [rad]")
     yaw_gain: float = Field(..., gt=0.0, le=10.0, description="turn rate per heading error in a point turn [1/s]")
@@ -305,4 +321,5 @@ class DriveParams(Params):
     limits: MotionLimits = Field(..., description="what the machine may be asked to do")
     transition: SteeringTransitionParams = Field(..., description="slowing down while steering")
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")
+    heading_fix: HeadingFixParams | None = Field(None, description="trust in the sun sensor; none: it is not used")
     follower: GoalFollowerParams = Field(..., description="approach to goals")

@@ -1,0 +1,37 @@
+"""Readings of the sun sensor as the drive's input, with where the ephemeris has the Sun."""
+
+from typing import Any
+
+from sojourn_config.scenario import LoadedScenario
+from sojourn_contract import stamps
+from sojourn_contract.messages import xyz
+from sojourn_mechanics.sensors.mounting import mounting
+from sojourn_mechanics.steering.heading_fix import SunSighting
+
+
+class SunSightings:
+    """Takes each reading once.
+
+    Args:
+        scenario: its Sun is the ephemeris of the site; of a machine without a sun sensor there are no sightings.
+    """
+
+    def __init__(self, scenario: LoadedScenario) -> None:
+        self._scenario = scenario
+        sensor = scenario.sensors.sun
+        self._sensor_to_base = None if sensor is None else mounting(scenario.urdf_xml, sensor.link)[0]
+        self._last = 0
+
+    def sighting(self, stamp: int, message: Any) -> SunSighting | None:
+        """The reading that belongs to this period [ns]; None where there is none, or it has been taken before.
+
+        In real time it may be a period late: a turning machine has turned by a seventh of a degree at most.
+        """
+        if message is None or self._sensor_to_base is None:
+            return None
+        sent = stamps.from_message(message.header.stamp)
+        if sent <= self._last or not 0 <= stamp - sent <= stamps.CONTROL_PERIOD_NS:
+            return None
+        self._last = sent
+        in_base = self._sensor_to_base @ xyz(message.vector)
+        return SunSighting(in_base, self._scenario.sun_direction(stamps.seconds(sent)))

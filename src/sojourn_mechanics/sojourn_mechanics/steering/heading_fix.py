@@ -1,0 +1,127 @@
+"""Heading from a sun sensor: one update of the odometry's filter for each sighting of the Sun.
+
+The measured direction u of the Sun in base_link, levelled with roll and pitch of the IMU, l = Ry(pitch) Rx(roll) u, has
+an azimuth about the vertical; so has the direction s that the ephemeris gives in odom. Their difference is the heading:
+
+    z = atan2(s_y, s_x) - atan2(l_y, l_x),       v = wrap(z - yaw)
+
+A mounting and a levelling that are off by a small rotation m of base_link, M = Ry Rx m in the levelled frame, give
+
+    v = e_yaw - M_z + (l_z / r^2) (M_x l_x + M_y l_y) + n,    r^2 = l_x^2 + l_y^2,    var n = noise^2 / r^2
+
+so m, three numbers that stay while the rover drives, belong to the state: the covariance is that of the odometry's
+errors [x, y, yaw, slip, side slip, gyro bias] and of m. Each sighting is a Kalman update of all nine, in Joseph's form:
+it turns the heading, moves the position by what it was correlated with the heading, corrects the gyro's bias, and
+learns m from a start whose heading is known. A filter without m would take a hundred sightings for independent ones.
+
+A sighting is refused if its elevation or its heading is off by more than `gate` standard deviations (Bar-Shalom,
+Li and Kirubarajan 2001, Estimation with Applications to Tracking and Navigation, sec. 5.4: NIS gate), or if the Sun
+stands too high to tell a heading; the state is then left as it was.
+
+Sources: Trebi-Ollennu et al. 2001, "Design and analysis of a sun sensor for planetary rover absolute heading
+detection", IEEE Trans. Robotics and Automation 17:939; Ali et al. 2005, "Attitude and position estimation on the Mars
+Exploration Rovers", IEEE SMC. Assumptions: small errors; the ephemeris and the clock are exact.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.odometry import OdometryState, wrap_angle
+from sojourn_mechanics.steering.odometry_kernels import update_all
+from sojourn_mechanics.steering.params import HeadingFixParams
+
+MOUNTING = 6
+"""Where m is in the covariance: places 6 to 8."""
+
+
+@dataclass(frozen=True, slots=True)
+class SunSighting:
+    """One reading of the sun sensor. Arrays have shape (3,)."""
+
+    in_base: FloatArray
+    """Measured unit vector to the Sun in base_link; zeros where no Sun is seen."""
+    in_odom: FloatArray
+    """Where the ephemeris has it: unit vector in odom."""
+
+
+@dataclass(frozen=True, slots=True)
+class HeadingFixState:
+    """What became of the sightings."""
+
+    fixes: int = 0
+    """Sightings that were used."""
+    rejected: int = 0
+    """Sightings that did not fit."""
+    text: str = "no sighting yet"
+    """What became of the last one, in words."""
+    innovation: float = 0.0
+    """Heading of the Sun less that of the odometry, at the last sighting with a heading [rad]."""
+    deviation: float = 0.0
+    """The same in standard deviations."""
+
+
+def mounting_variances(params: HeadingFixParams | None) -> tuple[float, ...]:
+    """Variances of m about x, y, z of base_link before the first sighting [rad^2]; none without a sensor."""
+    if params is None:
+        return ()
+    across = params.misalignment_sigma**2 + params.levelling_sigma**2
+    return across, across, params.misalignment_sigma**2
+
+
+def fix_heading(
+    params: HeadingFixParams, odometry: OdometryState, heading: HeadingFixState, sighting: SunSighting
+) -> tuple[OdometryState, HeadingFixState]:
+    """Both states after a sighting. The covariance of `odometry` must hold the mounting, see `mounting_variances`."""
+    level = _levelled(odometry.roll, odometry.pitch)
+    seen = level @ sighting.in_base
+    length, expected = float(np.linalg.norm(seen)), sighting.in_odom
+    if length < 0.5:
+        return odometry, replace(heading, text="no Sun in view")
+    across = math.hypot(seen[0], seen[1])
+    if min(across, math.hypot(expected[0], expected[1])) < math.cos(params.max_elevation):
+        return odometry, replace(heading, text="the Sun stands too high for a heading")
+
+    off = math.asin(min(max(seen[2] / length, -1.0), 1.0)) - math.asin(min(max(expected[2], -1.0), 1.0))
+    allowed = math.sqrt(params.noise_sigma**2 + params.misalignment_sigma**2 + params.levelling_sigma**2)
+    if abs(off) > params.gate * allowed:
+        text = f"rejected: elevation off by {math.degrees(off):.1f} deg"
+        return odometry, replace(heading, rejected=heading.rejected + 1, text=text)
+
+    sun_heading = math.atan2(expected[1], expected[0]) - math.atan2(seen[1], seen[0])
+    row = np.zeros(odometry.covariance.shape[0])
+    row[2] = 1.0
+    high = seen[2] / across**2
+    row[MOUNTING:] = level.T @ np.array((high * seen[0], high * seen[1], -1.0))
+    innovation = wrap_angle(sun_heading - odometry.yaw - float(row[MOUNTING:] @ odometry.mounting))
+    variance = float(row @ odometry.covariance @ row) + (params.noise_sigma / across) ** 2
+    deviation = innovation / math.sqrt(variance)
+    if abs(deviation) > params.gate:
+        text = f"rejected: heading off by {math.degrees(innovation):.1f} deg, {abs(deviation):.1f} sigma"
+        return odometry, HeadingFixState(heading.fixes, heading.rejected + 1, text, innovation, deviation)
+
+    change, covariance = update_all(odometry.covariance, row, (params.noise_sigma / across) ** 2, innovation)
+    corrected = replace(
+        odometry,
+        x=odometry.x + float(change[0]),
+        y=odometry.y + float(change[1]),
+        yaw=wrap_angle(odometry.yaw + float(change[2])),
+        gyro_bias=odometry.gyro_bias + float(change[5]),
+        mounting=odometry.mounting + change[MOUNTING:],
+        covariance=covariance,
+    )
+    return corrected, HeadingFixState(heading.fixes + 1, heading.rejected, "heading fixed", innovation, deviation)
+
+
+def _levelled(roll: float, pitch: float) -> FloatArray:
+    """Ry(pitch) Rx(roll)."""
+    cos_roll, sin_roll, cos_pitch, sin_pitch = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
+    return np.array(
+        (
+            (cos_pitch, sin_pitch * sin_roll, sin_pitch * cos_roll),
+            (0.0, cos_roll, -sin_roll),
+            (-sin_pitch, cos_pitch * sin_roll, cos_pitch * cos_roll),
+        )
+    )
