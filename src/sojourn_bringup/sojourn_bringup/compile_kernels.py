@@ -5,6 +5,7 @@ import numpy as np
 from sojourn_config.arms import load_arm
 from sojourn_config.load import load_params
 from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_drive.clouds import eye_of
 from sojourn_mechanics.arm import controller
 from sojourn_mechanics.arm.inverse import pose_goal
 from sojourn_mechanics.arm.model import build_arm_model
@@ -20,6 +21,7 @@ from sojourn_mechanics.sensors import suite
 from sojourn_mechanics.soil.params import SoilParams
 from sojourn_mechanics.steering.drive import DriveModel
 from sojourn_plant.start import build_plant
+from sojourn_sensors.view import HazardView
 
 SCENARIO = "lunar_sample"
 """Has all kinds of ground in it."""
@@ -30,7 +32,8 @@ def main() -> None:
     scenario = load_scenario(SCENARIO)
     _step_plant(scenario)
     suite.warm_up(scenario.sensors, scenario.gravity)
-    DriveModel(scenario.drive, scenario.steering).warm_up()
+    HazardView(scenario)
+    DriveModel(scenario.drive, scenario.steering, eye_of(scenario)).warm_up()
     wheel = load_params("wheels", "explorer", WheelShape)
     measure(wheel, load_params("soils", "cmu_sand", SoilParams), load=50.0, slips_of_carriage=[0.2])
     controller.warm_up(scenario.arm, build_arm_model(scenario.urdf_xml, scenario.arm))

@@ -20,6 +20,7 @@ from sojourn_contract.messages import set_quaternion, set_xyz
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
 from sojourn_drive.arm_interlock import ArmInterlock
+from sojourn_drive.clouds import Clouds, eye_of
 from sojourn_drive.goals import GoalDesk
 from sojourn_drive.measurements import WheelMeasurements
 from sojourn_drive.sun import SunSightings
@@ -43,11 +44,12 @@ class DriveNode(ContractNode):
         super().__init__("drive", context=context, overrides=overrides, namespace=namespace)
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         start = scenario.config.start
-        self.model = DriveModel(scenario.drive, scenario.steering)
+        self.model = DriveModel(scenario.drive, scenario.steering, eye_of(scenario), scenario.terrain.bounds)
         self.model.warm_up()
         self.state = self.model.initial_state(start.x, start.y, start.yaw)
         self._measurements = WheelMeasurements(scenario.rover, scenario.urdf_xml)
         self._sun = SunSightings(scenario)
+        self._clouds = Clouds()
         self._goals = GoalDesk(scenario.terrain)
         self._interlock = ArmInterlock(scenario.arm)
         self._twist: tuple[int, PlanarTwist] | None = None
@@ -83,7 +85,11 @@ class DriveNode(ContractNode):
                 measured = self._measurements.drive_input(
                     joints, imu, self._twist_command(stamp), self._pending, self._power_limit
                 )
-                measured = replace(measured, sun=self._sun.sighting(stamp, inputs.get("/sun_direction")))
+                measured = replace(
+                    measured,
+                    sun=self._sun.sighting(stamp, inputs.get("/sun_direction")),
+                    cloud=self._clouds.points(inputs.get("/hazcam/points")),
+                )
                 if self._interlock.reason:
                     measured = replace(measured, goal=None, stop=True, stop_reason=self._interlock.reason)
                 self.state, self._output = self.model.step(self.state, measured, self._since_last(stamp))

@@ -9,6 +9,7 @@ from typing import Literal
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.avoidance_types import AvoidanceState
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
 from sojourn_mechanics.steering.goal_follower import FollowerState
 from sojourn_mechanics.steering.heading_fix import HeadingFixState, SunSighting
@@ -56,6 +57,8 @@ class DriveInput:
     """[rad], None to take the ground as level."""
     sun: SunSighting | None = None
     """A reading of the sun sensor that came in this period."""
+    cloud: FloatArray | None = None
+    """Points of the hazard camera that came in this period, in base_link, shape (n, 3) [m]."""
     twist: TwistCommand | None = None
     """Newest /cmd_vel, every period until it is replaced; its age tells when it came."""
     goal: Goal | None = None
@@ -87,6 +90,8 @@ class DriveState:
     """What the drive is doing, in words."""
     heading: HeadingFixState = field(default_factory=HeadingFixState)
     """What became of the sightings of the Sun."""
+    avoidance: AvoidanceState | None = None
+    """Obstacles; None without obstacle handling."""
 
 
 @dataclass(frozen=True, slots=True)

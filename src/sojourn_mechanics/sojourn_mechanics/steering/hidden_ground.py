@@ -54,7 +54,7 @@ def hidden_strips(
     sectors, distances = np.empty(count, np.int64), np.empty(count)
     for i in range(count):
         ahead, left = points[i, 0] - eye[0], points[i, 1] - eye[1]
-        sector = int(math.floor((math.atan2(left, ahead) + half) / (2.0 * half) * SECTORS))
+        sector = math.floor((math.atan2(left, ahead) + half) / (2.0 * half) * SECTORS)
         sectors[i] = sector
         distances[i] = math.sqrt(ahead * ahead + left * left)
     order = np.argsort(distances)
@@ -94,7 +94,7 @@ def is_hidden(ahead: float, left: float, edges: FloatArray, ends: FloatArray, vi
     ground that the camera sees up to there; -1 where the look says nothing about it.
     """
     half = math.radians(0.5 * view_deg)
-    sector = int(math.floor((math.atan2(left, ahead) + half) / (2.0 * half) * SECTORS))
+    sector = math.floor((math.atan2(left, ahead) + half) / (2.0 * half) * SECTORS)
     if not 0 <= sector < SECTORS or math.isnan(edges[sector]):
         return -1
     distance = math.sqrt(ahead * ahead + left * left)

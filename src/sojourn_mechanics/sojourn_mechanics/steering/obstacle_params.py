@@ -39,7 +39,7 @@ class ObstacleMapParams(Params):
     near: float = Field(
         gt=0.0, le=20.0, description="distance from the camera within which unseen ground is a drop [m]"
     )
-    view_deg: float = Field(gt=0.0, le=160.0, description="sector ahead in which the camera sees all distances [degree]")
+    view_deg: float = Field(gt=0.0, le=160.0, description="sector in which the camera sees all distances [degree]")
 
     @property
     def cells(self) -> int:

@@ -30,8 +30,8 @@ AHEAD = (0.05, 0.15, 0.25)
 def circles_of(outline: OutlineParams) -> tuple[FloatArray, float]:
     """Places of the circles along x in base_link, shape (CIRCLES,) [m], and their radius [m]."""
     spacing = (outline.front + outline.rear) / CIRCLES
-    places = -outline.rear + spacing * (np.arange(CIRCLES) + 0.5)
-    return places, math.hypot(0.5 * spacing, outline.half_width)
+    places = -outline.rear + spacing * (np.arange(CIRCLES, dtype=np.float64) + 0.5)
+    return np.asarray(places, dtype=np.float64), math.hypot(0.5 * spacing, outline.half_width)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +116,23 @@ def room_at_pose(
         found = distance_at(distances, x0, y0, cell, x + place * math.cos(yaw), y + place * math.sin(yaw))
         least = min(least, found - radius)
     return least
+
+
+@njit(cache=True)
+def room_along(
+    distances: FloatArray,
+    x0: float,
+    y0: float,
+    cell: float,
+    circles: FloatArray,
+    radius: float,
+    poses: FloatArray,
+) -> FloatArray:
+    """Room at poses x, y, yaw in odom, shape (n, 3): shape (n,) [m]."""
+    rooms = np.empty(poses.shape[0])
+    for i in range(poses.shape[0]):
+        rooms[i] = room_at_pose(distances, x0, y0, cell, circles, radius, poses[i, 0], poses[i, 1], poses[i, 2])
+    return rooms
 
 
 @njit(cache=True)

@@ -1,4 +1,4 @@
-"""The way that was asked for, as a line: how far the rover is along it, and where it is closed by obstacles."""
+"""The way that was asked for, as a line in odom, and how far the rover is along it."""
 
 import math
 from dataclasses import dataclass, replace
@@ -7,7 +7,6 @@ import numpy as np
 
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.goal import Goal, Point
-from sojourn_mechanics.steering.room import Room
 
 WINDOW = 3.0
 """Progress is looked for so far ahead of the last [m], so that a way that crosses itself is not cut short."""
@@ -56,22 +55,3 @@ def advanced(route: Route, position: Point, step: float) -> Route:
     stations = np.arange(route.progress, min(route.progress + WINDOW, route.length) + 0.5 * step, step)
     away = np.hypot(*(route.points_at(stations) - position).T)
     return replace(route, progress=float(min(stations[int(np.argmin(away))], route.length)))
-
-
-def first_closed(room: Room, line: FloatArray, least: float, near: float, escape: float) -> tuple[float, Point] | None:
-    """Where a line from the rover first comes nearer to an obstacle than `least`: length up to there, and the place.
-
-    Args:
-        line: corners in odom, shape (n, 2), the rover's place first. near: how far to look [m].
-        escape: for so long, a place counts as closed only if it is narrower than the rover's own [m].
-    """
-    steps = np.hypot(*np.diff(line, axis=0).T)
-    stations = np.concatenate([[0.0], np.cumsum(steps)])
-    samples = np.arange(0.0, min(stations[-1], near) + 1e-9, 0.5 * room.cell)
-    own = room.at(float(line[0, 0]), float(line[0, 1]))
-    for station in samples:
-        x, y = (float(np.interp(station, stations, line[:, axis])) for axis in range(2))
-        needed = min(least, own - 0.05) if station < escape else least
-        if room.at(x, y) < needed:
-            return float(station), (x, y)
-    return None

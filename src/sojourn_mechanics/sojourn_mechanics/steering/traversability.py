@@ -28,6 +28,8 @@ from sojourn_mechanics.steering.obstacle_params import ObstacleParams
 
 FREE, STEP, DROP, SLOPE, BUMP, HIDDEN_GROUND = 0, 1, 2, 3, 4, 5
 NAMES = ("free ground", "step", "drop", "slope", "bump", "hidden ground")
+NEARBY = 3
+"""Cells round one for whose worst it is reported."""
 LEAST_PATCH = 6
 """Fewer cells make no plane."""
 
@@ -76,9 +78,23 @@ def judged(params: ObstacleParams, map_: ObstacleMap) -> Passability:
     return Passability(kinds, measures)
 
 
-def obstacle_at(params: ObstacleParams, map_: ObstacleMap, ground: Passability, row: int, column: int) -> Obstacle:
-    """What is in a cell that is not free."""
+def obstacle_at(
+    params: ObstacleParams, map_: ObstacleMap, ground: Passability, row: int, column: int, level: float
+) -> Obstacle:
+    """What is in a cell that is not free, by its worst cell nearby.
+
+    Args:
+        level: height of the ground under the rover [m]; what rises above it is a step, what does not a drop.
+    """
     kind, limits = int(ground.kinds[row, column]), params.passable
+    if kind in (STEP, DROP):
+        rows, columns = (slice(max(place - NEARBY, 0), place + NEARBY + 1) for place in (row, column))
+        part = np.where(ground.kinds[rows, columns] <= DROP, ground.measures[rows, columns], 0.0)
+        worst = np.unravel_index(int(np.argmax(part)), part.shape)
+        row, column = rows.start + int(worst[0]), columns.start + int(worst[1])
+        low, high = map_.layers[LOW, row, column], map_.layers[HIGH, row, column]
+        top = low + ground.measures[row, column] if ground.kinds[row, column] == STEP else high
+        kind = STEP if top > level + 0.5 * limits.max_step else DROP
     limit = {SLOPE: limits.max_slope_deg, BUMP: limits.clearance}.get(kind, limits.max_step)
     x, y = map_.centre(row, column)
     return Obstacle(NAMES[kind], x, y, float(ground.measures[row, column]), limit)
@@ -103,7 +119,7 @@ def judge_cells(
                 kinds[row, column] = HIDDEN_GROUND
                 measures[row, column] = math.nan
     stepped = kinds.copy()
-    wide = int(math.ceil(reach / cell))
+    wide = math.ceil(reach / cell)
     for row in range(size):
         for column in range(size):
             if layers[COUNT, row, column] == 0.0 or stepped[row, column] != FREE:

@@ -3,11 +3,14 @@
 A cell costs for each metre
 
     w = 1 + NARROW clip((R - D) / (R - r), 0, 1) + NEAR clip((R + SOFT - D) / SOFT, 0, 1) + UNSEEN [unknown]
+          + TURN a / pi [nearer to the rover than TURN_WAY]
 
-with D the distance to the nearest obstacle, r the least that a straight drive needs and R that of a point turn; below r
-it is closed. Neighbours (eight) are joined at the mean of their costs, and Dijkstra's algorithm (1959; that of scipy)
-finds the cheapest ways from the rover to all cells. Unknown ground counts as passable (Koenig & Likhachev 2005, IEEE
-Trans. Robotics 21(3):354, "freespace assumption"): the way is planned again when it turns out not to be.
+with D the distance to the nearest obstacle, r the least that a straight drive needs, R that of a point turn, and a the
+angle by which the cell lies off the rover's heading: a turn takes time, and a rover that has begun to go round one side
+does not change it for little. Below r a cell is closed, and where it lies outside the area that the rover may use.
+Neighbours (eight) are joined at the mean of their costs, and Dijkstra's algorithm (1959; that of scipy) finds the
+cheapest ways from the rover to all cells. Unknown ground counts as passable (Koenig & Likhachev 2005, IEEE Trans.
+Robotics 21(3):354, "freespace assumption"): the way is planned again when it turns out not to be.
 
 The path is drawn taut: from each of its cells straight on to the farthest that costs no more than the cells between.
 Lengths [m], places in odom.
@@ -15,6 +18,7 @@ Lengths [m], places in odom.
 
 import math
 from functools import lru_cache
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +26,16 @@ from numpy.typing import NDArray
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.goal import Point
 from sojourn_mechanics.steering.room import Room
+from sojourn_mechanics.vehicle.clothoid import Pose
 
 NARROW, NEAR, UNSEEN = 6.0, 1.0, 0.5
 """Extra cost of a metre: where there is no room to turn, near an obstacle, over ground not seen [-]."""
 SOFT = 0.5
 """Beyond the circle of a point turn an obstacle counts as near for so long [m]."""
+TURN, TURN_WAY = 3.0, 1.0
+"""Extra cost of a metre behind the rover, and how far about it [-], [m]: half a turn takes as long as three metres."""
+Area: TypeAlias = tuple[float, float, float, float]
+"""x_min, x_max, y_min, y_max in odom [m]."""
 ESCAPE = 0.8
 """Round the rover a cell may be as narrow as its own place is [m]."""
 TAUT = 1.02
@@ -35,20 +44,29 @@ TAUT = 1.02
 
 def cell_costs(
     room: Room,
-    known: "np.ndarray[tuple[int, int], np.dtype[np.bool_]]",
-    start: Point,
+    known: NDArray[np.bool_],
+    start: Pose,
     straight: float,
     turning: float,
+    area: Area | None = None,
 ) -> FloatArray:
-    """Cost of a metre in each cell, infinite where it is closed: see the module for `straight` (r) and `turning` (R)."""
+    """Cost of a metre in each cell, infinite where it is closed: see the module; `straight` is r, `turning` is R."""
     distances = room.distances
     narrow = np.clip((turning - distances) / (turning - straight), 0.0, 1.0)
     near = np.clip((turning + SOFT - distances) / SOFT, 0.0, 1.0)
     costs = 1.0 + NARROW * narrow + NEAR * near + UNSEEN * ~known
     middles = room.cell * (np.arange(len(distances)) + 0.5)
-    away = np.hypot(room.x0 + middles[np.newaxis, :] - start[0], room.y0 + middles[:, np.newaxis] - start[1])
-    least = np.where(away < ESCAPE, min(straight, room.at(*start) - 0.1), straight)
-    found: FloatArray = np.where(distances >= least, costs, np.inf)
+    east, north = room.x0 + middles[np.newaxis, :], room.y0 + middles[:, np.newaxis]
+    away = np.hypot(east - start.x, north - start.y)
+    off = np.angle(np.exp(1j * (np.arctan2(north - start.y, east - start.x) - start.heading)))
+    costs += np.where(away < TURN_WAY, TURN * np.abs(off) / np.pi, 0.0)
+    least = np.where(away < ESCAPE, min(straight, room.at(start.x, start.y) - 0.1), straight)
+    open_ = distances >= least
+    if area is not None:
+        west, far_east, south, far_north = area
+        open_ &= (east >= west + turning) & (east <= far_east - turning)
+        open_ &= (north >= south + turning) & (north <= far_north - turning)
+    found: FloatArray = np.where(open_, costs, np.inf)
     return found
 
 
