@@ -19,7 +19,7 @@ from sojourn_config.yaml_file import read_yaml
 from sojourn_mechanics.environment.sun import SunParams, sun_direction
 from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.params import FloatArray, Params
-from sojourn_mechanics.plant.params import SimulationParams
+from sojourn_mechanics.plant.params import FaultParams, SimulationParams
 from sojourn_mechanics.terrain.height_field import HeightField
 from sojourn_mechanics.terrain.params import TerrainParams
 
@@ -61,6 +61,7 @@ class ScenarioConfig(Params):
     duration_limit_s: float = Field(gt=0.0, le=LONGEST, description="simulated time at which a run ends [s]")
     simulation: SimulationParams = Field(default_factory=SimulationParams, description="steps of the plant")
     accept: AcceptanceConfig = Field(default_factory=AcceptanceConfig, description="how near counts as met")
+    faults: tuple[FaultParams, ...] = Field(default=(), description="motors that fail during the run")
     steps: tuple[StepConfig, ...] = Field(default=(), description="what the operator sends, in order")
 
 

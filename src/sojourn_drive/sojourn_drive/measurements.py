@@ -54,6 +54,7 @@ class WheelMeasurements:
             wheel_positions=position[drive],
             wheel_rates=rate[drive],
             steer_angles=angles,
+            wheel_efforts=np.array(joints.effort)[drive] if len(joints.effort) else None,
             gyro=(float(gyro[0]), float(gyro[1]), float(gyro[2])),
             roll_pitch=self._roll_pitch(quaternion(imu.orientation)),
             twist=twist,

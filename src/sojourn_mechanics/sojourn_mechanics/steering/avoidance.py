@@ -106,10 +106,21 @@ def refusal(avoidance: Avoidance, state: AvoidanceState, goal: Goal) -> str | No
     return f"the goal ({place[0]:.2f}, {place[1]:.2f}) lies in an obstacle: {obstacle}"
 
 
-def begin(state: AvoidanceState, way: FollowerState, odometry: OdometryState) -> AvoidanceState:
-    """The state at the start of a goal that the follower has accepted."""
-    route = route_of(way.goal, (odometry.x, odometry.y), odometry.distance)
-    return replace(
+def accepted(
+    avoidance: Avoidance,
+    state: AvoidanceState,
+    goal: Goal,
+    answer: FollowerState | GoalOutcome,
+    odometry: OdometryState,
+) -> tuple[FollowerState | GoalOutcome, AvoidanceState]:
+    """The follower's answer to a goal, or its refusal; and the state at the start of the way to it."""
+    reason = refusal(avoidance, state, goal)
+    if reason is not None:
+        return GoalOutcome("refused", reason, goal, math.nan), state
+    if isinstance(answer, GoalOutcome):
+        return answer, state
+    route = route_of(goal, (odometry.x, odometry.y), odometry.distance)
+    return answer, replace(
         state, route=route, obstacle=None, blocked=False, attempts=0, mark=0.0, replan=False, back_until=None, detours=0
     )
 

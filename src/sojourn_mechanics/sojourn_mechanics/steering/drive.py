@@ -19,9 +19,17 @@ from numba import njit
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.steering.avoidance import begin, guarded, guide, initial_avoidance, refusal, see
+from sojourn_mechanics.steering.avoidance import accepted, guarded, guide, initial_avoidance, see
 from sojourn_mechanics.steering.avoidance_types import Avoidance, AvoidanceState
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, DriveState, Mode, TwistCommand
+from sojourn_mechanics.steering.energy_forecast import (
+    EnergyAccount,
+    Supply,
+    account_status,
+    account_step,
+    forecast_way,
+    shortage,
+)
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
 from sojourn_mechanics.steering.goal_follower import (
     FollowerLimits,
@@ -32,6 +40,14 @@ from sojourn_mechanics.steering.goal_follower import (
 )
 from sojourn_mechanics.steering.heading_fix import SunSighting, fix_heading, mounting_variances
 from sojourn_mechanics.steering.kinematics import PlanarTwist, limited_twist
+from sojourn_mechanics.steering.motor_watch import (
+    MotorState,
+    believable,
+    commandable,
+    failures,
+    shortcoming,
+    watch_motors,
+)
 from sojourn_mechanics.steering.odometry import (
     OdometryInput,
     OdometryState,
@@ -84,8 +100,9 @@ class DriveModel:
     def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
         """At rest at a pose in odom [m, rad]."""
         odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting_variances(self.params.heading_fix))
+        motors = MotorState.unsuspected(len(self.table))
         avoidance = initial_avoidance(self.avoidance, x, y) if self.avoidance is not None else None
-        return DriveState("idle", odometry, None, None, None, math.inf, 0.0, "idle", avoidance=avoidance)
+        return DriveState("idle", odometry, None, None, None, math.inf, 0.0, motors, "idle", avoidance=avoidance)
 
     def at_rest(self, state: DriveState) -> DriveOutput:
         """Output before the first step: nothing moves, the estimate is that of `state`."""
@@ -161,6 +178,7 @@ class _Arbiter:
     since_override: float
     text: str
     outcomes: list[GoalOutcome]
+    energy: EnergyAccount
     avoidance: AvoidanceState | None
 
     def end_goal(self, outcome: GoalOutcome, mode: Mode = "idle") -> None:
@@ -176,15 +194,18 @@ class _Arbiter:
             self.end_goal(stop(self.follower, reason))
         self.mode, self.text, self.since_override = "idle", f"stopped: {reason}", 0.0
 
-    def take_goal(self, model: DriveModel, goal: Goal, here: OdometryState) -> None:
+    def take_goal(self, model: DriveModel, goal: Goal, here: OdometryState, supply: Supply | None) -> None:
         """A new goal ends the older one, unless it is refused."""
         answer = accept(model.params.follower, model.turning, goal, Pose(here.x, here.y, here.yaw))
+        account = EnergyAccount()
+        if isinstance(answer, FollowerState) and model.params.energy is not None:
+            forecast = forecast_way(model.params.energy, answer.path, goal, here.z, here.yaw)
+            account = EnergyAccount(forecast, judged=supply is not None)
+            short = shortage(model.params.energy, forecast, supply) if supply is not None else None
+            if short is not None:
+                answer = GoalOutcome("refused", short, goal, math.nan)
         if model.avoidance is not None and self.avoidance is not None:
-            reason = refusal(model.avoidance, self.avoidance, goal)
-            if reason is not None:
-                answer = GoalOutcome("refused", reason, goal, math.nan)
-            elif isinstance(answer, FollowerState):
-                self.avoidance = begin(self.avoidance, answer, here)
+            answer, self.avoidance = accepted(model.avoidance, self.avoidance, goal, answer, here)
         if isinstance(answer, GoalOutcome):
             self.outcomes.append(answer)
             if self.follower is None and self.mode == "idle":
@@ -192,7 +213,19 @@ class _Arbiter:
             return
         if self.follower is not None:
             self.end_goal(stop(self.follower, "pre-empted by a newer goal"))
-        self.follower, self.mode, self.since_override = answer, goal.kind, 0.0
+        self.follower, self.mode, self.since_override, self.energy = answer, goal.kind, 0.0, account
+
+    def watch_energy(self, model: DriveModel, supply: Supply | None, dt: float) -> None:
+        """Count what the goal takes; a goal that came before the first reading of the battery is judged by it."""
+        self.energy = account_step(self.energy, supply, self.follower is not None, dt)
+        costs, forecast = model.params.energy, self.energy.forecast
+        if self.energy.judged or self.follower is None or supply is None or costs is None or forecast is None:
+            return
+        self.energy = replace(self.energy, judged=True)
+        short = shortage(costs, forecast, supply)
+        if short is not None:
+            way = self.follower
+            self.end_goal(GoalOutcome("refused", short, way.goal, way.distance_to_go))
 
     def take_twist(self, model: DriveModel, command: TwistCommand | None, dt: float) -> PlanarTwist:
         """The operator's twist, if it is fresh and newer than the last goal or stop."""
@@ -278,24 +311,31 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         InvalidValueError: if a measurement is not finite or has a wrong shape; the state stays as it was.
     """
     measured = _measured(model, state, inputs, dt)
-    params, table = model.params, model.table
-    odometry = step_odometry(params.odometry, table, state.odometry, measured, dt)
+    params, limiter = model.params, state.limiter
+    motors = state.motors if limiter is None else _watch(model, state, limiter, inputs, measured, dt)
+    if inputs.goal is not None:
+        motors = motors.steering_on_trial()
+    table = commandable(model.table, motors)
+    odometry = step_odometry(params.odometry, believable(model.table, motors), state.odometry, measured, dt)
     heading = state.heading
     if inputs.sun is not None and params.heading_fix is not None:
         odometry, heading = fix_heading(params.heading_fix, odometry, heading, inputs.sun)
-    limiter = state.limiter
     if limiter is None:
         limiter = LimiterState.at_rest(measured.steer_angles)
 
     avoidance = state.avoidance
     if model.avoidance is not None and avoidance is not None:
         avoidance = see(model.avoidance, avoidance, inputs.cloud, odometry, dt)
-    arbiter = _Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [], avoidance)
+    arbiter = _Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [], state.energy, avoidance)
     if inputs.stop:
         arbiter.take_stop(inputs.stop_reason)
     if inputs.goal is not None:
-        arbiter.take_goal(model, inputs.goal, odometry)
+        arbiter.take_goal(model, inputs.goal, odometry, inputs.supply)
+    arbiter.watch_energy(model, inputs.supply, dt)
     wanted = arbiter.take_twist(model, inputs.twist, dt)
+    reason = shortcoming(model.table, motors, model.geometry.names)
+    if arbiter.follower is not None and reason:
+        arbiter.end_goal(stop(arbiter.follower, reason))
     if arbiter.follower is not None:
         wanted = _follow(model, arbiter, odometry, inputs.power_limit, measured.commanded_still, dt)
     wanted = arbiter.keep_clear(model, wanted, odometry)
@@ -329,7 +369,9 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         last_outcome=last_outcome,
         since_override=arbiter.since_override,
         stuck_for=stuck_for,
+        motors=motors,
         text=arbiter.text,
+        energy=arbiter.energy,
         heading=heading,
         avoidance=arbiter.avoidance,
     )
@@ -342,17 +384,47 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         pose_covariance,
         twist_covariance,
         tuple(arbiter.outcomes),
-        _status(new_state, inputs, cut, limited),
+        _status(model, new_state, inputs, cut, limited),
     )
     return new_state, output
 
 
-def _status(state: DriveState, inputs: DriveInput, cut: float, commands: WheelCommands) -> dict[str, str | float]:
+def _watch(
+    model: DriveModel,
+    state: DriveState,
+    commanded: LimiterState,
+    inputs: DriveInput,
+    measured: OdometryInput,
+    dt: float,
+) -> MotorState:
+    """What is thought of the motors; they learn nothing while the power manager holds them."""
+    last = state.odometry.steer_angles
+    if last is None or inputs.power_limit <= 0.0:
+        return state.motors
+    efforts = None if inputs.wheel_efforts is None else _measured_array(model, "wheel effort", inputs.wheel_efforts)
+    return watch_motors(
+        model.params.motors,
+        model.params.limits,
+        model.table,
+        state.motors,
+        commanded,
+        measured.steer_angles,
+        (measured.steer_angles - last) / dt,
+        measured.wheel_rates,
+        efforts,
+        dt,
+    )
+
+
+def _status(
+    model: DriveModel, state: DriveState, inputs: DriveInput, cut: float, commands: WheelCommands
+) -> dict[str, str | float]:
     """Fields of /drive/status; the unit is the last part of a name."""
     odometry, way, outcome, seen = state.odometry, state.follower, state.last_outcome, state.avoidance
     followed = way if way is not None else outcome
     status: dict[str, str | float] = {
         "mode": state.mode,
+        "failed_motors": failures(state.motors, model.geometry.names),
         "text": state.text,
         "phase": way.phase.value if way is not None else "",
         "goal": way.goal.name if way is not None else "",
@@ -360,6 +432,7 @@ def _status(state: DriveState, inputs: DriveInput, cut: float, commands: WheelCo
         "lateral_error_m": way.lateral_error if way is not None else 0.0,
         "lateral_rms_m": followed.lateral_rms if followed is not None else 0.0,
         "lateral_max_m": followed.lateral_max if followed is not None else 0.0,
+        **account_status(state.energy, way.distance_to_go if way is not None else None),
         "waypoint": float(way.index) if way is not None else 0.0,
         "waypoints": float(len(way.goal.points)) if way is not None else 0.0,
         "outcome": outcome.kind if outcome is not None else "",

@@ -10,10 +10,12 @@ from typing import Literal
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.avoidance_types import AvoidanceState
+from sojourn_mechanics.steering.energy_forecast import EnergyAccount, Supply
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
 from sojourn_mechanics.steering.goal_follower import FollowerState
 from sojourn_mechanics.steering.heading_fix import HeadingFixState, SunSighting
 from sojourn_mechanics.steering.kinematics import PlanarTwist
+from sojourn_mechanics.steering.motor_watch import MotorState
 from sojourn_mechanics.steering.odometry import OdometryState
 from sojourn_mechanics.steering.rate_limiter import LimiterState
 
@@ -51,6 +53,8 @@ class DriveInput:
     """[rad/s]"""
     steer_angles: FloatArray
     """[rad]; 0 for fixed wheels"""
+    wheel_efforts: FloatArray | None = None
+    """Torques of the drives [N m], None where they are not measured."""
     gyro: tuple[float, float, float] | None = None
     """Angular velocity in base_link [rad/s], None without a gyro."""
     roll_pitch: tuple[float, float] | None = None
@@ -66,6 +70,8 @@ class DriveInput:
     stop: bool = False
     """A stop request that arrived in this period."""
     stop_reason: str = "stop requested"
+    supply: Supply | None = None
+    """The newest reading of the battery, None as long as none has come."""
     power_limit: float = 1.0
     """Factor of the power manager on all speeds, 0 to 1 [-]."""
 
@@ -86,8 +92,12 @@ class DriveState:
     """Time since the last goal or stop request [s]; a twist command older than that does not count."""
     stuck_for: float
     """Time the wheels have waited for the steering [s]."""
+    motors: MotorState
+    """Which motors have failed."""
     text: str
     """What the drive is doing, in words."""
+    energy: EnergyAccount = field(default_factory=EnergyAccount)
+    """Of the goal on its way, or of the last one."""
     heading: HeadingFixState = field(default_factory=HeadingFixState)
     """What became of the sightings of the Sun."""
     avoidance: AvoidanceState | None = None

@@ -16,6 +16,7 @@ from pydantic import Field, model_validator
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, Params
+from sojourn_mechanics.steering.energy_params import EnergyParams
 from sojourn_mechanics.steering.obstacle_params import ObstacleParams
 from sojourn_mechanics.steering.wheel_table import wheel_table
 
@@ -205,6 +206,19 @@ class SteeringTransitionParams(Params):
         return self
 
 
+class MotorWatchParams(Params):
+    """When a motor counts as failed."""
+
+    steer_error: float = Field(
+        default=0.06, gt=0.0, le=0.5, description="off its command by more than this, a steering does not follow [rad]"
+    )
+    steer_time: float = Field(default=3.0, gt=0.0, le=60.0, description="so long, and it has failed [s]")
+    rate_error: float = Field(
+        default=0.1, gt=0.0, le=1.0, description="off its command by more than this part, a wheel does not follow [-]"
+    )
+    drive_time: float = Field(default=2.0, gt=0.0, le=60.0, description="so long, and its motor has failed [s]")
+
+
 class OdometryParams(Params):
     """How far wheels and gyro can be trusted. Sigmas are standard deviations."""
 
@@ -321,7 +335,9 @@ class DriveParams(Params):
     )
     limits: MotionLimits = Field(..., description="what the machine may be asked to do")
     transition: SteeringTransitionParams = Field(..., description="slowing down while steering")
+    motors: MotorWatchParams = Field(default=MotorWatchParams(), description="when a motor counts as failed")
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")
     heading_fix: HeadingFixParams | None = Field(None, description="trust in the sun sensor; none: it is not used")
     follower: GoalFollowerParams = Field(..., description="approach to goals")
     obstacles: ObstacleParams | None = Field(None, description="obstacle handling; left out: it avoids nothing")
+    energy: EnergyParams | None = Field(None, description="what driving costs; none: no forecast")
