@@ -5,7 +5,6 @@ import numpy as np
 from sojourn_config.arms import load_arm
 from sojourn_config.load import load_params
 from sojourn_config.scenario import LoadedScenario, load_scenario
-from sojourn_drive.clouds import eye_of
 from sojourn_mechanics.arm import controller
 from sojourn_mechanics.arm.inverse import pose_goal
 from sojourn_mechanics.arm.model import build_arm_model
@@ -17,12 +16,11 @@ from sojourn_mechanics.contact.wheel_shape import WheelShape
 from sojourn_mechanics.plant.state import zeros_command
 from sojourn_mechanics.plant.step import step
 from sojourn_mechanics.power import manager
-from sojourn_mechanics.sensors import suite
+from sojourn_mechanics.sensors import hazcam, suite
 from sojourn_mechanics.soil.params import SoilParams
 from sojourn_mechanics.steering.drive import DriveModel
 from sojourn_mechanics.vehicle.law_wheel import LawWheel
 from sojourn_plant.start import build_plant
-from sojourn_sensors.view import HazardView
 
 SCENARIO = "lunar_sample"
 """Has all kinds of ground in it."""
@@ -33,8 +31,7 @@ def main() -> None:
     scenario = load_scenario(SCENARIO)
     _step_plant(scenario)
     suite.warm_up(scenario.sensors, scenario.gravity)
-    HazardView(scenario)
-    DriveModel(scenario.drive, scenario.steering, eye_of(scenario)).warm_up()
+    _look_and_drive(scenario)
     wheel = load_params("wheels", "explorer", WheelShape)
     measure(wheel, load_params("soils", "cmu_sand", SoilParams), load=50.0, slips_of_carriage=[0.2])
     LawWheel(scenario.rover.wheels[0], scenario.soil, scenario.gravity, greatest=0.005).forces(50.0, 0.1)
@@ -51,6 +48,16 @@ def _use_arm() -> None:
     path = spline_through(np.stack([arm.lower, arm.upper]), np.array([0.0, 1.0]))
     limits = MotionLimits(arm.max_velocity, np.ones(arm.joint_count), arm.max_effort)
     fastest_timing(arm, path, limits, np.zeros(3), intervals=10)
+
+
+def _look_and_drive(scenario: LoadedScenario) -> None:
+    params, eye = scenario.sensors.hazcam, None
+    if params is not None:
+        camera = hazcam.hazcam_on(params, scenario.urdf_xml)
+        state = hazcam.initial_state(camera, scenario.config.seed)
+        hazcam.step(camera, state, scenario.height_field(), np.zeros(3), np.eye(3))
+        eye = camera.position
+    DriveModel(scenario.drive, scenario.steering, eye).warm_up()
 
 
 def _step_plant(scenario: LoadedScenario) -> None:
