@@ -19,6 +19,7 @@ from sojourn_mechanics.power import manager
 from sojourn_mechanics.sensors import suite
 from sojourn_mechanics.soil.params import SoilParams
 from sojourn_mechanics.steering.drive import DriveModel
+from sojourn_mechanics.vehicle.law_wheel import LawWheel
 from sojourn_plant.start import build_plant
 
 SCENARIO = "lunar_sample"
@@ -33,6 +34,7 @@ def main() -> None:
     DriveModel(scenario.drive, scenario.steering).warm_up()
     wheel = load_params("wheels", "explorer", WheelShape)
     measure(wheel, load_params("soils", "cmu_sand", SoilParams), load=50.0, slips_of_carriage=[0.2])
+    LawWheel(scenario.rover.wheels[0], scenario.soil, scenario.gravity, greatest=0.005).forces(50.0, 0.1)
     arm = scenario.carried_arm()
     controller.warm_up(arm, build_arm_model(scenario.urdf_xml, arm))
     manager.warm_up(scenario.power_manager)

@@ -203,7 +203,8 @@ class _Arbiter:
         self.energy = replace(self.energy, judged=True)
         short = shortage(costs, forecast, supply)
         if short is not None:
-            self.end_goal(stop(self.follower, short))
+            way = self.follower
+            self.end_goal(GoalOutcome("refused", short, way.goal, way.distance_to_go))
 
     def take_twist(self, model: DriveModel, command: TwistCommand | None, dt: float) -> PlanarTwist:
         """The operator's twist, if it is fresh and newer than the last goal or stop."""
