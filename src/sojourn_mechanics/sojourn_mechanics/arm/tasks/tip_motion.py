@@ -68,7 +68,9 @@ def move(model: ArmModel, motion: TipMotion, wanted: FloatArray, acceleration: f
     matrix = np.vstack([tip.jacobian[:3], POINTING_LENGTH * across @ tip.jacobian[3:]])
     error = np.concatenate([place - tip.position, POINTING_LENGTH * turn]) / dt
     count = model.joint_count
-    rates = np.linalg.solve(matrix.T @ matrix + DAMPING * np.eye(count), matrix.T @ error)
+    rates: FloatArray = np.asarray(
+        np.linalg.solve(matrix.T @ matrix + DAMPING * np.eye(count), matrix.T @ error), dtype=np.float64
+    )
     change = rates - here.velocity
     share = float(np.min(model.max_acceleration * dt / np.maximum(np.abs(change), 1e-12)))
     fastest = float(np.max(np.abs(here.velocity + min(share, 1.0) * change) / model.max_velocity))
