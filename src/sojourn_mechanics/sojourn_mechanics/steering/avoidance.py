@@ -163,7 +163,7 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
         return _given_up(state, way, f"{state.obstacle}: the map knows no way round")
     if stuck:
         return _back_off(avoidance, state, way, odometry, odometry.distance + FREE_WAY)
-    return _go_round(avoidance, state, way, odometry, replace(route.goal, points=tuple(points)), backed)
+    return _go_round(avoidance, state, way, odometry, replace(route.goal, points=tuple(points), heights=()), backed)
 
 
 def _go_round(
