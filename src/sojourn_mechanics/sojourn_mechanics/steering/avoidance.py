@@ -234,11 +234,13 @@ def guarded(
     avoidance: Avoidance, state: AvoidanceState, twist: PlanarTwist, odometry: OdometryState
 ) -> tuple[AvoidanceState, bool]:
     """Whether a motion may be made; the state notes one that may not."""
-    room = state.room
+    room, outline = state.room, avoidance.params.outline
+    if room.at(odometry.x, odometry.y) > outline.turn_radius + AHEAD[-1] + avoidance.params.margin:
+        return state, True  # the usual case must be cheap
     grid = (room.distances, room.x0, room.y0, room.cell, avoidance.circles, avoidance.radius)
     pose = (odometry.x, odometry.y, odometry.yaw)
     motion = (float(twist.v_x), float(twist.v_y), float(twist.yaw_rate))
-    now, least = room_of_motion(*grid, pose, motion, avoidance.params.outline.turn_radius, STEPS)
+    now, least = room_of_motion(*grid, pose, motion, outline.turn_radius, STEPS)
     if least >= avoidance.params.guard_margin or least >= now - 1e-3:
         return state, True
     return replace(
