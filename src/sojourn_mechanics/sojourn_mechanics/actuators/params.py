@@ -132,6 +132,29 @@ class DriveParams(Params):
         return self.motor.rotor_inertia * self.gear.ratio**2
 
     @property
+    def winding_loss(self) -> float:
+        """Heat of the winding over the square of the torque at the output, without losses of the gear [W/(N m)^2]; of a
+        series motor at its largest current.
+        """
+        motor = self.motor
+        resistance = motor.series_resistance if isinstance(motor, SeriesMotorParams) else motor.resistance
+        return resistance * (motor.max_current / self._torque_at_largest_current) ** 2
+
+    @property
+    def motor_effort(self) -> float:
+        """Largest torque at the output that servo and current allow [N m]."""
+        return min(self.servo.max_torque, self._torque_at_largest_current)
+
+    @property
+    def _torque_at_largest_current(self) -> float:
+        motor, current = self.motor, self.motor.max_current
+        if isinstance(motor, SeriesMotorParams):
+            constant = motor.field_constant * current / (1.0 + current / motor.saturation_current)
+        else:
+            constant = motor.torque_constant
+        return constant * current * self.gear.ratio
+
+    @property
     def friction_torque(self) -> float:
         """Coulomb friction at the output without load, motor's own included [N m]."""
         motor = self.motor
