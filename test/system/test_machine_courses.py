@@ -1,0 +1,87 @@
+"""Every rover drives its course in lock-step, with its bag: a square, a step of 0.1 m if it can, a slope of 10 degrees."""
+
+import json
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sojourn_bags.machine import euler_angles, poses_of
+from sojourn_bags.reading import Bag, read_bag
+from sojourn_bringup.demo import scenario_of
+from sojourn_bringup.environment import HIGHEST_DOMAIN
+from sojourn_config.paths import available
+from sojourn_config.scenario import load_scenario
+
+ROVERS = available("rovers")
+SLOPE_DEG = 10.0
+AT_ONCE = 2
+FIRST_DOMAIN = HIGHEST_DOMAIN - 32
+
+
+def drive(rover: str, folder: Path, domain: int) -> tuple[int, str]:
+    """Run the course of a rover in a process of its own. Returns its exit status and what it said."""
+    command = [sys.executable, "-m", "sojourn_bringup.demo", "--rover", rover]
+    command += ["--run-dir", str(folder / rover), "--domain", str(domain)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+    return done.returncode, done.stdout[-2000:] + done.stderr[-2000:]
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str, Path]]:
+    """All courses, some of them at once: one alone leaves cores idle."""
+    folder = tmp_path_factory.mktemp("courses")
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        domains = range(FIRST_DOMAIN, FIRST_DOMAIN + len(ROVERS))
+        results = list(pool.map(drive, ROVERS, [folder] * len(ROVERS), domains))
+    return {rover: (*result, folder / rover) for rover, result in zip(ROVERS, results, strict=True)}
+
+
+def track(bag: Bag) -> tuple[np.ndarray, np.ndarray]:
+    """True places, (n, 3) [m], and pitch, nose up [degree]."""
+    poses = poses_of(bag, "/truth/odom")
+    return poses[:, :3], -np.degrees(euler_angles(poses[:, 3:])[:, 1])
+
+
+@pytest.mark.parametrize("rover", ROVERS)
+def test_course(rover: str, runs: dict[str, tuple[int, str, Path]]) -> None:
+    status, said, folder = runs[rover]
+    assert status == 0, said
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    assert summary["all_met"] and summary["complete"] and not summary["rolled_over"]
+    places, pitch = track(read_bag(folder))
+    scenario = load_scenario(scenario_of(None, rover), [f"rover={rover}"])
+    # the square: as many metres to the east and to the north as asked, and back
+    corners = np.array([
+        (point.x, point.y)
+        for step in scenario.config.steps[:4]
+        for point in getattr(step.action, "points", (step.action,))
+        if hasattr(point, "x")
+    ])  # fmt: skip
+    side = corners[:, 1].max()
+    assert places[:, 1].max() > 0.8 * side
+    features = {feature.kind: feature for feature in scenario.terrain.features}
+    ahead = places[:, 0] > features["ramp"].x + 0.2 * features["ramp"].length
+    assert np.percentile(pitch[ahead], 90) > 0.8 * SLOPE_DEG, "nowhere on the slope with all wheels"
+    lengths = [abs(wheel.x) for wheel in scenario.steering.wheels]
+    if "step" in features:
+        step = features["step"]
+        assert step.height == pytest.approx(0.1)
+        assert places[-1, 0] - max(lengths) > step.x + step.length, "its last wheel is not over the step"
+    assert places[-1, 2] - places[0, 2] > 0.4 * features["ramp"].height
+
+
+def test_who_is_not_asked_for_the_step_cannot_climb_it_by_the_data_sheet() -> None:
+    from sojourn_bringup.rover_datasheet import subject_of
+    from sojourn_mechanics.vehicle.step_climbing import highest_step
+
+    for rover in ROVERS:
+        course = load_scenario(scenario_of(None, rover), [f"rover={rover}"])
+        if any(feature.kind == "step" for feature in course.terrain.features):
+            continue
+        side = subject_of(rover, "moon", "lunar_nominal").side()
+        assert side is not None, f"{rover} has no reason to leave the step out"
+        assert highest_step(side, 0.8, course.gravity, highest=0.3) < 0.1
