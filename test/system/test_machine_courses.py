@@ -1,4 +1,4 @@
-"""Every rover drives its course in lock-step, with its bag: a square, a step of 0.1 m if it can, a slope of 10 degrees."""
+"""Every rover drives its course in lock-step, with its bag: a square, a step of 0.1 m if it can, 10 degrees."""
 
 import json
 import subprocess
