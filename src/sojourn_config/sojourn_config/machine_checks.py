@@ -84,7 +84,7 @@ def _wheel_geometry(wheel: WheelParams, urdf: UrdfSummary) -> WheelGeometry:
             "name": wheel.name,
             "x": float(place[0]),
             "y": float(place[1]),
-            "radius": wheel.shear_radius,
+            "radius": wheel.radius,
             "steered": wheel.steer_joint is not None,
             "roller_angle": math.radians(contact.roller_angle_deg) if isinstance(contact, RollerWheelParams) else None,
             "max_rate": _finite(urdf.joints[wheel.joint].velocity),

@@ -43,7 +43,7 @@ class DriveNode(ContractNode):
         super().__init__("drive", context=context, overrides=overrides, namespace=namespace)
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         start = scenario.config.start
-        self.model = DriveModel(scenario.drive, scenario.steering)
+        self.model = DriveModel(scenario.drive, scenario.steering, scenario.wheel_loads())
         self.model.warm_up()
         self.state = self.model.initial_state(start.x, start.y, start.yaw)
         self._measurements = WheelMeasurements(scenario.rover, scenario.urdf_xml)
@@ -80,10 +80,10 @@ class DriveNode(ContractNode):
         joints, imu = inputs["/joint_states"], inputs["/imu/data"]
         if joints is not None and imu is not None:  # None: refused on arrival
             try:
+                sun = self._sun.sighting(stamp, inputs.get("/sun_direction"))
                 measured = self._measurements.drive_input(
-                    joints, imu, self._twist_command(stamp), self._pending, self._power_limit
+                    joints, imu, self._twist_command(stamp), self._pending, self._power_limit, sun
                 )
-                measured = replace(measured, sun=self._sun.sighting(stamp, inputs.get("/sun_direction")))
                 if self._interlock.reason:
                     measured = replace(measured, goal=None, stop=True, stop_reason=self._interlock.reason)
                 self.state, self._output = self.model.step(self.state, measured, self._since_last(stamp))

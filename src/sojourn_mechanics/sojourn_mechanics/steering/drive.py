@@ -38,6 +38,15 @@ from sojourn_mechanics.steering.odometry import (
 )
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
 from sojourn_mechanics.steering.rate_limiter import LimiterState
+from sojourn_mechanics.steering.slip_estimation import (
+    SlipInput,
+    SlipModel,
+    SlipState,
+    estimate_slip,
+    is_stuck,
+    slip_status,
+    trouble,
+)
 from sojourn_mechanics.steering.wheel_commands import WheelCommands, command_wheels, expected_slip
 
 LONGEST_PERIOD = 1.0
@@ -51,18 +60,25 @@ class DriveModel:
 
     params: DriveParams
     geometry: SteeringGeometryParams
+    loads: FloatArray | None = None
+    """Of the wheels, from `wheel_load_map`, shape (wheels, 3) [N]; None: slip is not estimated."""
     table: FloatArray = field(init=False)
     turn_radius: float = field(init=False)
     """Distance of the farthest wheel from base_link [m]."""
+    slip: SlipModel | None = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "table", self.geometry.table(self.params.track_ratio))
+        slip, loads = self.params.slip, self.loads
+        model = None if slip is None or loads is None else SlipModel.of(slip, self.table, loads)
+        object.__setattr__(self, "slip", model)
         object.__setattr__(self, "turn_radius", max(math.hypot(w.x, w.y) for w in self.geometry.wheels))
 
     def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
         """At rest at a pose in odom [m, rad]."""
         odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting_variances(self.params.heading_fix))
-        return DriveState("idle", odometry, None, None, None, math.inf, 0.0, "idle")
+        slip = None if self.slip is None else self.slip.initial_state()
+        return DriveState("idle", odometry, None, None, None, math.inf, 0.0, "idle", slip)
 
     def at_rest(self, state: DriveState) -> DriveOutput:
         """Output before the first step: nothing moves, the estimate is that of `state`."""
@@ -79,9 +95,27 @@ class DriveModel:
         wheels, dt = np.zeros(self.table.shape[0]), 0.02
         state = self.initial_state()
         for goal in (Goal.at(1.0, 1.0), None):
-            turning = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.1), roll_pitch=(0.0, 0.0), goal=goal)
+            turning = DriveInput(
+                wheels,
+                wheels + 1.0,
+                wheels,
+                wheels,
+                gyro=(0.0, 0.0, 0.1),
+                specific_force=(0.0, 0.0, 1.0),
+                roll_pitch=(0.0, 0.0),
+                goal=goal,
+            )
             state, _ = self.step(state, turning, dt)
-        resting = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.0), roll_pitch=(0.0, 0.0), stop=True)
+        resting = DriveInput(
+            wheels,
+            wheels,
+            wheels,
+            wheels,
+            gyro=(0.0, 0.0, 0.0),
+            specific_force=(0.0, 0.0, 1.0),
+            roll_pitch=(0.0, 0.0),
+            stop=True,
+        )
         resting = replace(resting, sun=SunSighting(np.array((1.0, 0.0, 0.0)), np.array((1.0, 0.0, 0.0))))
         for _ in range(round(2.0 * self.params.odometry.standing_time / dt)):
             state, _ = self.step(state, resting, dt)
@@ -114,7 +148,8 @@ def _measured(model: DriveModel, state: DriveState, inputs: DriveInput, dt: floa
         raise InvalidValueError("dt", dt, f"above 0 s, at most {LONGEST_PERIOD} s")
     if not (math.isfinite(inputs.power_limit) and 0.0 <= inputs.power_limit <= 1.0):
         raise InvalidValueError("power_limit", inputs.power_limit, "0 to 1")
-    for name, values in (("gyro", inputs.gyro), ("roll and pitch", inputs.roll_pitch)):
+    force = inputs.specific_force
+    for name, values in (("gyro", inputs.gyro), ("specific force", force), ("roll and pitch", inputs.roll_pitch)):
         if values is not None and not math.isfinite(sum(values)):
             raise InvalidValueError(name, values, "finite numbers")
     limiter = state.limiter
@@ -219,6 +254,9 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     """
     measured = _measured(model, state, inputs, dt)
     params, table = model.params, model.table
+    slip_state = _slip(model, state, inputs, measured, dt)
+    if slip_state is not None:
+        measured = replace(measured, slip=slip_state.shared, slip_sigma=slip_state.sigma)
     odometry = step_odometry(params.odometry, table, state.odometry, measured, dt)
     heading = state.heading
     if inputs.sun is not None and params.heading_fix is not None:
@@ -235,6 +273,9 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     wanted = arbiter.take_twist(model, inputs.twist, dt)
     if arbiter.follower is not None:
         wanted = _follow(model, arbiter, odometry, inputs.power_limit, measured.commanded_still, dt)
+    if arbiter.follower is not None and slip_state is not None and params.slip and is_stuck(params.slip, slip_state):
+        arbiter.end_goal(stop(arbiter.follower, trouble(params.slip, slip_state, model.geometry.names)))
+        wanted = NO_MOTION
 
     limits, power = params.limits, inputs.power_limit
     slip = 0.0
@@ -266,6 +307,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         since_override=arbiter.since_override,
         stuck_for=stuck_for,
         text=arbiter.text,
+        slip=slip_state,
         heading=heading,
     )
     pose_covariance, twist_covariance = message_covariances(params.odometry, odometry, dt)
@@ -277,12 +319,40 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         pose_covariance,
         twist_covariance,
         tuple(arbiter.outcomes),
-        _status(new_state, inputs, cut, limited),
+        _status(model, new_state, inputs, cut, limited),
     )
     return new_state, output
 
 
-def _status(state: DriveState, inputs: DriveInput, cut: float, commands: WheelCommands) -> dict[str, str | float]:
+def _slip(
+    model: DriveModel, state: DriveState, inputs: DriveInput, measured: OdometryInput, dt: float
+) -> SlipState | None:
+    """The slip after this period; as it was where a measurement is missing."""
+    force, gyro, tilt, old = inputs.specific_force, inputs.gyro, inputs.roll_pitch, state.slip
+    if (
+        model.slip is None
+        or old is None
+        or inputs.wheel_torques is None
+        or force is None
+        or gyro is None
+        or tilt is None
+    ):
+        return old
+    seen = SlipInput(
+        measured.wheel_rates,
+        measured.wheel_rates if state.limiter is None else state.limiter.wheel_rates,
+        measured.steer_angles,
+        _measured_array(model, "wheel torque", inputs.wheel_torques),
+        np.array((gyro[0], gyro[1], gyro[2] - state.odometry.gyro_bias)),
+        np.array(force),
+        tilt,
+    )
+    return estimate_slip(model.slip, old, seen, dt)
+
+
+def _status(
+    model: DriveModel, state: DriveState, inputs: DriveInput, cut: float, commands: WheelCommands
+) -> dict[str, str | float]:
     """Fields of /drive/status; the unit is the last part of a name."""
     odometry, way, outcome = state.odometry, state.follower, state.last_outcome
     status: dict[str, str | float] = {
@@ -315,4 +385,6 @@ def _status(state: DriveState, inputs: DriveInput, cut: float, commands: WheelCo
         "limit_factor": cut,
         "power_limit": inputs.power_limit,
     }
+    if model.slip is not None and state.slip is not None:
+        status |= slip_status(model.slip.params, state.slip, model.geometry.names)
     return status

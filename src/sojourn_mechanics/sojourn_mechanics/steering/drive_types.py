@@ -15,6 +15,7 @@ from sojourn_mechanics.steering.heading_fix import HeadingFixState, SunSighting
 from sojourn_mechanics.steering.kinematics import PlanarTwist
 from sojourn_mechanics.steering.odometry import OdometryState
 from sojourn_mechanics.steering.rate_limiter import LimiterState
+from sojourn_mechanics.steering.slip_estimation import SlipState
 
 Mode = Literal["idle", "goal", "waypoints", "cmd_vel"]
 
@@ -50,8 +51,12 @@ class DriveInput:
     """[rad/s]"""
     steer_angles: FloatArray
     """[rad]; 0 for fixed wheels"""
+    wheel_torques: FloatArray | None = None
+    """Torque of each wheel on its axle, from its motor's current [N m], None where it is not measured."""
     gyro: tuple[float, float, float] | None = None
     """Angular velocity in base_link [rad/s], None without a gyro."""
+    specific_force: tuple[float, float, float] | None = None
+    """What the accelerometers feel, in base_link [m/s^2], None without them."""
     roll_pitch: tuple[float, float] | None = None
     """[rad], None to take the ground as level."""
     sun: SunSighting | None = None
@@ -85,6 +90,8 @@ class DriveState:
     """Time the wheels have waited for the steering [s]."""
     text: str
     """What the drive is doing, in words."""
+    slip: SlipState | None = None
+    """Slip of the wheels, None where it is not estimated."""
     heading: HeadingFixState = field(default_factory=HeadingFixState)
     """What became of the sightings of the Sun."""
 

@@ -16,6 +16,7 @@ from pydantic import Field, model_validator
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, Params
+from sojourn_mechanics.steering.slip_params import SlipParams
 from sojourn_mechanics.steering.wheel_table import wheel_table
 
 SMALLEST_BASE = 1e-3
@@ -318,4 +319,5 @@ class DriveParams(Params):
     transition: SteeringTransitionParams = Field(..., description="slowing down while steering")
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")
     heading_fix: HeadingFixParams | None = Field(None, description="trust in the sun sensor; none: it is not used")
+    slip: SlipParams | None = Field(None, description="slip from torques; none: the expected one is taken")
     follower: GoalFollowerParams = Field(..., description="approach to goals")
