@@ -2,7 +2,7 @@
 
     scripts/lib/python -m sojourn_bringup.measure_odometry --seeds 20
 
-Each seed drives the first route of a scenario in plant, sensors and drive (see `closed_loop`). Its ground, its rocks and
+Each seed drives the first route of a scenario in plant, sensors and drive (see `closed_loop`). Its ground, rocks and
 all noise are those of the seed; its soil is the scenario's with parameters off by SPREAD, while the drive believes what
 its file says. Told are the error at the end over the distance, and whether it lies within the 95 % ellipse of the
 stated covariance.
@@ -18,6 +18,7 @@ import numpy as np
 
 from sojourn_bringup import options
 from sojourn_bringup.closed_loop import ClosedLoop
+from sojourn_bringup.errors import UsageError
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.steps import DriveRouteStep
 from sojourn_contract.stamps import CONTROL_PERIOD_S
@@ -68,7 +69,7 @@ def route_of(scenario: LoadedScenario) -> Goal:
     for step in scenario.config.steps:
         if isinstance(step.action, DriveRouteStep):
             return Goal.along([(point.x, point.y) for point in step.action.points])
-    raise options.UsageError(f"scenario {scenario.name}: no step drives a route; allowed is one with drive_route")
+    raise UsageError(f"scenario {scenario.name}: no step drives a route; allowed is one with drive_route")
 
 
 def drive(name: str, overrides: Sequence[str], seed: int) -> Result:
@@ -98,8 +99,8 @@ def drive(name: str, overrides: Sequence[str], seed: int) -> Result:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print; status 1 where a bound is not kept."""
-    parser = options.Parser(prog="measure_odometry", description="Error of /odom over seeds of ground, soil and noise.")
-    parser.add_argument("--scenario", default="lunar_sample", help="its first route is driven (default: %(default)s)")
+    parser = options.Parser(prog="measure_odometry", description="Error of /odom over seeds of ground and soil.")
+    parser.add_argument("--scenario", default="lunar_sample", help="whose first route (default: %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
     parser.add_argument("--seeds", type=int, default=20, metavar="N", help="1 to N (default: %(default)s)")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="at a time (default: %(default)s)")
@@ -110,7 +111,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             results.append(result)
             print(
                 f"seed {result.seed:3d}: {result.outcome}, {result.distance:5.2f} m, error {result.error:.3f} m "
-                f"({100.0 * result.error / result.distance:.1f} %), {math.sqrt(result.squared):.2f} deviations, heading "
+                f"({100.0 * result.error / result.distance:.1f} %), {math.sqrt(result.squared):.2f} sigma, heading "
                 f"{1e3 * result.heading_error:+.2f} mrad ({abs(result.heading_error) / result.heading_sigma:.2f})",
                 flush=True,
             )

@@ -39,7 +39,7 @@ class WheelMeasurements:
         self._first_of_joint = [turned_by.index(joint) for joint in self._steer_joints]
         self._columns: tuple[list[str], list[int], list[int]] | None = None
         self._message = joint_state([*self._drive_joints, *self._steer_joints])
-        self._imu_to_base, _ = mounting(urdf_xml, IMU_LINK)
+        self._imu_to_base, self._imu_lever = mounting(urdf_xml, IMU_LINK)
 
     def drive_input(
         self,
@@ -57,7 +57,8 @@ class WheelMeasurements:
         angles = np.zeros(len(drive))
         angles[self._steered] = position[steer][self._joint_of_steered]
         gyro = self._imu_to_base @ xyz(imu.angular_velocity)
-        force = self._imu_to_base @ xyz(imu.linear_acceleration)
+        centripetal = gyro * float(gyro @ self._imu_lever) - self._imu_lever * float(gyro @ gyro)
+        force = self._imu_to_base @ xyz(imu.linear_acceleration) - centripetal
         return DriveInput(
             wheel_positions=position[drive],
             wheel_rates=rate[drive],

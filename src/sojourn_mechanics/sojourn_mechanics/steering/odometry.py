@@ -7,8 +7,8 @@ bias, or from the wheels where there is no gyro. The displacement in the body pl
     t = w dt,  s = sin t / t,  c = (1 - cos t) / t,   d = dt (1 - s) [s v_x - c v_y, c v_x + s v_y],
 
 with the estimated slip s (see `slip_estimation`), or s = mean_slip + slip_per_grade g that the soil is expected to
-give on the grade g = -sin pitch (forwards), and a drift downhill of side_slip_per_grade sin roll on side slopes (measured for a machine and a soil;
-zero where unknown),
+give on the grade g = -sin pitch (forwards), and a drift downhill of side_slip_per_grade sin roll on side slopes
+(measured for a machine and a soil; zero where unknown),
 turned into the odom frame by Rz(yaw) Ry(pitch) Rx(roll), with the tilt from the IMU. The Euler rate of yaw is
 (w_y sin roll + w_z cos roll) / cos pitch.
 

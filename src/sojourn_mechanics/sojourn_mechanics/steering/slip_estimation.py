@@ -6,8 +6,8 @@ that agree may all spin. That level comes from two sides:
 - torque: the force that the grade and the resistances ask for has its slip on the believed soil (`traction`);
 - acceleration: after a stop the IMU knows the speed for some seconds, which sets the soil's factor (`speed_filter`).
 
-The slip of a wheel is then s = (r w - v) / max(|r w|, |v|), with v what the motion of the body gives at the wheel along
-its rolling direction, and r the radius of the rim without grousers, as the plant and the published wheel tests count it.
+The slip of a wheel is then s = (r w - v) / max(|r w|, |v|), with v what the motion of the body gives at the wheel
+along its rolling direction, and r the radius of the rim without grousers, as plant and published wheel tests count it.
 
 Trouble, told in words: wheels that spin without headway (slip above a limit for a time); a wheel that turns without its
 load (off the ground, in a hole, or a broken shaft); a wheel that stands while others roll (blocked). Sources: Ojeda et
@@ -25,12 +25,18 @@ from numba import njit
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.rolling_lines import rolling_line
 from sojourn_mechanics.steering.slip_params import SlipParams, TractionCurve
-from sojourn_mechanics.steering.speed_filter import FACTOR, SPEED, carry_gravity, predict, roll, stand
+from sojourn_mechanics.steering.speed_filter import FACTOR, SPEED, carry_gravity, predict, roll, stand, update
 from sojourn_mechanics.steering.traction import believed_slip, coefficient, in_rut
 from sojourn_mechanics.steering.wheel_twist import velocity_kernel
 
 STANDING_STILL = 1e-4
 """Speed of the fastest rim below which the machine stands [m/s]."""
+SETTLED_AFTER = 0.5
+"""Time for which the wheels must have stood before the machine does not rock any more [s]."""
+ROCKING, ROCKING_SIGMA = 3.0, 0.002
+"""Speed of the body against its wheels: over the change of their speed in the lag [-], and at a steady pace [m/s]."""
+TURNING_SIGMA = 0.01
+"""Speed of base_link that wheels turning on the spot may leave [m/s]."""
 UNKNOWN_SPEED_SIGMA = 0.1
 """Of a machine that moves already when the drive starts [m/s]."""
 IDLE_EXPECTED = 0.3
@@ -79,6 +85,10 @@ class SlipState:
     """Standard deviation of that [-]."""
     way: float
     """Over ground since the machine began to make tracks: at the start, and after turning on the spot [m]."""
+    pace: float
+    """Speed of the wheels, averaged as the torques are [m/s]."""
+    standing_for: float
+    """Time for which no wheel has turned [s]."""
     stuck_for: FloatArray
     """Time for which each wheel has spun without headway [s]."""
     idle_for: FloatArray
@@ -111,18 +121,20 @@ class SlipModel:
         params = self.params
         variances = (UNKNOWN_SPEED_SIGMA**2, params.drift_sigma**2, params.factor_sigma**2)
         return SlipState(
-            np.array((0.0, 0.0, 1.0)),
-            np.diag(np.array(variances)),
-            None,
-            zero,
-            zero,
-            zero,
-            0.0,
-            0.0,
-            0.0,
-            zero,
-            zero,
-            zero,
+            states=np.array((0.0, 0.0, 1.0)),
+            covariance=np.diag(np.array(variances)),
+            gravity=None,
+            torques=zero,
+            rates=zero,
+            slip=zero,
+            shared=0.0,
+            sigma=0.0,
+            way=0.0,
+            pace=0.0,
+            standing_for=0.0,
+            stuck_for=zero,
+            idle_for=zero,
+            blocked_for=zero,
         )
 
 
@@ -170,6 +182,8 @@ def estimate_slip(model: SlipModel, state: SlipState, measured: SlipInput, dt: f
             params.stuck_slip,
             params.idle_torque,
             state.way,
+            state.pace,
+            state.standing_for,
             state.stuck_for,
             state.idle_for,
             state.blocked_for,
@@ -219,12 +233,12 @@ def _period(
     old_gravity: FloatArray, old_torques: FloatArray, old_rates: FloatArray, rates: FloatArray, commands: FloatArray,
     angles: FloatArray, torques: FloatArray, gyro: FloatArray, force: FloatArray, roll_angle: float, pitch: float,
     share: float, rotor: float, rut_width: float, least_speed: float, force_noise: float, drift_walk: float,
-    factor_sigma: float, factor_length: float, torque_error: float, slip_noise: float, inflation: float, stuck_slip: float,
-    idle_torque: float, way: float, old_stuck: FloatArray, old_idle: FloatArray, old_blocked: FloatArray, old_shared: float,
-    old_sigma: float, dt: float,
+    factor_sigma: float, factor_length: float, torque_error: float, slip_noise: float, inflation: float,
+    stuck_slip: float, idle_torque: float, way: float, pace: float, standing_for: float, old_stuck: FloatArray,
+    old_idle: FloatArray, old_blocked: FloatArray, old_shared: float, old_sigma: float, dt: float,
 ) -> tuple[
-    FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, float, float, float, FloatArray, FloatArray,
-    FloatArray,
+    FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, float, float, float, float, float,
+    FloatArray, FloatArray, FloatArray,
 ]:  # fmt: skip
     """The fields of a SlipState after a period; `rotor` is the rotor's inertia over the lag of the averages."""
     count = table.shape[0]
@@ -239,16 +253,19 @@ def _period(
         standing[i] = 1.0 if rim < 0.5 * least_speed else 0.0
     v_x, v_y, _ = velocity_kernel(table, rates, angles, np.zeros(count), gyro[2], 1.0)
     wheels = math.hypot(v_x, v_y)
+    pace += share * (wheels - pace)
     ahead_x, ahead_y = (v_x / wheels, v_y / wheels) if wheels >= least_speed else (1.0, 0.0)
 
     stuck, idle, blocked = np.zeros(count), np.zeros(count), np.zeros(count)
     slip = np.zeros(count)
     shared, sigma = old_shared, old_sigma
-    if fastest < STANDING_STILL:
+    standing_for = standing_for + dt if fastest < STANDING_STILL else 0.0
+    if standing_for > SETTLED_AFTER:
         stand(states, covariance, felt[0], force_noise**2 / dt)
         smooth_torques[:] = 0.0
         return (
-            states, covariance, gravity, smooth_torques, rates, slip, shared, sigma, way, stuck, idle, blocked,
+            states, covariance, gravity, smooth_torques, rates, slip, shared, sigma, way, pace,
+            standing_for, stuck, idle, blocked,
         )  # fmt: skip
     acceleration = felt[0] * ahead_x + felt[1] * ahead_y
     predict(
@@ -264,13 +281,17 @@ def _period(
         levers[i] = table[i, 2] * load
         kinds[i] = 1 if in_rut(table, i, ahead_x, ahead_y, rut_width, way) else 0
         counts[i] = 0.0 if standing[i] > 0.5 or old_idle[i] > 1.0 else 1.0
-    if wheels >= least_speed and counts.sum() > 0.5:
+    if wheels < least_speed:
+        update(states, covariance, np.array((1.0, 0.0, 0.0)), wheels - states[SPEED], TURNING_SIGMA**2 * inflation)
+    elif counts.sum() > 0.5:
         pulling = np.empty(count)
         for i in range(count):
             pulling[i] = smooth_torques[i] if along[i] >= 0.0 else -smooth_torques[i]
         believed, per_torque = believed_slip(pulling, levers, kinds, counts, curves)
         spread = math.hypot(slip_noise, torque_error * (levers * counts).sum() * per_torque)
-        roll(states, covariance, wheels, believed, spread, inflation)
+        # a body on its wheels rocks when they change their speed
+        doubt = math.sqrt((wheels * spread) ** 2 + (ROCKING * (wheels - pace)) ** 2 + ROCKING_SIGMA**2)
+        roll(states, covariance, wheels, believed, doubt, inflation)
         shared = min(max(1.0 - states[SPEED] / wheels, -1.0), 1.0)
         sigma = math.sqrt(max(covariance[SPEED, SPEED], 0.0)) / wheels
         for i in range(count):
@@ -290,4 +311,7 @@ def _period(
             stuck[i] = old_stuck[i] + dt
         if standing[i] > 0.5 and abs(table[i, 2] * commands[i]) >= least_speed and fastest >= least_speed:
             blocked[i] = old_blocked[i] + dt
-    return states, covariance, gravity, smooth_torques, rates, slip, shared, sigma, way, stuck, idle, blocked
+    return (
+        states, covariance, gravity, smooth_torques, rates, slip, shared, sigma, way, pace, standing_for, stuck,
+        idle, blocked,
+    )  # fmt: skip

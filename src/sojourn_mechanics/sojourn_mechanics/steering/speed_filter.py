@@ -7,7 +7,7 @@ x of base_link [m/s^2]; soil factor q, the slip over the one that the torques sp
     moving:   v = u (1 - q s) + n_s        u speed of the wheels, s the believed slip, n_s correlated over a time
     standing: v = 0,  a = d_x b + n_a      what the accelerometers feel at rest is drift
 
-a = (f + g).d is strapdown: specific force and gravity along the motion, gravity carried along in base_link by the gyros,
+a = (f + g).d is strapdown: specific force and gravity along the motion, gravity carried in base_link by the gyros,
 g' = -w x g, from the last levelling. White noise that is correlated over a time T counts T/dt times (its spectrum at
 zero: 2 T, Papoulis). After a stop, a tactical IMU on a small body knows the speed to some mm/s for some ten seconds
 (drift of gyros times gravity): as long as that is better than the wheels', it finds the soil's factor, which stays.
@@ -94,9 +94,9 @@ def stand(states: FloatArray, covariance: FloatArray, acceleration: float, force
 
 @njit(cache=True)
 def roll(
-    states: FloatArray, covariance: FloatArray, wheels: float, slip: float, slip_sigma: float, inflation: float
+    states: FloatArray, covariance: FloatArray, wheels: float, slip: float, sigma: float, inflation: float
 ) -> None:
-    """Wheels that roll at the speed `wheels` [m/s] with the believed slip, uncertain by slip_sigma for a time."""
+    """Wheels that roll at the speed `wheels` [m/s] with the believed slip; what follows is good to sigma [m/s]."""
     expected = wheels * (1.0 - min(states[FACTOR] * slip, 1.0))
     row = np.array((1.0, 0.0, wheels * slip))
-    update(states, covariance, row, expected - states[SPEED], (wheels * slip_sigma) ** 2 * inflation)
+    update(states, covariance, row, expected - states[SPEED], sigma * sigma * inflation)

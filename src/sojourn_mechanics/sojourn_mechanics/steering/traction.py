@@ -42,13 +42,13 @@ def in_rut(table: FloatArray, wheel: int, ahead_x: float, ahead_y: float, width:
 @njit(cache=True)
 def coefficient(curve: FloatArray, slip: float) -> float:
     """c(s) for (limit, softness, offset)."""
-    return -curve[0] * math.expm1(-(slip + curve[2]) / curve[1])
+    return float(-curve[0] * math.expm1(-(slip + curve[2]) / curve[1]))
 
 
 @njit(cache=True)
 def slope(curve: FloatArray, slip: float) -> float:
     """dc/ds."""
-    return curve[0] / curve[1] * math.exp(-(slip + curve[2]) / curve[1])
+    return float(curve[0] / curve[1] * math.exp(-(slip + curve[2]) / curve[1]))
 
 
 @njit(cache=True)

@@ -1,4 +1,4 @@
-"""How much of its weight a machine puts on each wheel, by its pitch and roll: what the drive expects, not a measurement.
+"""How much of its weight a machine puts on each wheel, by its pitch and roll: what the drive expects of the loads.
 
 Every wheel pulls by the same part of its load, as wheels at one slip do, so that the force of the ground on each is
 straight up: f_i e, e the unit vector upwards in base_link. With Z the motions that passive joints (rockers, bogies) and
@@ -10,8 +10,8 @@ and N_i = f_i e_z, normal to the body's plane. It is linearised about level grou
 
     N_i = m_i0 cos(roll) cos(pitch) + m_i1 sin(pitch) + m_i2 sin(roll) cos(pitch)
 
-Source: Lindemann and Voorhees 2005, IEEE SMC (equalising of the rocker-bogie); Genta and Genta 2017, sec. 5.3. Range: slopes
-up to about 20 deg; motors hold their joints where they are at zero; inertia of a moving machine left out.
+Source: Lindemann and Voorhees 2005, IEEE SMC (equalising of the rocker-bogie); Genta and Genta 2017, sec. 5.3. Range:
+slopes up to about 20 deg; motors hold their joints where they are at zero; inertia of a moving machine left out.
 """
 
 from collections.abc import Mapping
