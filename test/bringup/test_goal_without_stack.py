@@ -6,7 +6,8 @@ import time
 
 import pytest
 
-from sojourn_bringup.goal_client import ANSWER_S
+from sojourn_bringup.errors import BringupError
+from sojourn_bringup.goal_client import ANSWER_S, main
 
 
 @pytest.mark.parametrize(("arguments", "who"), [(["drive", "1", "0"], "drive"), (["stop"], "drive or arm")])
@@ -27,3 +28,8 @@ def test_one_sentence(arguments: list[str], who: str) -> None:
     assert done.returncode == 1
     (line,) = done.stderr.splitlines()
     assert f"no running stack for {who} on domain 229, namespace /none" in line and "scripts/start.py" in line
+
+
+def test_a_route_needs_pairs() -> None:
+    with pytest.raises(BringupError, match="points: 3 numbers, allowed is an even count"):
+        main(["route", "1", "2", "-3"])

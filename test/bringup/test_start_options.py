@@ -198,6 +198,23 @@ def test_a_namespace_is_a_name_of_ros_or_is_refused(text: str) -> None:
     assert name == "" or all(part[0].isalpha() and part.replace("_", "a").isalnum() for part in name[1:].split("/"))
 
 
+def test_a_rover_without_an_arm_has_no_role_arm(tmp_path: Path) -> None:
+    plan, said = plan_of(tmp_path, "--rover", "skid")
+    assert plan.participants == tuple(role for role in ROLE_NAMES if role != "arm")
+    assert plan.overrides == ("rover=skid",)
+    assert not said
+    for asked in (["--only", "arm"], ["--replace", "arm=true"], ["--shadow", "arm=true"]):
+        with pytest.raises(UsageError, match="the rover skid has no arm"):
+            plan_of(tmp_path / "x", "--rover", "skid", *asked)
+
+
+def test_the_demonstration_of_a_rover_takes_its_own_course_or_the_common_one() -> None:
+    assert demo.scenario_of(None, None) == "lunar_sample"
+    assert demo.scenario_of(None, "skid") == "machine_course"
+    assert demo.scenario_of(None, "micro") == "micro_course"
+    assert demo.scenario_of("flat_drive", "micro") == "flat_drive"
+
+
 def test_a_reader_that_has_had_enough_brings_no_traceback() -> None:
     script = (
         "from sojourn_bringup.options import run_script\n"

@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Vector3Stamped
+from geometry_msgs.msg import Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, Imu, JointState
@@ -201,6 +201,7 @@ _MAKERS: dict[str, Callable[[Topic, float, Machine], Any]] = {
     "nav_msgs/Odometry": _odometry,
     "sensor_msgs/JointState": _joint_state,
     "sensor_msgs/Imu": _imu,
+    "geometry_msgs/WrenchStamped": lambda _row, _time, _machine: WrenchStamped(),
     "sensor_msgs/BatteryState": _battery,
     "sensor_msgs/PointCloud2": _cloud,
     "geometry_msgs/Vector3Stamped": _sun,

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import rclpy
-from geometry_msgs.msg import Vector3Stamped
+from geometry_msgs.msg import Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
@@ -21,7 +21,7 @@ from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos, stamps
 from sojourn_contract.clouds import point_cloud
 from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats, status_values
-from sojourn_contract.messages import battery_state, fill_joint_state, joint_state
+from sojourn_contract.messages import battery_state, fill_joint_state, joint_state, wrench_stamped
 from sojourn_contract.topics import TOPICS, topic
 from sojourn_contract.types import message_class
 
@@ -182,6 +182,11 @@ def imu(period: int, yaw: float = 0.0, yaw_rate: float = 0.0) -> Imu:
     message.angular_velocity.z = yaw_rate
     message.linear_acceleration.z = 1.625
     return message
+
+
+def wrist(period: int, force: Any = (0.0, 0.0, -3.25)) -> WrenchStamped:
+    """Load of the hanging turret on the wrist's sensor, or another force [N]."""
+    return wrench_stamped(at(period), "arm_turret_link", np.array([*force, 0.0, 0.0, 0.0]))
 
 
 def sun(period: int, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Vector3Stamped:

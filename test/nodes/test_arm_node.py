@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
-from node_bench import ARM, WHEELS, Bench, at, imu, joints, odometry, stamp_of
+from node_bench import ARM, WHEELS, Bench, at, imu, joints, odometry, stamp_of, wrist
 from node_bench import command as wheel_command
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
@@ -28,6 +29,8 @@ class ArmBench:
         self.here = odometry(0)
         bench.connect(self.node)
         self.period = 0
+        self.force = (0.0, 0.0, -3.25)
+        """On the wrist's sensor [N]: the turret hangs."""
         self.angles = dict(zip(ARM, self.node.params.named_poses["unfold"], strict=True))
 
     def step(self, periods: int = 1, spoil: str = "", switch: str = "on", rate: float = 0.0) -> JointState:
@@ -46,6 +49,7 @@ class ArmBench:
             attitude = imu(self.period)
             if spoil == "attitude":
                 attitude.orientation.w = 0.0
+            self.bench.send("/wrist/wrench", wrist(self.period, self.force))
             self.bench.send("/imu/data", attitude)
             if self.with_drive:
                 self.here.header.stamp = stamps.to_message(at(self.period))
@@ -254,9 +258,60 @@ def test_a_goal_on_the_ground_is_found_from_where_the_rover_stands(bench: Bench)
     wanted = tip + np.array([0.0, 0.03, 0.02])
     status = arm.goal("/arm/goal_pose", pose_goal(*base_in_odom.act(wanted).tolist(), "odom"))
     assert status["state"] in ("moving", "reached"), status["reason"]
-    assert arm.node.state.tip_target == pytest.approx(wanted, abs=1e-4)
+    assert arm.node.state.arm.tip_target == pytest.approx(wanted, abs=1e-4)
     status = arm.goal("/arm/goal_pose", pose_goal(*wanted.tolist(), "camera"))
     assert "header.frame_id = 'camera': allowed is one of base_link, map, odom" in status["reason"]
+
+
+def task(name: str, **numbers: str) -> Any:
+    return status_message(at(1), name, numbers)
+
+
+UNKNOWN_TASKS = {
+    "unknown task": (task("wave"), "unknown task 'wave': there are unfold, stow, place"),
+    "unknown key": (task("guarded_move", sped="0.01"), "unknown key 'sped' (there are preempt, direction, speed"),
+    "no number": (task("guarded_move", force="much"), "force = 'much'"),
+    "out of range": (task("guarded_move", force="1000"), "force = '1000'"),
+    "no target": (task("place"), "position is missing"),
+    "no length": (task("guarded_move", direction="0 0 0"), "allowed is a vector that has a length"),
+    "beyond reach": (task("guarded_move", direction="1 0 0", distance="0.5"), "the arm can follow"),
+    "nothing": (DiagnosticArray(), "0 statuses: allowed is one"),
+}
+
+
+@pytest.mark.parametrize("message,reason", UNKNOWN_TASKS.values(), ids=UNKNOWN_TASKS.keys())
+def test_tasks_that_cannot_be_are_refused_with_what_is_allowed(arm: ArmBench, message: Any, reason: str) -> None:
+    arm.step()
+    before = list(arm.step().position)
+    status = arm.goal("/arm/task", message)
+    assert status["state"] == "refused" and reason in status["reason"]
+    assert list(arm.step().position) == before
+
+
+def test_a_guarded_move_ends_where_the_wrist_feels_the_ground(arm: ArmBench) -> None:
+    arm.step()
+    status = arm.goal("/arm/task", task("guarded_move", force="8", distance="0.1"))
+    assert (status["state"], status["task"]) == ("moving", "guarded_move")
+    assert float(status["contact_force_n"]) == pytest.approx(0.0, abs=0.1)
+    assert 0.0 < float(status["progress"]) < 1.0 and 0.0 < float(status["time_to_go"]) < 10.0
+    second = arm.goal("/arm/task", task("stow"))
+    assert second["state"] == "refused" and "guarded_move is under way" in second["reason"]
+    arm.force = (0.0, 0.0, 5.0)  # 8.25 N from below
+    status = arm.status()
+    assert float(status["overshoot_n"]) == pytest.approx(0.25, abs=0.1)
+    still = arm.step().position
+    arm.step(25)
+    assert list(arm.step().position) == pytest.approx(list(still), abs=1e-3)
+    arm.force = (0.0, 0.0, -3.25)
+    assert arm.goal("/arm/task", task("unfold", preempt="true"))["state"] in ("moving", "reached")
+
+
+def test_without_a_wrist_sensor_tasks_that_feel_are_refused(arm: ArmBench) -> None:
+    arm.force = (math.nan, math.nan, math.nan)
+    arm.step()
+    status = arm.goal("/arm/task", task("guarded_move"))
+    assert status["state"] == "refused" and "feels no forces" in status["reason"]
+    assert arm.goal("/arm/task", task("stow"))["state"] == "moving"
 
 
 def test_in_real_time_it_acts_without_the_drive(bench: Bench) -> None:

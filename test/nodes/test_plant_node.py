@@ -5,12 +5,13 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from node_bench import ALL_TOPICS, ARM, SCENARIO, STEERS, WHEELS, Bench, at, command, imu, joints, stamp_of, tick
+from node_bench import ARM, SCENARIO, STEERS, WHEELS, Bench, at, command, imu, joints, stamp_of, tick
 
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import stamps
 from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import READY, STALLED, WAITING_FOR, Counters, heartbeat_message, status_message
+from sojourn_contract.topics import outputs_of
 from sojourn_drive.node import DriveNode
 from sojourn_plant import node
 from sojourn_plant.node import PlantNode
@@ -228,13 +229,17 @@ def silent(bench: Bench, plant: PlantNode) -> str:
     return plant.failure
 
 
+MEASURED = [row.name for row in outputs_of("sensors", ("plant", "sensors", "drive")) if "drive" in row.subscribers]
+"""What the drive hears from the sensors."""
+
+
 def chain(bench: Bench, *nodes: Any) -> PlantNode:
     """A plant with these real nodes; the peer speaks for the rest of plant, sensors and drive."""
     roles = ("plant", "sensors", "drive")
     plant = bench.start(PlantNode, *roles, lockstep_timeout_s=1.0)
     for node_class in nodes:
         bench.start(node_class, *roles, lockstep_timeout_s=1.0)
-    bench.listen(*(name for name in ALL_TOPICS if name.startswith("/truth") or name in ("/clock", "/diagnostics")))
+    bench.listen(*(row.name for row in outputs_of("plant", roles)))
     bench.speak("/diagnostics")
     return plant
 
@@ -242,7 +247,7 @@ def chain(bench: Bench, *nodes: Any) -> PlantNode:
 def test_who_is_silent_from_the_first_period_on_is_named(bench: Bench) -> None:
     """The drive's command is missing, but the drive has had nothing to act on: the sensors are to blame."""
     plant = chain(bench, DriveNode)
-    bench.speak("/joint_states", "/imu/data")
+    bench.speak(*MEASURED)
     bench.listen("/wheel_command", "/odom")
     bench.met()
     bench.say_ready("sensors")
@@ -251,7 +256,7 @@ def test_who_is_silent_from_the_first_period_on_is_named(bench: Bench) -> None:
 
 def test_who_falls_silent_later_is_named(bench: Bench) -> None:
     plant = chain(bench, DriveNode)
-    bench.speak("/joint_states", "/imu/data")
+    bench.speak(*MEASURED)
     bench.listen("/wheel_command", "/odom")
     bench.met()
     bench.say_ready("sensors")
@@ -266,7 +271,7 @@ def test_who_falls_silent_later_is_named(bench: Bench) -> None:
 def test_the_last_of_the_chain_is_named_itself(bench: Bench, answered: int) -> None:
     plant = chain(bench, SensorsNode)
     bench.speak("/wheel_command")
-    bench.listen("/joint_states", "/imu/data")
+    bench.listen(*MEASURED)
     bench.met()
     bench.say_ready("drive")
     for period in range(1, answered + 1):

@@ -10,6 +10,7 @@ import numpy as np
 from rclpy.context import Context
 
 from sojourn_arm.goals import GoalDesk
+from sojourn_arm.measurements import Measurements
 from sojourn_arm.rover import ODOMETRY, Rover
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import process, stamps
@@ -20,13 +21,11 @@ from sojourn_contract.messages import doubles, fill_joint_state, joint_state
 from sojourn_contract.node import ContractNode
 from sojourn_contract.switches import fraction_of
 from sojourn_contract.topics import topic
-from sojourn_mechanics.arm import controller
-from sojourn_mechanics.arm.feedforward import gravity_in_body
 from sojourn_mechanics.arm.goals import ArmGoal
 from sojourn_mechanics.arm.model import build_arm_model
-from sojourn_mechanics.errors import MechanicsError
-from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
+from sojourn_mechanics.arm.state import ArmInput, ArmOutput
+from sojourn_mechanics.arm.tasks import task_control
+from sojourn_mechanics.arm.tasks.requests import TaskRequest
 
 ARM_LOAD = "arm"
 
@@ -44,21 +43,19 @@ class ArmNode(ContractNode):
         raw = frozenset({ODOMETRY})
         super().__init__("arm", context=context, overrides=overrides, namespace=namespace, raw_topics=raw)
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
-        self.params = scenario.arm
+        self.params = scenario.carried_arm()
         self.model = build_arm_model(scenario.urdf_xml, self.params)
-        controller.warm_up(self.params, self.model)
-        self.state = controller.initial_state(self.params)
-        self._gravity = scenario.gravity
+        task_control.warm_up(self.params, self.model)
+        self.state = task_control.initial_state(self.params, self.model)
+        self._measurements = Measurements(self.params.joint_names, scenario.urdf_xml, scenario.gravity, self.refuse)
         self._rover = Rover(self.params.interlock, [wheel.joint for wheel in scenario.rover.wheels])
         self._goals = GoalDesk(self.params, self._rover)
         self._powered = True
-        self._pending: ArmGoal | None = None
+        self._pending: ArmGoal | TaskRequest | None = None
         """A goal that waits for the first period whose measurements can be used."""
-        self._output: controller.ArmOutput | None = None
+        self._output: ArmOutput | None = None
         self._command = joint_state(())
         """Empty until the first measurement says where the arm is: a command of no joint."""
-        self._places: tuple[list[str], list[int]] = ([], [])
-        self._imu_to_base = mounting(scenario.urdf_xml, IMU_LINK)[0]
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """One step of the arm's control, with the measurements of this period."""
@@ -67,7 +64,7 @@ class ArmNode(ContractNode):
             self._powered = fraction_of(status_values(switches).get(ARM_LOAD, "on")) != 0.0
         self._rover.hear(inputs)
         self._take_goals(goals)
-        self._step(inputs["/joint_states"], inputs["/imu/data"])
+        self._step(inputs["/joint_states"], inputs["/imu/data"], inputs.get("/wrist/wrench"))
         if is_due(topic("/arm/status"), stamp // stamps.CONTROL_PERIOD_NS):
             values = self._goals.status(self._output)
             level = 1 if values["state"] in ("refused", "failed") else 0
@@ -78,27 +75,29 @@ class ArmNode(ContractNode):
         self._command.header.stamp = stamps.to_message(stamp)
         self.publish("/arm_command", self._command)
 
-    def _step(self, joints: Any, imu: Any) -> None:
+    def _step(self, joints: Any, imu: Any, wrist: Any) -> None:
         """Form the command of this period. Where a measurement cannot be used the arm holds where it was
         last sent.
         """
-        measured, gravity = self._measured(joints), self._gravity_in_base(imu)
-        if measured is None or gravity is None:
+        measured = self._measurements.read(joints, imu, wrist)
+        if measured is None:
             self._command.velocity = doubles(np.zeros(len(self._command.name)))
             return
         why_not = self._rover.why_not_allowed if self._powered else "the power manager has switched the arm off"
-        request = controller.ArmInput(
-            positions=measured[0],
-            velocities=measured[1],
-            gravity_in_base=gravity,
-            goal=self._pending,
+        goal, task = (None, self._pending) if isinstance(self._pending, TaskRequest) else (self._pending, None)
+        request = ArmInput(
+            positions=measured.positions,
+            velocities=measured.velocities,
+            gravity_in_base=measured.gravity,
+            goal=goal,
             allowed=not why_not,
             not_allowed_reason=why_not,
         )
-        self.state, self._output = controller.step(
-            self.params, self.model, self.state, request, stamps.CONTROL_PERIOD_S
+        tasks = task_control.TaskInput(request, task, measured.wrench, measured.efforts)
+        self.state, self._output, report = task_control.step(
+            self.params, self.model, self.state, tasks, stamps.CONTROL_PERIOD_S
         )
-        self._goals.note(self._output, self._pending is not None)
+        self._goals.note(self._output, report, self._pending is not None)
         self._pending = None
         output = self._output
         self._command.name = list(self.params.joint_names)
@@ -111,36 +110,6 @@ class ArmNode(ContractNode):
                 self._pending = self._goals.goal(name, message)
             except RefusedMessageError as refusal:
                 self.refuse(name, refusal)
-
-    def _measured(self, joints: Any) -> tuple[FloatArray, FloatArray] | None:
-        """Positions and rates of the arm's joints, or None where they cannot be used."""
-        if joints is None:  # refused on arrival
-            return None
-        if self._places[0] != joints.name:
-            names = list(joints.name)
-            for joint in self.params.joint_names:
-                if joint not in names:
-                    allowed = f"{joint} among them"
-                    self.refuse(
-                        "/joint_states", RefusedMessageError("/joint_states", "name", ", ".join(names), allowed)
-                    )
-                    return None
-            self._places = (names, [names.index(joint) for joint in self.params.joint_names])
-        places = self._places[1]
-        return np.array(joints.position)[places], np.array(joints.velocity)[places]
-
-    def _gravity_in_base(self, imu: Any) -> FloatArray | None:
-        """Gravity from the attitude that the IMU reports, or None where it cannot be used."""
-        if imu is None:  # refused on arrival
-            return None
-        attitude = imu.orientation
-        quaternion = np.array([attitude.x, attitude.y, attitude.z, attitude.w])
-        try:
-            gravity: FloatArray = self._imu_to_base @ gravity_in_body(quaternion, self._gravity)
-        except MechanicsError as error:
-            self.refuse("/imu/data", error)
-            return None
-        return gravity
 
 
 def main() -> None:

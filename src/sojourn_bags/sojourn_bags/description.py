@@ -60,7 +60,7 @@ class Run:
     @classmethod
     def of_scenario(cls, loaded: LoadedScenario) -> "Run":
         """Describe a loaded scenario."""
-        sets: dict[str, BaseModel] = {
+        sets: dict[str, BaseModel | None] = {
             "scenario": loaded.config,
             **{name: getattr(loaded, name) for name in _SETS},
         }
@@ -69,7 +69,7 @@ class Run:
             scenario=loaded.config,
             rover=loaded.rover,
             urdf=loaded.urdf_xml,
-            resolved={name: value.model_dump(mode="json") for name, value in sets.items()},
+            resolved={name: value and value.model_dump(mode="json") for name, value in sets.items()},
             files=dict(loaded.files),
             overrides=loaded.overrides,
             digests=loaded.digests,
@@ -99,6 +99,17 @@ class Run:
         except (StopIteration, ValueError) as error:
             text = f"the configuration attached to {bag.path} is not one of this version: {error}"
             raise IncompleteConfigError(text) from error
+
+    @property
+    def arm(self) -> dict[str, Any] | None:
+        """Parameter set of the arm, None for a rover without one."""
+        arm: dict[str, Any] | None = self.resolved["arm"]
+        return arm
+
+    @property
+    def arm_joints(self) -> tuple[str, ...]:
+        """Joints of the arm; none where there is no arm."""
+        return () if self.arm is None else tuple(self.arm["joint_names"])
 
     def terrain(self) -> HeightField:
         """The ground of the run, made again from its parameters and seed."""

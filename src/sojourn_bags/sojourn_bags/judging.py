@@ -113,9 +113,9 @@ def machine_of(bag: Bag) -> Machine:
             run.scenario.rover,
             run.rover,
             parse_urdf(urdf, name),
-            run.resolved["arm"]["joint_names"],
+            run.arm_joints,
             [load["name"] for load in run.resolved["bus"]["loads"]],
-            tuple(run.resolved["arm"]["named_poses"]),
+            () if run.arm is None else tuple(run.arm["named_poses"]),
         )
     except (IncompleteConfigError, ConfigError, KeyError) as error:
         text = f"{bag.path} does not describe its rover ({error}): name a scenario with it, --scenario NAME"

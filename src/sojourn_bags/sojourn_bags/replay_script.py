@@ -156,7 +156,7 @@ def _check_topics(
     for row in awaited_inputs(role, participants):
         if row.logged and row.name not in topics and periods >= row.every:
             raise ReplayError(f"{bag.path} lacks {row.name}, without which {role} cannot be replayed")
-    for row in outputs_of(role):
+    for row in outputs_of(role, participants):
         if not row.is_event and row.name not in recorded and periods > row.every:
             raise ReplayError(f"{bag.path} lacks {row.name} of {role}: there is nothing to compare its answers with")
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from sojourn_bags.curves import COLORS, means, short_name, thinned
 from sojourn_bags.description import Run
 from sojourn_bags.goals import ARM_TOPICS
-from sojourn_bags.machine import FloatArray, TrueMachine
+from sojourn_bags.machine import FloatArray, TrueMachine, euler_angles, poses_of
 from sojourn_bags.reading import Bag, Messages
 from sojourn_bags.report_map import draw_map
 from sojourn_bags.summary import summarise
@@ -59,11 +59,17 @@ def write_report(
     arm_axes = figure.add_subplot(grid[3, 0], sharex=charge_axes)
     wheel_axes = [figure.add_subplot(grid[row, 1], sharex=charge_axes) for row in range(4)]
     _draw_power(charge_axes, bag)
-    _draw_joints(arm_axes, bag, run.resolved["arm"]["joint_names"], "Torque of the arm joints")
+    if run.arm_joints:
+        _draw_joints(arm_axes, bag, run.arm_joints, "Torque of the arm joints")
+    else:
+        _draw_attitude(arm_axes, bag)
     _draw_contacts(wheel_axes[0], bag, run, "sinkage", 1000.0, "Sinkage of each wheel", "sinkage [mm]")
     _draw_contacts(wheel_axes[1], bag, run, "slip_ratio", 1.0, "Slip of each wheel", "slip ratio [-]")
     _draw_joints(wheel_axes[2], bag, [wheel.joint for wheel in run.rover.wheels], "Torque of the wheel drives")
-    _draw_joints(wheel_axes[3], bag, list(run.rover.steer_joints), "Torque of the steering joints")
+    if run.rover.steer_joints:
+        _draw_joints(wheel_axes[3], bag, list(run.rover.steer_joints), "Torque of the steering joints")
+    else:
+        _draw_contacts(wheel_axes[3], bag, run, "slip_angle", 180.0 / np.pi, "Slip angle of each wheel", "angle [°]")
     times = (charge_axes, arm_axes, *wheel_axes)
     for axes in times:
         _shade_goals(axes, summary["goals"])
@@ -109,6 +115,13 @@ def _draw_joints(axes: Axes, bag: Bag, names: Sequence[str], title: str) -> None
     values = joints.effort[:, [joints.index(name) for name in known]]
     _draw_curves(axes, states.times, values, [short_name(name) for name in known])
     axes.set(title=title, ylabel="torque [N m]")
+
+
+def _draw_attitude(axes: Axes, bag: Bag) -> None:
+    """Roll and pitch of the chassis, from its true attitude."""
+    angles = np.degrees(euler_angles(poses_of(bag, "/truth/odom")[:, 3:]))
+    _draw_curves(axes, bag["/truth/odom"].times, angles[:, :2], ["roll, left up", "pitch, nose down"])
+    axes.set(title="Roll and pitch of the chassis", ylabel="angle [°]")
 
 
 def _draw_power(axes: Axes, bag: Bag) -> None:

@@ -53,7 +53,11 @@ class LiveScript:
     @property
     def due(self) -> dict[str, range]:
         """Stamps [ns] at which an answer is due, by topic."""
-        periods = {row.name: row.every * CONTROL_PERIOD_NS for row in outputs_of(self.role) if row.name != HEARTBEATS}
+        periods = {
+            row.name: row.every * CONTROL_PERIOD_NS
+            for row in outputs_of(self.role, self.participants)
+            if row.name != HEARTBEATS
+        }
         return {name: range(period, _FOR_EVER, period) for name, period in periods.items()}
 
 
@@ -79,7 +83,7 @@ class Shadow(ReplayHarness):
     """
 
     def __init__(self, role: str, participants: Sequence[str], lockstep: bool, settings: ReplaySettings) -> None:
-        rows = (topic(CLOCK), *(row for row in inputs_of(role) if row.publisher in participants))
+        rows = (topic(CLOCK), *(row for row in inputs_of(role, participants) if row.publisher in participants))
         script = LiveScript(role, tuple(participants), rows)
         super().__init__(script, replace(settings, namespace=settings.namespace + NAMESPACE))
         self._lockstep, self._stack = lockstep, settings.namespace

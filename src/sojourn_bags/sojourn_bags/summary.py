@@ -47,7 +47,8 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     machine = TrueMachine(bag, run.urdf) if has_truth and "/truth/joint_states" in bag else None
     end_s = sim_time(bag)
     accept = run.scenario.accept
-    results = judge_goals(bag, machine, run.resolved["arm"]["tip_link"], Limits(accept.drive_m, accept.arm_m), end_s)
+    tip_link = "" if run.arm is None else run.arm["tip_link"]
+    results = judge_goals(bag, machine, tip_link, Limits(accept.drive_m, accept.arm_m), end_s)
     operated = "operator" in bag.records.get(RUN_RECORD, {}).get("participants", "operator").split(",")
     kinds = [step.kind for step in run.scenario.steps] if operated else []
     not_sent = missing_steps(kinds, [result.goal for result in results])

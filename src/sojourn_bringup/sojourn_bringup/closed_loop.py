@@ -44,7 +44,7 @@ class ClosedLoop:
     def __init__(self, scenario: LoadedScenario) -> None:
         self.scenario = scenario
         self.plant, self.truth = build_plant(scenario)
-        self.drive = DriveModel(scenario.drive, scenario.steering, scenario.wheel_loads())
+        self.drive = DriveModel(scenario.drive, scenario.steering, loads=scenario.wheel_loads())
         self.drive.warm_up()
         start = scenario.config.start
         self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
@@ -94,9 +94,18 @@ class ClosedLoop:
 
     @property
     def true_slip(self) -> FloatArray:
-        """Slip of each wheel in the last period, as the plant tells it [-]."""
-        wheels = len(self.scenario.rover.wheels)
-        return np.zeros(wheels) if self.told is None else self.told.contacts[:wheels, 4].copy()
+        """Slip of each wheel in the last period, counted on its grouser tips, as the drive does [-].
+
+        The plant counts it on the rim.
+        """
+        wheels = self.scenario.rover.wheels
+        if self.told is None:
+            return np.zeros(len(wheels))
+        tips = np.array([wheel.shear_radius / wheel.radius for wheel in wheels])
+        told = self.told.contacts[: len(wheels), 4]
+        over_rim = np.where(told >= 0.0, 1.0 - told, 1.0 / np.maximum(1.0 + told, 1e-3))  # ground over rim
+        over_tips = over_rim / tips
+        return np.asarray(np.where(over_tips <= 1.0, 1.0 - over_tips, 1.0 / over_tips - 1.0))
 
     def _measure(self, stamp: int, goal: Goal | None, twist: TwistCommand | None) -> DriveInput:
         self._tell_odometry()

@@ -62,7 +62,7 @@ class LiveStack:
         """Types and quality of service of these roles' endpoints, and endpoints that they should have."""
         for role in roles:
             node = self.nodes[role]
-            for row in outputs_of(role):
+            for row in outputs_of(role, self.nodes):
                 self._judge_row(judge, row, node, publishes=True)
             for row in self._inputs(role):
                 self._judge_row(judge, row, node, publishes=False)
@@ -82,7 +82,7 @@ class LiveStack:
             judge.report.add("endpoint", row.name, None, [finding])
 
     def _inputs(self, role: str) -> Iterator[Topic]:
-        for row in inputs_of(role):
+        for row in inputs_of(role, self.nodes):
             if row.is_event or row.publisher == ALL or not self.lockstep or row.publisher in self.nodes:
                 yield row
 

@@ -28,6 +28,8 @@ from sojourn_contract.page import contract_page
 
 SCENARIO = "lunar_sample"
 """Whose rover is meant where nothing else says."""
+ROVER_SCENARIO = "flat_drive"
+"""Around a rover that --rover names: any rover can drive it."""
 LIVE_S = 10.0
 
 Checked = tuple[Report, dict[str, Any], list[Bag]]
@@ -40,7 +42,8 @@ def parser() -> argparse.ArgumentParser:
     commands = result.add_subparsers(dest="command", required=True)
     show = commands.add_parser("show", help="print topics, fields, rules and joints")
     show.add_argument("--format", choices=("table", "json", "html"), default="table", help="default: %(default)s")
-    show.add_argument("--scenario", default=SCENARIO, metavar="NAME", help="whose rover to show (default: %(default)s)")
+    show.add_argument("--scenario", metavar="NAME", help=f"whose rover to show (default: {SCENARIO})")
+    options.add_rover(show)
     check = commands.add_parser(
         "check", help="judge every message; exit status 1 if there is any violation, or the bag is cut off"
     )
@@ -56,6 +59,7 @@ def parser() -> argparse.ArgumentParser:
     add_bench(check)
     check.add_argument("--node", metavar="NAME", help="judge this role alone (default: all)")
     check.add_argument("--scenario", metavar="NAME", help=f"whose rover runs (default: the bag's own; live {SCENARIO})")
+    options.add_rover(check)
     check.add_argument(
         "--seconds", type=options.positive_seconds, default=LIVE_S, metavar="S",
         help="how long to listen, wall time (default: %(default)g)",
@@ -69,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Show or check. 0 without a violation, 1 with any, 2 if there was nothing to judge."""
     given = parser().parse_args(arguments)
     if given.command == "show":
-        show_as(given.format, _machine(given.scenario))
+        show_as(given.format, _machine(given) or _machine_of(SCENARIO))
         return 0
     _check_options(given)
     judge = _check_live if given.live else _check_program if given.exec is not None else _check_bag
@@ -104,7 +108,7 @@ def show_as(form: str, machine: Machine) -> None:
 
 def _check_bag(given: argparse.Namespace) -> Checked:
     roles = None if given.node is None else check_roles((given.node,), "--node")
-    machine = None if given.scenario is None else _machine(given.scenario)
+    machine = _machine(given)
     try:
         bag = read_bag(given.bag)
         report, run = judge_bag(bag, roles, machine)
@@ -114,7 +118,7 @@ def _check_bag(given: argparse.Namespace) -> Checked:
 
 
 def _check_live(given: argparse.Namespace) -> Checked:
-    machine = _machine(given.scenario or SCENARIO)
+    machine = _machine(given) or _machine_of(SCENARIO)
     with LiveSource(given.domain, given.namespace) as source:
         stack = source.find()
         roles = tuple(stack.nodes) if given.node is None else (stack.role_of(given.node),)
@@ -130,7 +134,7 @@ def _check_live(given: argparse.Namespace) -> Checked:
 
 def _check_program(given: argparse.Namespace) -> Checked:
     role, command = candidate_of(given.exec, given.role)
-    machine = None if given.scenario is None else _machine(given.scenario)
+    machine = _machine(given)
     (bag,) = read_runs([given.reference])
     with bench(given, role, command, bag) as (candidate, configuration):
         report = judge_candidate(bag, role, candidate, configuration, replay_settings(given), machine)
@@ -138,8 +142,15 @@ def _check_program(given: argparse.Namespace) -> Checked:
     return report, _facts(command, True, (role,), notes), [bag]
 
 
-def _machine(scenario: str) -> Machine:
-    return Machine.of_scenario(load_scenario(scenario))
+def _machine(given: argparse.Namespace) -> Machine | None:
+    """The rover that --scenario or --rover names; None where neither is given."""
+    if given.scenario is None and given.rover is None:
+        return None
+    return _machine_of(given.scenario or ROVER_SCENARIO, () if given.rover is None else (f"rover={given.rover}",))
+
+
+def _machine_of(scenario: str, overrides: Sequence[str] = ()) -> Machine:
+    return Machine.of_scenario(load_scenario(scenario, overrides))
 
 
 def _facts(source: str, lockstep: bool, participants: Sequence[str], notes: Sequence[str]) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Sequence
+from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
@@ -13,8 +14,11 @@ from sojourn_bringup.health import Health, Progress
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.screen import PlainScreen, Screen
+from sojourn_config.paths import available
 
 DEFAULT_SCENARIO = "lunar_sample"
+MACHINE_SCENARIO = "machine_course"
+"""What a rover named by --rover drives, unless config/scenarios has one called ROVER_course."""
 
 
 class BarScreen(Screen):
@@ -75,8 +79,11 @@ def parser() -> argparse.ArgumentParser:
         prog="demo", description="Run a scenario in lock-step, say how it went, and leave bag, summary and picture."
     )
     result.add_argument(
-        "--scenario", default=DEFAULT_SCENARIO, help="name in config/scenarios, or a YAML file (default: %(default)s)"
+        "--scenario",
+        help=f"name in config/scenarios, or a YAML file (default: {DEFAULT_SCENARIO}; with --rover ROVER_course or "
+        f"{MACHINE_SCENARIO})",
     )
+    options.add_rover(result)
     kind = result.add_mutually_exclusive_group()
     kind.add_argument("--composed", action="store_true", help="all nodes in one process (the default)")
     kind.add_argument("--processes", action="store_true", help="each node as a process of its own")
@@ -88,10 +95,24 @@ def parser() -> argparse.ArgumentParser:
     return result
 
 
+def scenario_of(scenario: str | None, rover: str | None) -> str:
+    """The scenario that was named, or that which shows a rover, or the default."""
+    if scenario is not None or rover is None:
+        return scenario or DEFAULT_SCENARIO
+    own = f"{Path(rover).stem}_course"
+    return own if own in available("scenarios") else MACHINE_SCENARIO
+
+
 def start_arguments(given: argparse.Namespace) -> list[str]:
     """The same wishes as options of scripts/start.py."""
-    arguments = [given.scenario, "--domain", str(given.domain), "--namespace", given.namespace]
-    for name in ("seed", "run_dir"):
+    arguments = [
+        scenario_of(given.scenario, given.rover),
+        "--domain",
+        str(given.domain),
+        "--namespace",
+        given.namespace,
+    ]
+    for name in ("rover", "seed", "run_dir"):
         value = getattr(given, name)
         if value is not None:
             arguments += [f"--{name.replace('_', '-')}", value]

@@ -15,7 +15,7 @@ from sojourn_bringup import options
 from sojourn_bringup.environment import ros_variables
 from sojourn_bringup.errors import BringupError
 from sojourn_bringup.goal_messages import goal_message, report_of, stop_messages
-from sojourn_bringup.operator_script import FINAL_STATES, REACHED, ArmTo, DriveTo
+from sojourn_bringup.operator_script import FINAL_STATES, REACHED, ArmTo, DriveAlong, DriveTo
 from sojourn_contract import qos
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.process import StopFlag
@@ -27,7 +27,7 @@ ANSWER_S = 5.0
 """Wall time within which a running stack must be found."""
 SHOW_S = 1.0
 STATUS_TOPICS = {"drive": "/drive/status", "arm": "/arm/status"}
-GOAL_TOPICS = {"drive": "/goal_pose", "arm": "/arm/goal_pose"}
+GOAL_TOPICS = {DriveTo: "/goal_pose", DriveAlong: "/waypoints", ArmTo: "/arm/goal_pose"}
 STOP_TOPICS = {"drive": "/cmd_vel", "arm": "/arm/stop"}
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 """Name that ROS gives to a node of which it knows an endpoint only, so far."""
@@ -187,7 +187,12 @@ class GoalClient:
 
 def _to_go(who: str, values: dict[str, str]) -> str:
     if who == "drive":
-        return f"{values.get('distance_to_go', '?')} m to go ({values.get('text', '')})"
+        beside, rms = (float(values.get(name, "nan")) for name in ("lateral_error_m", "lateral_rms_m"))
+        aside = f"{beside:+.3f} m beside the path ({rms:.3f} m RMS)"
+        energy = ""
+        if "energy_forecast_wh" in values:
+            energy = f", {float(values['energy_used_wh']):.2f} Wh used, {float(values['energy_to_go_wh']):.2f} to go"
+        return f"{values.get('distance_to_go', '?')} m to go, {aside}{energy} ({values.get('phase', '')})"
     return f"{100.0 * float(values.get('progress', 0.0)):.0f} % done, {values.get('time_to_go', '?')} s to go"
 
 
@@ -199,13 +204,20 @@ def parser() -> argparse.ArgumentParser:
     drive.add_argument("x", type=options.number, help="[m]")
     drive.add_argument("y", type=options.number, help="[m]")
     drive.add_argument("yaw", type=options.number, nargs="?", help="heading there [rad]; any if left out")
+    drive.add_argument(
+        "--z", type=options.number, default=0.0, help="height over the start [m], for the energy forecast; 0: not known"
+    )
     drive.add_argument("--frame", default="map", help="map, odom or base_link (default: %(default)s)")
+    route = commands.add_parser("route", help="drive along points")
+    route.add_argument("points", type=options.number, nargs="+", metavar="X Y", help="[m], one pair for each point")
+    route.add_argument("--yaw", type=options.number, help="heading at the last point [rad]; any if left out")
+    route.add_argument("--frame", default="map", help="map, odom or base_link (default: %(default)s)")
     arm = commands.add_parser("arm", help="place the tip of the arm")
     for axis in ("x", "y", "z"):
         arm.add_argument(axis, type=options.number, help="[m]")
     arm.add_argument("--frame", default="base_link", help="base_link (default)")
     stop = commands.add_parser("stop", help="stop drive and arm")
-    for command in (drive, arm, stop):
+    for command in (drive, route, arm, stop):
         options.add_place(command)
         command.add_argument(
             "--timeout", type=options.positive_seconds, default=3600.0, metavar="S", help="longest wait (wall time)"
@@ -213,21 +225,29 @@ def parser() -> argparse.ArgumentParser:
     return result
 
 
+def _action(given: argparse.Namespace) -> DriveTo | DriveAlong | ArmTo:
+    """The goal that was asked for."""
+    if given.command == "drive":
+        return DriveTo(given.x, given.y, given.yaw, given.frame, given.z)
+    if given.command == "route":
+        if len(given.points) % 2:
+            raise BringupError(f"points: {len(given.points)} numbers, allowed is an even count: X Y for each point")
+        return DriveAlong(tuple(zip(given.points[::2], given.points[1::2], strict=True)), given.yaw, given.frame)
+    return ArmTo(given.x, given.y, given.z, given.frame)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Send a goal; 0 only if it was reached (a stop: if drive and arm say that they stand)."""
     given = parser().parse_args(arguments)
+    action = _action(given) if given.command != "stop" else None
     with GoalClient(given.domain, given.namespace) as client:
-        if given.command == "stop":
+        if action is None:
             stands, words = client.halt()
             print(words)
             return 0 if stands else 1
-        action = (
-            DriveTo(given.x, given.y, given.yaw, given.frame)
-            if given.command == "drive"
-            else ArmTo(given.x, given.y, given.z, given.frame)
-        )
-        client.send(given.command, GOAL_TOPICS[given.command], goal_message(action, 0))
-        outcome, reason = client.follow(given.command, given.timeout)
+        who = "arm" if isinstance(action, ArmTo) else "drive"
+        client.send(who, GOAL_TOPICS[type(action)], goal_message(action, 0))
+        outcome, reason = client.follow(who, given.timeout)
     print(f"{outcome}{': ' + reason if reason else ''}")
     if outcome == "interrupted":
         return INTERRUPTED

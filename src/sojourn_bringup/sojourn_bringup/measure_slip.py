@@ -1,16 +1,18 @@
-"""Measures in the plant what the odometry expects of the slip: the figures of `odometry:` in config/nodes/drive.yaml.
+"""Measures in the plant what the odometry expects of the slip, for `odometry:` in a rover's file in config/nodes.
 
-    scripts/lib/python -m sojourn_bringup.measure_slip --scenario flat_drive
+    scripts/lib/python -m sojourn_bringup.measure_slip --rover explorer
 
-The machine drives straight ahead on planes of the scenario's soil, up, down and across, at a steady rate of its wheels.
-Slip is the part of the travel of the grouser tips that does not become way; side slip is the way downhill over the way
-ahead. Both are means over the way after the first 1.5 m, so that rear wheels run in the ruts of the front ones.
+The machine drives straight ahead on planes of the scenario's soil, up, down and across, at a steady rate of its wheels
+near its top speed. Slip is the part of the travel of the grouser tips that does not become way; side slip is the way
+aside over the way ahead, both as the machine is headed. They are means over the way after the first metres, so that
+rear wheels run in the ruts of the front ones.
 """
 
 import math
 from collections.abc import Sequence
 
 import numpy as np
+import pinocchio as pin
 
 from sojourn_bringup import options
 from sojourn_config.scenario import LoadedScenario, load_scenario
@@ -20,8 +22,10 @@ from sojourn_plant.start import build_plant
 
 GRADES_DEG = (-8.0, -4.0, 0.0, 4.0, 8.0)
 ACROSS_DEG = (2.0, 4.0, 8.0)
-WHEEL_RATE = 0.6
-BEGIN_S, LENGTH_S = 25.0, 40.0
+PART_OF_SPEED = 0.8
+"""Speed of the rims as a part of the largest speed that the drive may ask for [-]."""
+BEGIN, LENGTH = 2.0, 3.0
+"""Travel of the rims [m] before the measurement, and in it."""
 
 
 def on_plane(scenario: str, overrides: Sequence[str], slope_deg: float, uphill_deg: float) -> LoadedScenario:
@@ -37,37 +41,42 @@ def drive(scenario: LoadedScenario) -> tuple[float, float]:
     """Slip along and way to the left over way ahead [-]."""
     model, state = build_plant(scenario)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
-    command.reference[0] = state.joints[0]
+    command.reference[0] = state.motor_angles
     wheels = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
-    command.reference[1, wheels] = WHEEL_RATE
-    travel = np.array([wheel.shear_radius for wheel in model.machine.wheels])
+    radii = np.array([wheel.shear_radius for wheel in model.machine.wheels])
+    speed = PART_OF_SPEED * scenario.drive.limits.max_speed
+    command.reference[1, wheels] = speed / radii
     period = model.simulation.control_period
-    for _ in range(round(BEGIN_S / period)):
+    for _ in range(round(BEGIN / speed / period)):
         state, _ = step(model, state, command)
-    begin, angles = state.configuration[:3].copy(), state.joints[0, wheels].copy()
-    for _ in range(round(LENGTH_S / period)):
+    angles = state.joints[0, wheels].copy()
+    way = np.zeros(2)
+    for _ in range(round(LENGTH / speed / period)):
+        before = state.configuration[:3]
         state, _ = step(model, state, command)
-    way = state.configuration[:3] - begin
-    turned = float(np.mean(travel * (state.joints[0, wheels] - angles)))
-    ahead = math.hypot(way[0], way[2])
-    return 1.0 - ahead / turned, float(way[1]) / ahead
+        moved = pin.Quaternion(state.configuration[3:7]).toRotationMatrix().T @ (state.configuration[:3] - before)
+        way += moved[:2]
+    turned = float(np.mean(radii * (state.joints[0, wheels] - angles)))
+    return 1.0 - float(way[0]) / turned, float(way[1] / way[0])
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print."""
     parser = options.Parser(prog="measure_slip", description="Measure the slip that the odometry should expect.")
     parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
+    options.add_rover(parser)
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
     given = parser.parse_args(arguments)
+    overrides = [*given.set, *([] if given.rover is None else [f"rover={given.rover}"])]
     slips = {}
     for grade in GRADES_DEG:
-        slips[grade], _ = drive(on_plane(given.scenario, given.set, abs(grade), 0.0 if grade > 0.0 else 180.0))
+        slips[grade], _ = drive(on_plane(given.scenario, overrides, abs(grade), 0.0 if grade > 0.0 else 180.0))
         print(f"grade {grade:+.0f} deg: slip {slips[grade]:.3f}", flush=True)
     rise = math.tan(math.radians(4.0))
     print(f"mean_slip: {slips[0.0]:.3f}")
     print(f"slip_per_grade: {(slips[4.0] - slips[-4.0]) / (2.0 * rise):.2f}")
     for slope in ACROSS_DEG:
-        _, aside = drive(on_plane(given.scenario, given.set, slope, 90.0))
+        _, aside = drive(on_plane(given.scenario, overrides, slope, 90.0))
         print(
             f"across {slope:.0f} deg: side slip for each grade {-aside / math.tan(math.radians(slope)):.2f}", flush=True
         )

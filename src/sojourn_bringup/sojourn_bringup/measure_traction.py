@@ -16,7 +16,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from sojourn_bringup import options
-from sojourn_bringup.measure_slip import WHEEL_RATE, on_plane
+from sojourn_bringup.errors import UsageError
+from sojourn_bringup.measure_slip import PART_OF_SPEED, on_plane
 from sojourn_config.scenario import LoadedScenario
 from sojourn_mechanics.params import FloatArray, IntArray
 from sojourn_mechanics.plant.state import zeros_command
@@ -40,16 +41,16 @@ class Sample(NamedTuple):
     kinds: IntArray
 
 
-def samples(scenario: LoadedScenario, grade_deg: float, rut_width: float) -> list[Sample]:
+def samples(scenario: LoadedScenario, grade_deg: float, loads: FloatArray, rut_width: float) -> list[Sample]:
     """What a drive up a plane shows, a look a second, while the slip is steady."""
     model, state = build_plant(scenario)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
-    command.reference[0] = state.joints[0]
+    command.reference[0] = state.motor_angles
     rows = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
-    command.reference[1, rows] = WHEEL_RATE
     table, period = scenario.steering.table(), model.simulation.control_period
+    command.reference[1, rows] = PART_OF_SPEED * scenario.drive.limits.max_speed / table[:, 2]
     pitch = -math.radians(grade_deg)
-    levers = table[:, 2] * (scenario.wheel_loads() @ np.array((math.cos(pitch), math.sin(pitch), 0.0)))
+    levers = table[:, 2] * (loads @ np.array((math.cos(pitch), math.sin(pitch), 0.0)))
     begin, found, before = state.configuration[:3].copy(), [], math.nan
     for tick in range(1, round(LENGTH_S / period) + 1):
         state, output = step(model, state, command)
@@ -57,7 +58,8 @@ def samples(scenario: LoadedScenario, grade_deg: float, rut_width: float) -> lis
             continue
         way = float(np.linalg.norm(state.configuration[:3] - begin))
         kinds = np.array([int(in_rut(table, i, 1.0, 0.0, rut_width, way)) for i in range(len(rows))])
-        slip = float(np.mean(output.contacts[: len(rows), 4]))
+        ground = 1.0 - output.contacts[: len(rows), 4]  # the plant counts on the rim, the drive on the grouser tips
+        slip = 1.0 - float(np.mean(ground * [wheel.radius for wheel in model.machine.wheels] / table[:, 2]))
         steady, before = abs(slip - before) < STEADY, slip
         if not steady:
             continue
@@ -95,8 +97,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     looks: list[Sample] = []
     for grade in GRADES_DEG:
         scenario = on_plane(given.scenario, given.set, abs(grade), 0.0 if grade > 0.0 else 180.0)
-        width = 0.08 if scenario.drive.slip is None else scenario.drive.slip.rut_width
-        looks += samples(scenario, grade, width)
+        if scenario.drive.slip is None or (loads := scenario.wheel_loads()) is None:
+            raise UsageError(f"the drive of {scenario.config.rover}: no `slip`; allowed is one that estimates it")
+        looks += samples(scenario, grade, loads, scenario.drive.slip.rut_width)
         print(
             f"grade {grade:+.0f} deg: slip {looks[-1].slip:.3f}, torque coefficient {looks[-1].torque:.3f}", flush=True
         )

@@ -43,6 +43,11 @@ def add_place(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_rover(parser: argparse.ArgumentParser) -> None:
+    """--rover: another machine than the scenario's."""
+    parser.add_argument("--rover", metavar="NAME", help="rover in place of the scenario's: name in config/rovers")
+
+
 def add_result(parser: argparse.ArgumentParser, names: str) -> None:
     """--json and --bag: where the result of a comparison goes.
 

@@ -130,7 +130,7 @@ def check_lockstep(participants: Iterable[str]) -> None:
             continue
         inputs = awaited_inputs(role, present)
         stride = Barrier(inputs).stride
-        for row in outputs_of(role):
+        for row in outputs_of(role, present):
             waiting = [other for other in present if row in _waited_for(other, present)]
             if waiting and (not inputs or row.every % stride):
                 raise UsageError(
@@ -141,7 +141,9 @@ def check_lockstep(participants: Iterable[str]) -> None:
 
 def _waited_for(role: str, present: tuple[str, ...]) -> list[object]:
     names = {row.name for row in awaited_inputs(role, present)}
-    return [row for other in present for row in outputs_of(other) if row.name in names and row.publisher == other]
+    return [
+        row for other in present for row in outputs_of(other, present) if row.name in names and row.publisher == other
+    ]
 
 
 def _lacking(role: str, present: tuple[str, ...]) -> str:

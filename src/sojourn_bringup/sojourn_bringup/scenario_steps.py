@@ -50,7 +50,7 @@ def prepare_scenario(name: str, overrides: Sequence[str] = ()) -> PreparedScenar
 
 def script_steps(scenario: LoadedScenario) -> list[tuple[Action, float | None]]:
     """Steps of a scenario, each with its limit [s] or None."""
-    joints = scenario.arm.joint_names
+    joints = scenario.arm_joints
     return [(_action(step.action, joints), step.timeout_s) for step in scenario.config.steps]
 
 

@@ -55,6 +55,7 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
     options.add_place(result)
     result.add_argument("--network", action="store_true", help="find nodes on other machines too")
     result.add_argument("--run-dir", type=Path, metavar="DIR", help="folder of the run (default: a new one in runs/)")
+    options.add_rover(result)
     result.add_argument("--seed", type=options.whole_number, metavar="N", help="seed in place of the scenario's")
     result.add_argument(
         "--set",
@@ -89,10 +90,15 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     """
     replacements = _commands(given.replace, "--replace")
     shadows = _commands(given.shadow, "--shadow")
-    overrides = [*given.overrides, *([f"seed={given.seed}"] if given.seed is not None else [])]
+    overrides = list(given.overrides)
+    for key in ("rover", "seed"):
+        value = getattr(given, key)
+        overrides += [] if value is None else [f"{key}={value}"]
     scenario = prepare_scenario(given.scenario, overrides)
     participants = _participants(given, scenario.loaded, screen)
     started = tuple(role for role in participants if not given.only or role in given.only)
+    if scenario.loaded.arm is None and "arm" in {*given.only, *replacements, *shadows}:
+        raise UsageError(f"the rover {scenario.loaded.config.rover} has no arm: there is no role arm in its runs")
     for role in given.only:
         if role in given.without:
             raise UsageError(f"--only and --without both name {role}")
@@ -145,6 +151,8 @@ def _commands(texts: Sequence[str], option: str) -> dict[str, str]:
 def _participants(given: argparse.Namespace, scenario: LoadedScenario, screen: Screen) -> tuple[str, ...]:
     """Roles that take part: all but those left out, and no scripted operator where it could not do its steps."""
     without = set(given.without)
+    if scenario.arm is None:
+        without.add("arm")
     if "operator" not in without:
         needed = needed_roles(scenario)
         lacking = [role for role in needed if role in without]

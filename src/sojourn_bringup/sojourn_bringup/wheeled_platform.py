@@ -13,6 +13,7 @@ from sojourn_mechanics.plant.params import MachineParams
 
 WHEEL_MASS = 2.0
 STEER_MASS = 0.5
+STRUT_MASS = 0.5
 SIDES = (("left", 1.0), ("right", -1.0))
 
 
@@ -29,6 +30,7 @@ def wheeled_platform(
     drives: Sequence[DriveParams],
     steering: DriveParams | None = None,
     steered: Sequence[int] = (),
+    struts: DriveParams | None = None,
     chassis_mass: float = 100.0,
     chassis_inertia: tuple[float, float, float] = (10.0, 20.0, 25.0),
     centre: tuple[float, float] = (0.0, 0.25),
@@ -40,6 +42,7 @@ def wheeled_platform(
         places: x of the axles, from front to rear [m]. wheel: pattern of all wheels; names and joints are filled in.
         drives: motor of the wheels of each axle, one an axle or one for all; their joints are filled in.
         steering: motor of the steered wheels. steered: numbers of the axles that steer.
+        struts: upright suspension of every wheel, a position servo for spring and damper; none: rigid.
         chassis_mass: [kg]. chassis_inertia: about its centre of mass, x, y, z [kg m^2].
         centre: of the chassis' mass, x and z in base_link [m]. track: between the wheels of an axle [m].
     """
@@ -48,7 +51,9 @@ def wheeled_platform(
         f'<link name="base_link"><inertial><origin xyz="{centre[0]} 0 {centre[1]}"/><mass value="{chassis_mass}"/>'
         f'<inertia ixx="{roll}" iyy="{pitch}" izz="{yaw}" ixy="0" ixz="0" iyz="0"/></inertial></link>'
     ]
-    wheels, turned = [], []
+    wheels: list[WheelParams] = []
+    turned: list[str] = []
+    sprung: list[str] = []
     axles: list[list[str]] = []
     for number, x in enumerate(places):
         axles.append([])
@@ -62,6 +67,11 @@ def wheeled_platform(
                 links.append(_joint(steer, "revolute", parent, f"steer_{name}_link", place, "0 0 1"))
                 turned.append(steer)
                 parent, place = f"steer_{name}_link", "<origin/>"
+            if struts is not None:
+                sprung.append(f"strut_{name}_joint")
+                links.append(_link(f"strut_{name}_link", STRUT_MASS, 0.05))
+                links.append(_joint(sprung[-1], "prismatic", parent, f"strut_{name}_link", place, "0 0 1"))
+                parent, place = f"strut_{name}_link", "<origin/>"
             joint = f"wheel_{name}_joint"
             links.append(_link(f"wheel_{name}_link", WHEEL_MASS, wheel.radius))
             links.append(_joint(joint, "continuous", parent, f"wheel_{name}_link", place, "0 1 0"))
@@ -73,6 +83,8 @@ def wheeled_platform(
         groups = [drive.model_copy(update={"joints": tuple(axle)}) for drive, axle in zip(drives, axles, strict=True)]
     if steering is not None and turned:
         groups.append(steering.model_copy(update={"joints": tuple(turned)}))
+    if struts is not None:
+        groups.append(struts.model_copy(update={"joints": tuple(sprung)}))
     machine = MachineParams(
         wheels=tuple(wheels),
         drives=tuple(groups),
@@ -89,7 +101,7 @@ def _link(name: str, mass: float, radius: float) -> str:
 
 
 def _joint(name: str, kind: str, parent: str, child: str, place: str, axis: str) -> str:
-    limit = '<limit lower="-1.5" upper="1.5" effort="1000" velocity="100"/>' if kind == "revolute" else ""
+    limit = '<limit lower="-1.5" upper="1.5" effort="1000" velocity="100"/>' if kind != "continuous" else ""
     return (
         f'<joint name="{name}" type="{kind}">{place}<parent link="{parent}"/><child link="{child}"/>'
         f'<axis xyz="{axis}"/>{limit}</joint>'

@@ -44,7 +44,10 @@ def load_arm(name: str) -> SerialArm:
             raise single("command line", "arm", name, "there is no such file; without a path, " + _known(path.stem))
         return arm_of_file(path)
     if name in available("rovers"):
-        name = load_params("rovers", name, RoverConfig).arm
+        carried = load_params("rovers", name, RoverConfig).arm
+        if carried is None:
+            raise single("command line", "arm", name, f"the rover {name} has no arm: " + _known(name))
+        name = carried
     if name in available("arms"):
         return _arm_on_rover(name)
     if name not in arm_names():

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from sojourn_config.errors import ConfigError, Problem
+from sojourn_config.errors import ConfigError, Problem, single
 from sojourn_config.load import validate
 from sojourn_config.machine_checks import ground_problems, machine_problems, steering_geometry, with_drive_data
 from sojourn_config.overrides import override_document
@@ -40,8 +40,9 @@ class Bundle:
         extra_soils: soils of patches and of the soil raster.
         battery, bus: energy store and its loads.
         power_manager: what the power manager believes and its law.
-        sensors, arm, drive: sets of the sensor, arm and drive node; rotor inertia and friction that the arm's
-            file leaves out are filled in from the rover's drives.
+        sensors, drive: sets of the sensor and drive node.
+        arm: set of the arm node, None for a rover without one; rotor inertia and friction that its file leaves out
+            are filled in from the rover's drives.
         steering: wheels as the drive node sees them, from URDF and rover.
         files: text of every file that was read, by name; the scenario's is first.
     """
@@ -56,7 +57,7 @@ class Bundle:
     bus: BusParams
     power_manager: PowerManagerParams
     sensors: SensorSuiteParams
-    arm: ArmParams
+    arm: ArmParams | None
     drive: DriveParams
     steering: SteeringGeometryParams
     files: dict[str, str]
@@ -70,6 +71,22 @@ class Bundle:
     def soils(self) -> dict[str, SoilParams]:
         """The soils of the ground by name."""
         return {soil.name: soil for soil in (*self.extra_soils, self.rock_soil, self.soil)}
+
+    def carried_arm(self) -> ArmParams:
+        """The set of the arm. Raises ConfigError for a rover without one."""
+        if self.arm is None:
+            raise single(next(iter(self.files)), "rover", self.urdf.file, "this rover has no arm")
+        return self.arm
+
+    @property
+    def arm_joints(self) -> tuple[str, ...]:
+        """Joints of the arm; none where there is no arm."""
+        return () if self.arm is None else self.arm.joint_names
+
+    def arm_pose(self, name: str) -> dict[str, float]:
+        """Angles of the arm's joints in a named pose [rad]; none where there is no arm, or no such pose."""
+        positions = () if self.arm is None else self.arm.named_poses.get(name, ())
+        return dict(zip(self.arm_joints, positions, strict=False))
 
     @property
     def gravity(self) -> float:
@@ -114,20 +131,28 @@ class BundleReader:
         bus = self._load("power", config.loads, "loads", BusParams, there)
         law = self._load("power", config.power_manager, "power_manager", PowerLawParams, there)
         sensors = self._load("sensors", config.sensors, "sensors", SensorSuiteParams, there)
-        arm = self._load("arms", config.arm, "arm", ArmParams, there)
+        arm = self._arm(rover, config.arm, there)
         drive = self._load("nodes", config.drive, "drive", DriveParams, there)
-        if urdf is None or battery is None or bus is None or law is None or sensors is None or arm is None:
+        if urdf is None or battery is None or bus is None or law is None or sensors is None:
             return None
-        if drive is None or found_body is None or found_soil is None or found_rock is None:
+        if (
+            (config.arm is not None and arm is None)
+            or drive is None
+            or found_body is None
+            or found_soil is None
+            or found_rock is None
+        ):
             return None
         extra = tuple(found for found in found_extra if found is not None)
         if len(extra) < len(found_extra):
             return None
-        documents = {"rover": document, "sensors": sensors[1], "arm": arm[1], "drive": drive[1]}
+        documents = {"rover": document, "sensors": sensors[1], "drive": drive[1]}
+        if arm is not None:
+            documents["arm"] = arm[1]
         grounds = {ground.name: ground for ground in (found_soil, found_rock, *extra)}
         for ground in grounds.values():
             self.problems += ground_problems(config, ground, self._soils[ground.name])
-        found = machine_problems(config, urdf, bus[0], sensors[0], arm[0], drive[0], documents)
+        found = machine_problems(config, urdf, bus[0], sensors[0], arm and arm[0], drive[0], documents)
         if found:
             self.problems += found
             return None
@@ -142,11 +167,21 @@ class BundleReader:
             bus=bus[0],
             power_manager=PowerManagerParams(battery=battery[0], loads=bus[0].loads, law=law[0]),
             sensors=sensors[0],
-            arm=with_drive_data(arm[0], config),
+            arm=None if arm is None else with_drive_data(arm[0], config),
             drive=drive[0],
             steering=steering_geometry(config, urdf),
             files=self.files,
         )
+
+    def _arm(
+        self, rover: str, name: str | None, asked: tuple[YamlDocument, Path]
+    ) -> tuple[ArmParams, YamlDocument, Path] | None:
+        """The set of the arm; None where the rover has none, or with the reason in `problems`."""
+        if name is not None:
+            return self._load("arms", name, "arm", ArmParams, asked)
+        for text in self._overrides.get("arm", ()):
+            self.problems.append(Problem(f"--set arm.{text}", "", "", f"the rover {rover} has no arm"))
+        return None
 
     def _load(
         self, kind: str, name: str, key: str, model: type[Model], asked: tuple[YamlDocument, Path]

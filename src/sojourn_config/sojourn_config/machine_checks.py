@@ -1,13 +1,14 @@
 """Checks of a rover across its files: URDF, wheels, drives, loads, sensors, arm, drive node."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from sojourn_config.errors import MISSING, Problem, names_text
 from sojourn_config.mechanism_checks import BASE_LINK, mechanism_problems
 from sojourn_config.rover import RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
+from sojourn_mechanics.actuators.params import DriveParams as DriveTrainParams
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.contact.params import WheelParams
 from sojourn_mechanics.contact.roller_wheel import RollerWheelParams
@@ -25,13 +26,14 @@ def machine_problems(
     urdf: UrdfSummary,
     bus: BusParams,
     sensors: SensorSuiteParams,
-    arm: ArmParams,
+    arm: ArmParams | None,
     drive: DriveParams,
     documents: Mapping[str, YamlDocument],
 ) -> list[Problem]:
     """All that does not fit together.
 
     Args:
+        arm: None for a rover without one.
         documents: the files by role (`rover`, `sensors`, `arm`, `drive`), for messages.
     """
     problems = [
@@ -40,7 +42,7 @@ def machine_problems(
         *_drive_problems(rover, urdf, bus, documents["rover"]),
         *_reference_problems(rover, urdf, documents["rover"]),
         *_sensor_problems(sensors, urdf, documents["sensors"]),
-        *_arm_problems(arm, rover, urdf, documents["arm"]),
+        *(() if arm is None else _arm_problems(arm, rover, urdf, documents["arm"])),
     ]
     if not problems:
         problems += _limit_problems(rover, urdf, drive, documents["drive"])
@@ -84,7 +86,7 @@ def _wheel_geometry(wheel: WheelParams, urdf: UrdfSummary) -> WheelGeometry:
             "name": wheel.name,
             "x": float(place[0]),
             "y": float(place[1]),
-            "radius": wheel.radius,
+            "radius": wheel.shear_radius,
             "steered": wheel.steer_joint is not None,
             "roller_angle": math.radians(contact.roller_angle_deg) if isinstance(contact, RollerWheelParams) else None,
             "max_rate": _finite(urdf.joints[wheel.joint].velocity),
@@ -105,8 +107,26 @@ def with_drive_data(arm: ArmParams, rover: RoverConfig) -> ArmParams:
         "reflected_inertia": tuple(drive.reflected_inertia for drive in found),
         "coulomb_friction": tuple(drive.friction_torque for drive in found),
         "viscous_friction": tuple(drive.gear.viscous_friction for drive in found),
+        "gear_efficiency": tuple(drive.gear.efficiency for drive in found),
+        "winding_loss": tuple(drive.motor.resistance / drive.torque_per_current**2 for drive in found),
+        "motor_effort": tuple(
+            min(drive.servo.max_torque, drive.motor.max_current * drive.torque_per_current) for drive in found
+        ),
+        **_gear_data(found),
     }
     return arm.model_copy(update={name: value for name, value in update.items() if not getattr(arm, name)})
+
+
+def _gear_data(drives: Sequence[DriveTrainParams]) -> dict[str, tuple[float, ...]]:
+    """Play and give that the arm's law has to make up for: of gears whose encoder is on the motor."""
+    seen = [drive.play if drive.servo.encoder == "motor" else None for drive in drives]
+    if not any(seen):
+        return {}
+    return {
+        "gear_compliance": tuple(0.0 if play is None else 1.0 / play.stiffness for play in seen),
+        "gear_backlash": tuple(0.0 if play is None else play.backlash for play in seen),
+        "bearing_friction": tuple(0.0 if play is None else play.bearing_friction for play in seen),
+    }
 
 
 def _joint_problem(document: YamlDocument, path: KeyPath, name: str, urdf: UrdfSummary) -> Problem | None:

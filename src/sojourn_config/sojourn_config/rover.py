@@ -17,5 +17,5 @@ class RoverConfig(MachineParams):
     loads: str = Field(min_length=1, description="loads on the bus: name in config/power")
     power_manager: str = Field(min_length=1, description="law of the power manager: name in config/power")
     sensors: str = Field(min_length=1, description="name in config/sensors")
-    arm: str = Field(min_length=1, description="name in config/arms")
+    arm: str | None = Field(default=None, min_length=1, description="name in config/arms; left out: it has no arm")
     drive: str = Field(min_length=1, description="goal follower, limits, odometry: name in config/nodes")

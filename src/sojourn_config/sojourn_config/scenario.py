@@ -19,7 +19,7 @@ from sojourn_config.yaml_file import read_yaml
 from sojourn_mechanics.environment.sun import SunParams, sun_direction
 from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.params import FloatArray, Params
-from sojourn_mechanics.plant.params import SimulationParams
+from sojourn_mechanics.plant.params import FaultParams, SimulationParams
 from sojourn_mechanics.terrain.height_field import HeightField
 from sojourn_mechanics.terrain.params import TerrainParams
 
@@ -63,6 +63,7 @@ class ScenarioConfig(Params):
     duration_limit_s: float = Field(gt=0.0, le=LONGEST, description="simulated time at which a run ends [s]")
     simulation: SimulationParams = Field(default_factory=SimulationParams, description="steps of the plant")
     accept: AcceptanceConfig = Field(default_factory=AcceptanceConfig, description="how near counts as met")
+    faults: tuple[FaultParams, ...] = Field(default=(), description="motors that fail during the run")
     steps: tuple[StepConfig, ...] = Field(default=(), description="what the operator sends, in order")
 
 
@@ -99,12 +100,17 @@ class LoadedScenario(Bundle):
         """Names of the default soil and of the soil of rocks."""
         return self.soil.name, self.rock_soil.name
 
-    def wheel_loads(self) -> FloatArray:
-        """What the wheels carry by pitch and roll, arm stowed, see `wheel_load_map`; shape (wheels, 3) [N]."""
+    def wheel_loads(self) -> FloatArray | None:
+        """What the wheels carry by pitch and roll, arm stowed, see `wheel_load_map`; shape (wheels, 3) [N].
+
+        None where the drive does not estimate slip.
+        """
+        if self.drive.slip is None:
+            return None
         from sojourn_mechanics.steering.wheel_load_map import wheel_load_map  # loads Pinocchio
 
-        stowed = self.arm.named_poses.get(STOWED)
-        angles = {} if stowed is None else dict(zip(self.arm.joint_names, stowed, strict=True))
+        stowed = None if self.arm is None else self.arm.named_poses.get(STOWED)
+        angles = {} if self.arm is None or stowed is None else dict(zip(self.arm.joint_names, stowed, strict=True))
         return wheel_load_map(self.urdf_xml, self.rover, self.gravity, angles)
 
     def sun_direction(self, time: float) -> FloatArray:

@@ -1,12 +1,15 @@
 """Checks of a scenario against its ground and its arm: goals on the map, named poses that exist."""
 
+import math
 import typing
 from collections.abc import Iterator
 
 from sojourn_config.bundle import Bundle
 from sojourn_config.errors import Problem, names_text
-from sojourn_config.steps import ArmJointsStep, DriveGoalStep, DriveRouteStep
+from sojourn_config.steps import ArmGroundStep, ArmJointsStep, ArmPoseStep, DriveGoalStep, DriveRouteStep
+from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
+from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.terrain.params import TerrainParams
 
 if typing.TYPE_CHECKING:
@@ -26,8 +29,13 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
             places.append((path, action.x, action.y))
         elif isinstance(action, DriveRouteStep):
             places += [((*path, "points", i), point.x, point.y) for i, point in enumerate(action.points)]
-        elif isinstance(action, ArmJointsStep) and bundle is not None:
-            yield from _arm_goal_problems(action, path, bundle, document)
+        elif isinstance(action, ArmPoseStep | ArmGroundStep | ArmJointsStep) and bundle is not None:
+            if bundle.arm is None:
+                yield document.problem(path, step.kind, f"the rover {config.rover} has no arm")
+            elif isinstance(action, ArmJointsStep):
+                yield from _arm_goal_problems(action, path, bundle.arm, bundle.urdf, document)
+    if bundle is not None:
+        yield from _fault_problems(config, bundle, document)
     for path, x, y in places:
         yield from _place_problems(config.terrain, path, x, y, document)
 
@@ -50,21 +58,43 @@ def _place_problems(
             yield document.problem((*path, key), value, allowed)
 
 
+def _fault_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
+    """A motor that fails is one of the rover's, and an angle at which it locks one that it can reach."""
+    servos = {joint: drive.servo.mode for drive in bundle.rover.drives for joint in drive.joints}
+    for index, fault in enumerate(config.faults):
+        path: KeyPath = ("faults", index)
+        if fault.joint not in servos:
+            yield document.problem((*path, "joint"), fault.joint, "has no motor: " + names_text(fault.joint, servos))
+            continue
+        if any(other.joint == fault.joint for other in config.faults[:index]):
+            yield document.problem((*path, "joint"), fault.joint, "fails above already: allowed is one fault a joint")
+        if fault.angle_deg is None:
+            continue
+        joint = bundle.urdf.joints[fault.joint]
+        low, high = math.degrees(joint.lower), math.degrees(joint.upper)
+        if servos[fault.joint] != "position":
+            allowed = "its motor is commanded by rate: allowed is no angle"
+            yield document.problem((*path, "angle_deg"), fault.angle_deg, allowed)
+        elif not low <= fault.angle_deg <= high:
+            allowed = f"allowed is {low:g} to {high:g} degrees, the limits of {fault.joint}"
+            yield document.problem((*path, "angle_deg"), fault.angle_deg, allowed)
+
+
 def _arm_goal_problems(
-    action: ArmJointsStep, path: KeyPath, bundle: Bundle, document: YamlDocument
+    action: ArmJointsStep, path: KeyPath, arm: ArmParams, urdf: UrdfSummary, document: YamlDocument
 ) -> Iterator[Problem]:
-    if action.name is not None and action.name not in bundle.arm.named_poses:
-        allowed = "is no pose of the arm: " + names_text(action.name, bundle.arm.named_poses)
+    if action.name is not None and action.name not in arm.named_poses:
+        allowed = "is no pose of the arm: " + names_text(action.name, arm.named_poses)
         yield document.problem((*path, "name"), action.name, allowed)
     if action.positions is None:
         return
-    names = bundle.arm.joint_names
+    names = arm.joint_names
     if len(action.positions) != len(names):
         allowed = f"has {len(action.positions)} values: allowed is {len(names)}, for " + ", ".join(names)
         yield document.problem((*path, "positions"), list(action.positions), allowed)
         return
     for index, (value, name) in enumerate(zip(action.positions, names, strict=True)):
-        joint = bundle.urdf.joints[name]
+        joint = urdf.joints[name]
         if not joint.lower <= value <= joint.upper:
             allowed = f"allowed is {joint.lower:g} to {joint.upper:g} rad, the limits of {name}"
             yield document.problem((*path, "positions", index), value, allowed)

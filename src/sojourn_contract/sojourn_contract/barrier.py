@@ -24,8 +24,9 @@ def awaited_inputs(role: str, participants: Iterable[str]) -> tuple[Topic, ...]:
 
     The recorder writes a period when it is complete, so for it no row is pipelined.
     """
-    present = set(participants) - {role}
-    rows = tuple(row for row in inputs_of(role) if not row.is_event and row.publisher in present)
+    roles = set(participants)
+    present = roles - {role}
+    rows = tuple(row for row in inputs_of(role, roles | {role}) if not row.is_event and row.publisher in present)
     return tuple(replace(row, lag=0) for row in rows) if role == "recorder" else rows
 
 

@@ -4,7 +4,7 @@ A node adds its own checks (joint names, frames) on top. NaN and infinity never 
 """
 
 from collections.abc import Callable
-from math import isfinite
+from math import isfinite, isnan
 from typing import Any
 
 from sojourn_contract.clouds import points_of
@@ -100,6 +100,14 @@ def _check_twist(topic: str, message: Any) -> None:
     _check_xyz(topic, "twist.angular", message.twist.angular)
 
 
+def _check_wrench(topic: str, message: Any) -> None:
+    """Numbers, or NaN throughout: not measured."""
+    force, torque = message.wrench.force, message.wrench.torque
+    if not all(isnan(value) for value in (force.x, force.y, force.z, torque.x, torque.y, torque.z)):
+        _check_xyz(topic, "wrench.force", force)
+        _check_xyz(topic, "wrench.torque", torque)
+
+
 def _check_odometry(topic: str, message: Any) -> None:
     _check_pose(topic, "pose.pose", message.pose.pose)
     _check_xyz(topic, "twist.twist.linear", message.twist.twist.linear)
@@ -137,5 +145,6 @@ _CHECKS: dict[str, Callable[[str, Any], None]] = {
     "Imu": _check_imu,
     "Vector3Stamped": lambda topic, message: _check_xyz(topic, "vector", message.vector),
     "BatteryState": _check_battery,
+    "WrenchStamped": _check_wrench,
     "PointCloud2": _check_cloud,
 }

@@ -14,6 +14,10 @@ FORCE_TOLERANCE = 1e-6
 FLOAT32_TOLERANCE = 1e-5
 """Of fields that the type declares as float32: above its spacing up to 128."""
 EFFORT = FieldRule("effort", "N m", low=-1e4, high=1e4, tolerance=TORQUE_TOLERANCE)
+WRENCH = (
+    FieldRule("wrench.force", "N", "its sensor", low=-1e4, high=1e4, tolerance=FORCE_TOLERANCE, optional=True),
+    FieldRule("wrench.torque", "N m", "its sensor", low=-1e4, high=1e4, tolerance=TORQUE_TOLERANCE, optional=True),
+)
 TEXTS = FieldRule("status.values", "")
 POSE = (
     FieldRule("pose.pose.position", "m", low=-1e5, high=1e5),

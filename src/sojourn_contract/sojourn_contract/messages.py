@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Point, Quaternion, Vector3
+from geometry_msgs.msg import Point, Quaternion, Vector3, WrenchStamped
 from numpy.typing import NDArray
 from sensor_msgs.msg import BatteryState, JointState, PointCloud2, PointField
 
@@ -90,6 +90,23 @@ def yaw_of(orientation: Quaternion) -> float | None:
     if x * x + y * y + z * z + w * w < 1e-6:
         return None
     return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+
+
+def wrench_stamped(stamp: int, frame: str, values: NDArray[np.float64] | None) -> WrenchStamped:
+    """Force and moment, (6,) [N], [N m], in a frame; NaN throughout where it is not measured (None)."""
+    message = WrenchStamped()
+    message.header.stamp = stamps.to_message(stamp)
+    message.header.frame_id = frame
+    numbers = np.full(6, math.nan) if values is None else values
+    set_xyz(message.wrench.force, numbers[:3])
+    set_xyz(message.wrench.torque, numbers[3:])
+    return message
+
+
+def wrench_values(message: WrenchStamped) -> NDArray[np.float64] | None:
+    """Force and moment of a message, (6,), or None where it is not measured."""
+    values = np.concatenate([xyz(message.wrench.force), xyz(message.wrench.torque)])
+    return None if np.isnan(values).any() else values
 
 
 def battery_state(

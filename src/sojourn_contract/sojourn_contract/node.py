@@ -110,7 +110,7 @@ class ContractNode(Node):
         self._last_ready = 0.0
         self._advancing = False
         self._raw_topics = frozenset(row.name for row in inputs_of(role)) if raw else raw_topics
-        self._outputs = {row.name: row for row in outputs_of(role)}
+        self._outputs = {row.name: row for row in outputs_of(role, {*self.participants, role})}
         self._senders = {row.name: self._create_output(row) for row in self._outputs.values()}
         self._readers = {row.name: self._create_input(row) for row in self._inputs()}
         self._periodic = [row for row in self._inputs() if not row.is_event and row.publisher != "all"]
@@ -142,6 +142,10 @@ class ContractNode(Node):
     def heartbeat_values(self) -> dict[str, str]:
         """What a node adds to its heartbeat; must not depend on wall time in lock-step."""
         return {}
+
+    def gives(self, topic: str) -> bool:
+        """Whether this run has a topic of the role."""
+        return topic in self._outputs
 
     def publish(self, topic: str, message: Any) -> None:
         """Publish on a topic of the role and count it."""
@@ -205,7 +209,7 @@ class ContractNode(Node):
         """
         return [
             row
-            for row in inputs_of(self.role)
+            for row in inputs_of(self.role, {*self.participants, self.role})
             if row.is_event or row.publisher == "all" or not self.lockstep or row.name in self._awaited_by_name
         ]
 

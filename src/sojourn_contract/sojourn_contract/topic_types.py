@@ -1,5 +1,6 @@
 """What a row of the topic table consists of: a topic, the rules of its fields, its quality of service."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -64,6 +65,7 @@ class Topic:
         logged: whether the recorder writes it.
         frames: what header.frame_id may be; empty where it carries no frame. child_frame: child_frame_id.
         joints: set of joints that a message names, see JOINT_SETS; "" where it names none.
+        part: role without which a run has no such topic; "" where every run has it.
     """
 
     name: str
@@ -80,6 +82,11 @@ class Topic:
     frames: tuple[str, ...] = ()
     child_frame: str = ""
     joints: str = ""
+    part: str = ""
+
+    def is_in(self, participants: Collection[str]) -> bool:
+        """Whether a run of these roles has the topic."""
+        return not self.part or self.part in participants
 
     @property
     def is_event(self) -> bool:

@@ -6,6 +6,7 @@ unit, its frame and its plausible range. Rows stand in the order in which data f
 period, from the plant's truth to the commands that go back to it.
 """
 
+from collections.abc import Collection
 from dataclasses import replace
 
 from sojourn_contract.errors import UnknownRoleError, UnknownTopicError
@@ -18,15 +19,15 @@ from sojourn_contract.field_rules import (
     ESTIMATED_TWIST,
     FLOAT32_TOLERANCE,
     FORCE_TOLERANCE,
-    GOAL,
-    GOAL_FRAMES,
     MEASURED_RATE,
     POSE,
     RATE,
     TEXTS,
     TORQUE_TOLERANCE,
     TWIST,
+    WRENCH,
 )
+from sojourn_contract.goal_topics import GOAL_TOPICS
 from sojourn_contract.topic_types import INFINITY, FieldRule, Topic
 
 ROLES = ("plant", "sensors", "drive", "arm", "power", "operator", "recorder")
@@ -95,6 +96,17 @@ TOPICS: tuple[Topic, ...] = (
         (FieldRule("status.values", "W, J"),),
     ),
     Topic(
+        "/truth/wrist_wrench",
+        "geometry_msgs/WrenchStamped",
+        "plant",
+        ("sensors",),
+        1,
+        0.1,
+        "true load on the wrist's force sensor, mean of the period: weight, inertia and contact of the tool",
+        WRENCH,
+        part="arm",
+    ),
+    Topic(
         "/truth/joint_states",
         "sensor_msgs/JointState",
         "plant",
@@ -104,6 +116,16 @@ TOPICS: tuple[Topic, ...] = (
         "true position, rate and effort of every joint",
         (ANGLE, MEASURED_RATE, EFFORT),
         joints="moving",
+    ),
+    Topic(
+        "/truth/motor_states",
+        "sensor_msgs/JointState",
+        "plant",
+        ("sensors",),
+        1,
+        0.1,
+        "true angle and rate, over the gear, of motors whose gear has play, and the torque through its teeth",
+        (ANGLE, MEASURED_RATE, EFFORT),
     ),
     Topic(
         "/bus/state",
@@ -125,6 +147,17 @@ TOPICS: tuple[Topic, ...] = (
         "measured position and rate of every joint with an encoder",
         (ANGLE, ENCODER_RATE, replace(EFFORT, optional=True)),
         joints="measured",
+    ),
+    Topic(
+        "/wrist/wrench",
+        "geometry_msgs/WrenchStamped",
+        "sensors",
+        ("arm",),
+        1,
+        0.1,
+        "measured force and moment of the tool on the arm; NaN where the arm has no such sensor",
+        WRENCH,
+        part="arm",
     ),
     Topic(
         "/imu/data",
@@ -184,7 +217,7 @@ TOPICS: tuple[Topic, ...] = (
         "/battery_state",
         "sensor_msgs/BatteryState",
         "power",
-        ("operator",),
+        ("drive", "operator"),
         50,
         3.0,
         "estimated charge of the battery",
@@ -219,7 +252,7 @@ TOPICS: tuple[Topic, ...] = (
         ("operator",),
         50,
         3.0,
-        "goal, state, distance to go and reason",
+        "goal, state, distance to go, errors on the path, energy and reason",
         (TEXTS,),
     ),
     Topic(
@@ -254,76 +287,7 @@ TOPICS: tuple[Topic, ...] = (
         "goal, state, progress and reason",
         (TEXTS,),
     ),
-    Topic(
-        "/cmd_vel",
-        "geometry_msgs/TwistStamped",
-        "operator",
-        ("drive",),
-        0,
-        0.5,
-        "wanted velocity of base_link",
-        (
-            FieldRule("twist.linear", "m/s", frame="base_link", low=-10.0, high=10.0),
-            FieldRule("twist.angular", "rad/s", frame="base_link", low=-10.0, high=10.0),
-        ),
-        frames=("base_link", ""),
-    ),
-    Topic(
-        "/goal_pose",
-        "geometry_msgs/PoseStamped",
-        "operator",
-        ("drive",),
-        0,
-        10.0,
-        "drive there",
-        GOAL,
-        frames=GOAL_FRAMES,
-    ),
-    Topic(
-        "/waypoints",
-        "nav_msgs/Path",
-        "operator",
-        ("drive",),
-        0,
-        10.0,
-        "drive along these",
-        (FieldRule("poses.pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),),
-        frames=GOAL_FRAMES,
-    ),
-    Topic(
-        "/arm/goal_pose",
-        "geometry_msgs/PoseStamped",
-        "operator",
-        ("arm",),
-        0,
-        10.0,
-        "place the arm's tip there; an orientation other than identity or zero asks for the direction of its z axis",
-        GOAL,
-        frames=GOAL_FRAMES,
-    ),
-    Topic(
-        "/arm/joint_goal",
-        "sensor_msgs/JointState",
-        "operator",
-        ("arm",),
-        0,
-        10.0,
-        "move to these joint positions; a header.frame_id of stow or unfold and no joints asks for that pose",
-        (replace(ANGLE, optional=True),),
-        joints="arm",
-    ),
-    Topic(
-        "/arm/joint_trajectory",
-        "trajectory_msgs/JointTrajectory",
-        "operator",
-        ("arm",),
-        0,
-        10.0,
-        "move through these joint positions",
-        (FieldRule("points.positions", "rad", low=-10.0, high=10.0),),
-        joints="arm",
-    ),
-    Topic("/arm/stop", "std_msgs/Header", "operator", ("arm",), 0, 10.0, "stop the arm and hold"),
+    *GOAL_TOPICS,
     Topic(
         "/operator/tick",
         "std_msgs/Header",
@@ -367,18 +331,22 @@ def topic(name: str) -> Topic:
         raise UnknownTopicError(name, tuple(_BY_NAME)) from None
 
 
-def outputs_of(role: str) -> tuple[Topic, ...]:
-    """Topics that a role publishes, heartbeats included. Raises UnknownRoleError."""
+def outputs_of(role: str, participants: Collection[str] = ROLES) -> tuple[Topic, ...]:
+    """Topics that a role publishes in a run of these roles, heartbeats included. Raises UnknownRoleError."""
     _check_role(role)
-    return tuple(row for row in TOPICS if row.publisher in (role, "all"))
+    return tuple(row for row in TOPICS if row.publisher in (role, "all") and row.is_in(participants))
 
 
-def inputs_of(role: str) -> tuple[Topic, ...]:
-    """Topics that a role acts on; for the recorder every logged one. Raises UnknownRoleError."""
+def inputs_of(role: str, participants: Collection[str] = ROLES) -> tuple[Topic, ...]:
+    """Topics that a role acts on in a run of these roles; for the recorder every logged one.
+
+    Raises UnknownRoleError.
+    """
     _check_role(role)
+    rows = (row for row in TOPICS if row.is_in(participants))
     if role == "recorder":
-        return tuple(row for row in TOPICS if row.logged)
-    return tuple(row for row in TOPICS if role in row.subscribers)
+        return tuple(row for row in rows if row.logged)
+    return tuple(row for row in rows if role in row.subscribers)
 
 
 def _check_role(role: str) -> None:

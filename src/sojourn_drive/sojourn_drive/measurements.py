@@ -63,7 +63,7 @@ class WheelMeasurements:
             wheel_positions=position[drive],
             wheel_rates=rate[drive],
             steer_angles=angles,
-            wheel_torques=np.array(joints.effort)[drive] if len(joints.effort) else None,
+            wheel_efforts=np.array(joints.effort)[drive] if len(joints.effort) else None,
             gyro=(float(gyro[0]), float(gyro[1]), float(gyro[2])),
             specific_force=(float(force[0]), float(force[1]), float(force[2])),
             roll_pitch=self._roll_pitch(quaternion(imu.orientation)),

@@ -20,6 +20,8 @@ from sojourn_contract.messages import set_quaternion, set_xyz
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
 from sojourn_drive.arm_interlock import ArmInterlock
+from sojourn_drive.charge import ChargeGauge
+from sojourn_drive.clouds import Clouds, eye_of
 from sojourn_drive.goals import GoalDesk
 from sojourn_drive.measurements import WheelMeasurements
 from sojourn_drive.sun import SunSightings
@@ -43,11 +45,15 @@ class DriveNode(ContractNode):
         super().__init__("drive", context=context, overrides=overrides, namespace=namespace)
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         start = scenario.config.start
-        self.model = DriveModel(scenario.drive, scenario.steering, scenario.wheel_loads())
+        self.model = DriveModel(
+            scenario.drive, scenario.steering, eye_of(scenario), scenario.terrain.bounds, scenario.wheel_loads()
+        )
         self.model.warm_up()
         self.state = self.model.initial_state(start.x, start.y, start.yaw)
         self._measurements = WheelMeasurements(scenario.rover, scenario.urdf_xml)
         self._sun = SunSightings(scenario)
+        self._clouds = Clouds()
+        self._charge = ChargeGauge(scenario.power_manager)
         self._goals = GoalDesk(scenario.terrain)
         self._interlock = ArmInterlock(scenario.arm)
         self._twist: tuple[int, PlanarTwist] | None = None
@@ -65,6 +71,7 @@ class DriveNode(ContractNode):
         if switches is not None:
             self._power_limit = self._measurements.power_limit(status_values(switches), self._power_limit)
         self._interlock.hear(inputs["/joint_states"], driving=self.state.mode != "idle")
+        self._charge.hear(inputs.get("/battery_state"))
         self._take_goals(goals)
         output = self._step(stamp, inputs)
         self._goals.note(output.outcomes)
@@ -84,6 +91,8 @@ class DriveNode(ContractNode):
                 measured = self._measurements.drive_input(
                     joints, imu, self._twist_command(stamp), self._pending, self._power_limit, sun
                 )
+                cloud = self._clouds.points(inputs.get("/hazcam/points"))
+                measured = replace(measured, supply=self._charge.supply, cloud=cloud)
                 if self._interlock.reason:
                     measured = replace(measured, goal=None, stop=True, stop_reason=self._interlock.reason)
                 self.state, self._output = self.model.step(self.state, measured, self._since_last(stamp))
@@ -144,7 +153,7 @@ class DriveNode(ContractNode):
     def _status(self, stamp: int, output: DriveOutput) -> Any:
         values = self._goals.status(self.state)
         values |= {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in output.status.items()}
-        level = 1 if values["state"] in ("refused", "stopped") else 0
+        level = 1 if values["state"] in ("refused", "stopped") or values.get("failed_motors") else 0
         return status_message(stamp, "drive", values, values["reason"] or values["state"], level)
 
 

@@ -20,6 +20,7 @@ from sojourn_contract.events import parse_tick
 from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topic_types import Topic
+from sojourn_mechanics.plant.faults import MotorFaults
 from sojourn_mechanics.plant.state import PlantState
 from sojourn_mechanics.plant.step import step
 from sojourn_plant.commands import COMMANDS, CommandBuffer
@@ -55,7 +56,8 @@ class PlantNode(ContractNode):
         self.model, self.state = build_plant(scenario)
         self.ends_the_run = True
         self._commands = CommandBuffer(self.model)
-        self._commands.hold(self.state.joints[0])
+        self._commands.hold(self.state.motor_angles)
+        self._faults = MotorFaults(self.model, scenario.config.faults)
         self._truth = TruthMessages(self.model)
         self.roster = Roster(self.role, self.participants, self.timeout_s)
         self._begun = False
@@ -96,13 +98,16 @@ class PlantNode(ContractNode):
             self.finished = True
             return
         self._commands.take(inputs)
-        self.state, output = step(self.model, self.state, self._commands.at(stamp))
+        command = self._faults.on(self._commands.at(stamp), self.state.joints[0], stamps.seconds(stamp))
+        self.state, output = step(self.model, self.state, command)
         self._report_events(self.state)
         self._publish(self._truth.messages(stamp + stamps.CONTROL_PERIOD_NS, self.state, output))
 
     def heartbeat_values(self) -> dict[str, str]:
-        """Events of the machine and lost commands."""
+        """Events of the machine, motors that have failed by the scenario, and lost commands."""
+        faults = [f"{fault.joint} {fault.kind}" for fault in self._faults.acting(stamps.seconds(self.now))]
         return {
+            "faults": ", ".join(faults),
             "rolled over": str(self.state.rolled_over).lower(),
             "off the terrain": str(self.state.off_terrain).lower(),
             "lost commands": ", ".join(self._commands.lost),
@@ -164,7 +169,8 @@ class PlantNode(ContractNode):
 
     def _publish(self, messages: Iterable[tuple[str, Any]]) -> None:
         for topic, message in messages:
-            self.publish(topic, message)
+            if self.gives(topic):
+                self.publish(topic, message)
 
 
 def main() -> None:

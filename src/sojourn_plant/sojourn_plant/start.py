@@ -8,7 +8,7 @@ from sojourn_mechanics.terrain.height_field import HeightField
 
 
 def build_plant(scenario: LoadedScenario, terrain: HeightField | None = None) -> tuple[PlantModel, PlantState]:
-    """Model and first state: the machine at the scenario's start, arm stowed, at rest on its soil.
+    """Model and first state: the machine at the scenario's start, its arm, if it has one, stowed, at rest on its soil.
 
     Args:
         terrain: another ground than that of the scenario.
@@ -28,5 +28,6 @@ def build_plant(scenario: LoadedScenario, terrain: HeightField | None = None) ->
         scenario.terrain.memory_cell if scenario.terrain.memory else 0.0,
     )
     start = scenario.config.start
-    stowed = dict(zip(scenario.arm.joint_names, scenario.arm.named_poses[STOWED], strict=True))
-    return model, initial_state(model, start.x, start.y, start.yaw, scenario.config.battery_soc, stowed)
+    return model, initial_state(
+        model, start.x, start.y, start.yaw, scenario.config.battery_soc, scenario.arm_pose(STOWED)
+    )

@@ -64,3 +64,28 @@ def test_power_and_slip_of_a_steady_drive(explorer: Subject, fresh: Any) -> None
     assert 1.0 - speed / (rate * 0.125) == pytest.approx(state.slip, abs=0.01)
     front = log[-1][1].contacts[:2, 3]
     assert front == pytest.approx(np.full(2, state.wheels[0].sinkage), rel=0.03)
+
+
+def test_wheels_in_the_ruts_of_those_before_them(explorer: Subject, machine: Callable[..., Any]) -> None:
+    """On ground that remembers: pull, torque and sinkage of each axle, one slip for all.
+
+    The loads differ by up to 6 % for the friction of the pivots, and with them what the wheels do.
+    """
+    with_memory = machine("flat_drive")
+    rate, log = 0.5, []
+    with_memory.run(32.0, with_memory.hold(rate), watch=lambda state, output: log.append((state, output)))
+    # the start stands on virgin soil: the rear wheels reach the ruts of the front ones after 24 s
+    contacts = np.mean([output.contacts[:6] for _, output in log[-300:]], axis=0)
+    first, last = log[-300][0], log[-1][0]
+    seconds = 299 * with_memory.model.simulation.control_period
+    speed = float(last.configuration[0] - first.configuration[0]) / seconds
+    course = explorer.course_in_ruts()
+    state = steady_state(course, speed)
+    assert state is not None
+    assert state.slip == pytest.approx(1.0 - speed / (rate * 0.125), abs=0.005)
+    assert state.slip < 0.6 * steady_state(explorer.course(), speed).slip
+    for axle, force in enumerate(state.wheels):
+        seen = contacts[2 * axle : 2 * axle + 2]
+        assert force.sinkage == pytest.approx(seen[:, 3].mean(), rel=0.06)
+        assert force.pull == pytest.approx(seen[:, 6].mean(), abs=0.15)
+        assert force.torque == pytest.approx(seen[:, 9].mean(), rel=0.06)

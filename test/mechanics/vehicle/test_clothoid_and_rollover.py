@@ -28,6 +28,7 @@ def test_fresnel_is_the_integral_of_the_heading(
     x = 1.0 + quad(lambda s: math.cos(angle(s)), 0.0, length, epsabs=1e-11, limit=200)[0]
     y = -2.0 + quad(lambda s: math.sin(angle(s)), 0.0, length, epsabs=1e-11, limit=200)[0]
     assert found == pytest.approx([x, y, angle(length)], abs=1e-6)
+    assert end_of(start, Piece(length, curvature, sharpness)) == pytest.approx(found, abs=1e-12)
 
 
 @given(angle=st.floats(-3.0, 3.0).filter(lambda value: abs(value) > 1e-3))

@@ -72,6 +72,20 @@ def test_range_is_battery_over_energy(sheet: Datasheet, rover: Subject) -> None:
     assert found["bus_power"] == pytest.approx(found["drive_power"] + found["house_power"])
 
 
+def test_energy_of_the_lunar_rover_by_every_law(sheet: Datasheet) -> None:
+    """Published: 59 to 76 Wh/km. By Bekker and Janosi, and with the rear wheels of mesh in the ruts of the front ones.
+
+    Rim stresses of rigid wheels on fresh soil need a third more.
+    """
+    found = values(*sheet.sections)
+    assert 59.0 < found["energy_per_km"] < 76.0
+    assert 59.0 < found["energy_per_km_in_ruts"] < 80.0
+    assert found["energy_per_km_in_ruts"] < found["energy_per_km_fresh"]
+    assert found["energy_per_km_fresh"] == found["energy_per_km_contact_model_of_the_plant"]
+    assert 95.0 < found["energy_per_km_rim_stress"] < 105.0
+    assert found["energy_per_km_rigid_in_ruts"] < 0.95 * found["energy_per_km_rim_stress"]
+
+
 def test_tip_over_in_every_direction(rover: Subject) -> None:
     """Over the sides half the track counts, over the ends half the wheelbase, over a corner the diagonal."""
     angles = tip_over_angles(rover, np.array([0.0, 0.5 * math.pi, math.atan2(0.9145, 1.143)]))

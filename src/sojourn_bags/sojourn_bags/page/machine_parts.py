@@ -92,7 +92,9 @@ def arm(story: Story) -> Section:
     states, found = story.find("/truth/joint_states", JOINTS), story.true_joints
     source, name = (states, "true") if states else (story.find("/joint_states", JOINTS), "measured")
     joints = found if states else source.joints() if source else None
-    names = list(story.run.resolved["arm"]["joint_names"]) if story.run else []
+    names = list(story.run.arm_joints) if story.run else []
+    if story.run and not names:
+        return Section("arm", "Arm", paragraph("This rover has no arm."))
     if source is None or joints is None or not set(names) & set(joints.names):
         return Section("arm", "Arm", paragraph("The bag tells of no arm: that takes the machine and its joint states."))
     names = [joint for joint in names if joint in joints.names]

@@ -63,8 +63,8 @@ class Judge:
         self._participants = tuple(participants)
         self._from_start = from_start
         self._judged = tuple(role for role in participants if roles is None or role in roles)
-        names = {row.name for role in self._judged for row in outputs_of(role)}
-        self._rows = {row.name: row for row in TOPICS if row.name not in unseen}
+        names = {row.name for role in self._judged for row in outputs_of(role, participants)}
+        self._rows = {row.name: row for row in TOPICS if row.name not in unseen and row.is_in(self._participants)}
         self._rules = {name: rules_of(row, machine, lockstep) for name, row in self._rows.items() if name in names}
         self._stamps = {name: array("q") for name in self._rows}
         self._beats: dict[str, list[Heartbeat]] = {role: [] for role in self._participants}

@@ -60,9 +60,9 @@ class Machine:
             scenario.config.rover,
             scenario.rover,
             scenario.urdf,
-            scenario.arm.joint_names,
+            scenario.arm_joints,
             [load.name for load in scenario.bus.loads],
-            tuple(scenario.arm.named_poses),
+            () if scenario.arm is None else tuple(scenario.arm.named_poses),
         )
 
     @property

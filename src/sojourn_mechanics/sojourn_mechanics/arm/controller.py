@@ -14,6 +14,7 @@ follows the position and velocity given here and adds the effort.
 - `allowed` false (load shed, drive moving) ends a motion with a jerk-limited stop; goals are refused
   meanwhile. When it is true again and the arm has sagged by more than `resync_error`, the reference starts
   anew from the measured position.
+- A task may give the reference itself (`guide`): the arm then follows it and plans nothing.
 - Trim: at rest the position sent is reference + trim, with  d trim/dt = rate (reference - measured),
   limited in rate and size, and left alone within the deadband. It takes out what gravity model errors and
   friction leave to a PD servo. It is frozen in motion. The first step holds the measured position.
@@ -25,6 +26,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from sojourn_mechanics.arm.deflection import joint_positions, motor_positions
 from sojourn_mechanics.arm.feedforward import feedforward_effort
 from sojourn_mechanics.arm.goals import GoalRefusedError, PoseGoal, StopGoal
 from sojourn_mechanics.arm.joint_path import JointPath
@@ -33,6 +35,7 @@ from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.planning import Plan, plan_goal
 from sojourn_mechanics.arm.state import ArmInput, ArmOutput, ArmState, ArmStatus, initial_state
+from sojourn_mechanics.arm.tasks.tip_motion import TipMotion
 from sojourn_mechanics.arm.trajectory import JointReference, TrajectoryError, at_rest, point_to_point, stop
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
@@ -60,12 +63,16 @@ def step(
         InvalidValueError: a measurement or the gravity vector of wrong length or not finite.
     """
     _check_input(model, inputs, dt)
+    inputs = replace(inputs, positions=joint_positions(params, model, inputs.positions, inputs.gravity_in_base))
     if not state.started:
         state = _hold(model, replace(state, started=True), inputs.positions, "idle", "")
     state = _follow_permission(params, model, state, inputs)
     if inputs.goal is not None:
         state = _take_goal(params, model, state, inputs)
-    state = _advance(params, model, state, inputs, dt)
+    if inputs.guide is not None and (inputs.goal is None or state.path is None):
+        state = _follow(model, state, inputs.guide)
+    else:
+        state = _advance(params, model, state, inputs, dt)
     return state, _output(params, model, state, inputs)
 
 
@@ -99,6 +106,12 @@ def _hold(model: ArmModel, state: ArmState, positions: FloatArray, status: ArmSt
         status=status,
         reason=reason,
     )
+
+
+def _follow(model: ArmModel, state: ArmState, guide: TipMotion) -> ArmState:
+    """Take the reference that a task gives. The trim stays as it is: against a contact it would not come to an end."""
+    held = _hold(model, state, guide.joints.position, "moving", "")
+    return replace(held, reference=guide.joints, trim=state.trim, retreat=guide.origin)
 
 
 def _follow_permission(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:
@@ -156,9 +169,8 @@ def _take_goal(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmI
     try:
         if not inputs.allowed:
             raise GoalRefusedError(f"not allowed to move: {inputs.not_allowed_reason or 'no reason given'}")
-        plan = plan_goal(
-            params, model, inputs.goal, state.reference, state.target, _present_retreat(state), inputs.ground
-        )
+        retreat, gravity = _present_retreat(state), inputs.gravity_in_base
+        plan = plan_goal(params, model, inputs.goal, state.reference, state.target, retreat, inputs.ground, gravity)
     except GoalRefusedError as error:
         busy = state.path is not None or state.settling
         return replace(
@@ -284,7 +296,7 @@ def _output(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInpu
     elif state.status == "idle":
         progress = 0.0
     return ArmOutput(
-        positions=_within_limits(model, reference.position, state.trim),
+        positions=_within_limits(model, motor_positions(params, model, reference, inputs.gravity_in_base), state.trim),
         velocities=reference.velocity.copy(),
         efforts=feedforward_effort(
             params,

@@ -14,6 +14,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from sojourn_mechanics.arm.force_control import ForceControlParams
 from sojourn_mechanics.arm.interlock import InterlockParams
 from sojourn_mechanics.params import Params
 
@@ -73,6 +74,11 @@ class TrimParams(Params):
     max_rate: float = Field(default=0.01, gt=0.0, le=1.0, description="largest rate of the trim [rad/s or m/s]")
 
 
+_DRIVE_DATA = (
+    "reflected_inertia", "coulomb_friction", "viscous_friction", "gear_efficiency", "winding_loss", "motor_effort",
+)  # fmt: skip
+
+
 class ArmParams(Params):
     """One arm: see the module header. Tuples are per joint, in the order of `joint_names`."""
 
@@ -91,6 +97,25 @@ class ArmParams(Params):
     )
     viscous_friction: tuple[NonNegative, ...] = Field(
         default=(), description="joint friction per speed to feed forward [N m s]; empty is zero"
+    )
+    gear_efficiency: tuple[PositiveRate, ...] = Field(default=(), description="of each gear [-]; empty is one")
+    winding_loss: tuple[NonNegative, ...] = Field(
+        default=(), description="R/(N k)^2 of each motor over its gear [W/(N m)^2]; empty is zero"
+    )
+    motor_effort: tuple[PositiveRate, ...] = Field(
+        default=(), description="largest torque of each motor over its gear [N m or N]; empty: the URDF's effort alone"
+    )
+    power_limit: float | None = Field(
+        default=None, gt=0.0, le=1e6, description="power that a motion may draw from the bus [W]; null: any"
+    )
+    gear_compliance: tuple[NonNegative, ...] = Field(
+        default=(), description="twist of a joint's gear per torque, motor side measured [rad/(N m)]; empty: rigid"
+    )
+    gear_backlash: tuple[NonNegative, ...] = Field(
+        default=(), description="way of a joint between the flanks of its gear [rad]; empty is zero"
+    )
+    bearing_friction: tuple[NonNegative, ...] = Field(
+        default=(), description="Coulomb friction behind the gear, of the joint's own bearing [N m]; empty is zero"
     )
     friction_velocity: float = Field(
         default=0.005,
@@ -176,6 +201,9 @@ class ArmParams(Params):
     inverse_kinematics: InverseKinematicsParams = Field(
         InverseKinematicsParams(), description="settings of the inverse kinematics"
     )
+    force_control: ForceControlParams = Field(
+        default=ForceControlParams(), description="control of contact forces through the joints' references"
+    )
     trim: TrimParams = Field(default=TrimParams(), description="integral trim at rest")
     interlock: InterlockParams = Field(default=InterlockParams(), description="interlock with the drive")
 
@@ -192,9 +220,12 @@ class ArmParams(Params):
         for name in ("max_velocity", "max_acceleration", "max_jerk"):
             if len(getattr(self, name)) != count:
                 raise ValueError(f"{name} has {len(getattr(self, name))} values: allowed is {count}, one per joint")
-        for name in ("reflected_inertia", "coulomb_friction", "viscous_friction"):
+        gear = ("gear_compliance", "gear_backlash", "bearing_friction")
+        for name in (*_DRIVE_DATA, *gear):
             if len(getattr(self, name)) not in (0, count):
                 raise ValueError(f"{name} has {len(getattr(self, name))} values: allowed is none or {count}")
+        if len({len(getattr(self, name)) for name in gear}) > 1:
+            raise ValueError(f"{', '.join(gear)}: allowed are all of them or none")
         for required in ("stow", "unfold"):
             if required not in self.named_poses:
                 raise ValueError(f"named_poses lacks '{required}': there are {sorted(self.named_poses)}")

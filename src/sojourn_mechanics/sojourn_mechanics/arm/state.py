@@ -9,6 +9,7 @@ from sojourn_mechanics.arm.collision import GroundPlane
 from sojourn_mechanics.arm.goals import ArmGoal
 from sojourn_mechanics.arm.joint_path import JointPath
 from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.arm.tasks.tip_motion import TipMotion
 from sojourn_mechanics.arm.trajectory import JointReference, at_rest
 from sojourn_mechanics.params import FloatArray
 
@@ -26,6 +27,7 @@ class ArmInput:
     allowed: bool = True
     not_allowed_reason: str = ""
     ground: GroundPlane | None = None
+    guide: TipMotion | None = None  # reference that a task gives for this period, in place of a planned motion
 
 
 @dataclass(frozen=True, slots=True)

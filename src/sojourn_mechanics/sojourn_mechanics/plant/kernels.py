@@ -24,7 +24,6 @@ def applied_forces(
     joint_parameters: FloatArray,
     kinds: IntArray,
     columns: IntArray,
-    loads: IntArray,
     wheels: FloatArray,
     bodies: IntArray,
     supports: IntArray,
@@ -67,8 +66,8 @@ def applied_forces(
     )  # fmt: skip
     force[:] = contact_force
     joint_torques(
-        joint_parameters, kinds, columns, loads, velocity, joint_states, reference, lead, limits, bus_voltage,
-        dt, work, force, armature,
+        joint_parameters, kinds, columns, velocity, joint_states, reference, lead, limits, bus_voltage, dt, work,
+        force, armature,
     )  # fmt: skip
     for column in columns:
         mass_matrix[column, column] += armature[column]

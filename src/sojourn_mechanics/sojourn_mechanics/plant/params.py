@@ -1,6 +1,6 @@
 """Parameters of the plant: what the URDF does not say about a machine."""
 
-from typing import Self
+from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -28,6 +28,11 @@ class MachineParams(Params):
     pads: tuple[PadParams, ...] = Field(default=(), description="other points that may touch the ground")
     drives: tuple[DriveParams, ...] = Field(min_length=1, description="motor, gear and servo of groups of joints")
     passive_joint: JointFrictionParams
+    wrench_sensor_link: str | None = Field(
+        default=None,
+        min_length=1,
+        description="link of the arm that hangs on a force/torque sensor at that link's joint; null: there is none",
+    )
     couplings: tuple[CouplingParams, ...] = Field(default=(), description="joints coupled by a mechanism")
     stop_stiffness: float = Field(default=2e4, gt=0.0, le=1e8, description="stiffness of joint stops [N m/rad]")
     stop_damping: float = Field(default=200.0, ge=0.0, le=1e6, description="damping of joint stops [N m s/rad]")
@@ -54,6 +59,23 @@ class MachineParams(Params):
     def steer_joints(self) -> tuple[str, ...]:
         """Steering joints, each once: several wheels may be rigid on a body that one joint turns."""
         return tuple(dict.fromkeys(wheel.steer_joint for wheel in self.wheels if wheel.steer_joint is not None))
+
+
+class FaultParams(Params):
+    """One motor that fails."""
+
+    joint: str = Field(min_length=1, description="joint with a motor")
+    kind: Literal["locked", "dead"] = Field(description="locked: holds its angle; dead: gives no torque")
+    at_s: float = Field(ge=0.0, le=1e6, description="simulated time at which it fails [s]")
+    angle_deg: float | None = Field(
+        default=None, ge=-360.0, le=360.0, description="angle at which it locks; none: where it is [degree]"
+    )
+
+    @model_validator(mode="after")
+    def _only_a_lock_has_an_angle(self) -> Self:
+        if self.kind == "dead" and self.angle_deg is not None:
+            raise ValueError(f"angle_deg = {self.angle_deg:g} of {self.joint}: only a locked joint has an angle")
+        return self
 
 
 class SimulationParams(Params):

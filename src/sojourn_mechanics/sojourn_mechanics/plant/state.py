@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sojourn_mechanics.actuators.joint_drive import ANGLE, TWIST
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.power.battery import BatteryState
 from sojourn_mechanics.power.loads import BusState
@@ -54,7 +55,7 @@ class PlantState:
     velocity: FloatArray
     """(nv,): base velocity in base_link [m/s], [rad/s], joint rates [rad/s]."""
     joints: FloatArray
-    """(3, joints): angle, not wrapped [rad]; servo integral; friction deflection [rad]."""
+    """(STATE_ROWS, joints): angle, not wrapped [rad]; servo integral; friction deflection [rad]; see `joint_drive`."""
     contacts: FloatArray
     """(contacts, STATE_COLUMNS): memory of each contact, see `contact_law`."""
     ground: GroundMemory
@@ -70,6 +71,13 @@ class PlantState:
     """Has been tilted beyond the machine's limit since the start."""
     off_terrain: bool = False
     """A contact is, or has been, beyond the edge of the map."""
+
+    @property
+    def motor_angles(self) -> FloatArray:
+        """(joints,): of each motor over its gear [rad]; the joint's own where the gear has no play. What a servo whose
+        encoder is on the motor is told to hold.
+        """
+        return np.asarray(self.joints[ANGLE] + self.joints[TWIST])
 
     def copy(self) -> "PlantState":
         """A branch that shares no array with this state, but for the ground's tiles, which nobody writes."""
@@ -89,10 +97,12 @@ class PlantCommand:
     Args:
         reference: (3, joints): position [rad], rate [rad/s], feed-forward torque [N m] of each joint.
         load_fractions: (loads,) 0 off to 1 on; a motor load's current is limited to that fraction.
+        motor_health: (joints,) part of its current that each motor can take, 0 dead to 1; None: all are well.
     """
 
     reference: FloatArray
     load_fractions: FloatArray
+    motor_health: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +119,8 @@ class PlantOutput:
     """(loads,) power of each load [W]."""
     battery_current: float
     """Out of the battery [A]."""
+    wrist_wrench: FloatArray | None = None
+    """(6,) force [N] and moment [N m] on the wrist's sensor in its own frame; None for a machine without one."""
 
 
 def zeros_command(joints: int, loads: int) -> PlantCommand:

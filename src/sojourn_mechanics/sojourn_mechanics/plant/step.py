@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from sojourn_mechanics.actuators.joint_drive import MOTOR_RATE, STATE_ROWS
 from sojourn_mechanics.contact.contact_law import STATE_COLUMNS, WheelColumn
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
@@ -33,6 +34,8 @@ from sojourn_mechanics.power import battery, loads
 
 SETTLED_SPEED = 1e-6
 """The machine has settled when nothing moves faster [m/s], [rad/s]."""
+SETTLED_PERIODS = 25
+"""For so many control periods: what swings in the play of a gear stands still at its turning points, too."""
 PLACEMENT_TRIES = 5
 PLACEMENT_TOLERANCE = 1e-3
 """How near to where it was asked for the machine has to rest [m], [rad]."""
@@ -63,15 +66,20 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     multibody, data = model.multibody, model.data
     joints, contacts, terrain = model.joints, model.contacts, model.terrain
     # Bound to locals: twenty times through here is most of what the plant costs outside its kernels.
-    joint_tables = (joints.parameters, joints.kinds, joints.columns, joints.loads)
+    joint_tables = (joints.parameters, joints.kinds, joints.columns)
+    current_limits = (command.load_fractions * state.served)[joints.loads]
+    if command.motor_health is not None:
+        current_limits *= command.motor_health
     model.memory.load(state.ground)
     ground = (terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim, model.memory.tables)
     contact_tables = (
         contacts.wheels, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count,
     )  # fmt: skip
-    memory = (new.joints, new.contacts, command.reference, command.load_fractions * state.served)
+    memory = (new.joints, new.contacts, command.reference, current_limits)
     outputs = (model.report, model.work, model.contact_force, model.force, model.armature, model.mass_matrix)
     efforts, currents, load_power = model.efforts, model.currents, model.load_power
+    touching = [] if model.wrist is None else model.wrist.contacts
+    wrist_force = np.zeros((len(touching), 3))
     on_map = True
     for i in range(model.simulation.substeps):
         pin.crba(multibody, data, configuration, pin.Convention.WORLD)
@@ -80,19 +88,27 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
             (i + 1) * dt, state.bus_voltage, dt, *outputs,
         )  # fmt: skip
         on_map = on_map and all_on_map
+        for place, contact in enumerate(touching):
+            wrist_force[place] += model.report[contact, 6:9]
         pin.nonLinearEffects(multibody, data, configuration, velocity)
         pin.cholesky.decompose(multibody, data)
         acceleration = pin.cholesky.solve(multibody, data, model.force - model.bias)
         for row, coupling in couplings:
             row[:] = pin.cholesky.solve(multibody, data, coupling)
         velocity = advance_velocity(
-            *joint_tables, velocity, acceleration, model.coupling, response, model.contact_force, dt,
+            *joint_tables, joints.loads, velocity, acceleration, model.coupling, response, model.contact_force, dt,
             model.work, new.joints, efforts, currents, load_power, load_energy, sums,
         )  # fmt: skip
         configuration = pin.integrate(multibody, configuration, velocity * dt)
     if not (np.isfinite(configuration).all() and np.isfinite(velocity).all()):
         raise InvalidValueError("state of the plant", f"infinite at tick {state.tick + 1}", "finite numbers")
-    return _close_period(model, new, configuration, velocity, command, sums, load_energy, on_map)
+    wrist = None
+    if model.wrist is not None:
+        report = model.report.copy()
+        report[touching, 6:9] = wrist_force / model.simulation.substeps
+        mean = (velocity - state.velocity) / model.simulation.control_period
+        wrist = model.wrist.wrench(configuration, velocity, mean, report)
+    return _close_period(model, new, configuration, velocity, command, sums, load_energy, on_map, wrist)
 
 
 def _check_command(model: PlantModel, command: PlantCommand) -> None:
@@ -103,6 +119,8 @@ def _check_command(model: PlantModel, command: PlantCommand) -> None:
             (command.reference.shape, command.load_fractions.shape),
             f"{shape} and one a load",
         )
+    if command.motor_health is not None and command.motor_health.shape != shape[1:]:
+        raise InvalidValueError("shape of the motors' health", command.motor_health.shape, f"{shape[1:]}")
     if not (np.isfinite(command.reference).all() and np.isfinite(command.load_fractions).all()):
         raise InvalidValueError("command", "NaN or infinity", "finite numbers")
 
@@ -116,6 +134,7 @@ def _close_period(
     sums: FloatArray,
     load_energy: FloatArray,
     on_map: bool,
+    wrist: FloatArray | None,
 ) -> tuple[PlantState, PlantOutput]:
     """Supply, energy account and events of the period that has passed."""
     period = model.simulation.control_period
@@ -131,7 +150,7 @@ def _close_period(
         friction_heat=old.friction_heat + float(sums[2]),
         stop_heat=old.stop_heat + float(sums[3]),
         soil_work=old.soil_work + float(sums[SOIL_WORK]),
-        mechanical=mechanical_energy(model, configuration, velocity),
+        mechanical=mechanical_energy(model, configuration, velocity, state.joints),
     )
     x, y = configuration[3], configuration[4]
     upright = 1.0 - 2.0 * (x * x + y * y)  # cosine between the base's z axis and up
@@ -156,15 +175,17 @@ def _close_period(
         currents=model.currents.copy(),
         load_power=supply.load_power,
         battery_current=supply.current,
+        wrist_wrench=wrist,
     )
     return new, output
 
 
-def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: FloatArray) -> float:
+def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: FloatArray, joints: FloatArray) -> float:
     """Kinetic energy, turning rotors included, and potential energy over z = 0 [J]."""
     multibody, data = model.multibody, model.data
     kinetic = pin.computeKineticEnergy(multibody, data, configuration, velocity)
     rotors = 0.5 * float(np.dot(model.joints.armature, velocity * velocity))
+    rotors += 0.5 * float(np.dot(model.joints.rotors, joints[MOTOR_RATE] ** 2))
     return float(kinetic + rotors + pin.computePotentialEnergy(multibody, data, configuration))
 
 
@@ -219,7 +240,7 @@ def _settled(model: PlantModel, posture: FloatArray, command: PlantCommand, aim:
     configuration = posture.copy()
     configuration[:3] = np.array([x, y, height]) + _standing_height(model, configuration) * normal
     configuration[3:7] = pin.Quaternion(rotation).coeffs()
-    joints = np.zeros((3, len(model.joints.names)))
+    joints = np.zeros((STATE_ROWS, len(model.joints.names)))
     joints[0] = command.reference[0]
     supply = battery.initial_state(model.battery, soc)
     source, _ = battery.thevenin(model.battery, supply)
@@ -235,9 +256,11 @@ def _settled(model: PlantModel, posture: FloatArray, command: PlantCommand, aim:
         bus_voltage=source,
         served=1.0,
     )
+    quiet = 0
     for _ in range(round(model.simulation.settle_time / model.simulation.control_period)):
         state, _ = step(model, state, command)
-        if np.abs(state.velocity).max() < SETTLED_SPEED:
+        quiet = quiet + 1 if np.abs(state.velocity).max() < SETTLED_SPEED else 0
+        if quiet >= SETTLED_PERIODS:
             break
     # settling costs nothing and wears nothing
     return replace(

@@ -10,6 +10,7 @@ from sojourn_mechanics.sensors.encoder import EncoderParams
 from sojourn_mechanics.sensors.hazcam import HazcamParams
 from sojourn_mechanics.sensors.imu import ImuParams
 from sojourn_mechanics.sensors.sun_sensor import SunSensorParams
+from sojourn_mechanics.sensors.wrench import WrenchSensorParams
 
 
 class JointGroupParams(Params):
@@ -22,7 +23,7 @@ class JointGroupParams(Params):
 
 
 class SensorSuiteParams(Params):
-    """Encoders by joint group, IMU, bus telemetry and, where it has one, a hazard camera.
+    """Encoders by joint group, IMU, bus telemetry and, where it has one, a hazard camera and the wrist's force sensor.
 
     A joint that is in no group is not measured.
     """
@@ -30,6 +31,9 @@ class SensorSuiteParams(Params):
     joint_groups: dict[str, JointGroupParams] = Field(min_length=1, description="group name to its joints")
     imu: ImuParams = Field(description="the inertial measurement unit")
     bus: BusTelemetryParams = Field(description="telemetry channels of every energy store")
+    wrist: WrenchSensorParams | None = Field(
+        default=None, description="force/torque sensor of the arm's wrist, or none"
+    )
     sun: SunSensorParams | None = Field(default=None, description="the sun sensor, if there is one")
     hazcam: HazcamParams | None = Field(default=None, description="stereo camera for hazards; left out: it has none")
 

@@ -1,8 +1,8 @@
 """All sensors of a machine: truth of a period in, measurements out.
 
 Joints keep the order of the truth; those that no group names are left out. Effort is read through a channel
-with noise and a resolution. Equations are in `encoder`, `imu` and `bus`; every sensor has its own random
-stream (`noise`), named `effort.GROUP`, `imu`, `imu.reset` and `bus.STORE`, so that a change of one sensor
+with noise and a resolution. Equations are in `encoder`, `imu`, `bus` and `wrench`; every sensor has its own random
+stream (`noise`), named `effort.GROUP`, `imu`, `imu.reset`, `bus.STORE` and `wrist`, so that a change of one sensor
 leaves the numbers of the others alone.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, IntArray
-from sojourn_mechanics.sensors import bus, encoder, imu
+from sojourn_mechanics.sensors import bus, encoder, imu, wrench
 from sojourn_mechanics.sensors.noise import NoiseStream, draw, initial_stream, quantise
 from sojourn_mechanics.sensors.params import SensorSuiteParams
 
@@ -35,6 +35,10 @@ class SensorTruth:
     """Out of the store positive, shape (m,) [A]."""
     bus_temperature: FloatArray
     """Shape (m,) [K]."""
+    wrist_wrench: FloatArray | None = None
+    """On the wrist's sensor in its frame, shape (6,) [N], [N m]; None where nobody tells it."""
+    motor_position: FloatArray | None = None
+    """Of each joint's motor over its gear, shape (n,) [rad]; None where they all turn as one with their joints."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -69,6 +73,8 @@ class SensorSuiteState:
     effort_streams: tuple[NoiseStream, ...]
     imu: imu.ImuState
     bus: bus.BusState
+    wrist: wrench.WrenchSensorState | None
+    """None for a machine without the sensor."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -88,6 +94,8 @@ class SensorMeasurements:
     """Out of the store positive, shape (m,) [A]."""
     bus_temperature: FloatArray
     """Shape (m,) [K]."""
+    wrist_wrench: FloatArray | None = None
+    """Shape (6,) [N], [N m]; None where it is not measured."""
 
 
 def initial_state(
@@ -98,6 +106,7 @@ def initial_state(
     stores: tuple[str, ...],
     orientation_imu_in_world: FloatArray,
     gravity: float,
+    motor_position: FloatArray | None = None,
 ) -> SensorSuiteState:
     """Sensors at the start of a run.
 
@@ -107,6 +116,7 @@ def initial_state(
         stores: names of the energy stores.
         orientation_imu_in_world: quaternion x y z w, shape (4,); only its heading is used.
         gravity: on the body, for the levelling of the IMU [m/s^2].
+        motor_position: as in SensorTruth.
 
     Raises:
         InvalidValueError: a joint of a group that the machine has not, or a number that is not finite.
@@ -136,10 +146,11 @@ def initial_state(
     )
     return SensorSuiteState(
         layout=layout,
-        encoders=encoder.initial_state(layout.encoders, joint_position[measured]),
+        encoders=encoder.initial_state(layout.encoders, _seen(layout, joint_position, motor_position)),
         effort_streams=tuple(initial_stream(seed, f"effort.{name}", len(group.joints)) for name, group in groups),
         imu=imu.initial_state(params.imu, seed, imu.heading_of(orientation_imu_in_world), gravity),
         bus=bus.initial_state(params.bus, seed, tuple(stores)),
+        wrist=None if params.wrist is None else wrench.initial_state(params.wrist, seed),
     )
 
 
@@ -149,7 +160,7 @@ def warm_up(params: SensorSuiteParams, gravity: float) -> None:
     zeros, one = np.zeros(len(joints)), np.ones(1)
     still, up = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, gravity])
     state = initial_state(params, 0, joints, zeros, ("store",), still, gravity)
-    truth = SensorTruth(zeros, zeros, np.zeros(3), up, 28.0 * one, one, 290.0 * one)
+    truth = SensorTruth(zeros, zeros, np.zeros(3), up, 28.0 * one, one, 290.0 * one, np.zeros(wrench.AXES))
     for _ in range(2):  # the first finds the attitude, the others follow it
         state, _ = step(params, state, truth, 0.02)
 
@@ -167,9 +178,8 @@ def step(
     if not (np.isfinite(dt) and dt > 0.0):
         raise InvalidValueError("dt [s]", dt, "a finite number above 0")
 
-    encoders, position, velocity = encoder.step(
-        layout.encoders, state.encoders, truth.joint_position[layout.measured], dt
-    )
+    seen = _seen(layout, truth.joint_position, truth.motor_position)
+    encoders, position, velocity = encoder.step(layout.encoders, state.encoders, seen, dt)
     noise = np.empty_like(position)
     streams: list[NoiseStream] = []
     for stream, places in zip(state.effort_streams, layout.effort_places, strict=True):
@@ -190,7 +200,10 @@ def step(
     electrical[:, 0], electrical[:, 1] = truth.bus_voltage, truth.bus_current
     electrical[:, 2] = truth.bus_temperature
     bus_state, bus_reading = bus.step(state.bus, electrical)
-    after_state = SensorSuiteState(layout, encoders, tuple(streams), imu_state, bus_state)
+    wrist_state, wrist_reading = state.wrist, None
+    if state.wrist is not None and truth.wrist_wrench is not None:
+        wrist_state, wrist_reading = wrench.step(state.wrist, truth.wrist_wrench)
+    after_state = SensorSuiteState(layout, encoders, tuple(streams), imu_state, bus_state, wrist_state)
     return after_state, SensorMeasurements(
         joint_position=position,
         joint_velocity=velocity,
@@ -199,12 +212,22 @@ def step(
         bus_voltage=bus_reading[:, 0].copy(),
         bus_current=bus_reading[:, 1].copy(),
         bus_temperature=bus_reading[:, 2].copy(),
+        wrist_wrench=wrist_reading,
     )
+
+
+def _seen(layout: Layout, joints: FloatArray, motors: FloatArray | None) -> FloatArray:
+    """Angles of the shafts that carry the encoders, over the gear (k,) [rad]."""
+    seen = joints[layout.measured]
+    if motors is None:
+        return seen
+    _require_shape("motor_position", motors, (layout.joint_count,))
+    return np.where(layout.encoders.on_motor, motors[layout.measured], seen)
 
 
 def _require_truth(layout: Layout, truth: SensorTruth) -> None:
     joints, stores = (layout.joint_count,), (len(layout.stores),)
-    values = (
+    values: tuple[tuple[str, FloatArray, tuple[int, ...]], ...] = (
         ("joint_position", truth.joint_position, joints),
         ("joint_effort", truth.joint_effort, joints),
         ("angular_velocity_imu_in_imu", truth.angular_velocity_imu_in_imu, (3,)),
@@ -213,6 +236,8 @@ def _require_truth(layout: Layout, truth: SensorTruth) -> None:
         ("bus_current", truth.bus_current, stores),
         ("bus_temperature", truth.bus_temperature, stores),
     )
+    if truth.wrist_wrench is not None:
+        values += (("wrist_wrench", truth.wrist_wrench, (wrench.AXES,)),)
     right_shape = all(value.shape == shape for _, value, shape in values)
     # One look at all of them at once: the usual case must be cheap.
     if right_shape and bool(np.isfinite(np.concatenate([value for _, value, _ in values])).all()):

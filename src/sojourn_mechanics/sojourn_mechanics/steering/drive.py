@@ -1,8 +1,9 @@
 """The drive: one call a period from measurements and commands to motor commands, odometry and status.
 
 Order of a period: refuse bad measurements; odometry; take the stop request, the new goal and the twist
-command, newest first; the twist wanted (goal follower or operator); limits of the machine and of the power
-manager, all by one factor; steering kinematics; slew limits. Everything between two calls is in `DriveState`.
+command, newest first; the twist wanted (goal follower or operator), kept clear of obstacles (avoidance); limits of
+the machine and of the power manager, all by one factor; steering kinematics; slew limits. Everything between two
+calls is in `DriveState`.
 
 Rules: a goal ends the older goal; a twist command that came after the goal ends the goal; a stop request ends
 both. A twist command older than cmd_vel_timeout stops the rover. A refused goal changes nothing else.
@@ -18,7 +19,18 @@ from numba import njit
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.avoidance import accepted, guarded, guide, initial_avoidance, see
+from sojourn_mechanics.steering.avoidance_types import Avoidance, AvoidanceState
+from sojourn_mechanics.steering.drive_slip import no_headway, step_slip
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, DriveState, Mode, TwistCommand
+from sojourn_mechanics.steering.energy_forecast import (
+    EnergyAccount,
+    Supply,
+    account_status,
+    account_step,
+    forecast_way,
+    shortage,
+)
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
 from sojourn_mechanics.steering.goal_follower import (
     FollowerLimits,
@@ -29,6 +41,14 @@ from sojourn_mechanics.steering.goal_follower import (
 )
 from sojourn_mechanics.steering.heading_fix import SunSighting, fix_heading, mounting_variances
 from sojourn_mechanics.steering.kinematics import PlanarTwist, limited_twist
+from sojourn_mechanics.steering.motor_watch import (
+    MotorState,
+    believable,
+    commandable,
+    failures,
+    shortcoming,
+    watch_motors,
+)
 from sojourn_mechanics.steering.odometry import (
     OdometryInput,
     OdometryState,
@@ -38,19 +58,16 @@ from sojourn_mechanics.steering.odometry import (
 )
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
 from sojourn_mechanics.steering.rate_limiter import LimiterState
-from sojourn_mechanics.steering.slip_estimation import (
-    SlipInput,
-    SlipModel,
-    SlipState,
-    estimate_slip,
-    is_stuck,
-    slip_status,
-    trouble,
-)
+from sojourn_mechanics.steering.slip_estimation import SlipModel, slip_status
+from sojourn_mechanics.steering.turning_limits import TurningLimits, turning_limits
+from sojourn_mechanics.steering.way_round import Area
 from sojourn_mechanics.steering.wheel_commands import WheelCommands, command_wheels, expected_slip
+from sojourn_mechanics.vehicle.clothoid import Pose
 
 LONGEST_PERIOD = 1.0
 """Longest period a step accepts [s]."""
+WALL = np.array([[3.0, 0.2 * y, 0.2 * z] for y in range(-6, 7) for z in range(5)])
+"""Points of a cloud that closes the way, for the warm-up [m]."""
 NO_MOTION = PlanarTwist(0.0, 0.0, 0.0)
 
 
@@ -60,25 +77,43 @@ class DriveModel:
 
     params: DriveParams
     geometry: SteeringGeometryParams
+    eye: FloatArray | None = None
+    """The hazard camera in base_link, shape (3,) [m]; without one there is no obstacle handling."""
+    area: Area | None = None
+    """Where a way round may lead; None for anywhere."""
     loads: FloatArray | None = None
     """Of the wheels, from `wheel_load_map`, shape (wheels, 3) [N]; None: slip is not estimated."""
     table: FloatArray = field(init=False)
     turn_radius: float = field(init=False)
     """Distance of the farthest wheel from base_link [m]."""
+    turning: TurningLimits = field(init=False)
+    """How sharply it can turn."""
+    avoidance: Avoidance | None = field(init=False)
+    """Obstacle handling, where it is asked for and there is a camera."""
     slip: SlipModel | None = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "table", self.geometry.table(self.params.track_ratio))
         slip, loads = self.params.slip, self.loads
-        model = None if slip is None or loads is None else SlipModel.of(slip, self.table, loads)
-        object.__setattr__(self, "slip", model)
+        estimator = None if slip is None or loads is None else SlipModel.of(slip, self.table, loads)
+        object.__setattr__(self, "slip", estimator)
         object.__setattr__(self, "turn_radius", max(math.hypot(w.x, w.y) for w in self.geometry.wheels))
+        turning = turning_limits(self.table, self.params.limits, self.params.follower.max_curvature)
+        object.__setattr__(self, "turning", turning)
+        avoidance = None
+        if self.params.obstacles is not None and self.eye is not None:
+            avoidance = Avoidance(self.params.obstacles, self.params.follower, turning, self.eye, self.area)
+        object.__setattr__(self, "avoidance", avoidance)
 
     def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
         """At rest at a pose in odom [m, rad]."""
         odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting_variances(self.params.heading_fix))
+        motors = MotorState.unsuspected(len(self.table))
+        avoidance = initial_avoidance(self.avoidance, x, y) if self.avoidance is not None else None
         slip = None if self.slip is None else self.slip.initial_state()
-        return DriveState("idle", odometry, None, None, None, math.inf, 0.0, "idle", slip)
+        return DriveState(
+            "idle", odometry, None, None, None, math.inf, 0.0, motors, "idle", avoidance=avoidance, slip=slip
+        )
 
     def at_rest(self, state: DriveState) -> DriveOutput:
         """Output before the first step: nothing moves, the estimate is that of `state`."""
@@ -96,15 +131,9 @@ class DriveModel:
         state = self.initial_state()
         for goal in (Goal.at(1.0, 1.0), None):
             turning = DriveInput(
-                wheels,
-                wheels + 1.0,
-                wheels,
-                wheels,
-                gyro=(0.0, 0.0, 0.1),
-                specific_force=(0.0, 0.0, 1.0),
-                roll_pitch=(0.0, 0.0),
-                goal=goal,
+                wheels, wheels + 1.0, wheels, wheels, (0.0, 0.0, 0.1), (0.0, 0.0, 1.0), (0.0, 0.0), goal=goal
             )
+            turning = replace(turning, cloud=WALL)
             state, _ = self.step(state, turning, dt)
         resting = DriveInput(
             wheels,
@@ -172,6 +201,8 @@ class _Arbiter:
     since_override: float
     text: str
     outcomes: list[GoalOutcome]
+    energy: EnergyAccount
+    avoidance: AvoidanceState | None
 
     def end_goal(self, outcome: GoalOutcome, mode: Mode = "idle") -> None:
         """Notes how a goal ended."""
@@ -186,9 +217,18 @@ class _Arbiter:
             self.end_goal(stop(self.follower, reason))
         self.mode, self.text, self.since_override = "idle", f"stopped: {reason}", 0.0
 
-    def take_goal(self, model: DriveModel, goal: Goal, position: tuple[float, float]) -> None:
+    def take_goal(self, model: DriveModel, goal: Goal, here: OdometryState, supply: Supply | None) -> None:
         """A new goal ends the older one, unless it is refused."""
-        answer = accept(model.params.follower, goal, position)
+        answer = accept(model.params.follower, model.turning, goal, Pose(here.x, here.y, here.yaw))
+        account = EnergyAccount()
+        if isinstance(answer, FollowerState) and model.params.energy is not None:
+            forecast = forecast_way(model.params.energy, answer.path, goal, here.z, here.yaw)
+            account = EnergyAccount(forecast, judged=supply is not None)
+            short = shortage(model.params.energy, forecast, supply) if supply is not None else None
+            if short is not None:
+                answer = GoalOutcome("refused", short, goal, math.nan)
+        if model.avoidance is not None and self.avoidance is not None:
+            answer, self.avoidance = accepted(model.avoidance, self.avoidance, goal, answer, here)
         if isinstance(answer, GoalOutcome):
             self.outcomes.append(answer)
             if self.follower is None and self.mode == "idle":
@@ -196,7 +236,19 @@ class _Arbiter:
             return
         if self.follower is not None:
             self.end_goal(stop(self.follower, "pre-empted by a newer goal"))
-        self.follower, self.mode, self.since_override = answer, goal.kind, 0.0
+        self.follower, self.mode, self.since_override, self.energy = answer, goal.kind, 0.0, account
+
+    def watch_energy(self, model: DriveModel, supply: Supply | None, dt: float) -> None:
+        """Count what the goal takes; a goal that came before the first reading of the battery is judged by it."""
+        self.energy = account_step(self.energy, supply, self.follower is not None, dt)
+        costs, forecast = model.params.energy, self.energy.forecast
+        if self.energy.judged or self.follower is None or supply is None or costs is None or forecast is None:
+            return
+        self.energy = replace(self.energy, judged=True)
+        short = shortage(costs, forecast, supply)
+        if short is not None:
+            way = self.follower
+            self.end_goal(GoalOutcome("refused", short, way.goal, way.distance_to_go))
 
     def take_twist(self, model: DriveModel, command: TwistCommand | None, dt: float) -> PlanarTwist:
         """The operator's twist, if it is fresh and newer than the last goal or stop."""
@@ -211,6 +263,21 @@ class _Arbiter:
             self.mode, self.text = "idle", f"stopped: /cmd_vel is older than {timeout:.2f} s"
         return NO_MOTION
 
+    def keep_clear(self, model: DriveModel, wanted: PlanarTwist, here: OdometryState) -> PlanarTwist:
+        """The motion wanted, or none where it would lead into an obstacle."""
+        if model.avoidance is None or self.avoidance is None or wanted == NO_MOTION:
+            return wanted
+        by_hand = self.mode == "cmd_vel"
+        if by_hand and not model.avoidance.params.guard_cmd_vel:
+            return wanted
+        if by_hand:
+            self.avoidance = replace(self.avoidance, blocked=False, obstacle=None)
+        self.avoidance, free = guarded(model.avoidance, self.avoidance, wanted, here)
+        if free:
+            return wanted
+        self.text = f"stopped before {self.avoidance.obstacle}"
+        return NO_MOTION
+
 
 def _follow(
     model: DriveModel, arbiter: _Arbiter, odometry: OdometryState, power: float, still: bool, dt: float
@@ -222,6 +289,16 @@ def _follow(
     if power <= 0.0:
         arbiter.text = f"waiting for power, {way.distance_to_go:.2f} m to go"
         return NO_MOTION
+    if model.avoidance is not None and arbiter.avoidance is not None:
+        guidance = guide(model.avoidance, arbiter.avoidance, way, odometry)
+        arbiter.avoidance, arbiter.follower = guidance.state, guidance.way
+        way = guidance.way
+        if guidance.outcome is not None:
+            arbiter.end_goal(guidance.outcome)
+            return NO_MOTION
+        if guidance.twist is not None:
+            arbiter.text = guidance.text
+            return guidance.twist
     limits = model.params.limits
     moving = not still or math.hypot(odometry.v_x, odometry.v_y) > model.params.odometry.standing_speed
     able = FollowerLimits(
@@ -229,9 +306,13 @@ def _follow(
         min(limits.max_yaw_rate, limits.max_speed / model.turn_radius) * power,
         limits.max_deceleration,
         limits.max_deceleration / model.turn_radius,
+        model.turning,
     )
-    pose = (odometry.x, odometry.y, odometry.yaw)
-    way, v_x, yaw_rate, outcome = follow(model.params.follower, way, pose, moving, able, dt)
+    pose = Pose(odometry.x, odometry.y, odometry.yaw)
+    drift = None  # of a rover that hardly moves it is mostly noise
+    if odometry.v_x > model.params.odometry.standing_speed:
+        drift = math.atan2(odometry.v_y, odometry.v_x)
+    way, v_x, yaw_rate, outcome = follow(model.params.follower, way, pose, drift, moving, able, dt)
     arbiter.follower = way
     if outcome is not None:
         arbiter.end_goal(outcome)
@@ -253,29 +334,38 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         InvalidValueError: if a measurement is not finite or has a wrong shape; the state stays as it was.
     """
     measured = _measured(model, state, inputs, dt)
-    params, table = model.params, model.table
-    slip_state = _slip(model, state, inputs, measured, dt)
-    if slip_state is not None:
-        measured = replace(measured, slip=slip_state.shared, slip_sigma=slip_state.sigma)
-    odometry = step_odometry(params.odometry, table, state.odometry, measured, dt)
+    params, limiter = model.params, state.limiter
+    motors = state.motors if limiter is None else _watch(model, state, limiter, inputs, measured, dt)
+    if inputs.goal is not None:
+        motors = motors.steering_on_trial()
+    table = commandable(model.table, motors)
+    slipping = step_slip(model.slip, state, inputs, measured, dt)
+    if slipping is not None:
+        measured = replace(measured, slip=slipping.shared, slip_sigma=slipping.sigma)
+    odometry = step_odometry(params.odometry, believable(model.table, motors), state.odometry, measured, dt)
     heading = state.heading
     if inputs.sun is not None and params.heading_fix is not None:
         odometry, heading = fix_heading(params.heading_fix, odometry, heading, inputs.sun)
-    limiter = state.limiter
     if limiter is None:
         limiter = LimiterState.at_rest(measured.steer_angles)
 
-    arbiter = _Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [])
+    avoidance = state.avoidance
+    if model.avoidance is not None and avoidance is not None:
+        avoidance = see(model.avoidance, avoidance, inputs.cloud, odometry, dt)
+    arbiter = _Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [], state.energy, avoidance)
     if inputs.stop:
         arbiter.take_stop(inputs.stop_reason)
     if inputs.goal is not None:
-        arbiter.take_goal(model, inputs.goal, (odometry.x, odometry.y))
+        arbiter.take_goal(model, inputs.goal, odometry, inputs.supply)
+    arbiter.watch_energy(model, inputs.supply, dt)
     wanted = arbiter.take_twist(model, inputs.twist, dt)
+    reason = shortcoming(model.table, motors, model.geometry.names)
+    reason = reason or no_headway(model.slip, slipping, model.geometry.names)
+    if arbiter.follower is not None and reason:
+        arbiter.end_goal(stop(arbiter.follower, reason))
     if arbiter.follower is not None:
         wanted = _follow(model, arbiter, odometry, inputs.power_limit, measured.commanded_still, dt)
-    if arbiter.follower is not None and slip_state is not None and params.slip and is_stuck(params.slip, slip_state):
-        arbiter.end_goal(stop(arbiter.follower, trouble(params.slip, slip_state, model.geometry.names)))
-        wanted = NO_MOTION
+    wanted = arbiter.keep_clear(model, wanted, odometry)
 
     limits, power = params.limits, inputs.power_limit
     slip = 0.0
@@ -306,9 +396,12 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         last_outcome=last_outcome,
         since_override=arbiter.since_override,
         stuck_for=stuck_for,
+        motors=motors,
         text=arbiter.text,
-        slip=slip_state,
+        energy=arbiter.energy,
+        slip=slipping,
         heading=heading,
+        avoidance=arbiter.avoidance,
     )
     pose_covariance, twist_covariance = message_covariances(params.odometry, odometry, dt)
     output = DriveOutput(
@@ -324,49 +417,57 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     return new_state, output
 
 
-def _slip(
-    model: DriveModel, state: DriveState, inputs: DriveInput, measured: OdometryInput, dt: float
-) -> SlipState | None:
-    """The slip after this period; as it was where a measurement is missing."""
-    force, gyro, tilt, old = inputs.specific_force, inputs.gyro, inputs.roll_pitch, state.slip
-    if (
-        model.slip is None
-        or old is None
-        or inputs.wheel_torques is None
-        or force is None
-        or gyro is None
-        or tilt is None
-    ):
-        return old
-    seen = SlipInput(
-        measured.wheel_rates,
-        measured.wheel_rates if state.limiter is None else state.limiter.wheel_rates,
+def _watch(
+    model: DriveModel,
+    state: DriveState,
+    commanded: LimiterState,
+    inputs: DriveInput,
+    measured: OdometryInput,
+    dt: float,
+) -> MotorState:
+    """What is thought of the motors; they learn nothing while the power manager holds them."""
+    last = state.odometry.steer_angles
+    if last is None or inputs.power_limit <= 0.0:
+        return state.motors
+    efforts = None if inputs.wheel_efforts is None else _measured_array(model, "wheel effort", inputs.wheel_efforts)
+    return watch_motors(
+        model.params.motors,
+        model.params.limits,
+        model.table,
+        state.motors,
+        commanded,
         measured.steer_angles,
-        _measured_array(model, "wheel torque", inputs.wheel_torques),
-        np.array((gyro[0], gyro[1], gyro[2] - state.odometry.gyro_bias)),
-        np.array(force),
-        tilt,
+        (measured.steer_angles - last) / dt,
+        measured.wheel_rates,
+        efforts,
+        dt,
     )
-    return estimate_slip(model.slip, old, seen, dt)
 
 
 def _status(
     model: DriveModel, state: DriveState, inputs: DriveInput, cut: float, commands: WheelCommands
 ) -> dict[str, str | float]:
     """Fields of /drive/status; the unit is the last part of a name."""
-    odometry, way, outcome = state.odometry, state.follower, state.last_outcome
+    odometry, way, outcome, seen = state.odometry, state.follower, state.last_outcome, state.avoidance
+    followed = way if way is not None else outcome
     status: dict[str, str | float] = {
         "mode": state.mode,
+        "failed_motors": failures(state.motors, model.geometry.names),
         "text": state.text,
         "phase": way.phase.value if way is not None else "",
         "goal": way.goal.name if way is not None else "",
         "distance_to_go_m": way.distance_to_go if way is not None else 0.0,
         "lateral_error_m": way.lateral_error if way is not None else 0.0,
+        "lateral_rms_m": followed.lateral_rms if followed is not None else 0.0,
+        "lateral_max_m": followed.lateral_max if followed is not None else 0.0,
+        **account_status(state.energy, way.distance_to_go if way is not None else None),
         "waypoint": float(way.index) if way is not None else 0.0,
         "waypoints": float(len(way.goal.points)) if way is not None else 0.0,
         "outcome": outcome.kind if outcome is not None else "",
         "outcome_goal": outcome.goal.name if outcome is not None else "",
         "outcome_reason": outcome.reason if outcome is not None else "",
+        "obstacle": str(seen.obstacle) if seen is not None and seen.obstacle is not None else "",
+        "detours": float(seen.detours) if seen is not None else 0.0,
         "distance_m": odometry.distance,
         "speed_m_s": math.hypot(odometry.v_x, odometry.v_y),
         "yaw_rate_rad_s": odometry.yaw_rate,

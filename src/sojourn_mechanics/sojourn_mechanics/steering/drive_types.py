@@ -9,10 +9,13 @@ from typing import Literal
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.avoidance_types import AvoidanceState
+from sojourn_mechanics.steering.energy_forecast import EnergyAccount, Supply
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
 from sojourn_mechanics.steering.goal_follower import FollowerState
 from sojourn_mechanics.steering.heading_fix import HeadingFixState, SunSighting
 from sojourn_mechanics.steering.kinematics import PlanarTwist
+from sojourn_mechanics.steering.motor_watch import MotorState
 from sojourn_mechanics.steering.odometry import OdometryState
 from sojourn_mechanics.steering.rate_limiter import LimiterState
 from sojourn_mechanics.steering.slip_estimation import SlipState
@@ -51,8 +54,8 @@ class DriveInput:
     """[rad/s]"""
     steer_angles: FloatArray
     """[rad]; 0 for fixed wheels"""
-    wheel_torques: FloatArray | None = None
-    """Torque of each wheel on its axle, from its motor's current [N m], None where it is not measured."""
+    wheel_efforts: FloatArray | None = None
+    """Torques of the drives [N m], None where they are not measured."""
     gyro: tuple[float, float, float] | None = None
     """Angular velocity in base_link [rad/s], None without a gyro."""
     specific_force: tuple[float, float, float] | None = None
@@ -61,6 +64,8 @@ class DriveInput:
     """[rad], None to take the ground as level."""
     sun: SunSighting | None = None
     """A reading of the sun sensor that came in this period."""
+    cloud: FloatArray | None = None
+    """Points of the hazard camera that came in this period, in base_link, shape (n, 3) [m]."""
     twist: TwistCommand | None = None
     """Newest /cmd_vel, every period until it is replaced; its age tells when it came."""
     goal: Goal | None = None
@@ -68,6 +73,8 @@ class DriveInput:
     stop: bool = False
     """A stop request that arrived in this period."""
     stop_reason: str = "stop requested"
+    supply: Supply | None = None
+    """The newest reading of the battery, None as long as none has come."""
     power_limit: float = 1.0
     """Factor of the power manager on all speeds, 0 to 1 [-]."""
 
@@ -88,12 +95,18 @@ class DriveState:
     """Time since the last goal or stop request [s]; a twist command older than that does not count."""
     stuck_for: float
     """Time the wheels have waited for the steering [s]."""
+    motors: MotorState
+    """Which motors have failed."""
     text: str
     """What the drive is doing, in words."""
+    energy: EnergyAccount = field(default_factory=EnergyAccount)
+    """Of the goal on its way, or of the last one."""
     slip: SlipState | None = None
     """Slip of the wheels, None where it is not estimated."""
     heading: HeadingFixState = field(default_factory=HeadingFixState)
     """What became of the sightings of the Sun."""
+    avoidance: AvoidanceState | None = None
+    """Obstacles; None without obstacle handling."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,8 @@ class Goal:
     """Heading at the last point [rad], None if any will do."""
     kind: Literal["goal", "waypoints"] = "goal"
     """How it was asked for."""
+    heights: tuple[float | None, ...] = ()
+    """Height of the ground at the points in odom [m], as far as it is known; empty if it is not at all."""
     name: str = ""
     """Name the operator or the shell gave it; comes back with the outcome."""
 
@@ -43,7 +45,10 @@ class GoalOutcome:
     """In words; for `reached`, how closely."""
     goal: Goal
     distance_to_go: float
-    """Along the path [m]; not a number for a goal that has no finite points."""
+    """Along the path [m]; not a number for a goal that was refused."""
+    lateral_rms: float = 0.0
+    lateral_max: float = 0.0
+    """Root mean square and greatest size of the lateral error on the path [m]."""
 
 
 def path_lengths(start: Point, points: Sequence[Point]) -> tuple[float, ...]:

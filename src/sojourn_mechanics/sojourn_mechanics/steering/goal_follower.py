@@ -1,40 +1,42 @@
-"""Goal follower for a rover that drives forward along curves and turns in place.
+"""Goal follower: drives forward along a path and turns on the spot where the path has a corner that cannot be driven.
 
-Phases: align (point turn) -> drive -> final align -> settle -> end.
+Phases: align (turn on the spot to the leg's heading) -> drive -> the next leg, or final align -> settle -> end.
 
-- Drive is pure pursuit: with the bearing a of a point on the path one lookahead L ahead, the arc through that
-  point has the curvature k = 2 sin a / L. The path is the polyline from where the goal was accepted through
-  the waypoints; the pursued point does not go beyond the present waypoint, so each waypoint is passed within
-  pass_radius.
-- Bearing beyond realign_angle: stop and align. So every start converges: after an align, the bearing is
-  within align_tolerance and the miss distance at range d is at most d sin(align_tolerance) plus what pursuit
-  takes out.
-- Speed: min(limit, distance_gain x distance, sqrt(2 deceleration distance)) x cos a, at least approach_speed.
-- Point turn: rate = yaw_gain x error, bounded by the limit and by sqrt(2 deceleration error).
-- Driving ends within arrive_fraction x tolerance of the last point, or abeam of it inside the tolerance. The
-  goal is reached when the rover stands still inside the position (and yaw) tolerance; if not, it tries again.
-- It ends as stopped when there is no progress: slip scales the motion but does not change where the law
-  leads, so only a rover that cannot move at all stays behind.
+- The path is planned when the goal is accepted (path_planner) and kept by the law of path_tracking, with the drift
+  that the odometry expects on a side slope, smoothed over a distance.
+- Off the course wanted by more than realign_angle: stop and align, by a machine that can turn on the spot.
+- Speed: min(limit, distance_gain x distance, sqrt(2 deceleration distance)) x cos of the course error, at least
+  approach_speed; the distance is that to the next stop.
+- Turn on the spot: rate = yaw_gain x error, bounded by the limit and by sqrt(2 deceleration error).
+- A leg ends arrive_fraction x tolerance before its end. The goal is reached when the rover stands still inside the
+  position (and yaw) tolerance; if not, the path is planned anew from where it stands.
+- It ends as stopped when there is no progress: slip scales the motion but does not change where the law leads, so
+  only a rover that cannot move at all stays behind.
 
-Sources: Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01 (1992);
-Aicardi, Casalino, Bicchi, Balestrino, IEEE Robotics & Automation Magazine 2(1) (1995) 27
-(polar coordinates and speed falling with distance and cos of the bearing).
-
-Assumptions: pose in odom is continuous; obstacles are somebody else's concern. Positions [m], angles [rad].
-"""
+Lateral error is to the left of the path, of the estimated pose; its root mean square is over the distance driven on
+the path. Source of the speeds: Aicardi, Casalino, Bicchi, Balestrino, IEEE Robotics & Automation Magazine 2(1)
+(1995) 27. Assumptions: pose in odom is continuous; obstacles are somebody else's concern. Positions [m], angles
+[rad]."""
 
 import math
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
-from sojourn_mechanics.steering.goal import Goal, GoalOutcome, Point, path_lengths, refusal
+from sojourn_mechanics.steering.goal import Goal, GoalOutcome, refusal
 from sojourn_mechanics.steering.odometry import wrap_angle
 from sojourn_mechanics.steering.params import GoalFollowerParams
+from sojourn_mechanics.steering.path import Path, PathPoint
+from sojourn_mechanics.steering.path_planner import plan_path
+from sojourn_mechanics.steering.path_tracking import Tracking, track
 from sojourn_mechanics.steering.rate_limiter import stopping_speed
+from sojourn_mechanics.steering.turning_limits import TurningLimits
+from sojourn_mechanics.vehicle.clothoid import Pose
 
 SLOWEST_TURN = 0.1
 """Smallest rate of a point turn as a fraction of the largest, so that it ends [-]."""
+DRIFT_LENGTH = 0.5
+"""Distance over which the drift is smoothed [m]."""
 
 
 class Phase(StrEnum):
@@ -51,23 +53,32 @@ class FollowerState:
     """One goal on its way."""
 
     goal: Goal
+    path: Path
     phase: Phase
-    index: int
-    """Waypoint the rover drives to."""
-    segment_start: Point
-    """Where the present straight part of the path begins [m]."""
-    lengths: tuple[float, ...]
-    """Path from each waypoint to the last [m]."""
+    leg: int = 0
+    """Leg of the path."""
+    on_leg: float = 0.0
+    """Distance gone on it [m]."""
+    passed: int = 0
+    """Waypoints passed."""
     elapsed: float = 0.0
     """Time since the goal was accepted [s]."""
     phase_elapsed: float = 0.0
     """Time in this phase [s]."""
     distance_to_go: float = 0.0
-    """To the present waypoint and on along the path [m]."""
+    """Along the path [m]; at its end the distance to the goal."""
     yaw_error: float = 0.0
     """Heading still to turn in the present phase [rad]."""
     lateral_error: float = 0.0
     """Position to the left of the path [m]."""
+    lateral_max: float = 0.0
+    """Greatest size of it so far [m]."""
+    lateral_square: float = 0.0
+    """Integral of its square over the distance followed [m^3]."""
+    followed: float = 0.0
+    """Distance driven on the path, all plans together [m]."""
+    drift: float = 0.0
+    """Angle by which the rover slides off its heading, to the left [rad]."""
     best_distance: float = math.inf
     """distance_to_go at the last progress [m]."""
     drive_stall: float = 0.0
@@ -78,6 +89,16 @@ class FollowerState:
     """Time of turning since then [s]."""
     attempts: int = 0
     """Times the rover stood still and was not within tolerance."""
+
+    @property
+    def index(self) -> int:
+        """Waypoint the rover drives to."""
+        return min(self.passed, len(self.goal.points) - 1)
+
+    @property
+    def lateral_rms(self) -> float:
+        """Root mean square of the lateral error so far [m]."""
+        return math.sqrt(self.lateral_square / self.followed) if self.followed > 0.0 else 0.0
 
 
 class FollowerLimits(NamedTuple):
@@ -91,6 +112,7 @@ class FollowerLimits(NamedTuple):
     """At the rim of a wheel [m/s^2]."""
     yaw_deceleration: float
     """Of a point turn [rad/s^2]."""
+    turning: TurningLimits
 
 
 class FollowerStep(NamedTuple):
@@ -105,34 +127,43 @@ class FollowerStep(NamedTuple):
     """Not None when the goal has ended."""
 
 
-def accept(params: GoalFollowerParams, goal: Goal, position: Point) -> FollowerState | GoalOutcome:
-    """Start of the way to a goal from a position in odom [m], or the outcome `refused` with its reason."""
-    reason = refusal(params, goal, position)
-    if reason is not None:
-        return GoalOutcome("refused", reason, goal, math.nan)
-    lengths = path_lengths(position, goal.points)
-    return FollowerState(goal, Phase.DRIVE, 0, position, lengths[1:], distance_to_go=lengths[0])
+def accept(params: GoalFollowerParams, machine: TurningLimits, goal: Goal, pose: Pose) -> FollowerState | GoalOutcome:
+    """Start of the way to a goal from a pose in odom, or the outcome `refused` with its reason."""
+    reason = refusal(params, goal, (pose.x, pose.y))
+    path = plan_path(params, machine, pose, goal) if reason is None else reason
+    if isinstance(path, str):
+        return GoalOutcome("refused", path, goal, math.nan)
+    return _on_path(params, FollowerState(goal, path, Phase.DRIVE), path, pose)
 
 
 def stop(state: FollowerState, reason: str) -> GoalOutcome:
     """Outcome of a goal that is given up."""
-    return GoalOutcome("stopped", reason, state.goal, state.distance_to_go)
+    return _outcome("stopped", state, reason)
 
 
-def _pursued_point(start: Point, end: Point, position: Point, lookahead: float) -> tuple[Point, float]:
-    """Point on a straight part of the path to drive at, and the position to the left of that part [m]."""
-    along_x, along_y = end[0] - start[0], end[1] - start[1]
-    length = math.hypot(along_x, along_y)
-    if length < 1e-9:
-        return end, 0.0
-    along_x, along_y = along_x / length, along_y / length
-    from_x, from_y = position[0] - start[0], position[1] - start[1]
-    ahead = from_x * along_x + from_y * along_y + lookahead
-    lateral = along_x * from_y - along_y * from_x
-    if ahead >= length:
-        return end, lateral
-    ahead = max(ahead, 0.0)
-    return (start[0] + ahead * along_x, start[1] + ahead * along_y), lateral
+def _outcome(kind: Literal["reached", "stopped"], state: FollowerState, reason: str) -> GoalOutcome:
+    return GoalOutcome(kind, reason, state.goal, state.distance_to_go, state.lateral_rms, state.lateral_max)
+
+
+def _on_path(params: GoalFollowerParams, state: FollowerState, path: Path, pose: Pose) -> FollowerState:
+    """The state at the begin of a path."""
+    state = replace(state, path=path, leg=0, on_leg=0.0, best_distance=math.inf)
+    if path.legs:
+        return _enter_leg(params, replace(state, distance_to_go=path.length), 0, pose.heading)
+    x, y = state.goal.points[-1]
+    return _enter(replace(state, distance_to_go=math.hypot(x - pose.x, y - pose.y)), Phase.DRIVE)
+
+
+def _enter_leg(params: GoalFollowerParams, state: FollowerState, leg: int, yaw: float) -> FollowerState:
+    """The state at the begin of a leg: driving, or turning to its heading first."""
+    off = wrap_angle(state.path.legs[leg].start.heading - yaw)
+    phase = Phase.DRIVE if abs(off) <= params.align_tolerance else Phase.ALIGN
+    return _enter(replace(state, leg=leg, on_leg=0.0), phase)
+
+
+def _enter(state: FollowerState, phase: Phase) -> FollowerState:
+    """The same way in another phase, with that phase's clocks at zero."""
+    return replace(state, phase=phase, phase_elapsed=0.0, best_yaw_error=math.inf, turn_stall=0.0)
 
 
 def _turn(params: GoalFollowerParams, error: float, limits: FollowerLimits) -> float:
@@ -142,23 +173,36 @@ def _turn(params: GoalFollowerParams, error: float, limits: FollowerLimits) -> f
     return math.copysign(max(rate, SLOWEST_TURN * limits.yaw_rate), error)
 
 
-def _enter(state: FollowerState, phase: Phase) -> FollowerState:
-    """The same way in another phase, with that phase's clocks at zero."""
-    return replace(state, phase=phase, phase_elapsed=0.0, best_yaw_error=math.inf, turn_stall=0.0)
+def _locate(state: FollowerState, pose: Pose, drift: float | None) -> tuple[FollowerState, PathPoint | None]:
+    """Where the rover is on its path, with the errors of this period; no place where there is no path."""
+    if not state.path.legs:
+        return state, None
+    place = state.path.legs[state.leg].nearest(pose.x, pose.y, state.on_leg)
+    gone = max(place.distance - state.on_leg, 0.0)
+    before = sum(leg.length for leg in state.path.legs[: state.leg])
+    passed = state.passed
+    if len(state.path.marks) == len(state.goal.points):  # not of a path planned anew to the last one
+        while passed < len(state.path.marks) and state.path.marks[passed] <= before + place.distance:
+            passed += 1
+    part = gone / (gone + DRIFT_LENGTH)
+    return replace(
+        state,
+        on_leg=place.distance,
+        passed=passed,
+        distance_to_go=max(state.path.length - before - place.distance, 0.0),
+        lateral_error=place.lateral,
+        lateral_max=max(state.lateral_max, abs(place.lateral)),
+        lateral_square=state.lateral_square + place.lateral**2 * gone,
+        followed=state.followed + gone,
+        drift=state.drift if drift is None else state.drift + part * (drift - state.drift),
+    ), place
 
 
-def _watch(
-    params: GoalFollowerParams,
-    state: FollowerState,
-    distance_to_go: float,
-    yaw_error: float,
-    lateral_error: float,
-    dt: float,
-) -> FollowerState:
-    """State with the errors of this period, its clocks moved on and progress noted."""
+def _watch(params: GoalFollowerParams, state: FollowerState, yaw_error: float, dt: float) -> FollowerState:
+    """State with its clocks moved on and progress noted."""
     best_distance, drive_stall = state.best_distance, state.drive_stall
-    if distance_to_go < best_distance - params.progress_distance:
-        best_distance, drive_stall = distance_to_go, 0.0
+    if state.distance_to_go < best_distance - params.progress_distance:
+        best_distance, drive_stall = state.distance_to_go, 0.0
     elif state.phase is Phase.DRIVE:
         drive_stall += dt
     best_yaw_error, turn_stall = state.best_yaw_error, 0.0
@@ -166,58 +210,56 @@ def _watch(
         turn_stall = state.turn_stall + dt
         if abs(yaw_error) < best_yaw_error - params.progress_angle:
             best_yaw_error, turn_stall = abs(yaw_error), 0.0
-    return FollowerState(
-        goal=state.goal,
-        phase=state.phase,
-        index=state.index,
-        segment_start=state.segment_start,
-        lengths=state.lengths,
+    return replace(
+        state,
         elapsed=state.elapsed + dt,
         phase_elapsed=state.phase_elapsed + dt,
-        distance_to_go=distance_to_go,
         yaw_error=yaw_error,
-        lateral_error=lateral_error,
         best_distance=best_distance,
         drive_stall=drive_stall,
         best_yaw_error=best_yaw_error,
         turn_stall=turn_stall,
-        attempts=state.attempts,
     )
 
 
-def _pass_waypoints(params: GoalFollowerParams, state: FollowerState, position: Point) -> FollowerState:
-    """Moves on to the next waypoint while the present one is within the pass radius."""
-    index, points = state.index, state.goal.points
-    while index < len(points) - 1 and math.dist(position, points[index]) <= params.pass_radius:
-        index += 1
-    if index == state.index:
-        return state
-    return replace(state, index=index, segment_start=points[index - 1])
-
-
 def _finish(
-    params: GoalFollowerParams, state: FollowerState, moving: bool, distance: float
+    params: GoalFollowerParams, state: FollowerState, limits: FollowerLimits, pose: Pose, moving: bool
 ) -> tuple[FollowerState, GoalOutcome | None]:
     """Settle: wait until the rover stands, then judge."""
     if moving and state.phase_elapsed < params.settle_timeout:
         return state, None
-    goal = state.goal
+    goal, distance = state.goal, state.distance_to_go
     yaw_met = goal.yaw is None or abs(state.yaw_error) <= params.yaw_tolerance
     if distance <= params.position_tolerance and yaw_met:
         heading = "" if goal.yaw is None else f", {abs(state.yaw_error):.3f} rad off the heading"
-        reason = f"{distance:.3f} m from the goal{heading}"
-        return state, GoalOutcome("reached", reason, goal, distance)
+        return state, _outcome("reached", state, f"{distance:.3f} m from the goal{heading}")
     if state.attempts + 1 >= params.settle_attempts:
         reason = f"not within tolerance after {params.settle_attempts} approaches, {distance:.3f} m from the goal"
         return state, stop(state, reason)
-    next_phase = Phase.DRIVE if distance > params.position_tolerance else Phase.FINAL_ALIGN
-    return _enter(replace(state, attempts=state.attempts + 1), next_phase), None
+    state = replace(state, attempts=state.attempts + 1)
+    if distance <= params.position_tolerance and limits.turning.on_the_spot:
+        return _enter(state, Phase.FINAL_ALIGN), None
+    path = plan_path(params, limits.turning, pose, replace(goal, points=goal.points[-1:]))
+    if isinstance(path, str):
+        return state, stop(state, f"{distance:.3f} m from the goal, and no path from there: {path}")
+    return _on_path(params, state, path, pose), None
+
+
+def _arrived(params: GoalFollowerParams, state: FollowerState, pose: Pose) -> FollowerState | None:
+    """The state after the end of a leg, None before it."""
+    legs = state.path.legs
+    if legs and legs[state.leg].length - state.on_leg > params.arrive_fraction * params.position_tolerance:
+        return None
+    if legs and state.leg + 1 < len(legs):
+        return _enter_leg(params, state, state.leg + 1, pose.heading)
+    return _enter(state, Phase.FINAL_ALIGN if state.goal.yaw is not None else Phase.SETTLE)
 
 
 def follow(
     params: GoalFollowerParams,
     state: FollowerState,
-    pose: tuple[float, float, float],
+    pose: Pose,
+    drift: float | None,
     moving: bool,
     limits: FollowerLimits,
     dt: float,
@@ -228,54 +270,55 @@ def follow(
         params: tolerances and gains.
         state: from `accept` or the last period.
         pose: x, y [m] and yaw [rad] in odom.
+        drift: angle of the motion to the heading [rad], None where it means nothing (slow, turning on the spot).
         moving: true while the rover has not come to rest.
         limits: what the machine can do at the moment.
         dt: period [s].
     """
-    x, y, yaw = pose
-    position = (x, y)
-    state = _pass_waypoints(params, state, position)
-    goal, index = state.goal, state.index
-    end = goal.points[index]
-    last = index == len(goal.points) - 1
-    to_end = math.hypot(end[0] - x, end[1] - y)
-    distance = to_end + state.lengths[index]
-    target, lateral = _pursued_point(state.segment_start, end, position, params.lookahead)
-    bearing = wrap_angle(math.atan2(target[1] - y, target[0] - x) - yaw)
-    heading_error = bearing
+    goal = state.goal
     if state.phase in (Phase.FINAL_ALIGN, Phase.SETTLE):
-        heading_error = wrap_angle(goal.yaw - yaw) if goal.yaw is not None else 0.0
-    state = _watch(params, state, distance, heading_error, lateral, dt)
+        x, y = goal.points[-1]
+        state = replace(state, distance_to_go=math.hypot(x - pose.x, y - pose.y), passed=len(goal.points))
+        yaw_error = wrap_angle(goal.yaw - pose.heading) if goal.yaw is not None else 0.0
+        place = None
+    else:
+        state, place = _locate(state, pose, drift if state.phase is Phase.DRIVE else None)
+        tracking = (
+            track(place, pose.heading, state.drift, params.lateral_length, params.heading_length) if place else None
+        )
+        yaw_error = tracking.course_error if tracking else 0.0
+    state = _watch(params, state, yaw_error, dt)
     if state.drive_stall > params.progress_timeout or state.turn_stall > params.progress_timeout:
-        reason = f"no progress for {params.progress_timeout:.0f} s, {distance:.2f} m to go"
+        reason = f"no progress for {params.progress_timeout:.0f} s, {state.distance_to_go:.2f} m to go"
         return FollowerStep(state, 0.0, 0.0, stop(state, reason))
 
     if state.phase is Phase.SETTLE:
-        state, outcome = _finish(params, state, moving, distance)
+        state, outcome = _finish(params, state, limits, pose, moving)
         return FollowerStep(state, 0.0, 0.0, outcome)
     if state.phase is Phase.FINAL_ALIGN:
-        if abs(heading_error) <= 0.5 * params.yaw_tolerance:
+        if abs(yaw_error) <= 0.5 * params.yaw_tolerance or not limits.turning.on_the_spot:
             return FollowerStep(_enter(state, Phase.SETTLE), 0.0, 0.0, None)
-        return FollowerStep(state, 0.0, _turn(params, heading_error, limits), None)
-
-    # An align that began inside the tolerance circle would chase a bearing that means little there.
-    abeam = abs(bearing) > params.realign_angle
-    arrived = to_end <= params.arrive_fraction * params.position_tolerance
-    if last and (arrived or (abeam and to_end <= params.position_tolerance)):
-        phase = Phase.FINAL_ALIGN if goal.yaw is not None else Phase.SETTLE
-        return FollowerStep(_enter(state, phase), 0.0, 0.0, None)
+        return FollowerStep(state, 0.0, _turn(params, yaw_error, limits), None)
     if state.phase is Phase.ALIGN:
-        if abs(bearing) <= params.align_tolerance:
+        if abs(yaw_error) <= params.align_tolerance:
             return FollowerStep(_enter(state, Phase.DRIVE), 0.0, 0.0, None)
-        return FollowerStep(state, 0.0, _turn(params, bearing, limits), None)
-    if abeam:
+        return FollowerStep(state, 0.0, _turn(params, yaw_error, limits), None)
+    arrived = _arrived(params, state, pose)
+    if arrived is not None or tracking is None:
+        return FollowerStep(arrived or state, 0.0, 0.0, None)
+    if abs(yaw_error) > params.realign_angle and limits.turning.on_the_spot:
         return FollowerStep(_enter(state, Phase.ALIGN), 0.0, 0.0, None)
+    return FollowerStep(state, *_drive(params, state, tracking, limits), None)
 
-    to_target = math.hypot(target[0] - x, target[1] - y)
-    curvature = 2.0 * math.sin(bearing) / max(to_target, params.lookahead)
-    curvature = min(max(curvature, -params.max_curvature), params.max_curvature)
-    speed = limits.speed * math.cos(bearing)
-    if last:
-        speed = min(speed, params.distance_gain * to_end, stopping_speed(to_end, limits.deceleration))
+
+def _drive(
+    params: GoalFollowerParams, state: FollowerState, tracking: Tracking, limits: FollowerLimits
+) -> tuple[float, float]:
+    """Speed and yaw rate on a leg."""
+    most = limits.turning.curvature
+    curvature = min(max(tracking.curvature, -most), most)
+    left = state.path.legs[state.leg].length - state.on_leg
+    speed = limits.speed * max(math.cos(tracking.course_error), 0.0)
+    speed = min(speed, params.distance_gain * left, stopping_speed(left, limits.deceleration))
     speed = min(max(speed, params.approach_speed), limits.speed)
-    return FollowerStep(state, speed, curvature * speed, None)
+    return speed, curvature * speed

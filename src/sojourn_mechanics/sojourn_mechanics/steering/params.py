@@ -16,6 +16,8 @@ from pydantic import Field, model_validator
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, Params
+from sojourn_mechanics.steering.energy_params import EnergyParams
+from sojourn_mechanics.steering.obstacle_params import ObstacleParams
 from sojourn_mechanics.steering.slip_params import SlipParams
 from sojourn_mechanics.steering.wheel_table import wheel_table
 
@@ -205,6 +207,19 @@ class SteeringTransitionParams(Params):
         return self
 
 
+class MotorWatchParams(Params):
+    """When a motor counts as failed."""
+
+    steer_error: float = Field(
+        default=0.06, gt=0.0, le=0.5, description="off its command by more than this, a steering does not follow [rad]"
+    )
+    steer_time: float = Field(default=3.0, gt=0.0, le=60.0, description="so long, and it has failed [s]")
+    rate_error: float = Field(
+        default=0.1, gt=0.0, le=1.0, description="off its command by more than this part, a wheel does not follow [-]"
+    )
+    drive_time: float = Field(default=2.0, gt=0.0, le=60.0, description="so long, and its motor has failed [s]")
+
+
 class OdometryParams(Params):
     """How far wheels and gyro can be trusted. Sigmas are standard deviations."""
 
@@ -277,9 +292,13 @@ class GoalFollowerParams(Params):
     arrive_fraction: float = Field(
         ..., gt=0.0, le=1.0, description="driving ends at this fraction of the position tolerance [-]"
     )
-    pass_radius: float = Field(..., gt=0.0, le=50.0, description="a waypoint is passed within this distance [m]")
-    lookahead: float = Field(..., gt=0.0, le=100.0, description="distance of the pursued point along the path [m]")
-    max_curvature: float = Field(..., gt=0.0, le=20.0, description="sharpest curve while driving [1/m]")
+    corner_cut: float = Field(..., gt=0.0, le=50.0, description="a waypoint is passed within this distance [m]")
+    max_curvature: float = Field(
+        ..., gt=0.0, le=20.0, description="sharpest curve while driving, if the steering can [1/m]"
+    )
+    planned_curvature: float = Field(..., gt=0.0, le=1.0, description="part of it that paths may ask for [-]")
+    lateral_length: float = Field(..., gt=0.0, le=100.0, description="distance that takes out a lateral error [m]")
+    heading_length: float = Field(..., gt=0.0, le=100.0, description="distance that takes out a course error [m]")
     align_tolerance: float = Field(..., gt=0.0, le=0.5, description="a point turn ends within this angle [rad]")
     realign_angle: float = Field(..., gt=0.0, le=1.5, description="bearing from which a point turn is made [rad]")
     yaw_gain: float = Field(..., gt=0.0, le=10.0, description="turn rate per heading error in a point turn [1/s]")
@@ -317,7 +336,10 @@ class DriveParams(Params):
     )
     limits: MotionLimits = Field(..., description="what the machine may be asked to do")
     transition: SteeringTransitionParams = Field(..., description="slowing down while steering")
+    motors: MotorWatchParams = Field(default=MotorWatchParams(), description="when a motor counts as failed")
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")
     heading_fix: HeadingFixParams | None = Field(None, description="trust in the sun sensor; none: it is not used")
     slip: SlipParams | None = Field(None, description="slip from torques; none: the expected one is taken")
     follower: GoalFollowerParams = Field(..., description="approach to goals")
+    obstacles: ObstacleParams | None = Field(None, description="obstacle handling; left out: it avoids nothing")
+    energy: EnergyParams | None = Field(None, description="what driving costs; none: no forecast")

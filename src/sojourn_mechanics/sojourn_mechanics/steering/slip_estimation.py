@@ -7,7 +7,8 @@ that agree may all spin. That level comes from two sides:
 - acceleration: after a stop the IMU knows the speed for some seconds, which sets the soil's factor (`speed_filter`).
 
 The slip of a wheel is then s = (r w - v) / max(|r w|, |v|), with v what the motion of the body gives at the wheel
-along its rolling direction, and r the radius of the rim without grousers, as plant and published wheel tests count it.
+along its rolling direction, and r the radius on which the soil shears, that of the grouser tips. (The plant tells slip
+on the rim: 1 - s = (1 - s_rim) r_rim / r.)
 
 Trouble, told in words: wheels that spin without headway (slip above a limit for a time); a wheel that turns without its
 load (off the ground, in a hole, or a broken shaft); a wheel that stands while others roll (blocked). Sources: Ojeda et
@@ -176,6 +177,7 @@ def estimate_slip(model: SlipModel, state: SlipState, measured: SlipInput, dt: f
             params.drift_walk,
             params.factor_sigma,
             params.factor_length,
+            params.free_slip,
             params.torque_error,
             params.slip_noise,
             2.0 * params.slip_noise_time / dt,
@@ -233,7 +235,8 @@ def _period(
     old_gravity: FloatArray, old_torques: FloatArray, old_rates: FloatArray, rates: FloatArray, commands: FloatArray,
     angles: FloatArray, torques: FloatArray, gyro: FloatArray, force: FloatArray, roll_angle: float, pitch: float,
     share: float, rotor: float, rut_width: float, least_speed: float, force_noise: float, drift_walk: float,
-    factor_sigma: float, factor_length: float, torque_error: float, slip_noise: float, inflation: float,
+    factor_sigma: float, factor_length: float, free_slip: float, torque_error: float, slip_noise: float,
+    inflation: float,
     stuck_slip: float, idle_torque: float, way: float, pace: float, standing_for: float, old_stuck: FloatArray,
     old_idle: FloatArray, old_blocked: FloatArray, old_shared: float, old_sigma: float, dt: float,
 ) -> tuple[
@@ -291,7 +294,7 @@ def _period(
         spread = math.hypot(slip_noise, torque_error * (levers * counts).sum() * per_torque)
         # a body on its wheels rocks when they change their speed
         doubt = math.sqrt((wheels * spread) ** 2 + (ROCKING * (wheels - pace)) ** 2 + ROCKING_SIGMA**2)
-        roll(states, covariance, wheels, believed, doubt, inflation)
+        roll(states, covariance, wheels, believed, free_slip, doubt, inflation)
         shared = min(max(1.0 - states[SPEED] / wheels, -1.0), 1.0)
         sigma = math.sqrt(max(covariance[SPEED, SPEED], 0.0)) / wheels
         for i in range(count):

@@ -18,6 +18,7 @@ class SlipParams(Params):
 
     fresh: TractionCurve = Field(..., description="of a wheel on ground that no other has pressed before it")
     rut: TractionCurve = Field(..., description="of a wheel in the rut of another")
+    free_slip: float = Field(..., ge=-0.5, lt=1.0, description="slip of a wheel that neither pulls nor brakes [-]")
     rut_width: float = Field(..., gt=0.0, le=3.0, description="tracks nearer than this are one rut [m]")
     rotor_inertia: float = Field(..., ge=0.0, le=1e4, description="of a drive motor, at the wheel [kg m^2]")
     torque_lag: float = Field(..., gt=0.0, le=10.0, description="time over which torques are averaged [s]")

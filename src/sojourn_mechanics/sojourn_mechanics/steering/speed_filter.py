@@ -4,7 +4,7 @@ States: speed v over ground along the heading of the wheels' motion [m/s]; drift
 x of base_link [m/s^2]; soil factor q, the slip over the one that the torques speak of (`traction`) [-].
 
     v' = a - d_x b + n_a,     b' = n_b,     q: 1 + (q - 1) e^(-way / length), renewed to its sigma
-    moving:   v = u (1 - q s) + n_s        u speed of the wheels, s the believed slip, n_s correlated over a time
+    moving:   v = u (1 - s_0 - q (s - s_0)) + n_s,   u speed of the wheels, s believed slip, s_0 free slip
     standing: v = 0,  a = d_x b + n_a      what the accelerometers feel at rest is drift
 
 a = (f + g).d is strapdown: specific force and gravity along the motion, gravity carried in base_link by the gyros,
@@ -94,9 +94,9 @@ def stand(states: FloatArray, covariance: FloatArray, acceleration: float, force
 
 @njit(cache=True)
 def roll(
-    states: FloatArray, covariance: FloatArray, wheels: float, slip: float, sigma: float, inflation: float
+    states: FloatArray, covariance: FloatArray, wheels: float, slip: float, free: float, sigma: float, inflation: float
 ) -> None:
     """Wheels that roll at the speed `wheels` [m/s] with the believed slip; what follows is good to sigma [m/s]."""
-    expected = wheels * (1.0 - min(states[FACTOR] * slip, 1.0))
-    row = np.array((1.0, 0.0, wheels * slip))
+    expected = wheels * (1.0 - min(free + states[FACTOR] * (slip - free), 1.0))
+    row = np.array((1.0, 0.0, wheels * (slip - free)))
     update(states, covariance, row, expected - states[SPEED], sigma * sigma * inflation)

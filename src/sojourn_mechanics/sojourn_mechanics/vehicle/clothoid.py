@@ -9,6 +9,7 @@ A vehicle at constant speed V steers at the rate V k' l: clothoids are what a co
 and the arc is taken there.
 """
 
+import cmath
 import math
 from typing import NamedTuple
 
@@ -63,9 +64,21 @@ def along_clothoid(start: Pose, curvature: float, sharpness: float, s: ArrayLike
 
 
 def end_of(start: Pose, piece: Piece) -> Pose:
-    """Pose at the end of a piece."""
-    x, y, heading = along_clothoid(start, piece.curvature, piece.sharpness, [piece.length])[0]
-    return Pose(float(x), float(y), float(heading))
+    """Pose at the end of a piece. The same as the last of `along_clothoid`, one by one and so many times faster."""
+    length, curvature, sharpness = piece
+    heading = start.heading + (curvature + 0.5 * sharpness * length) * length
+    if abs(sharpness) * length**2 < STRAIGHT:
+        half = 0.5 * (curvature + 0.5 * sharpness * length) * length
+        sinc = math.sin(half) / half if half != 0.0 else 1.0
+        place = length * sinc * cmath.exp(1j * (start.heading + half))
+    else:
+        scale = math.sqrt(math.pi / abs(sharpness))
+        sign = math.copysign(1.0, sharpness)
+        sine, cosine = fresnel((curvature + sharpness * length) / (scale * sharpness))
+        first_sine, first_cosine = fresnel(curvature / (scale * sharpness))
+        turn = cmath.exp(1j * (start.heading - curvature**2 / (2.0 * sharpness)))
+        place = scale * turn * complex(cosine - first_cosine, sign * (sine - first_sine))
+    return Pose(start.x + place.real, start.y + place.imag, heading)
 
 
 def turn_pieces(angle: float, greatest_curvature: float, sharpness: float) -> tuple[Piece, ...]:

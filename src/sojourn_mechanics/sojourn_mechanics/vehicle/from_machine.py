@@ -76,6 +76,7 @@ def vehicle_of(
                 wheel_inertia=float(model.inertias[joint].inertia[1, 1]),
                 driven=wheel.joint in drives,
                 max_steer=float(steer),
+                contact=wheel.contact,
             )
         )
     drive = drives[wheels[0].joint]

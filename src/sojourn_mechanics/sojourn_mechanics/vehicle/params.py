@@ -12,6 +12,8 @@ from pydantic import Field, model_validator
 
 from sojourn_mechanics.actuators.params import GearParams, MotorParams
 from sojourn_mechanics.actuators.series_motor import SeriesMotorParams
+from sojourn_mechanics.contact.params import ContactParams, WheelParams
+from sojourn_mechanics.contact.rigid_wheel_on_soil import RigidWheelOnSoilParams
 from sojourn_mechanics.contact.wheel_shape import WheelShape
 from sojourn_mechanics.params import FloatArray, Params
 from sojourn_mechanics.vehicle.wheel_traction import RollingLoss
@@ -39,6 +41,7 @@ class AxleParams(Params):
     damping: float = Field(default=0.0, ge=0.0, le=1e7, description="of one wheel's suspension [N s/m]")
     unsprung_mass: float = Field(default=0.0, ge=0.0, le=1e4, description="at one wheel [kg]")
     tyre_rate: float | None = Field(default=None, gt=0.0, le=1e9, description="vertical stiffness of one wheel [N/m]")
+    contact: ContactParams = Field(default=RigidWheelOnSoilParams(), description="contact model of its wheels")
 
     @model_validator(mode="after")
     def _radii_fit(self) -> Self:
@@ -47,6 +50,19 @@ class AxleParams(Params):
         if self.rim_radius < self.wheel_radius and self.grouser_count == 0:
             raise ValueError("grouser_count: allowed is more than 0 where the rim is smaller than the wheel")
         return self
+
+    @property
+    def wheel(self) -> WheelParams:
+        """One of its wheels as the plant has it."""
+        return WheelParams(
+            name=self.name,
+            joint=self.name,
+            radius=self.rim_radius,
+            width=self.wheel_width,
+            grouser_height=self.wheel_radius - self.rim_radius,
+            grouser_count=self.grouser_count,
+            contact=self.contact,
+        )
 
     @property
     def shape(self) -> WheelShape:

@@ -1,6 +1,7 @@
 """Driving straight: traction, grade, speed, energy, motors, braking."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,10 +9,12 @@ from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.vehicle.braking import stopping_distance
 from sojourn_mechanics.vehicle.datasheet.figures import Curve, Figure, Section
-from sojourn_mechanics.vehicle.datasheet.subject import Subject
+from sojourn_mechanics.vehicle.datasheet.subject import OWN, Subject
 from sojourn_mechanics.vehicle.driveline import largest_wheel_torque
+from sojourn_mechanics.vehicle.law_wheel import LawWheel
 from sojourn_mechanics.vehicle.longitudinal import (
     Course,
+    SteadyState,
     driving_range,
     greatest_grade,
     greatest_pull,
@@ -21,6 +24,7 @@ from sojourn_mechanics.vehicle.longitudinal import (
     time_and_distance_to,
     total_pull,
 )
+from sojourn_mechanics.vehicle.multi_pass import FollowingWheel, passes, sinkage_after
 
 SLIPS = np.linspace(0.0, 0.8, 33)
 SLOW = 0.2
@@ -52,7 +56,9 @@ def traction(subject: Subject) -> Section:
         Figure("level_slip", "Slip on the level", None if self_propelled is None else self_propelled.slip, ""),
         Figure("towing_resistance", "Resistance at slip 0", -total_pull(course, 0.0, 0.0, 0.0), "N"),
     )
-    text = f"Soil {subject.soil.name} on {subject.body.name}, rigid wheels, law of the wheels: {subject.law}."
+    text = f"Soil {subject.soil.name} on {subject.body.name}, law of the wheels: {subject.law}."
+    if subject.law != OWN:
+        text += " Wheels are taken as rigid."
     return Section("Traction", figures, tuple(curves), text)
 
 
@@ -110,13 +116,11 @@ def energy(subject: Subject) -> Section:
         Figure("motor_current", "Current of a motor at cruise", state.motors[0].current, "A"),
         Figure("greatest_range", "Range at cruise, level", driving_range(course, cruise) / 1000.0, "km"),
     ]
-    other_law = "rim stress" if subject.law == "closed form" else "closed form"
-    try:
-        other = steady_state(subject.course(other_law), cruise)
-        value = None if other is None else other.energy_per_metre / 3.6
-    except InvalidValueError:
-        value = None
-    figures.append(Figure("energy_per_km_other_law", f"Energy at cruise, law {other_law}", value, "Wh/km"))
+    for law in subject.laws:
+        if law != subject.law:
+            value = _energy_per_km(subject.course(law), cruise)
+            key = "energy_per_km_" + law.replace(" ", "_")
+            figures.append(Figure(key, f"Energy at cruise, level, law: {law}", value, "Wh/km"))
     top = greatest_speed(course)
     speeds = np.linspace(0.1, 0.98, 16) * top
     lines = {}
@@ -130,6 +134,65 @@ def energy(subject: Subject) -> Section:
         f"Gear efficiency {vehicle.gear.efficiency:g}, controller {vehicle.controller_efficiency:g}; nothing is tuned."
     )
     return Section("Energy", tuple(figures), (curve,), text)
+
+
+def ruts(subject: Subject) -> Section:
+    """What rear wheels spare in the ruts of the front ones."""
+    course, cruise = subject.course_in_ruts(), subject.vehicle.cruise_speed
+    following = [number for number, wheel in enumerate(course.wheels) if isinstance(wheel, FollowingWheel)]
+    if not subject.on_soil or not following or subject.soil.kind == "rigid":
+        note = "no wheel follows in the track of another" if not following else "the ground does not yield"
+        return Section("Ruts", (Figure("rut_depth", "Depth of the ruts", None, "mm", note),))
+    fresh = steady_state(subject.course(OWN), cruise)
+    state = steady_state(course, cruise)
+    front = LawWheel(subject.vehicle.axles[0].wheel, subject.soil, subject.gravity)
+    load = float(loads(course, 0.0)[0])
+    slip = fresh.slip if fresh is not None else 0.2
+    count = len(subject.vehicle.axles)
+    forces, depths = passes(front, load, slip, count + 1)
+    figures = [
+        Figure("rut_depth", "Rut behind the front wheel", 1000.0 * float(depths[1]), "mm", f"slip {slip:.2f}"),
+        Figure("rut_depth_last", f"Rut behind {count} such wheels", 1000.0 * float(depths[-1]), "mm"),
+        *(
+            Figure(f"compaction_pass_{number}", f"Compaction resistance, pass {number}", force.compaction, "N")
+            for number, force in enumerate(forces[:count], 1)
+        ),
+        Figure(
+            "level_slip_fresh", "Slip on the level, every wheel on fresh soil", None if fresh is None else fresh.slip
+        ),
+        Figure("level_slip_in_ruts", "Slip on the level, rear wheels in ruts", None if state is None else state.slip),
+        Figure("energy_per_km_fresh", "Energy at cruise, all wheels on fresh soil", _per_km(fresh), "Wh/km"),
+        Figure("energy_per_km_in_ruts", "Energy at cruise, rear wheels in ruts", _per_km(state), "Wh/km"),
+    ]
+    if OWN in subject.laws:
+        value = _energy_per_km(subject.course_in_ruts(rigid=True), cruise)
+        label = "The same, if its wheels were rigid"
+        figures.append(Figure("energy_per_km_rigid_in_ruts", label, value, "Wh/km"))
+    lines = {}
+    for number in range(count):
+        wheel = replace(front, greatest=_greatest(front, load, slip, number))
+        lines[f"pass {number + 1}"] = (SLIPS, np.array([wheel.forces(load, float(s)).pull for s in SLIPS]))
+    curve = Curve("Pull of a front wheel, by pass", "slip", "drawbar pull [N]", lines)
+    text = "Contact model and memory of the plant: soil that has been pressed before springs back, and is virgin below."
+    return Section("Ruts", tuple(figures), (curve,), text)
+
+
+def _greatest(wheel: LawWheel, load: float, slip: float, count: int) -> float:
+    """Sinkage that a number of passes have reached [m]."""
+    for _ in range(count):
+        wheel = replace(wheel, greatest=sinkage_after(wheel, load, slip))
+    return wheel.greatest
+
+
+def _energy_per_km(course: Course, cruise: float) -> float | None:
+    try:
+        return _per_km(steady_state(course, cruise))
+    except InvalidValueError:  # the soil does not carry the wheels
+        return None
+
+
+def _per_km(state: SteadyState | None) -> float | None:
+    return None if state is None or not state.feasible else state.energy_per_metre / 3.6
 
 
 def _braking(course: Course) -> float:

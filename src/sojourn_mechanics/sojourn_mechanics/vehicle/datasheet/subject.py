@@ -2,21 +2,29 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sojourn_mechanics.contact.rigid_wheel_on_soil import RigidWheelOnSoilParams
 from sojourn_mechanics.environment.body import BodyParams
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.plant.linearise import LinearPlant
 from sojourn_mechanics.soil.params import SoilParams
-from sojourn_mechanics.vehicle.longitudinal import Course
+from sojourn_mechanics.vehicle.law_wheel import LawWheel
+from sojourn_mechanics.vehicle.longitudinal import Course, loads
+from sojourn_mechanics.vehicle.multi_pass import following_wheels
 from sojourn_mechanics.vehicle.params import AxleParams, VehicleParams
+from sojourn_mechanics.vehicle.side_force import SideForce
 from sojourn_mechanics.vehicle.side_view import side_view
 from sojourn_mechanics.vehicle.step_climbing import SideView, SideWheel
 from sojourn_mechanics.vehicle.wheel_loads import StandingMachine
 from sojourn_mechanics.vehicle.wheel_traction import ClosedFormWheel, RimStressWheel, WheelTraction
 
+CLOSED_FORM, RIM_STRESS, OWN = "closed form", "rim stress", "contact model of the plant"
+LAWS = (CLOSED_FORM, RIM_STRESS, OWN)
+"""Bekker's and Janosi's formulas; stresses over a rigid rim; the contact model that the wheels have in the plant."""
 CLOSED_FORM_DIAMETER = 0.5
 """Bekker's closed forms hold for wheels larger than this [m]; smaller ones are taken by their rim stresses."""
 GRADES = np.radians(np.arange(-40.0, 41.0, 10.0))
@@ -24,13 +32,18 @@ GRADES = np.radians(np.arange(-40.0, 41.0, 10.0))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Subject:
-    """A vehicle, where it is, and the machine it was made of (None: parameters alone, suspension locked)."""
+    """A vehicle, where it is, and the machine it was made of (None: parameters alone, suspension locked).
+
+    `standing` and `driving` are that machine's plant, linearised at rest and at cruise speed; None where not known.
+    """
 
     vehicle: VehicleParams
     soil: SoilParams
     body: BodyParams
     machine: StandingMachine | None = None
     angles: Mapping[str, float] | None = None
+    standing: LinearPlant | None = None
+    driving: LinearPlant | None = None
 
     @property
     def gravity(self) -> float:
@@ -39,9 +52,22 @@ class Subject:
 
     @property
     def law(self) -> str:
-        """Law of the wheels: `closed form` or `rim stress`."""
+        """Law of the wheels in all figures that name no other: one of `LAWS`."""
         smallest = min(axle.wheel_radius for axle in self.vehicle.axles)
-        return "closed form" if 2.0 * smallest >= CLOSED_FORM_DIAMETER else "rim stress"
+        if all(axle.contact.missing_in(self.soil) == () for axle in self.vehicle.axles) and not self.on_soil:
+            return OWN
+        return CLOSED_FORM if 2.0 * smallest >= CLOSED_FORM_DIAMETER else RIM_STRESS
+
+    @property
+    def on_soil(self) -> bool:
+        """Whether all wheels have a contact model of wheels on soil."""
+        return all(axle.contact.model.endswith("on_soil") for axle in self.vehicle.axles)
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """The laws that its wheels can be taken by."""
+        rigid = all(isinstance(axle.contact, RigidWheelOnSoilParams) for axle in self.vehicle.axles)
+        return LAWS[:2] if rigid else LAWS
 
     @property
     def places(self) -> FloatArray:
@@ -50,9 +76,30 @@ class Subject:
 
     def wheel(self, axle: AxleParams, law: str | None = None) -> WheelTraction:
         """The law of an axle's wheels on this soil."""
-        if (law or self.law) == "closed form":
+        chosen = law or self.law
+        if chosen == CLOSED_FORM:
             return ClosedFormWheel(self.soil, axle.wheel_radius, axle.wheel_width, self.gravity, self.vehicle.loss)
+        if chosen == OWN:
+            return LawWheel(axle.wheel, self.soil, self.gravity)
         return RimStressWheel(self.soil, axle.shape, self.gravity, self.vehicle.loss)
+
+    def side_force(self, axle: AxleParams) -> SideForce:
+        """The law of the side force of an axle's wheels: that of the plant."""
+        return LawWheel(axle.wheel, self.soil, self.gravity)
+
+    def course_in_ruts(self, rigid: bool = False) -> Course:
+        """The vehicle on this soil by the laws of the plant, its rear wheels in the ruts of those before them.
+
+        Args:
+            rigid: with rigid wheels, whatever contact model they have.
+        """
+        virgin = self.course(OWN)
+        change = {"contact": RigidWheelOnSoilParams()} if rigid else {}
+        wheels = [
+            LawWheel(axle.wheel.model_copy(update=change), self.soil, self.gravity) for axle in self.vehicle.axles
+        ]
+        tracks = np.array([axle.track for axle in self.vehicle.axles])
+        return replace(virgin, wheels=following_wheels(wheels, loads(virgin, 0.0), tracks))
 
     def course(self, law: str | None = None) -> Course:
         """The vehicle on this soil."""

@@ -1,0 +1,85 @@
+"""What the arm takes from the sensors' messages: its own joints, gravity, the force at its wrist."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.messages import quaternion, wrench_values
+from sojourn_mechanics.arm.feedforward import gravity_in_body
+from sojourn_mechanics.errors import MechanicsError
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """Of one period. Arrays (n,) in the order of the arm's joints."""
+
+    positions: FloatArray
+    velocities: FloatArray
+    efforts: FloatArray | None
+    """[N m]; None where nobody tells them."""
+    gravity: FloatArray
+    """In base_link (3,) [m/s2]."""
+    wrench: FloatArray | None
+    """Of the tool on the wrist's sensor (6,) [N], [N m]; None where it is not measured."""
+
+
+class Measurements:
+    """Reads them; keeps where each joint stands in a message.
+
+    Args:
+        joints: of the arm. urdf_xml: the machine. gravity: on the body [m/s2].
+        refuse: called with the topic and the reason for a message that cannot be used.
+    """
+
+    def __init__(
+        self, joints: Sequence[str], urdf_xml: str, gravity: float, refuse: Callable[[str, Exception], None]
+    ) -> None:
+        self._joints = joints
+        self._gravity = gravity
+        self._refuse = refuse
+        self._places: tuple[list[str], list[int]] = ([], [])
+        self._imu_to_base = mounting(urdf_xml, IMU_LINK)[0]
+
+    def read(self, joints: Any, imu: Any, wrist: Any) -> Measured | None:
+        """Measurements of a period from /joint_states, /imu/data and /wrist/wrench; None where they cannot be used."""
+        places, gravity = self._places_in(joints), self._gravity_in_base(imu)
+        if places is None or gravity is None:
+            return None
+        return Measured(
+            positions=np.array(joints.position)[places],
+            velocities=np.array(joints.velocity)[places],
+            efforts=np.array(joints.effort)[places] if len(joints.effort) else None,
+            gravity=gravity,
+            wrench=None if wrist is None else wrench_values(wrist),
+        )
+
+    def _places_in(self, joints: Any) -> list[int] | None:
+        """Where the arm's joints stand in a message, or None."""
+        if joints is None:  # refused on arrival
+            return None
+        if self._places[0] != joints.name:
+            names = list(joints.name)
+            for joint in self._joints:
+                if joint not in names:
+                    allowed = f"{joint} among them"
+                    text = ", ".join(names)
+                    self._refuse("/joint_states", RefusedMessageError("/joint_states", "name", text, allowed))
+                    return None
+            self._places = (names, [names.index(joint) for joint in self._joints])
+        return self._places[1]
+
+    def _gravity_in_base(self, imu: Any) -> FloatArray | None:
+        """Gravity from the attitude that the IMU reports, or None where it cannot be used."""
+        if imu is None:  # refused on arrival
+            return None
+        try:
+            gravity: FloatArray = self._imu_to_base @ gravity_in_body(quaternion(imu.orientation), self._gravity)
+        except MechanicsError as error:
+            self._refuse("/imu/data", error)
+            return None
+        return gravity

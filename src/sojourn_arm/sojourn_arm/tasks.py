@@ -1,0 +1,30 @@
+"""Tasks as they come over /arm/task, and what the status says of them."""
+
+from typing import Any
+
+from sojourn_contract.heartbeat import status_values
+from sojourn_mechanics.arm.goals import GoalRefusedError
+from sojourn_mechanics.arm.tasks.requests import TASKS, TaskRequest, parse_task
+from sojourn_mechanics.arm.tasks.task_control import TaskReport
+
+
+def task_of(message: Any) -> TaskRequest:
+    """Task of a DiagnosticArray: its one status has the task's name, and its values the numbers.
+
+    Raises:
+        GoalRefusedError: no status or several; a name, a key or a number that is not allowed.
+    """
+    if len(message.status) != 1:
+        raise GoalRefusedError(f"{len(message.status)} statuses: allowed is one, named {', '.join(TASKS)}")
+    return parse_task(message.status[0].name, status_values(message))
+
+
+def task_fields(report: TaskReport | None) -> dict[str, str]:
+    """Fields of /arm/status that a task adds or replaces; none where the last goal was no task."""
+    if report is None:
+        return {}
+    doing = report.doing
+    told = {"task": report.name} | {name: f"{value:.6g}" for name, value in doing.figures.items()}
+    if doing.velocity is not None or doing.progress > 0.0:  # else the arm plans for it, and knows better
+        told |= {"progress": f"{doing.progress:.3f}", "time_to_go": f"{doing.time_to_go:.2f}"}
+    return told

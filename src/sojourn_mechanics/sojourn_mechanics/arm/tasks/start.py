@@ -1,0 +1,79 @@
+"""From a request to a task under way: the directions and lines that it asks for, checked before anything moves."""
+
+import numpy as np
+
+from sojourn_mechanics.arm.collision import check_samples
+from sojourn_mechanics.arm.goals import GoalRefusedError, NamedGoal, PoseGoal
+from sojourn_mechanics.arm.kinematics import forward_kinematics, nearby_solution
+from sojourn_mechanics.arm.model import ArmModel
+from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.arm.tasks.go import Go
+from sojourn_mechanics.arm.tasks.guarded_move import GuardedMoveTask
+from sojourn_mechanics.arm.tasks.hold_force import HoldForceTask
+from sojourn_mechanics.arm.tasks.requests import GuardedMove, HoldForce, Place, Stow, Tare, TaskRequest, Unfold
+from sojourn_mechanics.arm.tasks.tare import TareTask
+from sojourn_mechanics.arm.tasks.task import Task
+from sojourn_mechanics.params import FloatArray
+
+_STEP = 0.01
+"""Distance of the places of a line that are looked at [m]."""
+
+
+def start_task(params: ArmParams, model: ArmModel, request: TaskRequest, posture: FloatArray, feels: bool) -> Task:
+    """The task that a request asks for.
+
+    Args:
+        posture: joint positions (n,) from which it starts. feels: whether the wrist's sensor tells its wrench.
+
+    Raises:
+        GoalRefusedError: a task that needs what this arm has not, or a line that it cannot follow.
+    """
+    match request:
+        case Unfold() | Stow():
+            return Go(NamedGoal(request.task))
+        case Place():
+            return Go(PoseGoal(request.position, request.direction))
+    if not feels:
+        raise GoalRefusedError(f"{request.task}: this arm feels no forces: its wrist's sensor says nothing")
+    start = forward_kinematics(model, posture).position
+    match request:
+        case Tare():
+            return TareTask(request.seconds, np.zeros(6))
+        case GuardedMove():
+            direction = _direction(model, request.direction, posture)
+            check_line(params, model, posture, direction, request.distance)
+            return GuardedMoveTask(direction, start, request.speed, request.force, request.distance, request.retract)
+        case HoldForce():
+            direction = _direction(model, request.direction, posture)
+            return HoldForceTask(direction, start, request.force, request.seconds, request.tolerance, request.distance)
+    raise GoalRefusedError(f"{request.task}: this arm has no law for it")
+
+
+def _direction(model: ArmModel, asked: tuple[float, float, float] | None, posture: FloatArray) -> FloatArray:
+    """Unit vector in base_link: as asked, or that of the tool."""
+    return np.array(asked) if asked is not None else forward_kinematics(model, posture).tool_direction
+
+
+def check_line(
+    params: ArmParams, model: ArmModel, posture: FloatArray, direction: FloatArray, distance: float
+) -> FloatArray:
+    """Postures (m, n) along a straight line of the tip with the tool's direction held.
+
+    Raises:
+        GoalRefusedError: the arm cannot follow the whole line, or would collide with the rover.
+    """
+    tip = forward_kinematics(model, posture)
+    count = max(2, round(distance / _STEP) + 1)
+    rows = [posture]
+    for gone in np.linspace(0.0, distance, count)[1:]:
+        place = tip.position + gone * direction
+        found = nearby_solution(params, model, place, tip.tool_direction, rows[-1])
+        if found is None or float(np.max(np.abs(found - rows[-1]))) > 0.3:
+            reached = float(gone) - distance / (count - 1)
+            raise GoalRefusedError(f"the arm can follow {reached * 1e3:.0f} mm of the {distance * 1e3:.0f} mm only")
+        rows.append(found)
+    postures = np.array(rows)
+    collision = check_samples(params, model, postures, None, allow_start=True)
+    if collision is not None:
+        raise GoalRefusedError(collision.text())
+    return postures

@@ -1,0 +1,81 @@
+"""Joint references that move the tip with a velocity that is decided anew at every period, the tool's direction held.
+
+    q' = W (J_lin; E J_ang)⁺ ((p + v dt - p(q))/dt; error of the direction/dt)
+
+Closed-loop inverse kinematics (Siciliano et al. 2009, section 3.7) with damped least squares: the reference of the tip
+p integrates the wanted velocity, and what the joints are behind it is taken up in the next period. E keeps the two
+turns across the tool's axis. The speed of the tip changes by no more than `tip_acceleration`, that of a joint by no
+more than its own limit; jerk is not limited, or a contact could not be answered.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sojourn_mechanics.arm.kinematics import forward_kinematics
+from sojourn_mechanics.arm.model import ArmModel
+from sojourn_mechanics.arm.trajectory import JointReference
+from sojourn_mechanics.errors import MechanicsError
+from sojourn_mechanics.params import FloatArray
+
+DAMPING = 1e-5
+"""Of the least squares [m2]."""
+POINTING_LENGTH = 0.1
+"""Weight of one radian of pointing against position [m]."""
+LEFT_BEHIND = 0.01
+"""Distance of the tip from its reference at which the arm cannot follow [m]."""
+
+
+class CannotFollowError(MechanicsError):
+    """The arm cannot follow the motion of the tip; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class TipMotion:
+    """Reference of the tip and of the joints."""
+
+    joints: JointReference
+    place: FloatArray  # of the tip in base_link (3,) [m]
+    velocity: FloatArray  # (3,) [m/s]
+    direction: FloatArray  # of the tool, held (3,)
+    origin: FloatArray  # joint positions (n,) at which the motion began: it is left again by way of them
+
+
+def begin(model: ArmModel, reference: JointReference) -> TipMotion:
+    """From where the reference is, at its speed."""
+    tip = forward_kinematics(model, reference.position)
+    velocity = np.asarray(tip.jacobian[:3] @ reference.velocity)
+    return TipMotion(reference, tip.position, velocity, tip.tool_direction, reference.position)
+
+
+def move(model: ArmModel, motion: TipMotion, wanted: FloatArray, acceleration: float, dt: float) -> TipMotion:
+    """One period of `dt` [s] with the wanted velocity (3,) [m/s], `acceleration` [m/s2] at most.
+
+    Raises:
+        CannotFollowError: a joint at its limit, or a posture near which the tip cannot move that way.
+    """
+    change = wanted - motion.velocity
+    size = float(np.linalg.norm(change))
+    if size > acceleration * dt:
+        change *= acceleration * dt / size
+    velocity = motion.velocity + change
+    place = motion.place + velocity * dt
+    here = motion.joints
+    tip = forward_kinematics(model, here.position)
+    turn = np.cross(tip.tool_direction, motion.direction)
+    across = np.eye(3) - np.outer(tip.tool_direction, tip.tool_direction)
+    matrix = np.vstack([tip.jacobian[:3], POINTING_LENGTH * across @ tip.jacobian[3:]])
+    error = np.concatenate([place - tip.position, POINTING_LENGTH * turn]) / dt
+    count = model.joint_count
+    rates = np.linalg.solve(matrix.T @ matrix + DAMPING * np.eye(count), matrix.T @ error)
+    most = model.max_acceleration * dt
+    rates = np.clip(rates, here.velocity - most, here.velocity + most)
+    rates = np.clip(rates, -model.max_velocity, model.max_velocity)
+    position = here.position + rates * dt
+    beyond = np.flatnonzero((position < model.lower) | (position > model.upper))
+    if beyond.size:
+        raise CannotFollowError(f"{model.joint_names[beyond[0]]} has come to its limit")
+    if float(np.linalg.norm(place - tip.position)) > LEFT_BEHIND:
+        raise CannotFollowError("the arm cannot follow the tip here: it is stretched out or near a singular posture")
+    joints = JointReference(position, rates, (rates - here.velocity) / dt)
+    return replace(motion, joints=joints, place=place, velocity=velocity)

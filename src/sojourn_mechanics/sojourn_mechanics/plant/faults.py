@@ -1,0 +1,58 @@
+"""Motors that fail during a run: what is done to the command on its way to the joints.
+
+    locked   the servo holds its joint's angle, whatever is commanded: the one at which it was when it failed, or one
+             that is given, to which it moves first (a steering that runs away and jams)
+    dead     the motor takes no current: gear, friction and reflected inertia are left, and the ground may turn it
+
+Assumptions: a locked joint is as strong as its servo. A brake or a jammed gear would hold more than that.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.plant.model import PlantModel
+from sojourn_mechanics.plant.params import FaultParams
+from sojourn_mechanics.plant.state import PlantCommand
+
+POSITION, RATE, EFFORT = range(3)
+
+
+class MotorFaults:
+    """The faults of a run, and the angles at which joints have locked.
+
+    Args:
+        model: the machine. faults: of its joints.
+
+    Raises:
+        InvalidValueError: a joint that the machine does not have.
+    """
+
+    def __init__(self, model: PlantModel, faults: Sequence[FaultParams]) -> None:
+        columns = model.reference_rows([fault.joint for fault in faults])
+        self._faults = list(zip(columns.tolist(), faults, strict=True))
+        self._held: dict[int, float] = {}
+
+    def acting(self, time: float) -> list[FaultParams]:
+        """Those that have happened by now [s]."""
+        return [fault for _, fault in self._faults if time >= fault.at_s]
+
+    def on(self, command: PlantCommand, angles: FloatArray, time: float) -> PlantCommand:
+        """The command as the joints get it.
+
+        Args:
+            command: as it was sent; not changed. angles: of the joints now, (joints,) [rad]. time: simulated [s].
+        """
+        happened = [(column, fault) for column, fault in self._faults if time >= fault.at_s]
+        if not happened:
+            return command
+        reference, health = command.reference.copy(), np.ones(len(angles))
+        for column, fault in happened:
+            if fault.kind == "dead":
+                health[column] = 0.0
+                continue
+            held = float(angles[column]) if fault.angle_deg is None else float(np.radians(fault.angle_deg))
+            reference[POSITION, column] = self._held.setdefault(column, held)
+            reference[(RATE, EFFORT), column] = 0.0
+        return PlantCommand(reference, command.load_fractions, health)
