@@ -78,12 +78,12 @@ class OdometryInput:
     """Angular velocity of base_link in base_link [rad/s], None without a gyro."""
     roll_pitch: tuple[float, float] | None = None
     """Roll and pitch (REP 103, pitch positive nose down) [rad], None to take the ground as level."""
+    commanded_still: bool = False
+    """True while nothing is commanded to move."""
     slip: float | None = None
     """Estimated slip [-], None to take the expected one."""
     slip_sigma: float = 0.0
     """Standard deviation of the estimated slip [-]."""
-    commanded_still: bool = False
-    """True while nothing is commanded to move."""
 
 
 @dataclass(frozen=True, slots=True)
