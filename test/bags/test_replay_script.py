@@ -4,7 +4,7 @@ import json
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, Vector3Stamped
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
@@ -52,6 +52,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Bag:
             run.writer.write(CHANNELS["/operator/tick"], stamp, stamp, cdr(tick))
         if period == 50:
             run.write("/hazcam/points", stamp, PointCloud2())
+            run.write("/sun_direction", stamp, Vector3Stamped())
             run.status("/drive/status", stamp, "idle", 0)
             for role in ("drive", "plant"):
                 run.write("/diagnostics", stamp, heartbeat_message(role, RUNNING, stamp, Counters()))
