@@ -41,12 +41,16 @@ LAST_STRETCH = 0.35
 """Without a way round the rover goes on to so far before the closed place [m]: it may find one there."""
 ATTEMPTS = 5
 """Motions that the guard stops, one after the other, before the rover gives up [-]."""
+PATIENCE, HURRY = 0.5, 1.2
+"""A way round is kept for so long [m], unless it is closed within so far [m]: what is far off may look other soon."""
 FREE_WAY = 0.3
 """So far along its route the rover has to get to be free of such a series; so far it backs off in it [m]."""
 ESCAPE = 0.8
 """For so long a path may be as narrow as the rover's own place [m]."""
 CORNER_CUTS = (1.0, 0.5, 0.25, 0.1)
 """Parts of the follower's corner_cut that are tried for a path that stays clear [-]."""
+EXAMPLE_CLOUD = np.array([[3.0, 0.2 * y, 0.2 * z] for y in range(-6, 7) for z in range(5)])
+"""A wall that closes the way, for the warm-up [m]."""
 STANDSTILL = PlanarTwist(0.0, 0.0, 0.0)
 STEPS = np.array(AHEAD)
 
@@ -119,10 +123,8 @@ def accepted(
         return GoalOutcome("refused", reason, goal, math.nan), state
     if isinstance(answer, GoalOutcome):
         return answer, state
-    route = route_of(goal, (odometry.x, odometry.y), odometry.distance)
-    return answer, replace(
-        state, route=route, obstacle=None, blocked=False, attempts=0, mark=0.0, replan=False, back_until=None, detours=0
-    )
+    start = AvoidanceState(state.map, state.ground, state.room, state.level, state.since_cloud, state.fresh)
+    return answer, replace(start, route=route_of(goal, (odometry.x, odometry.y), odometry.distance))
 
 
 def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odometry: OdometryState) -> Guidance:
@@ -144,9 +146,11 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
     if closed is None and not (state.blocked or state.replan):
         return Guidance(replace(state, obstacle=None), way)
     reach, place = closed if closed is not None else (0.0, position)
-    stuck, backed = state.blocked and state.attempts > 1, state.replan
+    stuck, backed, forced = state.blocked and state.attempts > 1, state.replan, state.blocked or state.replan
     state = replace(state, obstacle=nearest_obstacle(avoidance, state, place), blocked=False, replan=False)
     reason = refusal(avoidance, state, route.goal)
+    if not forced and reach > HURRY and odometry.distance < state.planned_at + PATIENCE:
+        return Guidance(state, way)
     if reason is not None and math.dist(position, route.goal.points[-1]) <= NEAR_GOAL:
         return _given_up(state, way, reason)
     if state.attempts > ATTEMPTS:
@@ -163,7 +167,7 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
         return _given_up(state, way, f"{state.obstacle}: the map knows no way round")
     if stuck:
         return _back_off(avoidance, state, way, odometry, odometry.distance + FREE_WAY)
-    return _go_round(avoidance, state, way, odometry, replace(route.goal, points=tuple(points)), backed)
+    return _go_round(avoidance, state, way, odometry, replace(route.goal, points=tuple(points), heights=()), backed)
 
 
 def _go_round(
@@ -188,7 +192,7 @@ def _go_round(
     room_to_turn = avoidance.params.outline.turn_radius + avoidance.params.guard_margin
     if turns and state.room.at(pose.x, pose.y) < room_to_turn and not backed:
         return _back_off(avoidance, state, way, odometry, odometry.distance + avoidance.params.back_off)
-    return Guidance(replace(state, detours=state.detours + 1), answer)
+    return Guidance(replace(state, detours=state.detours + 1, planned_at=odometry.distance), answer)
 
 
 def _closed_ahead(avoidance: Avoidance, state: AvoidanceState, way: FollowerState) -> tuple[float, Point] | None:
@@ -229,14 +233,24 @@ def _back_off(
 
 
 def guarded(
-    avoidance: Avoidance, state: AvoidanceState, twist: PlanarTwist, odometry: OdometryState
+    avoidance: Avoidance, state: AvoidanceState, twist: PlanarTwist, odometry: OdometryState, by_hand: bool
 ) -> tuple[AvoidanceState, bool]:
-    """Whether a motion may be made; the state notes one that may not."""
-    room = state.room
+    """Whether a motion may be made; the state notes one that may not.
+
+    Args:
+        by_hand: it is an operator's, who may have switched the guard off.
+    """
+    room, outline = state.room, avoidance.params.outline
+    if by_hand:
+        state = replace(state, blocked=False, obstacle=None)
+        if not avoidance.params.guard_cmd_vel:
+            return state, True
+    if room.at(odometry.x, odometry.y) > outline.turn_radius + AHEAD[-1] + avoidance.params.margin:
+        return state, True  # the usual case must be cheap
     grid = (room.distances, room.x0, room.y0, room.cell, avoidance.circles, avoidance.radius)
     pose = (odometry.x, odometry.y, odometry.yaw)
     motion = (float(twist.v_x), float(twist.v_y), float(twist.yaw_rate))
-    now, least = room_of_motion(*grid, pose, motion, avoidance.params.outline.turn_radius, STEPS)
+    now, least = room_of_motion(*grid, pose, motion, outline.turn_radius, STEPS)
     if least >= avoidance.params.guard_margin or least >= now - 1e-3:
         return state, True
     return replace(

@@ -215,13 +215,15 @@ def is_stuck(params: SlipParams, state: SlipState) -> bool:
     return bool((state.stuck_for >= params.stuck_time).any())
 
 
-def slip_status(params: SlipParams, state: SlipState, names: tuple[str, ...]) -> dict[str, str | float]:
-    """Fields of /drive/status."""
+def slip_status(model: SlipModel | None, state: SlipState | None, names: tuple[str, ...]) -> dict[str, str | float]:
+    """Fields of /drive/status; none where slip is not estimated."""
+    if model is None or state is None:
+        return {}
     status: dict[str, str | float] = {f"slip_{name}": float(slip) for name, slip in zip(names, state.slip, strict=True)}
     status["slip"], status["slip_sigma"] = state.shared, state.sigma
     status["soil_factor"] = float(state.states[FACTOR])
     status["soil_factor_sigma"] = math.sqrt(state.covariance[FACTOR, FACTOR])
-    status["wheels_in_trouble"] = trouble(params, state, names)
+    status["wheels_in_trouble"] = trouble(model.params, state, names)
     return status
 
 
