@@ -103,7 +103,10 @@ def test_the_example_grounds_are_valid() -> None:
     from sojourn_mechanics.terrain.generate import generate
     from sojourn_mechanics.terrain.params import TerrainParams
 
-    _, placed, from_file, _ = (yaml.safe_load(text) for text in blocks(README, "yaml"))
+    documents = [yaml.safe_load(text) for text in blocks(README, "yaml")]
+    placed, from_file = (
+        document for document in documents if "kind" in document.get("terrain", {}) and len(document) == 1
+    )
     ground = generate(TerrainParams.model_validate(placed["terrain"]), "lunar_nominal", "rigid_rock", 1)
     assert ground.soil_names == ("lunar_nominal", "rigid_rock", "mars") and len(set(ground.soil_index.ravel())) == 3
     assert TerrainParams.model_validate(from_file["terrain"]).file is not None

@@ -11,6 +11,7 @@ from node_bench import JOINTS, STEERS, WHEELS, Bench, at, cloud, imu, joints, st
 from sojourn_contract import stamps
 from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import status_message
+from sojourn_contract.messages import battery_state
 from sojourn_drive.node import DriveNode
 
 START_X = -1.0
@@ -234,6 +235,32 @@ def test_switches_limit_the_drive(bench: Bench) -> None:
     bench.send("/power/switches", status_message(at(15), "switches", {"drive": "off"}))
     step(bench, *range(11, 16))
     assert node._power_limit == 0.0
+
+
+@pytest.mark.parametrize("refuse,state", [("true", "refused"), ("false", "moving")])
+def test_a_goal_beyond_the_charge_is_refused_by_default(bench: Bench, refuse: str, state: str) -> None:
+    """Seven metres climbing one take more than what is left of 13 % above the reserve of 12.25 %."""
+    node = bench.start(DriveNode, "sensors", "drive", "power", overrides=[f"drive.energy.refuse={refuse}"])
+    bench.connect(node)
+    for period in range(1, 101):
+        if period % 5 == 0:
+            bench.send("/power/switches", status_message(at(period), "switches", {"drive": "on"}))
+        if period % 50 == 0:
+            bench.send("/battery_state", battery_state(at(period), 28.0, 4.0, 290.0, 0.13, 0.13 * 57600.0, 57600.0))
+        if period == 51:
+            goal = pose(START_X + 7.0, 0.0)
+            goal.pose.position.z = 1.0
+            send_event(bench, node, "/goal_pose", goal)
+        step(bench, period)
+    status = bench.status("/drive/status", 100)
+    assert status["state"] == state
+    if state == "refused":
+        assert "the charge does not suffice: forecast" in status["reason"] and "climbs +1.00 m" in status["reason"]
+        assert "from 13.0 % of charge down to the reserve of 12.2 %" in status["reason"]
+        return
+    assert float(status["energy_used_wh"]) == pytest.approx(28.0 * 4.0 * 0.98 / 3600.0, rel=0.05)
+    assert float(status["energy_forecast_wh"]) > 2.5
+    assert float(status["energy_to_go_wh"]) == pytest.approx(float(status["energy_forecast_wh"]), rel=0.02)
 
 
 def test_started_in_the_middle_of_a_run_in_real_time(bench: Bench) -> None:

@@ -25,7 +25,7 @@ from nav_msgs.msg import Odometry, Path
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
-from sensor_msgs.msg import Imu, JointState, PointCloud2
+from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
 from std_msgs.msg import Header
 
 # The machine, from its drawing: positions of the wheels in base_link [m], rolling radius with grousers [m].
@@ -57,6 +57,7 @@ INPUTS = {
     "imu/data": (Imu, 1, 0),
     "sun_direction": (Vector3Stamped, 50, 0),  # it steers by its gyro alone
     "power/switches": (DiagnosticArray, 5, 0),
+    "battery_state": (BatteryState, 50, 0),  # it forecasts nothing
     "hazcam/points": (PointCloud2, 50, 0),
     "operator/tick": (Header, 5, 5),
 }

@@ -187,8 +187,12 @@ class GoalClient:
 
 def _to_go(who: str, values: dict[str, str]) -> str:
     if who == "drive":
-        aside = f"{values.get('lateral_error_m', '?')} m beside the path ({values.get('lateral_rms_m', '?')} m RMS)"
-        return f"{values.get('distance_to_go', '?')} m to go, {aside} ({values.get('phase', '')})"
+        beside, rms = (float(values.get(name, "nan")) for name in ("lateral_error_m", "lateral_rms_m"))
+        aside = f"{beside:+.3f} m beside the path ({rms:.3f} m RMS)"
+        energy = ""
+        if "energy_forecast_wh" in values:
+            energy = f", {float(values['energy_used_wh']):.2f} Wh used, {float(values['energy_to_go_wh']):.2f} to go"
+        return f"{values.get('distance_to_go', '?')} m to go, {aside}{energy} ({values.get('phase', '')})"
     return f"{100.0 * float(values.get('progress', 0.0)):.0f} % done, {values.get('time_to_go', '?')} s to go"
 
 
@@ -200,6 +204,9 @@ def parser() -> argparse.ArgumentParser:
     drive.add_argument("x", type=options.number, help="[m]")
     drive.add_argument("y", type=options.number, help="[m]")
     drive.add_argument("yaw", type=options.number, nargs="?", help="heading there [rad]; any if left out")
+    drive.add_argument(
+        "--z", type=options.number, default=0.0, help="height over the start [m], for the energy forecast; 0: not known"
+    )
     drive.add_argument("--frame", default="map", help="map, odom or base_link (default: %(default)s)")
     route = commands.add_parser("route", help="drive along points")
     route.add_argument("points", type=options.number, nargs="+", metavar="X Y", help="[m], one pair for each point")
@@ -221,7 +228,7 @@ def parser() -> argparse.ArgumentParser:
 def _action(given: argparse.Namespace) -> DriveTo | DriveAlong | ArmTo:
     """The goal that was asked for."""
     if given.command == "drive":
-        return DriveTo(given.x, given.y, given.yaw, given.frame)
+        return DriveTo(given.x, given.y, given.yaw, given.frame, given.z)
     if given.command == "route":
         if len(given.points) % 2:
             raise BringupError(f"points: {len(given.points)} numbers, allowed is an even count: X Y for each point")

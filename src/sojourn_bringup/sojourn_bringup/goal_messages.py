@@ -20,7 +20,7 @@ def goal_message(action: Action, stamp: int) -> Any:
     whose place is still to be looked up."""
     match action:
         case DriveTo():
-            return _pose(action.frame, stamp, action.x, action.y, 0.0, action.yaw)
+            return _pose(action.frame, stamp, action.x, action.y, action.z, action.yaw)
         case DriveAlong():
             path = Path()
             path.header = _header(action.frame, stamp)

@@ -27,6 +27,8 @@ class DriveTo:
     y: float
     yaw: float | None = None
     frame: str = "map"
+    z: float = 0.0
+    """Height of the ground there over that of the start [m], 0 if it is not known."""
 
 
 @dataclass(frozen=True)

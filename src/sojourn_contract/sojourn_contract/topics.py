@@ -207,7 +207,7 @@ TOPICS: tuple[Topic, ...] = (
         "/battery_state",
         "sensor_msgs/BatteryState",
         "power",
-        ("operator",),
+        ("drive", "operator"),
         50,
         3.0,
         "estimated charge of the battery",
@@ -242,7 +242,7 @@ TOPICS: tuple[Topic, ...] = (
         ("operator",),
         50,
         3.0,
-        "goal, state, distance to go and reason",
+        "goal, state, distance to go, errors on the path, energy and reason",
         (TEXTS,),
     ),
     Topic(

@@ -2,6 +2,7 @@
 status.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ class GoalDesk:
         self._count = 0
 
     def goal(self, topic: str, message: Any, here: OdometryState) -> Goal:
-        """Goal of a PoseStamped or a Path, in odom.
+        """Goal of a PoseStamped or a Path, in odom. A z other than 0 is the height of its point, for the forecast.
 
         Raises:
             RefusedMessageError: a frame that is not known, a path without points, a point off the terrain.
@@ -54,9 +55,13 @@ class GoalDesk:
         yaw = yaw_of(poses[-1].pose.orientation)
         if yaw is not None and message.header.frame_id == "base_link":
             yaw += here.yaw
-        if topic == "/waypoints":
-            return Goal.along(points, yaw, name=self._name())
-        return Goal.at(*points[0], yaw, name=self._name())
+        base = here.z if message.header.frame_id == "base_link" else 0.0
+        z = [pose.pose.position.z for pose in poses]
+        heights = tuple(base + height if height != 0.0 else None for height in z)
+        goal = (
+            Goal.along(points, yaw, self._name()) if topic == "/waypoints" else Goal.at(*points[0], yaw, self._name())
+        )
+        return replace(goal, heights=heights)
 
     def refused(self, topic: str, message: Any, reason: str) -> RefusedMessageError:
         """Note that a goal or a velocity command was refused; the refusal."""

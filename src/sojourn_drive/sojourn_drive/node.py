@@ -20,6 +20,7 @@ from sojourn_contract.messages import set_quaternion, set_xyz
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
 from sojourn_drive.arm_interlock import ArmInterlock
+from sojourn_drive.charge import ChargeGauge
 from sojourn_drive.goals import GoalDesk
 from sojourn_drive.measurements import WheelMeasurements
 from sojourn_drive.sun import SunSightings
@@ -48,6 +49,7 @@ class DriveNode(ContractNode):
         self.state = self.model.initial_state(start.x, start.y, start.yaw)
         self._measurements = WheelMeasurements(scenario.rover, scenario.urdf_xml)
         self._sun = SunSightings(scenario)
+        self._charge = ChargeGauge(scenario.power_manager)
         self._goals = GoalDesk(scenario.terrain)
         self._interlock = ArmInterlock(scenario.arm)
         self._twist: tuple[int, PlanarTwist] | None = None
@@ -65,6 +67,7 @@ class DriveNode(ContractNode):
         if switches is not None:
             self._power_limit = self._measurements.power_limit(status_values(switches), self._power_limit)
         self._interlock.hear(inputs["/joint_states"], driving=self.state.mode != "idle")
+        self._charge.hear(inputs.get("/battery_state"))
         self._take_goals(goals)
         output = self._step(stamp, inputs)
         self._goals.note(output.outcomes)
@@ -83,7 +86,8 @@ class DriveNode(ContractNode):
                 measured = self._measurements.drive_input(
                     joints, imu, self._twist_command(stamp), self._pending, self._power_limit
                 )
-                measured = replace(measured, sun=self._sun.sighting(stamp, inputs.get("/sun_direction")))
+                sun = self._sun.sighting(stamp, inputs.get("/sun_direction"))
+                measured = replace(measured, sun=sun, supply=self._charge.supply)
                 if self._interlock.reason:
                     measured = replace(measured, goal=None, stop=True, stop_reason=self._interlock.reason)
                 self.state, self._output = self.model.step(self.state, measured, self._since_last(stamp))

@@ -140,6 +140,9 @@ def test_loads_are_shed_by_priority_as_the_charge_falls_and_come_back_in_reverse
         state, output = manager.step(PARAMS, replace(state, soc=soc), telemetry(), 1e-3)
         seen.append("".join(name[0] for name, mode in modes(output).items() if mode == "off"))
     assert seen == ["", "h", "h", "", "ach", "ach", "dach", "dach", "ach", "h", ""]
+    assert [PARAMS.reserve(names) for names in (("drive",), ("drive", "heater"), ("computer",))] == pytest.approx(
+        [0.1, 0.3, 0.0]
+    )
 
 
 @settings(max_examples=80, deadline=None)

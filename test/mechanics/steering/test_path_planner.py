@@ -168,5 +168,5 @@ def test_the_nearest_place_follows_a_path_that_crosses_itself() -> None:
 def test_turns_on_the_spot_are_added_up(params: GoalFollowerParams) -> None:
     path = plan_path(params, ROVER, START, Goal.along([(4.0, 0.0), (4.0, 4.0)], 0.0))
     assert isinstance(path, Path)
-    assert path.turning(0.1, 0.0) == pytest.approx(0.1 + math.pi / 2 + math.pi / 2)
-    assert path.turning(0.0, None) == pytest.approx(math.pi / 2)
+    assert path.turns(0.1, 0.0) == pytest.approx((0.1, math.pi / 2, math.pi / 2))
+    assert path.turns(0.0, None) == pytest.approx((math.pi / 2,))

@@ -1,5 +1,6 @@
 """Parameters of the power manager: its belief about battery and loads, and its law (`manager`)."""
 
+from collections.abc import Collection
 from typing import Self
 
 from pydantic import Field, model_validator
@@ -62,6 +63,12 @@ class PowerManagerParams(Params):
     def _check(self) -> Self:
         require_unique_names(self.loads)
         return self
+
+    def reserve(self, names: Collection[str]) -> float:
+        """Charge at which the first of these loads is shed [1]; 0 if none of them may be."""
+        thresholds = dict(zip(self.shed_priorities, self.shed_thresholds, strict=True))
+        loads = (load for load in self.loads if load.name in names and not load.essential)
+        return max((thresholds[load.priority] for load in loads), default=0.0)
 
     @property
     def shed_priorities(self) -> tuple[int, ...]:

@@ -19,6 +19,14 @@ from numba import njit
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, DriveState, Mode, TwistCommand
+from sojourn_mechanics.steering.energy_forecast import (
+    EnergyAccount,
+    Supply,
+    account_status,
+    account_step,
+    forecast_way,
+    shortage,
+)
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
 from sojourn_mechanics.steering.goal_follower import (
     FollowerLimits,
@@ -152,6 +160,7 @@ class _Arbiter:
     since_override: float
     text: str
     outcomes: list[GoalOutcome]
+    energy: EnergyAccount
 
     def end_goal(self, outcome: GoalOutcome, mode: Mode = "idle") -> None:
         """Notes how a goal ended."""
@@ -166,9 +175,16 @@ class _Arbiter:
             self.end_goal(stop(self.follower, reason))
         self.mode, self.text, self.since_override = "idle", f"stopped: {reason}", 0.0
 
-    def take_goal(self, model: DriveModel, goal: Goal, pose: Pose) -> None:
+    def take_goal(self, model: DriveModel, goal: Goal, here: OdometryState, supply: Supply | None) -> None:
         """A new goal ends the older one, unless it is refused."""
-        answer = accept(model.params.follower, model.turning, goal, pose)
+        answer = accept(model.params.follower, model.turning, goal, Pose(here.x, here.y, here.yaw))
+        account = EnergyAccount()
+        if isinstance(answer, FollowerState) and model.params.energy is not None:
+            forecast = forecast_way(model.params.energy, answer.path, goal, here.z, here.yaw)
+            account = EnergyAccount(forecast, judged=supply is not None)
+            short = shortage(model.params.energy, forecast, supply) if supply is not None else None
+            if short is not None:
+                answer = GoalOutcome("refused", short, goal, math.nan)
         if isinstance(answer, GoalOutcome):
             self.outcomes.append(answer)
             if self.follower is None and self.mode == "idle":
@@ -176,7 +192,18 @@ class _Arbiter:
             return
         if self.follower is not None:
             self.end_goal(stop(self.follower, "pre-empted by a newer goal"))
-        self.follower, self.mode, self.since_override = answer, goal.kind, 0.0
+        self.follower, self.mode, self.since_override, self.energy = answer, goal.kind, 0.0, account
+
+    def watch_energy(self, model: DriveModel, supply: Supply | None, dt: float) -> None:
+        """Count what the goal takes; a goal that came before the first reading of the battery is judged by it."""
+        self.energy = account_step(self.energy, supply, self.follower is not None, dt)
+        costs, forecast = model.params.energy, self.energy.forecast
+        if self.energy.judged or self.follower is None or supply is None or costs is None or forecast is None:
+            return
+        self.energy = replace(self.energy, judged=True)
+        short = shortage(costs, forecast, supply)
+        if short is not None:
+            self.end_goal(stop(self.follower, short))
 
     def take_twist(self, model: DriveModel, command: TwistCommand | None, dt: float) -> PlanarTwist:
         """The operator's twist, if it is fresh and newer than the last goal or stop."""
@@ -249,11 +276,12 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     if limiter is None:
         limiter = LimiterState.at_rest(measured.steer_angles)
 
-    arbiter = _Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [])
+    arbiter = _Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [], state.energy)
     if inputs.stop:
         arbiter.take_stop(inputs.stop_reason)
     if inputs.goal is not None:
-        arbiter.take_goal(model, inputs.goal, Pose(odometry.x, odometry.y, odometry.yaw))
+        arbiter.take_goal(model, inputs.goal, odometry, inputs.supply)
+    arbiter.watch_energy(model, inputs.supply, dt)
     wanted = arbiter.take_twist(model, inputs.twist, dt)
     reason = shortcoming(model.table, motors, model.geometry.names)
     if arbiter.follower is not None and reason:
@@ -292,6 +320,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         stuck_for=stuck_for,
         motors=motors,
         text=arbiter.text,
+        energy=arbiter.energy,
         heading=heading,
     )
     pose_covariance, twist_covariance = message_covariances(params.odometry, odometry, dt)
@@ -351,6 +380,7 @@ def _status(
         "lateral_error_m": way.lateral_error if way is not None else 0.0,
         "lateral_rms_m": followed.lateral_rms if followed is not None else 0.0,
         "lateral_max_m": followed.lateral_max if followed is not None else 0.0,
+        **account_status(state.energy, way.distance_to_go if way is not None else None),
         "waypoint": float(way.index) if way is not None else 0.0,
         "waypoints": float(len(way.goal.points)) if way is not None else 0.0,
         "outcome": outcome.kind if outcome is not None else "",

@@ -9,6 +9,7 @@ from typing import Literal
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.energy_forecast import EnergyAccount, Supply
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
 from sojourn_mechanics.steering.goal_follower import FollowerState
 from sojourn_mechanics.steering.heading_fix import HeadingFixState, SunSighting
@@ -66,6 +67,8 @@ class DriveInput:
     stop: bool = False
     """A stop request that arrived in this period."""
     stop_reason: str = "stop requested"
+    supply: Supply | None = None
+    """The newest reading of the battery, None as long as none has come."""
     power_limit: float = 1.0
     """Factor of the power manager on all speeds, 0 to 1 [-]."""
 
@@ -90,6 +93,8 @@ class DriveState:
     """Which motors have failed."""
     text: str
     """What the drive is doing, in words."""
+    energy: EnergyAccount = field(default_factory=EnergyAccount)
+    """Of the goal on its way, or of the last one."""
     heading: HeadingFixState = field(default_factory=HeadingFixState)
     """What became of the sightings of the Sun."""
 

@@ -20,6 +20,8 @@ class Goal:
     """Heading at the last point [rad], None if any will do."""
     kind: Literal["goal", "waypoints"] = "goal"
     """How it was asked for."""
+    heights: tuple[float | None, ...] = ()
+    """Height of the ground at the points in odom [m], as far as it is known; empty if it is not at all."""
     name: str = ""
     """Name the operator or the shell gave it; comes back with the outcome."""
 

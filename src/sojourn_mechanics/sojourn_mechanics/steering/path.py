@@ -16,6 +16,8 @@ SPACING = 0.05
 """Distance of the samples [m]."""
 BEHIND, AHEAD = 0.2, 1.0
 """How far from the last place on the path the next is looked for [m]; paths may cross themselves."""
+NO_TURN = 0.02
+"""Angle below which nothing has to be turned [rad]."""
 
 
 class PathPoint(NamedTuple):
@@ -86,10 +88,12 @@ class Path:
         """[m]"""
         return sum(leg.length for leg in self.legs)
 
-    def turning(self, yaw: float, yaw_at_end: float | None) -> float:
-        """Sum of all turns on the spot, from a heading at the start to one at the end [rad]."""
+    def turns(self, yaw: float, yaw_at_end: float | None) -> tuple[float, ...]:
+        """Angles of all turns on the spot, from a heading at the start to one at the end [rad]."""
         headings = [yaw]
         for leg in self.legs:
             headings += [leg.start.heading, leg.end.heading]
         headings.append(headings[-1] if yaw_at_end is None else yaw_at_end)
-        return sum(abs(wrap_angle(after - before)) for before, after in zip(headings[::2], headings[1::2], strict=True))
+        pairs = zip(headings[::2], headings[1::2], strict=True)
+        angles = (abs(wrap_angle(after - before)) for before, after in pairs)
+        return tuple(angle for angle in angles if angle > NO_TURN)
