@@ -18,7 +18,7 @@ def printed(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
     out = tmp_path_factory.mktemp("sheet") / "lrv.html"
     with pytest.MonkeyPatch.context() as patch:
         lines: list[str] = []
-        patch.setattr("builtins.print", lambda text: lines.append(text))
+        patch.setattr("sojourn_bringup.rover_datasheet.print", lambda text: lines.append(text), raising=False)
         assert main(["lrv", "--json", "--out", str(out)]) == 0
     return "\n".join(lines), out.read_text(encoding="utf-8")
 
@@ -42,6 +42,18 @@ def test_page_is_whole_and_needs_no_network(printed: tuple[str, str]) -> None:
     assert len(names) == len(set(names))
     assert set(re.findall(r'(?:href="#|url\(#)([^")]+)', text)) <= set(names)
     assert "Published figures beside its own" in text and "Wh/km" in text
+
+
+def test_a_machine_of_the_plant_shows_what_its_plant_does(capsys: pytest.CaptureFixture[str]) -> None:
+    """Fixed wheels on a rigid frame: modes of the linearised plant, ruts, turns by slip alone."""
+    assert main(["skid", "--json"]) == 0
+    figures = json.loads(capsys.readouterr().out)["figures"]
+    modes = [figure for key, figure in figures.items() if key.startswith("plant_mode_")]
+    assert {"heave", "pitch", "roll", "yaw"} <= {figure["label"].split(": ")[1] for figure in modes}
+    assert all(0.5 < figure["value"] < 20.0 for figure in modes)
+    assert figures["roll_steer"]["value"] is None
+    assert figures["width_ratio"]["value"] > 1.2
+    assert 0.0 < figures["level_slip_in_ruts"]["value"] < figures["level_slip_fresh"]["value"]
 
 
 @pytest.mark.parametrize(

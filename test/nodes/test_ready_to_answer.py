@@ -31,6 +31,7 @@ node.destroy_node()
 rclpy.try_shutdown()
 """
 TRUTH = """lambda p: {"/truth/odom": odometry(p), "/truth/joint_states": joints(p, dict.fromkeys(JOINTS, 0.01 * p)),
+    "/truth/motor_states": joints(p),
     "/truth/electrical": battery(p)}"""
 MEASURED = """lambda p: {"/joint_states": joints(p, dict.fromkeys(JOINTS, 0.01 * p)), "/imu/data": imu(p)}"""
 NODES = {

@@ -10,12 +10,16 @@ from node_bench import ARM, JOINTS, STEERS, WHEELS, Bench, at, battery, imu, joi
 from sojourn_contract.clouds import points_of
 from sojourn_sensors.node import SensorsNode
 
-TRUTH = ("/truth/odom", "/truth/joint_states", "/truth/electrical")
+TRUTH = ("/truth/odom", "/truth/joint_states", "/truth/motor_states", "/truth/electrical")
+TWIST = 0.01
+"""By which the motors of the arm are ahead of their joints [rad]."""
 
 
 def feed(bench: Bench, period: int, angle: float = 0.0, first: str = "/truth/odom") -> None:
     """The truth of one period, in one of two orders."""
-    messages = {"/truth/odom": odometry(period), "/truth/joint_states": joints(period, dict.fromkeys(JOINTS, angle))}
+    angles = dict.fromkeys(JOINTS, angle)
+    messages = {"/truth/odom": odometry(period), "/truth/joint_states": joints(period, angles)}
+    messages["/truth/motor_states"] = joints(period, angles | dict.fromkeys(ARM, angle + TWIST))
     if period % 5 == 0:
         messages["/truth/electrical"] = battery(period)
     for name in sorted(messages, key=lambda name: name != first):
@@ -50,7 +54,8 @@ def test_encoders_are_as_good_as_their_resolution(bench: Bench) -> None:
             encoder = group.encoder
             step = 2 * math.pi / 2**encoder.bits / (encoder.gear_ratio if encoder.side == "motor" else 1.0)
             for name in group.joints:
-                assert position[name] == pytest.approx(0.1234 * period, abs=step)
+                twist = TWIST if name in ARM else 0.0
+                assert position[name] == pytest.approx(0.1234 * period + twist, abs=step)
     true_rate = 0.1234 / 0.02
     rates = dict(zip(measured.name, measured.velocity, strict=True))
     assert rates["wheel_front_left_joint"] == pytest.approx(true_rate, rel=0.01)
@@ -77,6 +82,7 @@ def test_the_hazard_camera_looks_once_a_second(bench: Bench) -> None:
         raised.pose.pose.position.z = 0.47
         bench.send("/truth/odom", raised)
         bench.send("/truth/joint_states", joints(period))
+        bench.send("/truth/motor_states", joints(period))
         if period % 5 == 0:
             bench.send("/truth/electrical", battery(period))
         bench.answer("/imu/data", period)
@@ -110,6 +116,7 @@ def test_truth_that_is_none_is_refused(bench: Bench) -> None:
     bad.pose.pose.position.x = math.nan
     bench.send("/truth/odom", bad)
     bench.send("/truth/joint_states", joints(2))
+    bench.send("/truth/motor_states", joints(2))
     bench.until(lambda: node.counters.refused, "the truth is refused")
     feed(bench, 3)
     bench.answer("/joint_states", 3)
@@ -133,12 +140,14 @@ def test_in_real_time_the_bus_is_read_at_its_own_rate(bench: Bench) -> None:
     node = bench.start(SensorsNode, "plant", "sensors", lockstep=False)
     bench.connect(node, lockstep=False)
     for period in range(1001, 1013):  # topics do not wait for each other in real time: the trigger goes last
-        others = {"/truth/odom": odometry(period)} | ({"/truth/electrical": battery(period)} if period % 5 == 0 else {})
+        others = {"/truth/odom": odometry(period), "/truth/joint_states": joints(period)}
+        if period % 5 == 0:
+            others["/truth/electrical"] = battery(period)
         for name, message in others.items():
             bench.send(name, message)
         for name in others:
             bench.until(partial(has_come, node, name, period), f"{name} has come")
-        bench.send("/truth/joint_states", joints(period))
+        bench.send("/truth/motor_states", joints(period))
         bench.answer("/joint_states", period)
     bench.answer("/bus/state", 1010)
     assert [stamp_of(message) for message in bench.received["/bus/state"]] == [at(1005), at(1010)]

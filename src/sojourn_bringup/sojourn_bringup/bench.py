@@ -23,7 +23,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from sojourn_bringup import bench_arm, bench_machine, bench_wheel, options, start
+from sojourn_bringup import bench_arm, bench_commands, bench_machine, bench_wheel, options, start
 from sojourn_bringup.bench_contacts import NOT_FINITE, bench_contacts
 from sojourn_bringup.bench_ground import bench_ground
 from sojourn_bringup.errors import BringupError
@@ -49,6 +49,7 @@ TARGETS = {
     "processes, times real time": (">=", 5.0),
     **bench_arm.TARGETS,
     **bench_wheel.TARGETS,
+    **bench_commands.TARGETS,
     **bench_machine.TARGETS,
 }
 
@@ -57,7 +58,7 @@ def bench_step() -> dict[str, float]:
     """Microseconds of a physics step while driving, of its floor, and the plant's own speed; medians over rounds."""
     model, state = build_plant(load_scenario(SCENARIO))
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
-    command.reference[0] = state.joints[0]
+    command.reference[0] = state.motor_angles
     drives = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
     command.reference[1, drives] = WHEEL_RATE
     state, _ = step(model, state, command)
@@ -187,6 +188,7 @@ PARTS = {
     "energy": bench_machine.bench_energy,
 }
 LOOPS = ("composed", "processes")
+COMMANDS = "commands"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -199,7 +201,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--rounds", type=int, default=3, help="runs of the loop; the median counts")
     parser.add_argument("--json", type=Path, default=Path("bench.json"), help="file to write (default: %(default)s)")
     parser.add_argument(
-        "--only", action="append", choices=(*PARTS, *LOOPS), help="measure this part; again for more (default: all)"
+        "--only",
+        action="append",
+        choices=(*PARTS, *LOOPS, COMMANDS),
+        help="measure this part; again for more (default: all)",
     )
     for hidden in ("--child", "--run-dir", "--began"):
         parser.add_argument(hidden, help=argparse.SUPPRESS)
@@ -209,7 +214,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         given.began = float(given.began)
         return _child(given)
     figures: dict[str, float] = {}
-    for part in given.only or (*PARTS, *LOOPS):
+    for part in given.only or (*PARTS, *LOOPS, COMMANDS):
+        if part == COMMANDS:
+            figures |= bench_commands.bench_commands(given.domain)
+            continue
         if part in PARTS:
             figures |= PARTS[part]()
             continue

@@ -52,7 +52,7 @@ def _driving(scenario: LoadedScenario, size: int) -> tuple[PlantModel, PlantStat
     """The machine on a map of this size [m], two seconds after it has set out."""
     model, state = build_plant(scenario, ground(size))
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
-    command.reference[0] = state.joints[0]
+    command.reference[0] = state.motor_angles
     command.reference[1, model.reference_rows([wheel.joint for wheel in model.machine.wheels])] = 0.5
     for _ in range(WARM_UP):
         state, _ = step(model, state, command)

@@ -135,6 +135,6 @@ def _driving(count: int) -> tuple[PlantModel, PlantState, PlantCommand]:
 def _command(model: PlantModel, state: PlantState, rate: float = WHEEL_RATE) -> PlantCommand:
     """Wheels at a rate [rad/s], all other joints where they are."""
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
-    command.reference[0] = state.joints[0]
+    command.reference[0] = state.motor_angles
     command.reference[1, model.reference_rows([wheel.joint for wheel in model.machine.wheels])] = rate
     return command

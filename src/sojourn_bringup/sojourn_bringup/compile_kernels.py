@@ -16,9 +16,10 @@ from sojourn_mechanics.contact.wheel_shape import WheelShape
 from sojourn_mechanics.plant.state import zeros_command
 from sojourn_mechanics.plant.step import step
 from sojourn_mechanics.power import manager
-from sojourn_mechanics.sensors import suite
+from sojourn_mechanics.sensors import hazcam, suite
 from sojourn_mechanics.soil.params import SoilParams
 from sojourn_mechanics.steering.drive import DriveModel
+from sojourn_mechanics.vehicle.law_wheel import LawWheel
 from sojourn_plant.start import build_plant
 
 SCENARIO = "lunar_sample"
@@ -30,9 +31,10 @@ def main() -> None:
     scenario = load_scenario(SCENARIO)
     _step_plant(scenario)
     suite.warm_up(scenario.sensors, scenario.gravity)
-    DriveModel(scenario.drive, scenario.steering).warm_up()
+    _look_and_drive(scenario)
     wheel = load_params("wheels", "explorer", WheelShape)
     measure(wheel, load_params("soils", "cmu_sand", SoilParams), load=50.0, slips_of_carriage=[0.2])
+    LawWheel(scenario.rover.wheels[0], scenario.soil, scenario.gravity, greatest=0.005).forces(50.0, 0.1)
     arm = scenario.carried_arm()
     controller.warm_up(arm, build_arm_model(scenario.urdf_xml, arm))
     manager.warm_up(scenario.power_manager)
@@ -46,6 +48,16 @@ def _use_arm() -> None:
     path = spline_through(np.stack([arm.lower, arm.upper]), np.array([0.0, 1.0]))
     limits = MotionLimits(arm.max_velocity, np.ones(arm.joint_count), arm.max_effort)
     fastest_timing(arm, path, limits, np.zeros(3), intervals=10)
+
+
+def _look_and_drive(scenario: LoadedScenario) -> None:
+    params, eye = scenario.sensors.hazcam, None
+    if params is not None:
+        camera = hazcam.hazcam_on(params, scenario.urdf_xml)
+        state = hazcam.initial_state(camera, scenario.config.seed)
+        hazcam.step(camera, state, scenario.height_field(), np.zeros(3), np.eye(3))
+        eye = camera.position
+    DriveModel(scenario.drive, scenario.steering, eye).warm_up()
 
 
 def _step_plant(scenario: LoadedScenario) -> None:

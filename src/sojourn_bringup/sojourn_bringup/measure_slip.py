@@ -41,7 +41,7 @@ def drive(scenario: LoadedScenario) -> tuple[float, float]:
     """Slip along and way to the left over way ahead [-]."""
     model, state = build_plant(scenario)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
-    command.reference[0] = state.joints[0]
+    command.reference[0] = state.motor_angles
     wheels = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
     radii = np.array([wheel.shear_radius for wheel in model.machine.wheels])
     speed = PART_OF_SPEED * scenario.drive.limits.max_speed

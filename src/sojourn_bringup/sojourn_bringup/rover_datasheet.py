@@ -9,6 +9,7 @@ from typing import Any
 
 from sojourn_bringup import options
 from sojourn_bringup.errors import UsageError
+from sojourn_bringup.linear_rover import linear_plants
 from sojourn_config.bundle import Bundle, read_machine
 from sojourn_config.errors import names_text, single
 from sojourn_config.load import load_params
@@ -46,7 +47,8 @@ def subject_of(rover: str, body: str, soil: str) -> Subject:
     machine = StandingMachine(bundle.urdf_xml, bundle.rover, bundle.gravity)
     angles = bundle.arm_pose(STOWED)
     vehicle = vehicle_of(Path(rover).stem, machine, supply_of(bundle), bundle.drive.limits.max_speed, angles)
-    return Subject(vehicle, bundle.soil, bundle.body, machine, angles)
+    standing, driving = linear_plants(bundle, angles, vehicle.cruise_speed)
+    return Subject(vehicle, bundle.soil, bundle.body, machine, angles, standing, driving)
 
 
 def supply_of(bundle: Bundle) -> Supply:

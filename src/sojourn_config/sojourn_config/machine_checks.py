@@ -1,13 +1,14 @@
 """Checks of a rover across its files: URDF, wheels, drives, loads, sensors, arm, drive node."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from sojourn_config.errors import MISSING, Problem, names_text
 from sojourn_config.mechanism_checks import BASE_LINK, mechanism_problems
 from sojourn_config.rover import RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
+from sojourn_mechanics.actuators.params import DriveParams as DriveTrainParams
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.contact.params import WheelParams
 from sojourn_mechanics.contact.roller_wheel import RollerWheelParams
@@ -106,8 +107,21 @@ def with_drive_data(arm: ArmParams, rover: RoverConfig) -> ArmParams:
         "reflected_inertia": tuple(drive.reflected_inertia for drive in found),
         "coulomb_friction": tuple(drive.friction_torque for drive in found),
         "viscous_friction": tuple(drive.gear.viscous_friction for drive in found),
+        **_gear_data(found),
     }
     return arm.model_copy(update={name: value for name, value in update.items() if not getattr(arm, name)})
+
+
+def _gear_data(drives: Sequence[DriveTrainParams]) -> dict[str, tuple[float, ...]]:
+    """Play and give that the arm's law has to make up for: of gears whose encoder is on the motor."""
+    seen = [drive.play if drive.servo.encoder == "motor" else None for drive in drives]
+    if not any(seen):
+        return {}
+    return {
+        "gear_compliance": tuple(0.0 if play is None else 1.0 / play.stiffness for play in seen),
+        "gear_backlash": tuple(0.0 if play is None else play.backlash for play in seen),
+        "bearing_friction": tuple(0.0 if play is None else play.bearing_friction for play in seen),
+    }
 
 
 def _joint_problem(document: YamlDocument, path: KeyPath, name: str, urdf: UrdfSummary) -> Problem | None:

@@ -118,6 +118,16 @@ TOPICS: tuple[Topic, ...] = (
         joints="moving",
     ),
     Topic(
+        "/truth/motor_states",
+        "sensor_msgs/JointState",
+        "plant",
+        ("sensors",),
+        1,
+        0.1,
+        "true angle and rate, over the gear, of motors whose gear has play, and the torque through its teeth",
+        (ANGLE, MEASURED_RATE, EFFORT),
+    ),
+    Topic(
         "/bus/state",
         "sensor_msgs/BatteryState",
         "sensors",

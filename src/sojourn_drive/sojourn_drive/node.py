@@ -21,6 +21,7 @@ from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
 from sojourn_drive.arm_interlock import ArmInterlock
 from sojourn_drive.charge import ChargeGauge
+from sojourn_drive.clouds import Clouds, eye_of
 from sojourn_drive.goals import GoalDesk
 from sojourn_drive.measurements import WheelMeasurements
 from sojourn_drive.sun import SunSightings
@@ -44,11 +45,12 @@ class DriveNode(ContractNode):
         super().__init__("drive", context=context, overrides=overrides, namespace=namespace)
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         start = scenario.config.start
-        self.model = DriveModel(scenario.drive, scenario.steering)
+        self.model = DriveModel(scenario.drive, scenario.steering, eye_of(scenario), scenario.terrain.bounds)
         self.model.warm_up()
         self.state = self.model.initial_state(start.x, start.y, start.yaw)
         self._measurements = WheelMeasurements(scenario.rover, scenario.urdf_xml)
         self._sun = SunSightings(scenario)
+        self._clouds = Clouds()
         self._charge = ChargeGauge(scenario.power_manager)
         self._goals = GoalDesk(scenario.terrain)
         self._interlock = ArmInterlock(scenario.arm)
@@ -87,7 +89,8 @@ class DriveNode(ContractNode):
                     joints, imu, self._twist_command(stamp), self._pending, self._power_limit
                 )
                 sun = self._sun.sighting(stamp, inputs.get("/sun_direction"))
-                measured = replace(measured, sun=sun, supply=self._charge.supply)
+                cloud = self._clouds.points(inputs.get("/hazcam/points"))
+                measured = replace(measured, sun=sun, supply=self._charge.supply, cloud=cloud)
                 if self._interlock.reason:
                     measured = replace(measured, goal=None, stop=True, stop_reason=self._interlock.reason)
                 self.state, self._output = self.model.step(self.state, measured, self._since_last(stamp))

@@ -56,7 +56,7 @@ class PlantNode(ContractNode):
         self.model, self.state = build_plant(scenario)
         self.ends_the_run = True
         self._commands = CommandBuffer(self.model)
-        self._commands.hold(self.state.joints[0])
+        self._commands.hold(self.state.motor_angles)
         self._faults = MotorFaults(self.model, scenario.config.faults)
         self._truth = TruthMessages(self.model)
         self.roster = Roster(self.role, self.participants, self.timeout_s)

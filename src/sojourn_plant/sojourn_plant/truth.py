@@ -21,6 +21,7 @@ from sojourn_contract.messages import (
     wrench_stamped,
 )
 from sojourn_contract.topics import topic
+from sojourn_mechanics.actuators.joint_drive import MOTOR_RATE
 from sojourn_mechanics.plant.model import PlantModel
 from sojourn_mechanics.plant.state import PlantOutput, PlantState
 
@@ -31,6 +32,8 @@ class TruthMessages:
     def __init__(self, model: PlantModel) -> None:
         self._model = model
         self._joints = joint_state(model.joints.names)
+        self._with_play = np.flatnonzero(model.joints.rotors)
+        self._motors = joint_state([model.joints.names[i] for i in self._with_play])
         self._contacts = contact_cloud()
         self._odometry = Odometry(child_frame_id="base_link")
         self._odometry.header.frame_id = "map"
@@ -82,10 +85,17 @@ class TruthMessages:
         yield "/truth/odom", odometry
         yield "/truth/wrist_wrench", wrench_stamped(stamp, self._wrist_frame, output.wrist_wrench)
         yield "/truth/joint_states", fill_joint_state(self._joints, stamp, state.joints[0], rates, output.efforts)
+        yield "/truth/motor_states", self._motor_message(stamp, state, output)
         yield "/clock", Clock(clock=time)
         yield "/truth/contacts", fill_contact_cloud(self._contacts, stamp, output.contacts)
         if seldom:
             yield "/truth/loads", self._load_message(stamp, state, output)
+
+    def _motor_message(self, stamp: int, state: PlantState, output: PlantOutput) -> Any:
+        joints, places = state.joints, self._with_play
+        return fill_joint_state(
+            self._motors, stamp, state.motor_angles[places], joints[MOTOR_RATE, places], output.efforts[places]
+        )
 
     def _load_message(self, stamp: int, state: PlantState, output: PlantOutput) -> Any:
         values = {f"power {name}": f"{power:.6g}" for name, power in zip(self._loads, output.load_power, strict=True)}

@@ -26,6 +26,7 @@ from sojourn_contract.messages import (
 )
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
+from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.sensors import suite
 from sojourn_sensors.motion import ImuMotion
 from sojourn_sensors.sun import SunReadings
@@ -58,6 +59,7 @@ class SensorsNode(ContractNode):
         """None until the first truth says which joints there are and how the machine stands."""
         self._electrical = (0.0, 0.0, 293.15)
         self._last = 0
+        self._motor_places: list[int] | None = None
         self._joints = joint_state(())
         self._imu = Imu()
         self._imu.header.frame_id = "imu_link"
@@ -74,18 +76,21 @@ class SensorsNode(ContractNode):
         dt = (stamp - self._last) * 1e-9 if self.state is not None else stamps.CONTROL_PERIOD_S
         self._last = stamp
         motion = self._motion.update(odometry, dt)
+        positions = numbers(joints.position)
+        motors = self._motor_positions(joints, positions, inputs.get("/truth/motor_states"))
         wrist = inputs.get("/truth/wrist_wrench")
         if self.state is None:
-            self.state = self._first_state(odometry, joints)
+            self.state = self._first_state(odometry, joints, motors)
         voltage, current, temperature = self._electrical
         truth = suite.SensorTruth(
-            joint_position=numbers(joints.position),
+            joint_position=positions,
             joint_effort=numbers(joints.effort),
             angular_velocity_imu_in_imu=motion.angular_velocity,
             specific_force_imu_in_imu=motion.specific_force,
             bus_voltage=np.array([voltage]),
             bus_current=np.array([current]),
             bus_temperature=np.array([temperature]),
+            motor_position=motors,
             wrist_wrench=None if wrist is None else wrench_values(wrist),
         )
         self.state, measured = suite.step(self.params, self.state, truth, dt)
@@ -116,7 +121,18 @@ class SensorsNode(ContractNode):
         if is_due(topic("/hazcam/points"), stamp // stamps.CONTROL_PERIOD_NS):
             self.publish("/hazcam/points", point_cloud(stamp, "base_link", self._view.look(odometry)))
 
-    def _first_state(self, odometry: Any, joints: Any) -> suite.SensorSuiteState:
+    def _motor_positions(self, joints: Any, positions: FloatArray, motors: Any) -> FloatArray | None:
+        """Angle of each joint's motor over its gear [rad], the joint's own where nothing is said; None if of none."""
+        if motors is None or not motors.name:
+            return None
+        if self._motor_places is None:
+            names = list(joints.name)
+            self._motor_places = [names.index(name) for name in motors.name]
+        found = positions.copy()
+        found[self._motor_places] = motors.position
+        return found
+
+    def _first_state(self, odometry: Any, joints: Any, motors: FloatArray | None) -> suite.SensorSuiteState:
         state = suite.initial_state(
             self.params,
             self._seed,
@@ -125,6 +141,7 @@ class SensorsNode(ContractNode):
             (STORE,),
             self._motion.orientation_imu_in_map(quaternion(odometry.pose.pose.orientation)),
             self._gravity,
+            motors,
         )
         self._joints = joint_state(state.layout.joint_names)
         return state

@@ -35,7 +35,7 @@ class Machine:
     def hold(self, rate: float = 0.0) -> PlantCommand:
         """All joints where they are at the start, wheels at a rate [rad/s]."""
         command = zeros_command(len(self.model.joints.names), len(self.model.bus.loads))
-        command.reference[0] = self.start.joints[0]
+        command.reference[0] = self.start.motor_angles
         rows = self.model.reference_rows([wheel.joint for wheel in self.model.machine.wheels])
         command.reference[1, rows] = rate
         return command

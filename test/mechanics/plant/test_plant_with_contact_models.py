@@ -64,7 +64,7 @@ def with_contacts(scenario: str, contacts: list[Contact], *overrides: str) -> tu
     start = loaded.config.start
     state = initial_state(model, start.x, start.y, start.yaw, 0.8)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
-    command.reference[0] = state.joints[0]
+    command.reference[0] = state.motor_angles
     return model, state, command
 
 

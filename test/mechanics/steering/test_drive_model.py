@@ -103,7 +103,7 @@ def test_refused_goal_leaves_the_present_one_alone(model: DriveModel, machine: C
 def test_cmd_vel_ends_a_goal_but_only_if_it_is_newer(model: DriveModel, machine: Callable) -> None:
     rover = machine()
     state, _ = rover.run(model.initial_state(), 1.0, goal=Goal.at(5.0, 0.0))
-    state, output = rover.run(state, DT, twist=forward(age=0.4))
+    state, output = rover.run(state, DT, twist=forward(age=0.15))
     assert state.mode == "cmd_vel"
     assert [(o.kind, o.reason) for o in output.outcomes] == [("stopped", "pre-empted by /cmd_vel")]
     # the same message is still fresh when a new goal arrives: the goal is newer and wins
@@ -121,16 +121,16 @@ def test_cmd_vel_drives_and_its_age_stops_the_rover(model: DriveModel, machine: 
     assert state.mode == "cmd_vel"
     np.testing.assert_allclose(output.wheel_rates, 0.08 / 0.125)
     assert output.odometry.v_x == pytest.approx(0.08)
-    state, output = rover.run(state, DT, twist=forward(0.5))
+    state, output = rover.run(state, DT, twist=forward(0.2))
     assert state.mode == "cmd_vel"
     periods = 0
     while output.wheel_rates.any():
-        state, output = rover.run(state, DT, twist=forward(0.52 + periods * DT))
+        state, output = rover.run(state, DT, twist=forward(0.22 + periods * DT))
         periods += 1
         assert periods < 100
     assert periods * DT == pytest.approx(0.08 / model.params.limits.max_deceleration, abs=2 * DT)
     assert state.mode == "idle"
-    assert "older than 0.50 s" in output.status["text"]
+    assert "older than 0.20 s" in output.status["text"]
 
 
 def test_stop_request_ends_goal_and_older_twist(model: DriveModel, machine: Callable) -> None:

@@ -110,7 +110,7 @@ def test_a_goal_that_the_charge_does_not_allow_is_refused_unless_told_otherwise(
 
 
 def test_a_goal_from_before_the_first_reading_is_judged_by_it(model: DriveModel, machine: Callable) -> None:
-    for left, kinds in ((1000.0, ["stopped"]), (1e6, [])):
+    for left, kinds in ((1000.0, ["refused"]), (1e6, [])):
         rover, careful = machine(), driving(model)
         state, output = careful.step(careful.initial_state(), rover.measure(goal=Goal.at(5.0, 0.0)), 0.02)
         assert state.mode == "goal"

@@ -14,6 +14,10 @@ with F_0 the friction without load, η the gear's efficiency, in both directions
 
 A joint driven into its limit meets a stiff, damped stop.
 
+With a gear that has play and gives (`gear_play`), motor and joint move each for itself: servo, motor and the gear's
+friction act on the motor, stop and the friction of the bearing on the joint. The servo sees the motor's angle or the
+joint's, wherever the encoder is; its damping always acts on the motor's rate.
+
 All torques are taken as linear in the rate at the end of the step, τ(q' + a dt) = τ_0 - B a dt. B dt is added
 to the joint's inertia before the machine is solved, which makes the stiff terms (back-EMF, servo, friction)
 implicit. After the solution `settle_joints` finds the torques that were really applied, and books the energy
@@ -24,12 +28,15 @@ import math
 
 from numba import njit
 
+from sojourn_mechanics.actuators.gear_play import on_joint, tooth_torque
 from sojourn_mechanics.params import FloatArray, IntArray
 
 # Columns of a joint's parameters
 RATIO, TORQUE_CONSTANT, RESISTANCE, MAX_CURRENT, EFFICIENCY, FRICTION, VISCOUS, PROPORTIONAL = range(8)
 INTEGRAL, DERIVATIVE, MAX_TORQUE, ARMATURE, LOWER, UPPER, STOP_STIFFNESS, STOP_DAMPING = range(8, 16)
-JOINT_COLUMNS = 16
+HALF_GAP, TOOTH_STIFFNESS, TOOTH_DAMPING, BEARING_FRICTION, BEARING_VISCOUS, SEES_JOINT = range(16, 22)
+"""Of a gear with play; a stiffness of zero: there is none, motor and joint turn as one."""
+JOINT_COLUMNS = 22
 
 PASSIVE, RATE, POSITION = 0, 1, 2
 """Kinds of joint."""
@@ -38,11 +45,31 @@ FRICTION_ANGLE = 5e-4
 """z_c: angle over which friction builds up [rad]."""
 
 # Rows of a joint's state and of the step's working arrays
-STATE_ROWS = 3
-"""angle [rad], integral of the servo, friction deflection z [rad]"""
-WORK_ROWS = 6
-"""motor torque and its slope, friction and its slope, stop and its slope"""
+ANGLE, SERVO_INTEGRAL, DEFLECTION, TWIST, MOTOR_RATE, BEARING_DEFLECTION = range(6)
+STATE_ROWS = 6
+"""angle [rad], integral of the servo, friction deflection z [rad]; of a gear with play: twist [rad], rate of the motor
+over the gear [rad/s], deflection of the bearing's friction [rad]
+"""
+WORK_ROWS = 12
+"""motor torque and its slope, friction and its slope, stop and its slope; of a gear with play: teeth and their slope,
+bearing and its slope, change of the motor's rate and its share of the joint's
+"""
 ENERGY_TERMS = ("electrical", "winding_heat", "friction_heat", "stop_heat")
+
+
+@njit(cache=True)
+def _dahl(friction: float, viscous: float, deflection: float, rate: float, dt: float) -> tuple[float, float]:
+    """Friction torque at the end of the step [N m], and its slope [N m s/rad]."""
+    stiffness = friction / FRICTION_ANGLE
+    relaxed = 1.0 + dt * abs(rate) / FRICTION_ANGLE
+    # z + dt q' (end of step), over `relaxed`
+    return -stiffness * (deflection + dt * rate) / relaxed - viscous * rate, stiffness * dt / relaxed + viscous
+
+
+@njit(cache=True)
+def _slipped(deflection: float, rate: float, old_rate: float, dt: float) -> float:
+    """Deflection z at the end of the step [rad]."""
+    return (deflection + dt * rate) / (1.0 + dt * abs(old_rate) / FRICTION_ANGLE)
 
 
 @njit(cache=True)
@@ -65,11 +92,11 @@ def joint_torques(
 
     Args:
         parameters: (joints, JOINT_COLUMNS). kinds: (joints,). columns: (joints,) index into `velocity`.
-        velocity: (nv,) [rad/s]. states: (3, joints), servo integral advanced in place.
+        velocity: (nv,) [rad/s]. states: (STATE_ROWS, joints), servo integral advanced in place.
         command: (3, joints): position [rad], rate [rad/s], feed-forward torque [N m].
         lead: time since the command's stamp [s]: a position reference moves on at its rate.
         limits: (joints,) fraction of its current that each motor may draw; 0 is switched off, or dead.
-        bus_voltage: [V]. work: (6, joints), written. generalised_force, armature: (nv,), written at
+        bus_voltage: [V]. work: (WORK_ROWS, joints), written. generalised_force, armature: (nv,), written at
             `columns`.
     """
     for i in range(kinds.shape[0]):
@@ -79,6 +106,15 @@ def joint_torques(
         angle = states[0, i]
         torque = 0.0
         slope = 0.0
+        has_play = p[TOOTH_STIFFNESS] > 0.0
+        joint_rate = rate  # from here to the friction, `rate` is the motor's
+        seen, spring_slope = angle, dt * p[PROPORTIONAL]
+        if has_play:
+            rate = states[MOTOR_RATE, i]
+            if p[SEES_JOINT] > 0.0:
+                spring_slope = 0.0
+            else:
+                seen += states[TWIST, i]
         if kinds[i] != PASSIVE:
             gain = p[RATIO] * p[TORQUE_CONSTANT]
             fraction = limits[i]
@@ -88,14 +124,15 @@ def joint_torques(
                     torque = p[PROPORTIONAL] * error + p[INTEGRAL] * states[1, i]
                     slope = p[PROPORTIONAL]
                 else:
-                    error = command[0, i] + command[1, i] * lead - angle
+                    error = command[0, i] + command[1, i] * lead - seen
                     torque = (
-                        p[PROPORTIONAL] * (error - dt * rate)
+                        p[PROPORTIONAL] * error
+                        - spring_slope * rate
                         + p[DERIVATIVE] * (command[1, i] - rate)
                         + command[2, i]
                         + p[INTEGRAL] * states[1, i]
                     )
-                    slope = p[DERIVATIVE] + dt * p[PROPORTIONAL]
+                    slope = p[DERIVATIVE] + spring_slope
                 largest = min(p[MAX_TORQUE], gain * p[MAX_CURRENT] * fraction)
                 limited = min(max(torque, -largest), largest)
                 if limited != torque:
@@ -115,16 +152,12 @@ def joint_torques(
                 elif slope != 0.0 or torque * error < 0.0:
                     states[1, i] += error * dt  # no wind-up while saturated
         friction = p[FRICTION] + (1.0 - p[EFFICIENCY]) * abs(torque)
-        stiffness = friction / FRICTION_ANGLE
-        relaxed = 1.0 + dt * abs(rate) / FRICTION_ANGLE
-        # z + dt q' (end of step), over `relaxed`
-        friction_torque = -stiffness * (states[2, i] + dt * rate) / relaxed - p[VISCOUS] * rate
-        friction_slope = stiffness * dt / relaxed + p[VISCOUS]
+        friction_torque, friction_slope = _dahl(friction, p[VISCOUS], states[DEFLECTION, i], rate, dt)
         stop = 0.0
         stop_slope = 0.0
-        over = max(angle + dt * rate - p[UPPER], 0.0) + min(angle + dt * rate - p[LOWER], 0.0)
+        over = max(angle + dt * joint_rate - p[UPPER], 0.0) + min(angle + dt * joint_rate - p[LOWER], 0.0)
         if over != 0.0:
-            stop = -p[STOP_STIFFNESS] * over - p[STOP_DAMPING] * rate
+            stop = -p[STOP_STIFFNESS] * over - p[STOP_DAMPING] * joint_rate
             if stop * over < 0.0:
                 stop_slope = p[STOP_STIFFNESS] * dt + p[STOP_DAMPING]
             else:  # a stop pushes, it does not hold back
@@ -135,8 +168,27 @@ def joint_torques(
         work[3, i] = friction_slope
         work[4, i] = stop
         work[5, i] = stop_slope
-        generalised_force[column] += torque + friction_torque + stop
-        armature[column] = p[ARMATURE] + dt * (slope + friction_slope + stop_slope)
+        if not has_play:
+            generalised_force[column] += torque + friction_torque + stop
+            armature[column] = p[ARMATURE] + dt * (slope + friction_slope + stop_slope)
+            continue
+        bearing, bearing_slope = _dahl(
+            p[BEARING_FRICTION], p[BEARING_VISCOUS], states[BEARING_DEFLECTION, i], joint_rate, dt
+        )
+        tooth, tooth_slope = tooth_torque(
+            states[TWIST, i], rate - joint_rate, p[HALF_GAP], p[TOOTH_STIFFNESS], p[TOOTH_DAMPING], dt
+        )
+        through, through_slope, change, share = on_joint(
+            torque + friction_torque, slope + friction_slope, p[ARMATURE], tooth, tooth_slope, dt
+        )
+        work[6, i] = tooth
+        work[7, i] = tooth_slope
+        work[8, i] = bearing
+        work[9, i] = bearing_slope
+        work[10, i] = change
+        work[11, i] = share
+        generalised_force[column] += through + bearing + stop
+        armature[column] = dt * (through_slope + bearing_slope + stop_slope)
 
 
 @njit(cache=True)
@@ -159,7 +211,7 @@ def settle_joints(
 
     Args:
         old_velocity, velocity: (nv,) rates at the start and the end of the step.
-        states: (3, joints), advanced in place. efforts [N m], currents [A]: (joints,), written.
+        states: (STATE_ROWS, joints), advanced in place. efforts [N m], currents [A]: (joints,), written.
         load_power: (loads,) power of the motors on each load [W], written.
         energy: at least (4,): electrical, winding heat, friction heat, stop heat [J], added to.
 
@@ -174,14 +226,30 @@ def settle_joints(
         old_rate = old_velocity[columns[i]]
         change = rate - old_rate
         mean_rate = 0.5 * (rate + old_rate)
+        stop = work[4, i] - work[5, i] * change
+        states[ANGLE, i] += rate * dt
+        energy[3] -= stop * mean_rate * dt
+        through = 0.0
+        has_play = p[TOOTH_STIFFNESS] > 0.0
+        if has_play:  # from here on the rates are the motor's
+            bearing = work[8, i] - work[9, i] * change
+            states[BEARING_DEFLECTION, i] = _slipped(states[BEARING_DEFLECTION, i], rate, old_rate, dt)
+            energy[2] -= bearing * mean_rate * dt
+            joint_change, joint_rate, joint_mean_rate = change, rate, mean_rate
+            change = work[10, i] + work[11, i] * joint_change
+            old_rate = states[MOTOR_RATE, i]
+            rate = old_rate + change
+            mean_rate = 0.5 * (rate + old_rate)
+            tooth = work[6, i] + work[7, i] * (change - joint_change)
+            states[MOTOR_RATE, i] = rate
+            states[TWIST, i] += dt * (rate - joint_rate)
+            energy[2] += tooth * (mean_rate - joint_mean_rate) * dt
+            through = tooth + bearing
         torque = work[0, i] - work[1, i] * change
         friction_torque = work[2, i] - work[3, i] * change
-        stop = work[4, i] - work[5, i] * change
-        states[0, i] += rate * dt
-        states[2, i] = (states[2, i] + dt * rate) / (1.0 + dt * abs(old_rate) / FRICTION_ANGLE)
+        states[DEFLECTION, i] = _slipped(states[DEFLECTION, i], rate, old_rate, dt)
         energy[2] -= friction_torque * mean_rate * dt
-        energy[3] -= stop * mean_rate * dt
-        efforts[i] = torque + friction_torque
+        efforts[i] = through if has_play else torque + friction_torque
         if kinds[i] == PASSIVE:
             continue
         gain = p[RATIO] * p[TORQUE_CONSTANT]

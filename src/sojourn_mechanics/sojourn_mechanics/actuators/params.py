@@ -36,7 +36,7 @@ class JointFrictionParams(Params):
 
 
 class ServoParams(Params):
-    """Motor controller at the joint, closed on the joint's own angle and rate at the physics rate."""
+    """Motor controller, closed on the angle that its encoder sees and the motor's rate, at the physics rate."""
 
     mode: Literal["rate", "position"] = Field(description="what it holds: the commanded rate, or position and rate")
     proportional: float = Field(
@@ -52,6 +52,21 @@ class ServoParams(Params):
     )
     derivative: float = Field(default=0.0, ge=0.0, le=1e6, description="position: torque for a rate error [N m s/rad]")
     max_torque: float = Field(gt=0.0, le=1e5, description="largest torque that it asks for at the output [N m]")
+    encoder: Literal["motor", "joint"] = Field(
+        default="motor", description="shaft whose angle it is closed on; they differ where the gear has play"
+    )
+
+
+class PlayParams(Params):
+    """Play and give of a gear. Where it is left out, motor and joint turn as one."""
+
+    backlash: float = Field(ge=0.0, le=0.2, description="way of the output from flank to flank, motor held [rad]")
+    stiffness: float = Field(gt=0.0, le=1e9, description="stiffness of the gear on a flank, at the output [N m/rad]")
+    damping: float = Field(ge=0.0, le=1e6, description="damping on a flank, at the output [N m s/rad]")
+    bearing_friction: float = Field(
+        ge=0.0, le=1e4, description="Coulomb friction of the joint's own bearing and seal [N m]"
+    )
+    bearing_viscous: float = Field(ge=0.0, le=1e5, description="their viscous friction [N m s/rad]")
 
 
 class DriveParams(Params):
@@ -68,6 +83,7 @@ class DriveParams(Params):
     motor: MotorParams
     gear: GearParams
     servo: ServoParams
+    play: PlayParams | None = Field(default=None, description="play and give between motor and joint")
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -26,6 +26,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from sojourn_mechanics.arm.deflection import joint_positions, motor_positions
 from sojourn_mechanics.arm.feedforward import feedforward_effort
 from sojourn_mechanics.arm.goals import GoalRefusedError, PoseGoal, StopGoal
 from sojourn_mechanics.arm.joint_path import JointPath
@@ -62,6 +63,7 @@ def step(
         InvalidValueError: a measurement or the gravity vector of wrong length or not finite.
     """
     _check_input(model, inputs, dt)
+    inputs = replace(inputs, positions=joint_positions(params, model, inputs.positions, inputs.gravity_in_base))
     if not state.started:
         state = _hold(model, replace(state, started=True), inputs.positions, "idle", "")
     state = _follow_permission(params, model, state, inputs)
@@ -295,7 +297,7 @@ def _output(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInpu
     elif state.status == "idle":
         progress = 0.0
     return ArmOutput(
-        positions=_within_limits(model, reference.position, state.trim),
+        positions=_within_limits(model, motor_positions(params, model, reference, inputs.gravity_in_base), state.trim),
         velocities=reference.velocity.copy(),
         efforts=feedforward_effort(
             params,

@@ -93,6 +93,15 @@ class ArmParams(Params):
     viscous_friction: tuple[NonNegative, ...] = Field(
         default=(), description="joint friction per speed to feed forward [N m s]; empty is zero"
     )
+    gear_compliance: tuple[NonNegative, ...] = Field(
+        default=(), description="twist of a joint's gear per torque, motor side measured [rad/(N m)]; empty: rigid"
+    )
+    gear_backlash: tuple[NonNegative, ...] = Field(
+        default=(), description="way of a joint between the flanks of its gear [rad]; empty is zero"
+    )
+    bearing_friction: tuple[NonNegative, ...] = Field(
+        default=(), description="Coulomb friction behind the gear, of the joint's own bearing [N m]; empty is zero"
+    )
     friction_velocity: float = Field(
         default=0.005,
         gt=0.0,
@@ -196,9 +205,12 @@ class ArmParams(Params):
         for name in ("max_velocity", "max_acceleration", "max_jerk"):
             if len(getattr(self, name)) != count:
                 raise ValueError(f"{name} has {len(getattr(self, name))} values: allowed is {count}, one per joint")
-        for name in ("reflected_inertia", "coulomb_friction", "viscous_friction"):
+        gear = ("gear_compliance", "gear_backlash", "bearing_friction")
+        for name in ("reflected_inertia", "coulomb_friction", "viscous_friction", *gear):
             if len(getattr(self, name)) not in (0, count):
                 raise ValueError(f"{name} has {len(getattr(self, name))} values: allowed is none or {count}")
+        if len({len(getattr(self, name)) for name in gear}) > 1:
+            raise ValueError(f"{', '.join(gear)}: allowed are all of them or none")
         for required in ("stow", "unfold"):
             if required not in self.named_poses:
                 raise ValueError(f"named_poses lacks '{required}': there are {sorted(self.named_poses)}")

@@ -4,7 +4,7 @@ One physics step of the plant, x+ = F_h(x, u), is differentiated by central diff
 configurations, with a step h so short that the plant's integrator no longer counts:
 
     x = (y, w, m)      y small displacements of base (in its own axes) and joints, without those that a coupling drives,
-                       w their rates, m memory: integrals of servos, friction of joints, shear and headway of contacts
+                       w their rates, m memory: servos and friction of joints, motors behind play, shear of contacts
     dF_k = [F_h(x_0 + e d_k) - F_h(x_0 - e d_k)]/2e          both measured from F_h(x_0), which itself moves on
     w' = (dF_w - I_w)/h x + ...,   m' alike
     y' = [(dF_y - I_y)/h - (dF_w - I_w)] x + ...             the plant advances y with the new w (semi-implicit Euler)
@@ -13,10 +13,10 @@ so that A, B hold every law that the plant knows: contacts, servos, friction, li
 of joints and, for each wheel, height and slope of the ground under it. Outputs are accelerations, C x + D u.
 
 Step sizes: e = 1e-6 (m, rad and the like), h = 1e-5 s. The natural frequencies of base and suspension of the explorer
-on soil change by 1e-5 of themselves with e = 1e-7, by 5e-4 with e = 1e-5, and by 4e-5 for h from 3e-6 to 3e-5 s. Where
+on soil change by less than 3e-4 of themselves with e = 1e-7 and for h from 3e-6 to 3e-5 s, by 1e-3 with e = 1e-5. Where
 a law has a kink at the equilibrium (the renewal |v| of a contact at rest, friction that slides one way alone, the loss
-|T| of a gear that carries nothing) the central difference gives the mean of both sides: modes of an idle arm's joints
-shift by some per cent with e.
+|T| of a gear that carries nothing, the gap of a gear with play) the central difference gives the mean of both sides:
+modes of an idle arm's joints shift by some per cent with e.
 
 (Kane and Levinson 1985, Dynamics, sec. 6; Featherstone 2008 for the couplings.) Range: what is small against the
 sinkage of the wheels and the bristles of friction; contacts as they are, none made or lost; flat ground of one soil;
@@ -177,10 +177,24 @@ class _Tangent:
             first, second = (model.joint_index[name] for name in (coupling.first, coupling.second))
             self.spread[joints.columns[second]] -= self.spread[joints.columns[first]] / coupling.ratio
         self.names = (*BASE, *(joints.names[index] for index in kept))
-        self.servos = np.flatnonzero(joints.kinds != joint_drive.PASSIVE)
+        driven_joints = np.flatnonzero(joints.kinds != joint_drive.PASSIVE)
+        with_play = np.flatnonzero(joints.parameters[:, joint_drive.TOOTH_STIFFNESS] > 0.0)
+        rows = {
+            joint_drive.SERVO_INTEGRAL: ("servo", driven_joints),
+            joint_drive.DEFLECTION: ("friction", np.arange(len(joints.names))),
+            joint_drive.TWIST: ("twist", with_play),
+            joint_drive.MOTOR_RATE: ("motor rate", with_play),
+            joint_drive.BEARING_DEFLECTION: ("bearing", with_play),
+        }
+        self.joint_memory = tuple(
+            np.concatenate([np.array(column) for column in columns])
+            for columns in (
+                [np.full(len(which), row, dtype=np.int64) for row, (_, which) in rows.items()],
+                [which for _, which in rows.values()],
+            )
+        )
         self.memory_names = (
-            *(f"servo {joints.names[index]}" for index in self.servos),
-            *(f"friction {name}" for name in joints.names),
+            *(f"{name} {joints.names[index]}" for name, which in rows.values() for index in which),
             *(f"{column.name.lower()} {name}" for name in model.wheel_names for column in StateColumn),
         )
         self.start = np.zeros(2 * len(self.names) + len(self.memory_names))
@@ -228,11 +242,10 @@ class _Tangent:
         motion = self.spread @ change[:count]
         state = self.state.copy()
         state.joints[0] += motion[joints.columns]
-        memory = change[2 * count :]
-        state.joints[1, self.servos] += memory[: len(self.servos)]
-        state.joints[2] += memory[len(self.servos) : len(self.servos) + len(joints.names)]
+        of_joints, of_contacts = np.split(change[2 * count :], [len(self.joint_memory[0])])
+        state.joints[self.joint_memory] += of_joints
         wheels = self.model.contacts.wheel_count
-        state.contacts[:wheels] += memory[len(self.servos) + len(joints.names) :].reshape(wheels, STATE_COLUMNS)
+        state.contacts[:wheels] += of_contacts.reshape(wheels, STATE_COLUMNS)
         return replace(
             state,
             configuration=pin.integrate(self.model.multibody, state.configuration, motion),
@@ -245,7 +258,7 @@ class _Tangent:
         wheels = self.model.contacts.wheel_count
         return np.concatenate([
             motion[self.columns], (state.velocity - self.after.velocity)[self.columns],
-            (state.joints[1] - self.after.joints[1])[self.servos], state.joints[2] - self.after.joints[2],
+            (state.joints - self.after.joints)[self.joint_memory],
             (state.contacts[:wheels] - self.after.contacts[:wheels]).ravel(),
         ])  # fmt: skip
 

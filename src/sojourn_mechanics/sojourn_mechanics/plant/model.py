@@ -43,7 +43,9 @@ class JointTables:
     columns: IntArray
     loads: IntArray
     armature: FloatArray
-    """(nv,) reflected rotor inertia [kg m^2]."""
+    """(nv,) reflected rotor inertia of motors that turn as one with their joints [kg m^2]."""
+    rotors: FloatArray
+    """(joints,) reflected rotor inertia of motors behind a gear with play [kg m^2]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +152,7 @@ class PlantModel:
         loads = np.zeros(len(names), dtype=np.int64)
         columns = np.zeros(len(names), dtype=np.int64)
         armature = np.zeros(model.nv)
+        rotors = np.zeros(len(names))
         for i, name in zip(range(len(names)), names, strict=True):
             joint = model.joints[i + 2]
             if joint.nv != 1:
@@ -183,8 +186,17 @@ class PlantModel:
             row[joint_drive.DERIVATIVE] = drive.servo.derivative
             row[joint_drive.MAX_TORQUE] = drive.servo.max_torque
             row[joint_drive.ARMATURE] = drive.reflected_inertia
-            armature[joint.idx_v] = drive.reflected_inertia
-        return JointTables(names, parameters, kinds, columns, loads, armature)
+            if drive.play is None:
+                armature[joint.idx_v] = drive.reflected_inertia
+                continue
+            rotors[i] = drive.reflected_inertia
+            row[joint_drive.HALF_GAP] = 0.5 * drive.play.backlash
+            row[joint_drive.TOOTH_STIFFNESS] = drive.play.stiffness
+            row[joint_drive.TOOTH_DAMPING] = drive.play.damping
+            row[joint_drive.BEARING_FRICTION] = drive.play.bearing_friction
+            row[joint_drive.BEARING_VISCOUS] = drive.play.bearing_viscous
+            row[joint_drive.SEES_JOINT] = float(drive.servo.encoder == "joint")
+        return JointTables(names, parameters, kinds, columns, loads, armature, rotors)
 
     def _contact_tables(self, machine: MachineParams) -> ContactTables:
         model = self.multibody

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sojourn_mechanics.actuators.joint_drive import ANGLE, TWIST
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.power.battery import BatteryState
 from sojourn_mechanics.power.loads import BusState
@@ -54,7 +55,7 @@ class PlantState:
     velocity: FloatArray
     """(nv,): base velocity in base_link [m/s], [rad/s], joint rates [rad/s]."""
     joints: FloatArray
-    """(3, joints): angle, not wrapped [rad]; servo integral; friction deflection [rad]."""
+    """(STATE_ROWS, joints): angle, not wrapped [rad]; servo integral; friction deflection [rad]; see `joint_drive`."""
     contacts: FloatArray
     """(contacts, STATE_COLUMNS): memory of each contact, see `contact_law`."""
     ground: GroundMemory
@@ -70,6 +71,13 @@ class PlantState:
     """Has been tilted beyond the machine's limit since the start."""
     off_terrain: bool = False
     """A contact is, or has been, beyond the edge of the map."""
+
+    @property
+    def motor_angles(self) -> FloatArray:
+        """(joints,): of each motor over its gear [rad]; the joint's own where the gear has no play. What a servo whose
+        encoder is on the motor is told to hold.
+        """
+        return np.asarray(self.joints[ANGLE] + self.joints[TWIST])
 
     def copy(self) -> "PlantState":
         """A branch that shares no array with this state, but for the ground's tiles, which nobody writes."""

@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from sojourn_mechanics.actuators.joint_drive import MOTOR_RATE, STATE_ROWS
 from sojourn_mechanics.contact.contact_law import STATE_COLUMNS, WheelColumn
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
@@ -33,6 +34,8 @@ from sojourn_mechanics.power import battery, loads
 
 SETTLED_SPEED = 1e-6
 """The machine has settled when nothing moves faster [m/s], [rad/s]."""
+SETTLED_PERIODS = 25
+"""For so many control periods: what swings in the play of a gear stands still at its turning points, too."""
 PLACEMENT_TRIES = 5
 PLACEMENT_TOLERANCE = 1e-3
 """How near to where it was asked for the machine has to rest [m], [rad]."""
@@ -147,7 +150,7 @@ def _close_period(
         friction_heat=old.friction_heat + float(sums[2]),
         stop_heat=old.stop_heat + float(sums[3]),
         soil_work=old.soil_work + float(sums[SOIL_WORK]),
-        mechanical=mechanical_energy(model, configuration, velocity),
+        mechanical=mechanical_energy(model, configuration, velocity, state.joints),
     )
     x, y = configuration[3], configuration[4]
     upright = 1.0 - 2.0 * (x * x + y * y)  # cosine between the base's z axis and up
@@ -177,11 +180,12 @@ def _close_period(
     return new, output
 
 
-def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: FloatArray) -> float:
+def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: FloatArray, joints: FloatArray) -> float:
     """Kinetic energy, turning rotors included, and potential energy over z = 0 [J]."""
     multibody, data = model.multibody, model.data
     kinetic = pin.computeKineticEnergy(multibody, data, configuration, velocity)
     rotors = 0.5 * float(np.dot(model.joints.armature, velocity * velocity))
+    rotors += 0.5 * float(np.dot(model.joints.rotors, joints[MOTOR_RATE] ** 2))
     return float(kinetic + rotors + pin.computePotentialEnergy(multibody, data, configuration))
 
 
@@ -236,7 +240,7 @@ def _settled(model: PlantModel, posture: FloatArray, command: PlantCommand, aim:
     configuration = posture.copy()
     configuration[:3] = np.array([x, y, height]) + _standing_height(model, configuration) * normal
     configuration[3:7] = pin.Quaternion(rotation).coeffs()
-    joints = np.zeros((3, len(model.joints.names)))
+    joints = np.zeros((STATE_ROWS, len(model.joints.names)))
     joints[0] = command.reference[0]
     supply = battery.initial_state(model.battery, soc)
     source, _ = battery.thevenin(model.battery, supply)
@@ -252,9 +256,11 @@ def _settled(model: PlantModel, posture: FloatArray, command: PlantCommand, aim:
         bus_voltage=source,
         served=1.0,
     )
+    quiet = 0
     for _ in range(round(model.simulation.settle_time / model.simulation.control_period)):
         state, _ = step(model, state, command)
-        if np.abs(state.velocity).max() < SETTLED_SPEED:
+        quiet = quiet + 1 if np.abs(state.velocity).max() < SETTLED_SPEED else 0
+        if quiet >= SETTLED_PERIODS:
             break
     # settling costs nothing and wears nothing
     return replace(

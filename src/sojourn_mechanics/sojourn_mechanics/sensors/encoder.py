@@ -54,6 +54,8 @@ class EncoderBank:
     """Angle of one count, shape (n,) [rad]."""
     window: IntArray
     """Periods of the rate, shape (n,) [1]."""
+    on_motor: NDArray[np.bool_]
+    """Whether it reads the motor's shaft, shape (n,)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -71,6 +73,7 @@ def bank(encoders: tuple[EncoderParams, ...]) -> EncoderBank:
     return EncoderBank(
         resolution=np.array([encoder.resolution for encoder in encoders], dtype=np.float64),
         window=np.array([encoder.rate_window for encoder in encoders], dtype=np.int64),
+        on_motor=np.array([encoder.side == "motor" for encoder in encoders], dtype=bool),
     )
 
 

@@ -37,6 +37,8 @@ class SensorTruth:
     """Shape (m,) [K]."""
     wrist_wrench: FloatArray | None = None
     """On the wrist's sensor in its frame, shape (6,) [N], [N m]; None where nobody tells it."""
+    motor_position: FloatArray | None = None
+    """Of each joint's motor over its gear, shape (n,) [rad]; None where they all turn as one with their joints."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -104,6 +106,7 @@ def initial_state(
     stores: tuple[str, ...],
     orientation_imu_in_world: FloatArray,
     gravity: float,
+    motor_position: FloatArray | None = None,
 ) -> SensorSuiteState:
     """Sensors at the start of a run.
 
@@ -113,6 +116,7 @@ def initial_state(
         stores: names of the energy stores.
         orientation_imu_in_world: quaternion x y z w, shape (4,); only its heading is used.
         gravity: on the body, for the levelling of the IMU [m/s^2].
+        motor_position: as in SensorTruth.
 
     Raises:
         InvalidValueError: a joint of a group that the machine has not, or a number that is not finite.
@@ -142,7 +146,7 @@ def initial_state(
     )
     return SensorSuiteState(
         layout=layout,
-        encoders=encoder.initial_state(layout.encoders, joint_position[measured]),
+        encoders=encoder.initial_state(layout.encoders, _seen(layout, joint_position, motor_position)),
         effort_streams=tuple(initial_stream(seed, f"effort.{name}", len(group.joints)) for name, group in groups),
         imu=imu.initial_state(params.imu, seed, imu.heading_of(orientation_imu_in_world), gravity),
         bus=bus.initial_state(params.bus, seed, tuple(stores)),
@@ -174,9 +178,8 @@ def step(
     if not (np.isfinite(dt) and dt > 0.0):
         raise InvalidValueError("dt [s]", dt, "a finite number above 0")
 
-    encoders, position, velocity = encoder.step(
-        layout.encoders, state.encoders, truth.joint_position[layout.measured], dt
-    )
+    seen = _seen(layout, truth.joint_position, truth.motor_position)
+    encoders, position, velocity = encoder.step(layout.encoders, state.encoders, seen, dt)
     noise = np.empty_like(position)
     streams: list[NoiseStream] = []
     for stream, places in zip(state.effort_streams, layout.effort_places, strict=True):
@@ -211,6 +214,15 @@ def step(
         bus_temperature=bus_reading[:, 2].copy(),
         wrist_wrench=wrist_reading,
     )
+
+
+def _seen(layout: Layout, joints: FloatArray, motors: FloatArray | None) -> FloatArray:
+    """Angles of the shafts that carry the encoders, over the gear (k,) [rad]."""
+    seen = joints[layout.measured]
+    if motors is None:
+        return seen
+    _require_shape("motor_position", motors, (layout.joint_count,))
+    return np.where(layout.encoders.on_motor, motors[layout.measured], seen)
 
 
 def _require_truth(layout: Layout, truth: SensorTruth) -> None:

@@ -1,8 +1,9 @@
 """The drive: one call a period from measurements and commands to motor commands, odometry and status.
 
 Order of a period: refuse bad measurements; odometry; take the stop request, the new goal and the twist
-command, newest first; the twist wanted (goal follower or operator); limits of the machine and of the power
-manager, all by one factor; steering kinematics; slew limits. Everything between two calls is in `DriveState`.
+command, newest first; the twist wanted (goal follower or operator), kept clear of obstacles (avoidance); limits of
+the machine and of the power manager, all by one factor; steering kinematics; slew limits. Everything between two
+calls is in `DriveState`.
 
 Rules: a goal ends the older goal; a twist command that came after the goal ends the goal; a stop request ends
 both. A twist command older than cmd_vel_timeout stops the rover. A refused goal changes nothing else.
@@ -18,6 +19,8 @@ from numba import njit
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.avoidance import accepted, guarded, guide, initial_avoidance, see
+from sojourn_mechanics.steering.avoidance_types import Avoidance, AvoidanceState
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, DriveState, Mode, TwistCommand
 from sojourn_mechanics.steering.energy_forecast import (
     EnergyAccount,
@@ -55,11 +58,14 @@ from sojourn_mechanics.steering.odometry import (
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
 from sojourn_mechanics.steering.rate_limiter import LimiterState
 from sojourn_mechanics.steering.turning_limits import TurningLimits, turning_limits
+from sojourn_mechanics.steering.way_round import Area
 from sojourn_mechanics.steering.wheel_commands import WheelCommands, command_wheels, expected_slip
 from sojourn_mechanics.vehicle.clothoid import Pose
 
 LONGEST_PERIOD = 1.0
 """Longest period a step accepts [s]."""
+WALL = np.array([[3.0, 0.2 * y, 0.2 * z] for y in range(-6, 7) for z in range(5)])
+"""Points of a cloud that closes the way, for the warm-up [m]."""
 NO_MOTION = PlanarTwist(0.0, 0.0, 0.0)
 
 
@@ -69,23 +75,34 @@ class DriveModel:
 
     params: DriveParams
     geometry: SteeringGeometryParams
+    eye: FloatArray | None = None
+    """The hazard camera in base_link, shape (3,) [m]; without one there is no obstacle handling."""
+    area: Area | None = None
+    """Where a way round may lead; None for anywhere."""
     table: FloatArray = field(init=False)
     turn_radius: float = field(init=False)
     """Distance of the farthest wheel from base_link [m]."""
     turning: TurningLimits = field(init=False)
     """How sharply it can turn."""
+    avoidance: Avoidance | None = field(init=False)
+    """Obstacle handling, where it is asked for and there is a camera."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "table", self.geometry.table(self.params.track_ratio))
         object.__setattr__(self, "turn_radius", max(math.hypot(w.x, w.y) for w in self.geometry.wheels))
         turning = turning_limits(self.table, self.params.limits, self.params.follower.max_curvature)
         object.__setattr__(self, "turning", turning)
+        avoidance = None
+        if self.params.obstacles is not None and self.eye is not None:
+            avoidance = Avoidance(self.params.obstacles, self.params.follower, turning, self.eye, self.area)
+        object.__setattr__(self, "avoidance", avoidance)
 
     def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
         """At rest at a pose in odom [m, rad]."""
         odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting_variances(self.params.heading_fix))
         motors = MotorState.unsuspected(len(self.table))
-        return DriveState("idle", odometry, None, None, None, math.inf, 0.0, motors, "idle")
+        avoidance = initial_avoidance(self.avoidance, x, y) if self.avoidance is not None else None
+        return DriveState("idle", odometry, None, None, None, math.inf, 0.0, motors, "idle", avoidance=avoidance)
 
     def at_rest(self, state: DriveState) -> DriveOutput:
         """Output before the first step: nothing moves, the estimate is that of `state`."""
@@ -103,6 +120,7 @@ class DriveModel:
         state = self.initial_state()
         for goal in (Goal.at(1.0, 1.0), None):
             turning = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.1), roll_pitch=(0.0, 0.0), goal=goal)
+            turning = replace(turning, cloud=WALL)
             state, _ = self.step(state, turning, dt)
         resting = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.0), roll_pitch=(0.0, 0.0), stop=True)
         resting = replace(resting, sun=SunSighting(np.array((1.0, 0.0, 0.0)), np.array((1.0, 0.0, 0.0))))
@@ -161,6 +179,7 @@ class _Arbiter:
     text: str
     outcomes: list[GoalOutcome]
     energy: EnergyAccount
+    avoidance: AvoidanceState | None
 
     def end_goal(self, outcome: GoalOutcome, mode: Mode = "idle") -> None:
         """Notes how a goal ended."""
@@ -185,6 +204,8 @@ class _Arbiter:
             short = shortage(model.params.energy, forecast, supply) if supply is not None else None
             if short is not None:
                 answer = GoalOutcome("refused", short, goal, math.nan)
+        if model.avoidance is not None and self.avoidance is not None:
+            answer, self.avoidance = accepted(model.avoidance, self.avoidance, goal, answer, here)
         if isinstance(answer, GoalOutcome):
             self.outcomes.append(answer)
             if self.follower is None and self.mode == "idle":
@@ -203,7 +224,8 @@ class _Arbiter:
         self.energy = replace(self.energy, judged=True)
         short = shortage(costs, forecast, supply)
         if short is not None:
-            self.end_goal(stop(self.follower, short))
+            way = self.follower
+            self.end_goal(GoalOutcome("refused", short, way.goal, way.distance_to_go))
 
     def take_twist(self, model: DriveModel, command: TwistCommand | None, dt: float) -> PlanarTwist:
         """The operator's twist, if it is fresh and newer than the last goal or stop."""
@@ -218,6 +240,21 @@ class _Arbiter:
             self.mode, self.text = "idle", f"stopped: /cmd_vel is older than {timeout:.2f} s"
         return NO_MOTION
 
+    def keep_clear(self, model: DriveModel, wanted: PlanarTwist, here: OdometryState) -> PlanarTwist:
+        """The motion wanted, or none where it would lead into an obstacle."""
+        if model.avoidance is None or self.avoidance is None or wanted == NO_MOTION:
+            return wanted
+        by_hand = self.mode == "cmd_vel"
+        if by_hand and not model.avoidance.params.guard_cmd_vel:
+            return wanted
+        if by_hand:
+            self.avoidance = replace(self.avoidance, blocked=False, obstacle=None)
+        self.avoidance, free = guarded(model.avoidance, self.avoidance, wanted, here)
+        if free:
+            return wanted
+        self.text = f"stopped before {self.avoidance.obstacle}"
+        return NO_MOTION
+
 
 def _follow(
     model: DriveModel, arbiter: _Arbiter, odometry: OdometryState, power: float, still: bool, dt: float
@@ -229,6 +266,16 @@ def _follow(
     if power <= 0.0:
         arbiter.text = f"waiting for power, {way.distance_to_go:.2f} m to go"
         return NO_MOTION
+    if model.avoidance is not None and arbiter.avoidance is not None:
+        guidance = guide(model.avoidance, arbiter.avoidance, way, odometry)
+        arbiter.avoidance, arbiter.follower = guidance.state, guidance.way
+        way = guidance.way
+        if guidance.outcome is not None:
+            arbiter.end_goal(guidance.outcome)
+            return NO_MOTION
+        if guidance.twist is not None:
+            arbiter.text = guidance.text
+            return guidance.twist
     limits = model.params.limits
     moving = not still or math.hypot(odometry.v_x, odometry.v_y) > model.params.odometry.standing_speed
     able = FollowerLimits(
@@ -276,7 +323,10 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     if limiter is None:
         limiter = LimiterState.at_rest(measured.steer_angles)
 
-    arbiter = _Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [], state.energy)
+    avoidance = state.avoidance
+    if model.avoidance is not None and avoidance is not None:
+        avoidance = see(model.avoidance, avoidance, inputs.cloud, odometry, dt)
+    arbiter = _Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [], state.energy, avoidance)
     if inputs.stop:
         arbiter.take_stop(inputs.stop_reason)
     if inputs.goal is not None:
@@ -288,6 +338,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         arbiter.end_goal(stop(arbiter.follower, reason))
     if arbiter.follower is not None:
         wanted = _follow(model, arbiter, odometry, inputs.power_limit, measured.commanded_still, dt)
+    wanted = arbiter.keep_clear(model, wanted, odometry)
 
     limits, power = params.limits, inputs.power_limit
     slip = 0.0
@@ -322,6 +373,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         text=arbiter.text,
         energy=arbiter.energy,
         heading=heading,
+        avoidance=arbiter.avoidance,
     )
     pose_covariance, twist_covariance = message_covariances(params.odometry, odometry, dt)
     output = DriveOutput(
@@ -368,7 +420,7 @@ def _status(
     model: DriveModel, state: DriveState, inputs: DriveInput, cut: float, commands: WheelCommands
 ) -> dict[str, str | float]:
     """Fields of /drive/status; the unit is the last part of a name."""
-    odometry, way, outcome = state.odometry, state.follower, state.last_outcome
+    odometry, way, outcome, seen = state.odometry, state.follower, state.last_outcome, state.avoidance
     followed = way if way is not None else outcome
     status: dict[str, str | float] = {
         "mode": state.mode,
@@ -386,6 +438,8 @@ def _status(
         "outcome": outcome.kind if outcome is not None else "",
         "outcome_goal": outcome.goal.name if outcome is not None else "",
         "outcome_reason": outcome.reason if outcome is not None else "",
+        "obstacle": str(seen.obstacle) if seen is not None and seen.obstacle is not None else "",
+        "detours": float(seen.detours) if seen is not None else 0.0,
         "distance_m": odometry.distance,
         "speed_m_s": math.hypot(odometry.v_x, odometry.v_y),
         "yaw_rate_rad_s": odometry.yaw_rate,

@@ -9,6 +9,7 @@ from typing import Literal
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.avoidance_types import AvoidanceState
 from sojourn_mechanics.steering.energy_forecast import EnergyAccount, Supply
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
 from sojourn_mechanics.steering.goal_follower import FollowerState
@@ -60,6 +61,8 @@ class DriveInput:
     """[rad], None to take the ground as level."""
     sun: SunSighting | None = None
     """A reading of the sun sensor that came in this period."""
+    cloud: FloatArray | None = None
+    """Points of the hazard camera that came in this period, in base_link, shape (n, 3) [m]."""
     twist: TwistCommand | None = None
     """Newest /cmd_vel, every period until it is replaced; its age tells when it came."""
     goal: Goal | None = None
@@ -97,6 +100,8 @@ class DriveState:
     """Of the goal on its way, or of the last one."""
     heading: HeadingFixState = field(default_factory=HeadingFixState)
     """What became of the sightings of the Sun."""
+    avoidance: AvoidanceState | None = None
+    """Obstacles; None without obstacle handling."""
 
 
 @dataclass(frozen=True, slots=True)

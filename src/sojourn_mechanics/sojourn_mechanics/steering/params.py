@@ -17,6 +17,7 @@ from pydantic import Field, model_validator
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, Params
 from sojourn_mechanics.steering.energy_params import EnergyParams
+from sojourn_mechanics.steering.obstacle_params import ObstacleParams
 from sojourn_mechanics.steering.wheel_table import wheel_table
 
 SMALLEST_BASE = 1e-3
@@ -338,4 +339,5 @@ class DriveParams(Params):
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")
     heading_fix: HeadingFixParams | None = Field(None, description="trust in the sun sensor; none: it is not used")
     follower: GoalFollowerParams = Field(..., description="approach to goals")
+    obstacles: ObstacleParams | None = Field(None, description="obstacle handling; left out: it avoids nothing")
     energy: EnergyParams | None = Field(None, description="what driving costs; none: no forecast")

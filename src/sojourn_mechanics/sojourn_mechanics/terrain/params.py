@@ -163,6 +163,12 @@ class TerrainParams(Params):
             self.center_y - 0.5 * (rows - 1) * self.resolution,
         )
 
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """x_min, x_max, y_min, y_max of the ground in map [m]."""
+        (rows, columns), (x, y) = self.node_counts, self.origin
+        return x, x + (columns - 1) * self.resolution, y, y + (rows - 1) * self.resolution
+
     @model_validator(mode="after")
     def _fields_fit_the_kind(self) -> Self:
         foreign = {

@@ -1,5 +1,6 @@
 """The whole data sheet, and the published figures beside its own."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from sojourn_mechanics.errors import InvalidValueError
@@ -8,7 +9,8 @@ from sojourn_mechanics.vehicle.datasheet.figures import Section
 from sojourn_mechanics.vehicle.datasheet.riding import riding
 from sojourn_mechanics.vehicle.datasheet.standing import general, standing, steps
 from sojourn_mechanics.vehicle.datasheet.subject import Subject
-from sojourn_mechanics.vehicle.datasheet.turning import handling, steering
+from sojourn_mechanics.vehicle.datasheet.suspending import suspension
+from sojourn_mechanics.vehicle.datasheet.turning import handling, slip_steering, steering
 from sojourn_mechanics.vehicle.params import PublishedFigure
 
 
@@ -34,14 +36,30 @@ NEAR = 0.05
 """A figure of its own counts as agreeing with a published one within this part of it."""
 
 
+MAKERS: tuple[Callable[[Subject], Section | None], ...] = (
+    general,
+    standing,
+    steps,
+    traction,
+    performance,
+    energy,
+    ruts,
+    steering,
+    slip_steering,
+    handling,
+    suspension,
+    riding,
+)
+"""In the order of the page; None from one that does not apply."""
+
+
 def datasheet(subject: Subject) -> Datasheet:
     """Compute it.
 
     Raises:
         InvalidValueError: a published figure that the sheet does not have, or numbers that no model takes.
     """
-    makers = (general, standing, steps, traction, performance, energy, ruts, steering, handling, riding)
-    sections = tuple(make(subject) for make in makers)
+    sections = tuple(section for make in MAKERS if (section := make(subject)) is not None)
     vehicle = subject.vehicle
     elsewhere = vehicle.published_on is not None and vehicle.published_on != (subject.body.name, subject.soil.name)
     return Datasheet(sections, () if elsewhere else compare(vehicle.published, sections))

@@ -116,7 +116,7 @@ def steps(subject: Subject) -> Section:
     curve = Curve("Highest step", "friction coefficient", "height [m]", line)
     text = "Quasi-static, rigid vertical step; motors share the traction as is best. "
     text += "The flat underside of the body is kept clear of the edge, the arms of a suspension are not. "
-    text += "Springs are taken as locked." if subject.machine is None else "The bogies turn within their limits."
+    text += "The bogies turn within their limits." if side.bogie_mass > 0.0 else "The suspension is taken as locked."
     return Section("Steps", figures, (curve,), text)
 
 

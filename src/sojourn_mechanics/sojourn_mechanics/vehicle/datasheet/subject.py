@@ -10,6 +10,7 @@ from sojourn_mechanics.contact.rigid_wheel_on_soil import RigidWheelOnSoilParams
 from sojourn_mechanics.environment.body import BodyParams
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.plant.linearise import LinearPlant
 from sojourn_mechanics.soil.params import SoilParams
 from sojourn_mechanics.vehicle.law_wheel import LawWheel
 from sojourn_mechanics.vehicle.longitudinal import Course, loads
@@ -31,13 +32,18 @@ GRADES = np.radians(np.arange(-40.0, 41.0, 10.0))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Subject:
-    """A vehicle, where it is, and the machine it was made of (None: parameters alone, suspension locked)."""
+    """A vehicle, where it is, and the machine it was made of (None: parameters alone, suspension locked).
+
+    `standing` and `driving` are that machine's plant, linearised at rest and at cruise speed; None where not known.
+    """
 
     vehicle: VehicleParams
     soil: SoilParams
     body: BodyParams
     machine: StandingMachine | None = None
     angles: Mapping[str, float] | None = None
+    standing: LinearPlant | None = None
+    driving: LinearPlant | None = None
 
     @property
     def gravity(self) -> float:

@@ -20,11 +20,14 @@ from sojourn_mechanics.vehicle.longitudinal import loads
 from sojourn_mechanics.vehicle.params import AxleParams
 from sojourn_mechanics.vehicle.rollover import curve_limit, roll_over_factor
 from sojourn_mechanics.vehicle.side_force import cornering_stiffness
+from sojourn_mechanics.vehicle.slip_steering import SlipVehicle, spin_moment, steady_turn
 from sojourn_mechanics.vehicle.steering_geometry import ideal_angles, path_radii, steering_error, turn_of_outer_wheel
 
 SIDE_ANGLE = 0.6
 """Slip angle at which the side force of the soil is taken as its greatest [rad]."""
 STEP_DEG = 1.0
+SLIP_SPEED = 0.05
+"""Slip speed over which the friction of sliding wheels builds up, over the cruise speed."""
 
 
 def steering(subject: Subject) -> Section:
@@ -69,6 +72,41 @@ def steering(subject: Subject) -> Section:
     return Section(
         "Steering", tuple(figures), (_radius_curve(subject, centre),), "Low speed, no side slip, level ground."
     )
+
+
+def slip_steering(subject: Subject) -> Section | None:
+    """Turns with one side faster than the other: all that a machine of fixed wheels has. None where wheels steer."""
+    vehicle = subject.vehicle
+    if any(axle.max_steer > 0.0 for axle in vehicle.axles):
+        return None
+    level = loads(subject.course(), 0.0)
+    sliding = [
+        -subject.side_force(axle).force(float(load), SIDE_ANGLE)
+        for axle, load in zip(vehicle.axles, level, strict=True)
+    ]
+    speed = vehicle.cruise_speed
+    friction = float(sum(sliding) / level.sum())
+    machine = SlipVehicle(subject.places, np.repeat(level, 2), friction, SLIP_SPEED * speed)
+    spin = steady_turn(machine, -speed, speed)
+    shares = np.linspace(-1.0, 0.95, 40)
+    turns = [steady_turn(machine, float(share) * speed, speed) for share in shares]
+    angle = f"side slip {math.degrees(SIDE_ANGLE):.0f}°"
+    figures = (
+        Figure("slip_friction", "Side force over load, sliding", friction, "", angle),
+        Figure("spin_moment", "Moment that resists a turn on the spot", spin_moment(machine), "N m"),
+        Figure("spin_power", "Power into the ground for it, rims at cruise speed", spin.power, "W"),
+        Figure("spin_rate", "Yaw rate of it", math.degrees(spin.yaw_rate), "°/s"),
+        Figure("width_ratio", "Effective over built track", spin.width_ratio, "", "free-rolling centres of the sides"),
+    )
+    radii = np.array([turn.forward / turn.yaw_rate for turn in turns])
+    powers = np.array([turn.power for turn in turns])
+    abscissa = "speed of the inner over that of the outer side"
+    curves = (
+        Curve("Radius of a slip-steered turn", abscissa, "radius [m]", {"centre of mass": (shares, radii)}),
+        Curve("Power into the ground", abscissa, "power [W]", {"all wheels": (shares, powers)}),
+    )
+    text = "Level ground, low speed. Coulomb friction as large as the side force of the sliding wheel on this soil, "
+    return Section("Slip steering", figures, curves, text + "which holds what the wheel pushes aside.")
 
 
 def handling(subject: Subject) -> Section:
