@@ -23,7 +23,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from sojourn_bringup import bench_arm, bench_commands, bench_machine, bench_wheel, options, start
+from sojourn_bringup import bench_arm, bench_arm_limits, bench_commands, bench_machine, bench_wheel, options, start
 from sojourn_bringup.bench_contacts import NOT_FINITE, bench_contacts
 from sojourn_bringup.bench_ground import bench_ground
 from sojourn_bringup.errors import BringupError
@@ -48,6 +48,7 @@ TARGETS = {
     "composed, times real time": (">=", 6.0),
     "processes, times real time": (">=", 5.0),
     **bench_arm.TARGETS,
+    **bench_arm_limits.TARGETS,
     **bench_wheel.TARGETS,
     **bench_commands.TARGETS,
     **bench_machine.TARGETS,
@@ -183,7 +184,8 @@ PARTS = {
     "wheel": bench_wheel.bench_wheel,
     "contacts": bench_contacts,
     "ground": bench_ground,
-    "arm": bench_arm.inverse_kinematics,
+    "arm": lambda: bench_arm.inverse_kinematics() | bench_arm_limits.plan_through_points(),
+    "arm_limits": bench_arm_limits.random_goals,
     "wheels": bench_machine.bench_wheels,
     "energy": bench_machine.bench_energy,
 }

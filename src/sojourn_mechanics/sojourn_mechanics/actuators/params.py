@@ -99,6 +99,11 @@ class DriveParams(Params):
         return self.motor.rotor_inertia * self.gear.ratio**2
 
     @property
+    def torque_per_current(self) -> float:
+        """Of the motor over its gear, without losses [N m/A]."""
+        return self.motor.torque_constant * self.gear.ratio
+
+    @property
     def friction_torque(self) -> float:
         """Coulomb friction at the output without load, motor's own included [N m]."""
         motor = self.motor

@@ -169,9 +169,8 @@ def _take_goal(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmI
     try:
         if not inputs.allowed:
             raise GoalRefusedError(f"not allowed to move: {inputs.not_allowed_reason or 'no reason given'}")
-        plan = plan_goal(
-            params, model, inputs.goal, state.reference, state.target, _present_retreat(state), inputs.ground
-        )
+        retreat, gravity = _present_retreat(state), inputs.gravity_in_base
+        plan = plan_goal(params, model, inputs.goal, state.reference, state.target, retreat, inputs.ground, gravity)
     except GoalRefusedError as error:
         busy = state.path is not None or state.settling
         return replace(

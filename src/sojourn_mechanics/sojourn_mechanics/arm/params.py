@@ -74,6 +74,11 @@ class TrimParams(Params):
     max_rate: float = Field(default=0.01, gt=0.0, le=1.0, description="largest rate of the trim [rad/s or m/s]")
 
 
+_DRIVE_DATA = (
+    "reflected_inertia", "coulomb_friction", "viscous_friction", "gear_efficiency", "winding_loss", "motor_effort",
+)  # fmt: skip
+
+
 class ArmParams(Params):
     """One arm: see the module header. Tuples are per joint, in the order of `joint_names`."""
 
@@ -92,6 +97,16 @@ class ArmParams(Params):
     )
     viscous_friction: tuple[NonNegative, ...] = Field(
         default=(), description="joint friction per speed to feed forward [N m s]; empty is zero"
+    )
+    gear_efficiency: tuple[PositiveRate, ...] = Field(default=(), description="of each gear [-]; empty is one")
+    winding_loss: tuple[NonNegative, ...] = Field(
+        default=(), description="R/(N k)^2 of each motor over its gear [W/(N m)^2]; empty is zero"
+    )
+    motor_effort: tuple[PositiveRate, ...] = Field(
+        default=(), description="largest torque of each motor over its gear [N m or N]; empty: the URDF's effort alone"
+    )
+    power_limit: float | None = Field(
+        default=None, gt=0.0, le=1e6, description="power that a motion may draw from the bus [W]; null: any"
     )
     gear_compliance: tuple[NonNegative, ...] = Field(
         default=(), description="twist of a joint's gear per torque, motor side measured [rad/(N m)]; empty: rigid"
@@ -206,7 +221,7 @@ class ArmParams(Params):
             if len(getattr(self, name)) != count:
                 raise ValueError(f"{name} has {len(getattr(self, name))} values: allowed is {count}, one per joint")
         gear = ("gear_compliance", "gear_backlash", "bearing_friction")
-        for name in ("reflected_inertia", "coulomb_friction", "viscous_friction", *gear):
+        for name in (*_DRIVE_DATA, *gear):
             if len(getattr(self, name)) not in (0, count):
                 raise ValueError(f"{name} has {len(getattr(self, name))} values: allowed is none or {count}")
         if len({len(getattr(self, name)) for name in gear}) > 1:

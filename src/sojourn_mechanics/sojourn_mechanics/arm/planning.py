@@ -27,6 +27,7 @@ from sojourn_mechanics.arm.goals import (
     JointGoal,
     NamedGoal,
     PoseGoal,
+    StopGoal,
     TrajectoryGoal,
     joint_target,
     pose_target,
@@ -40,6 +41,7 @@ from sojourn_mechanics.arm.kinematics import (
     nearby_solution,
 )
 from sojourn_mechanics.arm.model import ArmModel
+from sojourn_mechanics.arm.motion_load import peak, slower
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.trajectory import (
     JointReference,
@@ -50,6 +52,10 @@ from sojourn_mechanics.arm.trajectory import (
     through_points,
 )
 from sojourn_mechanics.params import FloatArray
+
+_SLOWER_TRIES = 6
+_SLOWEST_STEP = 0.4
+"""The largest step down in speed from one try to the next."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,18 +108,48 @@ def plan_goal(
     present: FloatArray,
     retreat: FloatArray | None = None,
     ground: GroundPlane | None = None,
+    gravity: FloatArray | None = None,
 ) -> Plan:
-    """Plan a motion from the present reference to a goal.
+    """Plan a motion from the present reference to a goal, slower where the drives could not follow it.
 
     Args:
         reference: where the arm is on its present motion.
         present: target of the present goal (n,), for joints that a goal does not name.
         retreat: joint positions (n,) to go through first, or None.
         ground: plane in base_link that the arm keeps above, or None.
+        gravity: in base_link (3,), pointing down [m/s2]; None: torque and power are not looked at.
 
     Raises:
         GoalRefusedError: with the reason as text.
     """
+    plan = _plan(params, model, goal, reference, present, retreat, ground)
+    if gravity is None or isinstance(goal, StopGoal):
+        return plan
+    load = peak(params, model, plan.path, gravity)
+    factor = 1.0
+    for _ in range(_SLOWER_TRIES):
+        if load.share <= 1.0:
+            break
+        factor *= min(max(0.98 / load.share, _SLOWEST_STEP), 0.9)
+        reason = load.text
+        plan = _plan(params, slower(model, factor, reference), goal, reference, present, retreat, ground)
+        plan = replace(plan, note="; ".join(filter(None, (plan.note, f"slower, or {reason}"))))
+        load = peak(params, model, plan.path, gravity)
+    if load.share > 1.0:
+        raise GoalRefusedError(f"{load.text}, however slowly it moves")
+    return plan
+
+
+def _plan(
+    params: ArmParams,
+    model: ArmModel,
+    goal: ArmGoal,
+    reference: JointReference,
+    present: FloatArray,
+    retreat: FloatArray | None,
+    ground: GroundPlane | None,
+) -> Plan:
+    """A motion within the limits of position, speed, acceleration and jerk, that collides with nothing."""
     if isinstance(goal, PoseGoal):
         return _plan_pose(params, model, goal, reference, retreat, ground)
     if isinstance(goal, TrajectoryGoal):

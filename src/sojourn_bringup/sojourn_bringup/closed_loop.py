@@ -1,0 +1,127 @@
+"""Plant, sensors and drive of a scenario in one loop, without ROS: for measurements that need many runs.
+
+The conversions are those of the nodes, so that the drive gets what it would get over the topics, to the last bit, but
+for the power manager: all loads stay on. The arm holds its pose.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import Imu
+
+from sojourn_config.scenario import LoadedScenario
+from sojourn_contract import stamps
+from sojourn_contract.barrier import is_due
+from sojourn_contract.messages import fill_joint_state, joint_state, quaternion, set_quaternion, set_xyz
+from sojourn_contract.topics import topic
+from sojourn_drive.measurements import WheelMeasurements
+from sojourn_drive.sun import SunSightings
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.plant.state import PlantOutput
+from sojourn_mechanics.plant.step import step as step_plant
+from sojourn_mechanics.sensors import suite
+from sojourn_mechanics.steering.drive import DriveModel
+from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, TwistCommand
+from sojourn_mechanics.steering.goal import Goal
+from sojourn_mechanics.steering.kinematics import PlanarTwist
+from sojourn_plant.commands import CommandBuffer
+from sojourn_plant.start import build_plant
+from sojourn_sensors.motion import ImuMotion
+from sojourn_sensors.sun import SunReadings
+
+STORE = "battery"
+
+
+class ClosedLoop:
+    """A run that is stepped by hand.
+
+    Args:
+        scenario: with its seed: that of the ground and of all sensors.
+    """
+
+    def __init__(self, scenario: LoadedScenario) -> None:
+        self.scenario = scenario
+        self.plant, self.truth = build_plant(scenario)
+        self.drive = DriveModel(scenario.drive, scenario.steering)
+        self.drive.warm_up()
+        start = scenario.config.start
+        self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
+        self.output: DriveOutput = self.drive.at_rest(self.drive_state)
+        self.told: PlantOutput | None = None
+        """What the plant tells of the last period."""
+        self.period = 0
+        self._wheels = WheelMeasurements(scenario.rover, scenario.urdf_xml)
+        self._sightings, self._sun = SunSightings(scenario), SunReadings(scenario)
+        self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
+        self._commands = CommandBuffer(self.plant)
+        self._commands.hold(self.truth.joints[0])
+        self._odometry, self._imu = Odometry(), Imu()
+        self._tell_odometry()
+        self._sensors = suite.initial_state(
+            scenario.sensors,
+            scenario.config.seed,
+            self.plant.joints.names,
+            self.truth.joints[0],
+            (STORE,),
+            self._motion.orientation_imu_in_map(quaternion(self._odometry.pose.pose.orientation)),
+            scenario.gravity,
+        )
+        self._joints = joint_state(self._sensors.layout.joint_names)
+
+    def step(
+        self,
+        goal: Goal | None = None,
+        twist: PlanarTwist | None = None,
+        change: Callable[[DriveInput], DriveInput] = lambda measured: measured,
+    ) -> DriveOutput:
+        """One control period; `goal` and `twist` come in it, and `change` is what becomes of the measurements."""
+        self.period += 1
+        stamp = self.period * stamps.CONTROL_PERIOD_NS
+        measured = self._measure(stamp, goal, None if twist is None else TwistCommand(twist, 0.0))
+        self.drive_state, self.output = self.drive.step(self.drive_state, change(measured), stamps.CONTROL_PERIOD_S)
+        self._commands.take({"/wheel_command": self._wheels.command(stamp, self.output)})
+        self.truth, self.told = step_plant(self.plant, self.truth, self._commands.at(stamp))
+        return self.output
+
+    @property
+    def true_pose(self) -> tuple[float, float, float]:
+        """x, y [m] and heading [rad] of base_link in map."""
+        x_axis = pin.Quaternion(self.truth.configuration[3:7]).toRotationMatrix()[:, 0]
+        x, y = self.truth.configuration[:2]
+        return float(x), float(y), float(np.arctan2(x_axis[1], x_axis[0]))
+
+    @property
+    def true_slip(self) -> FloatArray:
+        """Slip of each wheel in the last period, as the plant tells it [-]."""
+        wheels = len(self.scenario.rover.wheels)
+        return np.zeros(wheels) if self.told is None else self.told.contacts[:wheels, 4].copy()
+
+    def _measure(self, stamp: int, goal: Goal | None, twist: TwistCommand | None) -> DriveInput:
+        self._tell_odometry()
+        motion = self._motion.update(self._odometry, stamps.CONTROL_PERIOD_S)
+        efforts = self.plant.efforts if self.told is None else self.told.efforts
+        truth = suite.SensorTruth(
+            joint_position=self.truth.joints[0],
+            joint_effort=efforts,
+            angular_velocity_imu_in_imu=motion.angular_velocity,
+            specific_force_imu_in_imu=motion.specific_force,
+            bus_voltage=np.array([28.0]),
+            bus_current=np.zeros(1),
+            bus_temperature=np.array([293.0]),
+        )
+        self._sensors, read = suite.step(self.scenario.sensors, self._sensors, truth, stamps.CONTROL_PERIOD_S)
+        joints = fill_joint_state(self._joints, stamp, read.joint_position, read.joint_velocity, read.joint_effort)
+        set_quaternion(self._imu.orientation, read.imu.orientation)
+        set_xyz(self._imu.angular_velocity, read.imu.angular_velocity)
+        sun = None
+        if is_due(topic("/sun_direction"), self.period):
+            sun = self._sightings.sighting(stamp, self._sun.message(stamp, self._odometry))
+        return replace(self._wheels.drive_input(joints, self._imu, twist, goal, 1.0), sun=sun)
+
+    def _tell_odometry(self) -> None:
+        set_quaternion(self._odometry.pose.pose.orientation, self.truth.configuration[3:7])
+        set_xyz(self._odometry.twist.twist.linear, self.truth.velocity[:3])
+        set_xyz(self._odometry.twist.twist.angular, self.truth.velocity[3:6])

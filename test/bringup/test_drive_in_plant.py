@@ -1,0 +1,54 @@
+"""The drive in the simulated machine, over short ways: it keeps to its path in truth, and takes what was forecast."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from sojourn_bringup.closed_loop import ClosedLoop
+from sojourn_bringup.measure_energy import MeteredLoop
+from sojourn_bringup.measure_path import follow_path
+from sojourn_bringup.measure_slip import on_plane
+from sojourn_config.scenario import load_scenario
+from sojourn_contract.stamps import CONTROL_PERIOD_S
+from sojourn_mechanics.steering.drive_types import TwistCommand
+from sojourn_mechanics.steering.goal import Goal
+from sojourn_mechanics.steering.kinematics import PlanarTwist
+
+
+def test_it_keeps_to_a_curved_path_on_rough_ground() -> None:
+    """Into a curve and out of it, 3.7 m; the figure for 30 m is that of sojourn_bringup.measure_path."""
+    found = follow_path(load_scenario("lunar_route"), Goal.along([(1.8, 0.4), (3.2, 1.6)]))
+    assert found.outcome == "reached", found.reason
+    assert found.rms_odom < 0.02 and found.max_odom < 0.05, "what the law does"
+    assert found.rms_true < 0.15, "what the machine does"
+    assert 0.05 < found.slip < 0.3
+
+
+def test_the_wheels_stand_half_a_second_after_the_last_velocity() -> None:
+    """In truth, from full speed down a slope; the body rocks on the soil for a little longer."""
+    loop = ClosedLoop(on_plane("flat_drive", [], 4.0, 180.0))
+    wheels = loop.plant.joints.columns[loop.plant.reference_rows([wheel.joint for wheel in loop.plant.machine.wheels])]
+    for period in range(150):
+        age = max(period - 124, 0) * CONTROL_PERIOD_S  # the last one comes in period 124
+        velocity = TwistCommand(PlanarTwist(0.1, 0.0, 0.0), age)
+        loop.step(change=lambda measured, velocity=velocity: replace(measured, twist=velocity))
+        if period == 124:
+            assert loop.truth.velocity[wheels].min() > 0.75
+    assert abs(loop.truth.velocity[wheels]).max() < 0.02
+
+
+@pytest.mark.parametrize("slope_deg", [0.0, 6.0])
+def test_the_forecast_is_what_the_plant_takes(slope_deg: float) -> None:
+    """Level with a turn at the end, and up a slope between two that were measured."""
+    loop = MeteredLoop(on_plane("flat_drive", [], slope_deg, 0.0))
+    goal = Goal.along([(0.9, 0.2), (1.6, 0.3)], math.pi / 4 if slope_deg == 0.0 else None)
+    if slope_deg:
+        goal = replace(goal, heights=(None, 1.6 * math.tan(math.radians(slope_deg))))
+    loop.reach(loop.tick(goal))
+    forecast = loop.drive_state.energy.forecast
+    assert forecast is not None
+    spent = loop.spent
+    assert forecast.total == pytest.approx(spent.motion + spent.house, rel=0.2)
+    assert forecast.motion == pytest.approx(spent.motion, rel=0.2)
+    assert forecast.seconds == pytest.approx(spent.seconds, rel=0.1)
