@@ -236,7 +236,7 @@ BODY = "config/bodies/moon.yaml"
         (ROVER, "max_torque: 40.0", "max_torque: 400.0", ["servo.max_torque = 400.0", "60 N m", "effort"]),
         (ROVER, "first: rocker_left_joint", "first: rocker_joint", ["[0].first", "rocker_left_joint"]),
         (ROVER, "link: base_link", "link: base", ["pads[0].link = 'base'", "did you mean base_link?"]),
-        (ROVER, "battery: explorer_battery", "battery: explorer", ["one of explorer_battery"]),
+        (ROVER, "battery: explorer_battery", "battery: explorer", ["allowed is one of", "explorer_battery"]),
         (ROVER, "load: steer", "load: steer\n    load: steer", ["drives[1].load", "twice"]),
         (SOIL, "k_phi:", "kphi:", ["kphi", "did you mean k_phi?"]),
         (SOIL, "name: lunar_nominal", "name: other", ["name = 'other'", "lunar_nominal"]),
