@@ -9,6 +9,7 @@ from sojourn_bringup.operator_script import (
     LEAD_NS,
     Action,
     ArmJoints,
+    ArmTask,
     ArmTo,
     DriveAlong,
     DriveTo,
@@ -54,11 +55,11 @@ def test_goals_go_out_one_after_another_five_periods_ahead() -> None:
 
 def test_each_kind_of_goal_has_its_topic() -> None:
     topics = []
-    for action in (DRIVE, DriveAlong(((1.0, 0.0), (2.0, 0.0))), ArmTo(1.0, 0.0, 0.0), ARM):
+    for action in (DRIVE, DriveAlong(((1.0, 0.0), (2.0, 0.0))), ArmTo(1.0, 0.0, 0.0), ARM, ArmTask("tare")):
         goal = script(action).look(LOOK, {})
         assert goal is not None
         topics.append(goal.topic)
-    assert topics == ["/goal_pose", "/waypoints", "/arm/goal_pose", "/arm/joint_goal"]
+    assert topics == ["/goal_pose", "/waypoints", "/arm/goal_pose", "/arm/joint_goal", "/arm/task"]
 
 
 def test_an_answer_about_another_goal_ends_nothing() -> None:

@@ -186,6 +186,11 @@ BODY = "config/bodies/moon.yaml"
             ["positions[4] = 9", "arm_turret_joint"],
         ),
         (SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_joints: {}", ["either name or positions"]),
+        (SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_task: {name: wave}", ["unknown task 'wave'", "guarded_move"]),
+        (
+            SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_task: {name: guarded_move, values: {forse: 5}}",
+            ["unknown key 'forse'", "force, distance"],
+        ),
         (
             SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_to: {frame: odom, x: 1, y: 0, z: 0}",
             ["arm_to.frame = 'odom'", "base_link", "map"],

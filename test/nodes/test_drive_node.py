@@ -356,3 +356,53 @@ def test_a_sighting_of_the_sun_corrects_the_heading_once(bench: Bench, drive: Dr
     status = bench.status("/drive/status", 100)
     assert status["sun"].startswith("rejected: heading off by -90.0 deg")
     assert (status["sun_fixes"], status["sun_rejected"]) == ("1", "1")
+
+
+ROCK_AHEAD = [[2.0 + 0.03 * i, 0.03 * j, -0.47 + (0.35 if abs(j) < 6 and 3 < i < 15 else 0.0)]
+              for i in range(-30, 30) for j in range(-30, 31)]  # fmt: skip
+"""Points of level ground with a block on it, 2.1 to 2.4 m ahead of base_link [m]."""
+
+
+def see(bench: Bench, period: int, points: Any) -> None:
+    """A whole second with a look of the hazard camera at its end."""
+    step(bench, *range(period - 49, period))
+    bench.send("/joint_states", joints(period))
+    bench.send("/imu/data", imu(period))
+    bench.send("/sun_direction", sun(period))
+    bench.send("/hazcam/points", cloud(period, points))
+    bench.answer("/wheel_command", period)
+
+
+def test_a_goal_in_an_obstacle_that_has_been_seen_is_refused(bench: Bench, drive: DriveNode) -> None:
+    see(bench, 50, ROCK_AHEAD)
+    send_event(bench, drive, "/goal_pose", pose(START_X + 2.25, 0.0))
+    command = step(bench, *range(51, 101))
+    status = bench.status("/drive/status", 100)
+    assert status["state"] == "refused"
+    assert status["reason"].startswith("the goal (1.25, 0.00) lies in an obstacle: step of 0.35 m at (1.")
+    assert status["reason"].endswith("limit 0.12 m") and rates(command) == [0.0] * 6
+
+
+def test_a_velocity_command_is_held_before_an_obstacle_and_says_why(bench: Bench, drive: DriveNode) -> None:
+    """The block stands a hand's breadth before the wheels; away from it the rover may go."""
+    see(bench, 50, [[x - 1.1, y, z] for x, y, z in ROCK_AHEAD])
+    for period in range(51, 101):
+        if period % 5 == 1:
+            send_event(bench, drive, "/cmd_vel", twist(0.05, at(period)))
+        command = step(bench, period)
+        assert rates(command) == [0.0] * 6
+    status = bench.status("/drive/status", 100)
+    assert status["reason"].startswith("stopped before step of 0.35 m at (") and status["obstacle"] in status["reason"]
+    send_event(bench, drive, "/cmd_vel", twist(-0.05, at(101)))
+    assert max(rates(step(bench, *range(101, 109)))) < 0.0
+
+
+def test_a_cloud_that_is_no_cloud_is_refused_and_the_period_is_answered(bench: Bench, drive: DriveNode) -> None:
+    step(bench, *range(1, 50))
+    bad = cloud(50, [[1.0, 0.0, math.nan]])
+    bench.send("/joint_states", joints(50))
+    bench.send("/imu/data", imu(50))
+    bench.send("/sun_direction", sun(50))
+    bench.send("/hazcam/points", bad)
+    bench.answer("/wheel_command", 50)
+    assert drive.counters.refused == {"/hazcam/points": 1} and "z[0] = nan" in drive.counters.last_refusal

@@ -31,6 +31,10 @@ SUFFIX_UNITS = {
     "_wh": "Wh",
     "_deg": "degree",
     "_ns": "ns",
+    "_nm": "N m",
+    "_kg": "kg",
+    "_n": "N",
+    "_j": "J",
     "_m": "m",
     "_s": "s",
 }

@@ -14,7 +14,7 @@ from sojourn_bags.reading import Bag
 from sojourn_contract.stamps import NANOSECONDS
 
 DRIVE_TOPICS = ("/goal_pose", "/waypoints")
-ARM_TOPICS = ("/arm/goal_pose", "/arm/joint_goal", "/arm/joint_trajectory")
+ARM_TOPICS = ("/arm/goal_pose", "/arm/joint_goal", "/arm/joint_trajectory", "/arm/task")
 STATUS_OF = {**dict.fromkeys(DRIVE_TOPICS, "/drive/status"), **dict.fromkeys(ARM_TOPICS, "/arm/status")}
 REACHED = "reached"
 FINAL_STATES = (REACHED, "refused", "stopped", "failed")
@@ -25,6 +25,7 @@ STEP_TOPICS = {
     "arm_to": "/arm/goal_pose",
     "arm_to_ground": "/arm/goal_pose",
     "arm_joints": "/arm/joint_goal",
+    "arm_task": "/arm/task",
 }
 """Topic on which the operator sends a step of a scenario."""
 
@@ -148,6 +149,10 @@ def _describe(topic, message) -> tuple[str, tuple[float, float, float] | None]:
     """A goal in words, and the place it names."""
     if topic == "/arm/joint_goal":
         return (f"arm: {message.header.frame_id}" if not message.name else "arm to joint positions"), None
+    if topic == "/arm/task":
+        names = [status.name for status in message.status]
+        numbers = [f"{pair.key}={pair.value}" for status in message.status for pair in status.values]
+        return " ".join((f"arm: {', '.join(names)}", *numbers)), None
     if topic == "/arm/joint_trajectory":
         return f"arm along {len(message.points)} joint positions", None
     if topic == "/waypoints" and not message.poses:

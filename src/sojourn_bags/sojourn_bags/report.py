@@ -60,7 +60,8 @@ def write_report(
     wheel_axes = [figure.add_subplot(grid[row, 1], sharex=charge_axes) for row in range(4)]
     _draw_power(charge_axes, bag)
     if run.arm_joints:
-        _draw_joints(arm_axes, bag, run.arm_joints, "Torque of the arm joints")
+        _draw_joints(arm_axes, bag, run.arm_joints, "Torque of the arm joints, force at the wrist")
+        _draw_wrist(arm_axes, bag)
     else:
         _draw_attitude(arm_axes, bag)
     _draw_contacts(wheel_axes[0], bag, run, "sinkage", 1000.0, "Sinkage of each wheel", "sinkage [mm]")
@@ -115,6 +116,21 @@ def _draw_joints(axes: Axes, bag: Bag, names: Sequence[str], title: str) -> None
     values = joints.effort[:, [joints.index(name) for name in known]]
     _draw_curves(axes, states.times, values, [short_name(name) for name in known])
     axes.set(title=title, ylabel="torque [N m]")
+
+
+def _draw_wrist(axes: Axes, bag: Bag) -> None:
+    """Size of the force at the wrist on an axis of its own, where it was measured."""
+    if "/wrist/wrench" not in bag:
+        return
+    wrench = bag["/wrist/wrench"]
+    force = np.linalg.norm(wrench.columns(*(f"wrench.force.{axis}" for axis in "xyz")), axis=1)
+    if not np.isfinite(force).any():
+        return
+    scale = axes.twinx()
+    scale.plot(*thinned(wrench.times, force), color="black", linewidth=0.9, alpha=0.6, label="wrist")
+    scale.set_ylabel("force at the wrist [N], black")
+    scale.set_ylim(bottom=0.0)
+    axes.legend(fontsize=7, loc="upper left", ncols=3, framealpha=0.85)  # the other axis has the place beside it
 
 
 def _draw_attitude(axes: Axes, bag: Bag) -> None:

@@ -15,19 +15,20 @@ from sojourn_bringup import options
 from sojourn_bringup.environment import ros_variables
 from sojourn_bringup.errors import BringupError
 from sojourn_bringup.goal_messages import goal_message, report_of, stop_messages
-from sojourn_bringup.operator_script import FINAL_STATES, REACHED, ArmTo, DriveAlong, DriveTo
+from sojourn_bringup.operator_script import FINAL_STATES, REACHED, ArmTask, ArmTo, DriveAlong, DriveTo
 from sojourn_contract import qos
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.process import StopFlag
 from sojourn_contract.stamps import from_message, seconds, to_message
 from sojourn_contract.topics import topic
 from sojourn_contract.types import message_class
+from sojourn_mechanics.arm.tasks.requests import TASKS
 
 ANSWER_S = 5.0
 """Wall time within which a running stack must be found."""
 SHOW_S = 1.0
 STATUS_TOPICS = {"drive": "/drive/status", "arm": "/arm/status"}
-GOAL_TOPICS = {DriveTo: "/goal_pose", DriveAlong: "/waypoints", ArmTo: "/arm/goal_pose"}
+GOAL_TOPICS = {DriveTo: "/goal_pose", DriveAlong: "/waypoints", ArmTo: "/arm/goal_pose", ArmTask: "/arm/task"}
 STOP_TOPICS = {"drive": "/cmd_vel", "arm": "/arm/stop"}
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 """Name that ROS gives to a node of which it knows an endpoint only, so far."""
@@ -216,8 +217,11 @@ def parser() -> argparse.ArgumentParser:
     for axis in ("x", "y", "z"):
         arm.add_argument(axis, type=options.number, help="[m]")
     arm.add_argument("--frame", default="base_link", help="base_link (default)")
+    task = commands.add_parser("task", help="a task of the arm: guarded_move force=10 speed=0.01")
+    task.add_argument("name", help=f"one of {', '.join(TASKS)}")
+    task.add_argument("values", nargs="*", metavar="KEY=VALUE", help="its numbers; a vector as 0,0,-1")
     stop = commands.add_parser("stop", help="stop drive and arm")
-    for command in (drive, route, arm, stop):
+    for command in (drive, route, arm, task, stop):
         options.add_place(command)
         command.add_argument(
             "--timeout", type=options.positive_seconds, default=3600.0, metavar="S", help="longest wait (wall time)"
@@ -225,7 +229,7 @@ def parser() -> argparse.ArgumentParser:
     return result
 
 
-def _action(given: argparse.Namespace) -> DriveTo | DriveAlong | ArmTo:
+def _action(given: argparse.Namespace) -> DriveTo | DriveAlong | ArmTo | ArmTask:
     """The goal that was asked for."""
     if given.command == "drive":
         return DriveTo(given.x, given.y, given.yaw, given.frame, given.z)
@@ -233,7 +237,16 @@ def _action(given: argparse.Namespace) -> DriveTo | DriveAlong | ArmTo:
         if len(given.points) % 2:
             raise BringupError(f"points: {len(given.points)} numbers, allowed is an even count: X Y for each point")
         return DriveAlong(tuple(zip(given.points[::2], given.points[1::2], strict=True)), given.yaw, given.frame)
+    if given.command == "task":
+        return ArmTask(given.name, tuple(_key_and_value(text) for text in given.values))
     return ArmTo(given.x, given.y, given.z, given.frame)
+
+
+def _key_and_value(text: str) -> tuple[str, str]:
+    key, found, value = text.partition("=")
+    if not found or not key:
+        raise BringupError(f"{text!r}: allowed is KEY=VALUE")
+    return key, value.replace(",", " ")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -245,7 +258,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stands, words = client.halt()
             print(words)
             return 0 if stands else 1
-        who = "arm" if isinstance(action, ArmTo) else "drive"
+        who = "arm" if isinstance(action, ArmTo | ArmTask) else "drive"
         client.send(who, GOAL_TOPICS[type(action)], goal_message(action, 0))
         outcome, reason = client.follow(who, given.timeout)
     print(f"{outcome}{': ' + reason if reason else ''}")

@@ -9,9 +9,9 @@ from nav_msgs.msg import Path
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
-from sojourn_bringup.operator_script import Action, ArmJoints, ArmTo, DriveAlong, DriveTo, Report
+from sojourn_bringup.operator_script import Action, ArmJoints, ArmTask, ArmTo, DriveAlong, DriveTo, Report
 from sojourn_contract import stamps
-from sojourn_contract.heartbeat import status_values
+from sojourn_contract.heartbeat import status_message, status_values
 from sojourn_contract.messages import set_quaternion
 
 
@@ -40,6 +40,8 @@ def goal_message(action: Action, stamp: int) -> Any:
             joints.name = [name for name, _ in action.positions]
             joints.position = array.array("d", [position for _, position in action.positions])
             return joints
+        case ArmTask():
+            return status_message(stamp, action.name, dict(action.values))
     raise TypeError(f"{action!r} is no goal")
 
 

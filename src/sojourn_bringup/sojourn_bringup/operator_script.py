@@ -69,13 +69,21 @@ class ArmJoints:
 
 
 @dataclass(frozen=True)
+class ArmTask:
+    """Carry out a task of the arm with its numbers, as texts by key."""
+
+    name: str
+    values: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True)
 class Wait:
     """Do nothing for a while [s]."""
 
     seconds: float
 
 
-Action = DriveTo | DriveAlong | ArmTo | ArmGround | ArmJoints | Wait
+Action = DriveTo | DriveAlong | ArmTo | ArmGround | ArmJoints | ArmTask | Wait
 
 _TOPICS: dict[type, tuple[str, str]] = {
     DriveTo: ("/goal_pose", "drive"),
@@ -83,6 +91,7 @@ _TOPICS: dict[type, tuple[str, str]] = {
     ArmTo: ("/arm/goal_pose", "arm"),
     ArmGround: ("/arm/goal_pose", "arm"),
     ArmJoints: ("/arm/joint_goal", "arm"),
+    ArmTask: ("/arm/task", "arm"),
 }
 
 
@@ -137,6 +146,8 @@ def describe(action: Action) -> str:
             return f"arm to the ground at ({x:.2f}, {y:.2f})" + (f", {height:.3f} m above it" if height else "")
         case ArmJoints(positions, name):
             return f"arm: {name}" if name else f"arm to {len(positions)} joint positions"
+        case ArmTask(name, values):
+            return " ".join((f"arm: {name}", *(f"{key}={value}" for key, value in values)))
         case Wait(seconds):
             return f"wait {seconds:g} s"
 

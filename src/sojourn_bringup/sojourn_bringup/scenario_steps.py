@@ -8,6 +8,7 @@ from sojourn_bringup.operator_script import (
     Action,
     ArmGround,
     ArmJoints,
+    ArmTask,
     ArmTo,
     DriveAlong,
     DriveTo,
@@ -20,6 +21,7 @@ from sojourn_config.steps import (
     ArmGroundStep,
     ArmJointsStep,
     ArmPoseStep,
+    ArmTaskStep,
     DriveGoalStep,
     DriveRouteStep,
     StepAction,
@@ -72,4 +74,6 @@ def _action(step: StepAction, joints: Sequence[str]) -> Action:
             return ArmGround(step.x, step.y, step.height)
         case ArmJointsStep():
             return ArmJoints(tuple(zip(joints, step.positions or (), strict=False)), step.name or "")
+        case ArmTaskStep():
+            return ArmTask(step.name, tuple(step.texts.items()))
     return Wait(step)

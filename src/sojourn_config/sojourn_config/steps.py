@@ -5,6 +5,8 @@ from typing import Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
+from sojourn_mechanics.arm.goals import GoalRefusedError
+from sojourn_mechanics.arm.tasks.requests import parse_task
 from sojourn_mechanics.params import Params
 
 FARTHEST = 1e6
@@ -82,8 +84,36 @@ class ArmJointsStep(Params):
         return self
 
 
-StepAction: TypeAlias = DriveGoalStep | DriveRouteStep | ArmPoseStep | ArmGroundStep | ArmJointsStep | float
-ACTIONS = ("drive_to", "drive_route", "arm_to", "arm_to_ground", "arm_joints", "wait_s")
+class ArmTaskStep(Params):
+    """A task of the arm with its numbers: /arm/task."""
+
+    name: str = Field(min_length=1, description="name of the task: guarded_move, ...")
+    values: dict[str, bool | float | tuple[float, ...]] = Field(default_factory=dict, description="its numbers, by key")
+
+    @model_validator(mode="after")
+    def _task_is_known(self) -> Self:
+        try:
+            parse_task(self.name, self.texts)
+        except GoalRefusedError as error:
+            raise ValueError(str(error)) from error
+        return self
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """The numbers as /arm/task carries them."""
+        return {key: _text(value) for key, value in self.values.items()}
+
+
+def _text(value: bool | float | tuple[float, ...]) -> str:
+    if isinstance(value, tuple):
+        return " ".join(f"{number:g}" for number in value)
+    return str(value).lower() if isinstance(value, bool) else f"{value:g}"
+
+
+StepAction: TypeAlias = (
+    DriveGoalStep | DriveRouteStep | ArmPoseStep | ArmGroundStep | ArmJointsStep | ArmTaskStep | float
+)
+ACTIONS = ("drive_to", "drive_route", "arm_to", "arm_to_ground", "arm_joints", "arm_task", "wait_s")
 
 
 class StepConfig(Params):
@@ -94,6 +124,7 @@ class StepConfig(Params):
     arm_to: ArmPoseStep | None = Field(default=None, description="tip of the arm to a place")
     arm_to_ground: ArmGroundStep | None = Field(default=None, description="tip of the arm to the ground")
     arm_joints: ArmJointsStep | None = Field(default=None, description="arm to positions or a named pose")
+    arm_task: ArmTaskStep | None = Field(default=None, description="task of the arm")
     wait_s: float | None = Field(default=None, ge=0.0, le=LONGEST, description="time to wait [s]")
     timeout_s: float | None = Field(
         default=None, gt=0.0, le=LONGEST, description="time until the step has failed [s]; none: no limit"

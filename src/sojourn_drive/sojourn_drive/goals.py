@@ -92,7 +92,7 @@ class GoalDesk:
             "state": self._state,
             "goal_stamp": str(self._stamp),
             "distance_to_go": f"{distance:.3f}",
-            "reason": self._reason,
+            "reason": self._reason or (state.text if is_held(state) else ""),
         }
 
     def _name(self) -> str:
@@ -115,3 +115,8 @@ class GoalDesk:
                     f"on the terrain, {low:.2f} to {high:.2f} m",
                 )
         return float(x), float(y)
+
+
+def is_held(state: DriveState) -> bool:
+    """Whether a velocity command is not carried out because of an obstacle."""
+    return state.mode == "cmd_vel" and state.avoidance is not None and state.avoidance.blocked

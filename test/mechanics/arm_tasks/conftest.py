@@ -142,10 +142,14 @@ class RoverArm:
 
 
 @lru_cache(maxsize=8)
-def _ready(overrides: tuple[str, ...], joints: tuple[float, ...] | None) -> RoverArm:
+def _ready(overrides: tuple[str, ...], payload: float = 0.0) -> RoverArm:
+    """A rover with its arm unfolded; its law knows nothing of the payload at the tip [kg]."""
     scenario = load_scenario("flat_drive", overrides)
-    model, plant = build_plant(scenario)
     arm = build_arm_model(scenario.urdf_xml, scenario.arm)
+    mass = f'<link name="arm_tip_link"><inertial><mass value="{payload}"/><inertia ixx="1e-4" ixy="0" ixz="0"'
+    mass += ' iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>'
+    loaded = scenario.urdf.text if payload == 0.0 else scenario.urdf.text.replace('<link name="arm_tip_link"/>', mass)
+    model, plant = build_plant(replace(scenario, urdf=replace(scenario.urdf, text=loaded)))
     still = np.array([0.0, 0.0, 0.0, 1.0])
     sensors = suite.initial_state(
         scenario.sensors, 3, model.joints.names, plant.joints[0], ("battery",), still, model.gravity
@@ -160,7 +164,18 @@ def rover_arm() -> Iterator[Callable[..., RoverArm]]:
     """Maker of rovers with their arm unfolded, by overrides of the scenario; each one a branch of its own."""
 
     def make(*overrides: str) -> RoverArm:
-        ready = _ready(tuple(overrides), None)
+        ready = _ready(tuple(overrides))
+        return replace(ready, plant=ready.plant.copy(), log=[])
+
+    yield make
+
+
+@pytest.fixture
+def loaded_rover_arm() -> Iterator[Callable[[float], RoverArm]]:
+    """The same, with a mass [kg] at the tip."""
+
+    def make(payload: float) -> RoverArm:
+        ready = _ready(("body=mars",), payload)
         return replace(ready, plant=ready.plant.copy(), log=[])
 
     yield make

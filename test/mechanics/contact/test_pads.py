@@ -2,18 +2,28 @@
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sojourn_mechanics.soil.params import SoilColumn
+from sojourn_mechanics.contact.contact_law import WheelColumn
+from sojourn_mechanics.contact.params import PadParams, ScoopParams, add_cuts
+from sojourn_mechanics.soil.digging import DiggingSoil, mckyes
+from sojourn_mechanics.soil.params import SoilColumn, SoilParams
 
 Maker = Callable[..., Any]
 ZERO = np.zeros(3)
 RADIUS = 0.05
+
+
+def soil_of(name: str) -> SoilParams:
+    text = (Path(__file__).resolve().parents[3] / "config" / "soils" / f"{name}.yaml").read_text(encoding="utf-8")
+    return SoilParams.model_validate(yaml.safe_load(text))
 
 
 @pytest.mark.parametrize("soil", ["lunar_nominal", "clayey_soil", "rigid_rock"])
@@ -76,3 +86,42 @@ def test_a_pad_off_the_map_is_told(rig: Maker) -> None:
     assert not pad.on_map
     pad.push(np.array([0.0, 11.0, 0.5]), np.eye(3), ZERO, ZERO)
     assert pad.on_map  # in the air there is nothing to miss
+
+
+@pytest.mark.parametrize(("name", "depth"), [("lunar_nominal", 0.03), ("dry_sand", 0.05), ("rigid_rock", 1e-5)])
+def test_a_scoop_that_is_dragged_meets_mckyes_cut(rig: Maker, name: str, depth: float) -> None:
+    """In steady dragging: friction of its end and the force on its flank, as the law of digging gives it."""
+    plain, scoop = rig(name, wheel=False, radius=0.02), rig(name, wheel=False, radius=0.02)
+    tool, soil = ScoopParams(width=0.04), soil_of(name)
+    pads = (PadParams(name="tip", link="tip", position=(0.0, 0.0, 0.0), radius=0.02, scoop=tool),)
+    add_cuts(scoop.row[np.newaxis, :], pads, (soil,), 1.62)
+    plain.row[WheelColumn.WIDTH] = 0.0
+    centre, velocity = np.array([0.0, 0.0, -depth]), np.array([0.02, 0.0, 0.0])
+    without, _ = plain.hold(centre, np.eye(3), velocity, ZERO, 20000)
+    force, _ = scoop.hold(centre, np.eye(3), velocity, ZERO, 20000)
+    gain = 1.0 - math.exp(-4.0)
+    cut = 0.0
+    if soil.kind == "soil":
+        friction = math.radians(soil.friction_angle_deg)
+        seen = DiggingSoil(soil.density * 1.62, soil.cohesion, friction, math.radians(15.0))
+        cut = mckyes(seen, 0.04, depth, 0.5 * math.pi, sides=True).forward
+    assert without[0] - force[0] == pytest.approx(gain * cut, rel=0.02, abs=1e-9)
+    assert scoop.report[0, 14] == pytest.approx(gain * cut, rel=0.02, abs=1e-9)
+    assert force[2] == pytest.approx(without[2])
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(0.001, 0.1), st.floats(0.0, 2.0 * math.pi), st.floats(1e-3, 0.5))
+def test_a_scoop_takes_energy_on_any_closed_way(rig: Maker, depth: float, heading: float, speed: float) -> None:
+    """There and back at one depth: it never gives more than it took."""
+    scoop = rig("lunar_nominal", wheel=False, radius=0.02)
+    pads = (PadParams(name="tip", link="tip", position=(0.0, 0.0, 0.0), radius=0.02, scoop=ScoopParams(width=0.04)),)
+    add_cuts(scoop.row[np.newaxis, :], pads, (soil_of("lunar_nominal"),), 1.62)
+    centre = np.array([0.0, 0.0, -depth])
+    way = speed * np.array([math.cos(heading), math.sin(heading), 0.0])
+    work = 0.0
+    for sense in (1.0, -1.0, 1.0, -1.0):
+        for _ in range(100):
+            force, _ = scoop.push(centre, np.eye(3), sense * way, ZERO)
+            work -= float(force @ (sense * way)) * scoop.dt
+    assert work > 0.0

@@ -173,6 +173,17 @@ def test_corners_before_the_obstacle_are_passed_and_one_inside_it_is_not() -> No
     assert (3.2, 0.0) not in points
 
 
+def test_two_obstacles_on_the_line_are_gone_round_in_one_way() -> None:
+    """To join the line between them would leave it closed by the second, and the next plan would be the same."""
+    map_, room = with_obstacles((1.5, -0.6, 1.8, 0.5), (4.0, -0.6, 4.3, 0.5))
+    points = detour(map_, room, Goal.at(5.8, 0.0))
+    assert points is not None
+    corners = np.array([(0.0, 0.0), *points])
+    for one, other in itertools.pairwise(corners):
+        for part in np.linspace(0.0, 1.0, 60):
+            assert room.at(*(one + part * (other - one)).tolist()) > STRAIGHT - CELL
+
+
 def test_a_gap_is_taken_where_the_rover_fits_and_not_else() -> None:
     """A wall across the whole map with a gap: 2 r + 2 cells wide it is driven through, narrower it is not."""
     for width, fits in ((2.0 * STRAIGHT + 2.0 * CELL, True), (2.0 * STRAIGHT - CELL, False)):

@@ -7,6 +7,7 @@ from sojourn_bags.goals import ARM_TOPICS
 from sojourn_bags.page.chart import Curve, Span, chart, strips, wheel_curves
 from sojourn_bags.page.html import Section, figure, paragraph
 from sojourn_bags.page.story import BATTERY, JOINTS, STATUS, Story
+from sojourn_bags.page.wrist import wrist_figures
 from sojourn_bags.reading import Joints, Messages
 from sojourn_contract.switches import fraction_of
 
@@ -125,6 +126,7 @@ def arm(story: Story) -> Section:
     if np.isfinite(efforts).any():
         curves = wheel_curves(times, efforts, [short_name(joint) for joint in names])
         parts.append(figure("Torque of the arm joints", chart(story.axis, curves, "torque [N m]")))
+    parts += wrist_figures(story)
     return Section("arm", "Arm", "".join(parts))
 
 

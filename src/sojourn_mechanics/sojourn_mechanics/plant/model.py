@@ -19,7 +19,7 @@ import pinocchio as pin
 
 from sojourn_mechanics.actuators import joint_drive
 from sojourn_mechanics.contact import contact_set, ground_plane
-from sojourn_mechanics.contact.params import kernel_rows
+from sojourn_mechanics.contact.params import add_cuts, kernel_rows
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, IntArray
 from sojourn_mechanics.plant.params import MachineParams, SimulationParams
@@ -113,6 +113,7 @@ class PlantModel:
         ground = [by_name[name] for name in terrain.soil_names]
         _check_ground(machine, ground)
         self.soils = kernel_table(ground)
+        add_cuts(self.contacts.wheels, machine.pads, ground, gravity)
         self.grid = terrain.grid
         self.rim = np.stack([ground_plane.RIM_SIN, ground_plane.RIM_COS])
         self.untouched_ground = GroundMemory(memory_cell, terrain.origin_x, terrain.origin_y)

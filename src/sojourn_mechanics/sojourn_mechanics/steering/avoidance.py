@@ -41,6 +41,8 @@ LAST_STRETCH = 0.35
 """Without a way round the rover goes on to so far before the closed place [m]: it may find one there."""
 ATTEMPTS = 5
 """Motions that the guard stops, one after the other, before the rover gives up [-]."""
+PATIENCE, HURRY = 0.5, 1.2
+"""A way round is kept for so long [m], unless it is closed within so far [m]: what is far off may look other soon."""
 FREE_WAY = 0.3
 """So far along its route the rover has to get to be free of such a series; so far it backs off in it [m]."""
 ESCAPE = 0.8
@@ -119,10 +121,8 @@ def accepted(
         return GoalOutcome("refused", reason, goal, math.nan), state
     if isinstance(answer, GoalOutcome):
         return answer, state
-    route = route_of(goal, (odometry.x, odometry.y), odometry.distance)
-    return answer, replace(
-        state, route=route, obstacle=None, blocked=False, attempts=0, mark=0.0, replan=False, back_until=None, detours=0
-    )
+    start = AvoidanceState(state.map, state.ground, state.room, state.level, state.since_cloud, state.fresh)
+    return answer, replace(start, route=route_of(goal, (odometry.x, odometry.y), odometry.distance))
 
 
 def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odometry: OdometryState) -> Guidance:
@@ -144,9 +144,11 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
     if closed is None and not (state.blocked or state.replan):
         return Guidance(replace(state, obstacle=None), way)
     reach, place = closed if closed is not None else (0.0, position)
-    stuck, backed = state.blocked and state.attempts > 1, state.replan
+    stuck, backed, forced = state.blocked and state.attempts > 1, state.replan, state.blocked or state.replan
     state = replace(state, obstacle=nearest_obstacle(avoidance, state, place), blocked=False, replan=False)
     reason = refusal(avoidance, state, route.goal)
+    if not forced and reach > HURRY and odometry.distance < state.planned_at + PATIENCE:
+        return Guidance(state, way)
     if reason is not None and math.dist(position, route.goal.points[-1]) <= NEAR_GOAL:
         return _given_up(state, way, reason)
     if state.attempts > ATTEMPTS:
@@ -163,7 +165,7 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
         return _given_up(state, way, f"{state.obstacle}: the map knows no way round")
     if stuck:
         return _back_off(avoidance, state, way, odometry, odometry.distance + FREE_WAY)
-    return _go_round(avoidance, state, way, odometry, replace(route.goal, points=tuple(points)), backed)
+    return _go_round(avoidance, state, way, odometry, replace(route.goal, points=tuple(points), heights=()), backed)
 
 
 def _go_round(
@@ -188,7 +190,7 @@ def _go_round(
     room_to_turn = avoidance.params.outline.turn_radius + avoidance.params.guard_margin
     if turns and state.room.at(pose.x, pose.y) < room_to_turn and not backed:
         return _back_off(avoidance, state, way, odometry, odometry.distance + avoidance.params.back_off)
-    return Guidance(replace(state, detours=state.detours + 1), answer)
+    return Guidance(replace(state, detours=state.detours + 1, planned_at=odometry.distance), answer)
 
 
 def _closed_ahead(avoidance: Avoidance, state: AvoidanceState, way: FollowerState) -> tuple[float, Point] | None:
@@ -232,11 +234,13 @@ def guarded(
     avoidance: Avoidance, state: AvoidanceState, twist: PlanarTwist, odometry: OdometryState
 ) -> tuple[AvoidanceState, bool]:
     """Whether a motion may be made; the state notes one that may not."""
-    room = state.room
+    room, outline = state.room, avoidance.params.outline
+    if room.at(odometry.x, odometry.y) > outline.turn_radius + AHEAD[-1] + avoidance.params.margin:
+        return state, True  # the usual case must be cheap
     grid = (room.distances, room.x0, room.y0, room.cell, avoidance.circles, avoidance.radius)
     pose = (odometry.x, odometry.y, odometry.yaw)
     motion = (float(twist.v_x), float(twist.v_y), float(twist.yaw_rate))
-    now, least = room_of_motion(*grid, pose, motion, avoidance.params.outline.turn_radius, STEPS)
+    now, least = room_of_motion(*grid, pose, motion, outline.turn_radius, STEPS)
     if least >= avoidance.params.guard_margin or least >= now - 1e-3:
         return state, True
     return replace(

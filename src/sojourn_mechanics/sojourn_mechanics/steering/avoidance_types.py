@@ -1,5 +1,6 @@
 """What obstacle handling consists of: the machine's fixed part, what it remembers, what it answers."""
 
+import math
 from dataclasses import dataclass, field
 
 from sojourn_mechanics.params import FloatArray
@@ -73,6 +74,8 @@ class AvoidanceState:
     """The rover has backed off and needs a way from here."""
     back_until: float | None = None
     """Odometer at which backing off ends [m]; None while driving forward."""
+    planned_at: float = -math.inf
+    """Odometer when the last way round was planned [m]."""
     detours: int = 0
     """Ways round on the way to this goal."""
 

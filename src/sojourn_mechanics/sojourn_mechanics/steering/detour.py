@@ -2,7 +2,8 @@
 
 Candidates are the places of that way, a step apart, that lie on the map behind the first closed stretch, up to the next
 of its corners that is free: what the operator has named is not cut off. Taken is the one with the least cost of the
-way there (`way_round`) plus the length that then remains. Corners that lie before the closed stretch are passed first.
+way there (`way_round`) plus the length that then remains, of which the closed part counts CLOSED times: one way round
+two obstacles is better than two. Corners that lie before the closed stretch are passed first.
 """
 
 import math
@@ -22,6 +23,8 @@ STEP = 0.2
 """Between two candidates [m]."""
 AHEAD = 1.0
 """Where the way itself is open, it is joined at least so far ahead [m]."""
+CLOSED = 6.0
+"""Weight of a metre that is closed, beyond the place where the way is joined [-]."""
 PASSED = 0.3
 """A corner so near ahead counts as passed [m]."""
 
@@ -83,9 +86,12 @@ def _joined(
     ways: FloatArray,
 ) -> int | None:
     """Number of the place at which the way is joined again; None where none can be reached."""
+    closed = np.array([room.holds(x, y) for x, y in places.tolist()]) & ~free
+    steps = np.append(np.diff(stations), 0.0)
+    remaining = np.cumsum((steps * np.where(closed, CLOSED, 1.0))[::-1])[::-1]
     best, found = math.inf, None
     for number in np.flatnonzero(free & (stations > end)):
-        cost = float(ways[room.cell_of(*places[number].tolist())]) + stations[-1] - stations[number]
+        cost = float(ways[room.cell_of(*places[number].tolist())] + remaining[number])
         if cost < best:
             best, found = cost, int(number)
         if math.isfinite(cost) and np.abs(corners - stations[number]).min() < 1e-9:

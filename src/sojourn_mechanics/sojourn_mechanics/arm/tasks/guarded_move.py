@@ -40,6 +40,8 @@ class GuardedMoveTask:
     threshold: float
     distance: float
     retract: float
+    first: FloatArray
+    """Tip where it began (3,) [m]; `start` is that of the present phase."""
     phase: str = "advance"
     contact: FloatArray | None = None
     elapsed: float = 0.0
@@ -94,7 +96,7 @@ class GuardedMoveTask:
     def _retract(self, look: Look, force: float) -> tuple[Self, Doing]:
         back = -float(self.direction @ (look.tip.position - self.start))
         if back >= self.retract:
-            return self, self._ended("reached", "", force)
+            return self, self._ended("reached", self._words(), force)
         doing = self._doing(look, force, "moving")
         return self, replace(
             doing, velocity=-self.speed * self.direction, time_to_go=(self.retract - back) / self.speed
@@ -103,13 +105,20 @@ class GuardedMoveTask:
     def _doing(self, look: Look, force: float, state: str) -> Doing:
         """In touch: the force loop works."""
         velocity = hybrid_velocity(look.control, self.direction, self.threshold, look.force, ZERO)
-        reason = ""
+        reason = self._words() if state == "reached" else ""
         if state == "reached" and self.settled < SETTLE:
-            reason = f"in touch, with {force:.1f} N instead of {self.threshold:g} N"
+            reason += f"; in touch with {force:.1f} N instead of {self.threshold:g} N"
         return Doing(velocity=velocity, state=state, reason=reason, progress=1.0, figures=self._figures(force))
 
     def _ended(self, state: str, reason: str, force: float) -> Doing:
         return Doing(velocity=ZERO, state=state, reason=reason, progress=1.0, figures=self._figures(force))
+
+    def _words(self) -> str:
+        """What was found, for the operator."""
+        way = 0.0 if self.contact is None else float(self.direction @ (self.contact - self.first))
+        beyond = max(self.peak - self.threshold, 0.0)
+        went_on = max(self.went_on, 0.0) * 1e3
+        return f"touched after {way * 1e3:.1f} mm, {beyond:.1f} N and {went_on:.2f} mm beyond {self.threshold:g} N"
 
     def _figures(self, force: float) -> dict[str, float]:
         figures = {"contact_force_n": force}

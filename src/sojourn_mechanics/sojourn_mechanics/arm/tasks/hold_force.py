@@ -16,7 +16,7 @@ from sojourn_mechanics.arm.force_control import hybrid_velocity, pressing
 from sojourn_mechanics.arm.tasks.task import Doing, Look
 from sojourn_mechanics.params import FloatArray
 
-PATIENCE = 15.0
+PATIENCE = 40.0
 """Time out of the tolerance after which the force cannot be held [s]."""
 ZERO = np.zeros(3)
 

@@ -90,7 +90,45 @@ class HoldForce(TaskRequest):
     distance: float = Field(default=0.05, ge=0.0, le=0.5, description="the tip may move along the direction [m]")
 
 
-KINDS: tuple[type[TaskRequest], ...] = (Unfold, Stow, Place, Tare, GuardedMove, HoldForce)
+class Dig(TaskRequest):
+    """Touch the ground, push the tool in, drag it and lift it out."""
+
+    task: ClassVar[str] = "dig"
+    direction: Vector | None = Field(
+        default=None, description="into the ground, in base_link; that of the tool if left out"
+    )
+    along: Vector | None = Field(default=None, description="of the furrow, in base_link; towards the rover if left out")
+    depth: float = Field(default=0.02, gt=0.0, le=0.2, description="below the place where the ground is felt [m]")
+    length: float = Field(default=0.08, gt=0.0, le=0.5, description="of the furrow [m]")
+    speed: float = Field(default=0.01, ge=0.001, le=0.05, description="of the tip [m/s]")
+    force: float = Field(default=40.0, ge=5.0, le=70.0, description="most that it may press with [N]")
+    distance: float = Field(default=0.1, ge=0.005, le=0.5, description="within which the ground must be found [m]")
+
+
+class Weigh(TaskRequest):
+    """Weigh what is carried at the tip, from the joint torques in several postures."""
+
+    task: ClassVar[str] = "weigh"
+    seconds: float = Field(default=2.0, ge=0.2, le=60.0, description="over which torques are averaged in a posture [s]")
+
+
+class Drill(TaskRequest):
+    """Press a turning drill into the ground."""
+
+    task: ClassVar[str] = "drill"
+    depth: float = Field(default=0.02, gt=0.0, le=0.5, description="of the hole [m]")
+    force: float = Field(default=20.0, ge=2.0, le=70.0, description="thrust [N]")
+
+
+class Pick(TaskRequest):
+    """Take an object with a gripper."""
+
+    task: ClassVar[str] = "pick"
+    position: Vector = Field(description="of the object in base_link [m]")
+    force: float = Field(default=10.0, gt=0.0, le=500.0, description="grasp force [N]")
+
+
+KINDS: tuple[type[TaskRequest], ...] = (Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Weigh, Drill, Pick)
 TASKS: dict[str, type[TaskRequest]] = {kind.task: kind for kind in KINDS}
 """Every task by name."""
 

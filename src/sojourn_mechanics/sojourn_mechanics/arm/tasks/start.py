@@ -7,12 +7,26 @@ from sojourn_mechanics.arm.goals import GoalRefusedError, NamedGoal, PoseGoal
 from sojourn_mechanics.arm.kinematics import forward_kinematics, nearby_solution
 from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.arm.tasks.dig import DigTask
 from sojourn_mechanics.arm.tasks.go import Go
 from sojourn_mechanics.arm.tasks.guarded_move import GuardedMoveTask
 from sojourn_mechanics.arm.tasks.hold_force import HoldForceTask
-from sojourn_mechanics.arm.tasks.requests import GuardedMove, HoldForce, Place, Stow, Tare, TaskRequest, Unfold
+from sojourn_mechanics.arm.tasks.requests import (
+    Dig,
+    Drill,
+    GuardedMove,
+    HoldForce,
+    Pick,
+    Place,
+    Stow,
+    Tare,
+    TaskRequest,
+    Unfold,
+    Weigh,
+)
 from sojourn_mechanics.arm.tasks.tare import TareTask
 from sojourn_mechanics.arm.tasks.task import Task
+from sojourn_mechanics.arm.tasks.weigh import TURN, WeighTask
 from sojourn_mechanics.params import FloatArray
 
 _STEP = 0.01
@@ -33,6 +47,12 @@ def start_task(params: ArmParams, model: ArmModel, request: TaskRequest, posture
             return Go(NamedGoal(request.task))
         case Place():
             return Go(PoseGoal(request.position, request.direction))
+        case Weigh():
+            return WeighTask(model, _weighing_postures(model, posture), request.seconds)
+        case Drill():
+            raise GoalRefusedError("drill: this arm has no drill")
+        case Pick():
+            raise GoalRefusedError("pick: this arm has no gripper")
     if not feels:
         raise GoalRefusedError(f"{request.task}: this arm feels no forces: its wrist's sensor says nothing")
     start = forward_kinematics(model, posture).position
@@ -42,11 +62,50 @@ def start_task(params: ArmParams, model: ArmModel, request: TaskRequest, posture
         case GuardedMove():
             direction = _direction(model, request.direction, posture)
             check_line(params, model, posture, direction, request.distance)
-            return GuardedMoveTask(direction, start, request.speed, request.force, request.distance, request.retract)
+            return GuardedMoveTask(
+                direction, start, request.speed, request.force, request.distance, request.retract, start
+            )
         case HoldForce():
             direction = _direction(model, request.direction, posture)
             return HoldForceTask(direction, start, request.force, request.seconds, request.tolerance, request.distance)
+        case Dig():
+            direction = _direction(model, request.direction, posture)
+            along = _across(direction, np.array(request.along or (-1.0, 0.0, 0.0)))
+            reach = check_line(params, model, posture, direction, request.distance + request.depth)
+            check_line(params, model, reach[-1], along, request.length)
+            return DigTask(
+                direction,
+                along,
+                request.depth,
+                request.length,
+                request.speed,
+                request.force,
+                request.distance,
+                first=start,
+                touched=start,
+                begun=start,
+            )
     raise GoalRefusedError(f"{request.task}: this arm has no law for it")
+
+
+def _across(direction: FloatArray, wanted: FloatArray) -> FloatArray:
+    """Unit vector along `wanted`, square to the unit `direction`."""
+    across = wanted - (direction @ wanted) * direction
+    length = float(np.linalg.norm(across))
+    if length < 0.1:
+        raise GoalRefusedError("dig: along and direction are nearly the same: allowed is a furrow across the direction")
+    return np.asarray(across / length)
+
+
+def _weighing_postures(model: ArmModel, posture: FloatArray) -> tuple[FloatArray, ...]:
+    """The present posture, and turned ones within the limits: each of the last three joints for itself."""
+    postures = [posture]
+    for joint in range(max(model.joint_count - 3, 0), model.joint_count):
+        turned = posture.copy()
+        middle = 0.5 * (model.lower[joint] + model.upper[joint])
+        turned[joint] += TURN if posture[joint] < middle else -TURN
+        postures.append(turned)
+    return tuple(postures)
 
 
 def _direction(model: ArmModel, asked: tuple[float, float, float] | None, posture: FloatArray) -> FloatArray:

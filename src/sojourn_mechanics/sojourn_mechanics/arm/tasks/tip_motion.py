@@ -5,7 +5,8 @@
 Closed-loop inverse kinematics (Siciliano et al. 2009, section 3.7) with damped least squares: the reference of the tip
 p integrates the wanted velocity, and what the joints are behind it is taken up in the next period. E keeps the two
 turns across the tool's axis. The speed of the tip changes by no more than `tip_acceleration`, that of a joint by no
-more than its own limit; jerk is not limited, or a contact could not be answered.
+more than its own limit: where one would have to do more, all of them do less. Jerk is not limited, or a contact could
+not be answered.
 """
 
 from dataclasses import dataclass, replace
@@ -67,10 +68,16 @@ def move(model: ArmModel, motion: TipMotion, wanted: FloatArray, acceleration: f
     matrix = np.vstack([tip.jacobian[:3], POINTING_LENGTH * across @ tip.jacobian[3:]])
     error = np.concatenate([place - tip.position, POINTING_LENGTH * turn]) / dt
     count = model.joint_count
-    rates = np.linalg.solve(matrix.T @ matrix + DAMPING * np.eye(count), matrix.T @ error)
-    most = model.max_acceleration * dt
-    rates = np.clip(rates, here.velocity - most, here.velocity + most)
-    rates = np.clip(rates, -model.max_velocity, model.max_velocity)
+    rates: FloatArray = np.asarray(
+        np.linalg.solve(matrix.T @ matrix + DAMPING * np.eye(count), matrix.T @ error), dtype=np.float64
+    )
+    change = rates - here.velocity
+    share = float(np.min(model.max_acceleration * dt / np.maximum(np.abs(change), 1e-12)))
+    fastest = float(np.max(np.abs(here.velocity + min(share, 1.0) * change) / model.max_velocity))
+    if share < 1.0 or fastest > 1.0:  # the tip does what the joints can: nothing is made up for later
+        rates = np.asarray((here.velocity + min(share, 1.0) * change) / max(fastest, 1.0), dtype=np.float64)
+        velocity = np.asarray(tip.jacobian[:3] @ rates)
+        place = tip.position + velocity * dt
     position = here.position + rates * dt
     beyond = np.flatnonzero((position < model.lower) | (position > model.upper))
     if beyond.size:
