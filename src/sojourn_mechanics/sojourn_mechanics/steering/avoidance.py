@@ -49,6 +49,8 @@ ESCAPE = 0.8
 """For so long a path may be as narrow as the rover's own place [m]."""
 CORNER_CUTS = (1.0, 0.5, 0.25, 0.1)
 """Parts of the follower's corner_cut that are tried for a path that stays clear [-]."""
+EXAMPLE_CLOUD = np.array([[3.0, 0.2 * y, 0.2 * z] for y in range(-6, 7) for z in range(5)])
+"""A wall that closes the way, for the warm-up [m]."""
 STANDSTILL = PlanarTwist(0.0, 0.0, 0.0)
 STEPS = np.array(AHEAD)
 
@@ -231,10 +233,18 @@ def _back_off(
 
 
 def guarded(
-    avoidance: Avoidance, state: AvoidanceState, twist: PlanarTwist, odometry: OdometryState
+    avoidance: Avoidance, state: AvoidanceState, twist: PlanarTwist, odometry: OdometryState, by_hand: bool
 ) -> tuple[AvoidanceState, bool]:
-    """Whether a motion may be made; the state notes one that may not."""
+    """Whether a motion may be made; the state notes one that may not.
+
+    Args:
+        by_hand: it is an operator's, who may have switched the guard off.
+    """
     room, outline = state.room, avoidance.params.outline
+    if by_hand:
+        state = replace(state, blocked=False, obstacle=None)
+        if not avoidance.params.guard_cmd_vel:
+            return state, True
     if room.at(odometry.x, odometry.y) > outline.turn_radius + AHEAD[-1] + avoidance.params.margin:
         return state, True  # the usual case must be cheap
     grid = (room.distances, room.x0, room.y0, room.cell, avoidance.circles, avoidance.radius)

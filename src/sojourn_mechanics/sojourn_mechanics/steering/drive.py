@@ -19,35 +19,16 @@ from numba import njit
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.steering.avoidance import accepted, guarded, guide, initial_avoidance, see
+from sojourn_mechanics.steering.avoidance import EXAMPLE_CLOUD, accepted, guarded, guide, initial_avoidance, see
 from sojourn_mechanics.steering.avoidance_types import Avoidance, AvoidanceState
+from sojourn_mechanics.steering.drive_status import drive_status
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, DriveState, Mode, TwistCommand
-from sojourn_mechanics.steering.energy_forecast import (
-    EnergyAccount,
-    Supply,
-    account_status,
-    account_step,
-    forecast_way,
-    shortage,
-)
+from sojourn_mechanics.steering.energy_forecast import EnergyAccount, Supply, account_step, forecast_way, shortage
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
-from sojourn_mechanics.steering.goal_follower import (
-    FollowerLimits,
-    FollowerState,
-    accept,
-    follow,
-    stop,
-)
+from sojourn_mechanics.steering.goal_follower import FollowerLimits, FollowerState, accept, follow, stop
 from sojourn_mechanics.steering.heading_fix import SunSighting, fix_heading, mounting_variances
 from sojourn_mechanics.steering.kinematics import PlanarTwist, limited_twist
-from sojourn_mechanics.steering.motor_watch import (
-    MotorState,
-    believable,
-    commandable,
-    failures,
-    shortcoming,
-    watch_motors,
-)
+from sojourn_mechanics.steering.motor_watch import MotorState, believable, commandable, shortcoming, watch_motors
 from sojourn_mechanics.steering.odometry import (
     OdometryInput,
     OdometryState,
@@ -59,13 +40,11 @@ from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParam
 from sojourn_mechanics.steering.rate_limiter import LimiterState
 from sojourn_mechanics.steering.turning_limits import TurningLimits, turning_limits
 from sojourn_mechanics.steering.way_round import Area
-from sojourn_mechanics.steering.wheel_commands import WheelCommands, command_wheels, expected_slip
+from sojourn_mechanics.steering.wheel_commands import command_wheels, expected_slip
 from sojourn_mechanics.vehicle.clothoid import Pose
 
 LONGEST_PERIOD = 1.0
 """Longest period a step accepts [s]."""
-WALL = np.array([[3.0, 0.2 * y, 0.2 * z] for y in range(-6, 7) for z in range(5)])
-"""Points of a cloud that closes the way, for the warm-up [m]."""
 NO_MOTION = PlanarTwist(0.0, 0.0, 0.0)
 
 
@@ -120,7 +99,7 @@ class DriveModel:
         state = self.initial_state()
         for goal in (Goal.at(1.0, 1.0), None):
             turning = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.1), roll_pitch=(0.0, 0.0), goal=goal)
-            turning = replace(turning, cloud=WALL)
+            turning = replace(turning, cloud=EXAMPLE_CLOUD)
             state, _ = self.step(state, turning, dt)
         resting = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.0), roll_pitch=(0.0, 0.0), stop=True)
         resting = replace(resting, sun=SunSighting(np.array((1.0, 0.0, 0.0)), np.array((1.0, 0.0, 0.0))))
@@ -244,12 +223,7 @@ class _Arbiter:
         """The motion wanted, or none where it would lead into an obstacle."""
         if model.avoidance is None or self.avoidance is None or wanted == NO_MOTION:
             return wanted
-        by_hand = self.mode == "cmd_vel"
-        if by_hand and not model.avoidance.params.guard_cmd_vel:
-            return wanted
-        if by_hand:
-            self.avoidance = replace(self.avoidance, blocked=False, obstacle=None)
-        self.avoidance, free = guarded(model.avoidance, self.avoidance, wanted, here)
+        self.avoidance, free = guarded(model.avoidance, self.avoidance, wanted, here, by_hand=self.mode == "cmd_vel")
         if free:
             return wanted
         self.text = f"stopped before {self.avoidance.obstacle}"
@@ -384,7 +358,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         pose_covariance,
         twist_covariance,
         tuple(arbiter.outcomes),
-        _status(model, new_state, inputs, cut, limited),
+        drive_status(model.geometry.names, new_state, inputs.power_limit, cut, limited),
     )
     return new_state, output
 
@@ -414,48 +388,3 @@ def _watch(
         efforts,
         dt,
     )
-
-
-def _status(
-    model: DriveModel, state: DriveState, inputs: DriveInput, cut: float, commands: WheelCommands
-) -> dict[str, str | float]:
-    """Fields of /drive/status; the unit is the last part of a name."""
-    odometry, way, outcome, seen = state.odometry, state.follower, state.last_outcome, state.avoidance
-    followed = way if way is not None else outcome
-    status: dict[str, str | float] = {
-        "mode": state.mode,
-        "failed_motors": failures(state.motors, model.geometry.names),
-        "text": state.text,
-        "phase": way.phase.value if way is not None else "",
-        "goal": way.goal.name if way is not None else "",
-        "distance_to_go_m": way.distance_to_go if way is not None else 0.0,
-        "lateral_error_m": way.lateral_error if way is not None else 0.0,
-        "lateral_rms_m": followed.lateral_rms if followed is not None else 0.0,
-        "lateral_max_m": followed.lateral_max if followed is not None else 0.0,
-        **account_status(state.energy, way.distance_to_go if way is not None else None),
-        "waypoint": float(way.index) if way is not None else 0.0,
-        "waypoints": float(len(way.goal.points)) if way is not None else 0.0,
-        "outcome": outcome.kind if outcome is not None else "",
-        "outcome_goal": outcome.goal.name if outcome is not None else "",
-        "outcome_reason": outcome.reason if outcome is not None else "",
-        "obstacle": str(seen.obstacle) if seen is not None and seen.obstacle is not None else "",
-        "detours": float(seen.detours) if seen is not None else 0.0,
-        "distance_m": odometry.distance,
-        "speed_m_s": math.hypot(odometry.v_x, odometry.v_y),
-        "yaw_rate_rad_s": odometry.yaw_rate,
-        "gyro_bias_rad_s": odometry.gyro_bias,
-        "heading_sigma_rad": math.sqrt(odometry.covariance[2, 2]),
-        "sun": state.heading.text,
-        "sun_fixes": float(state.heading.fixes),
-        "sun_rejected": float(state.heading.rejected),
-        "sun_deviation_sigma": state.heading.deviation,
-        "wheel_disagreement_m_s": odometry.residual,
-        "yaw_rate_difference_rad_s": odometry.yaw_rate_difference,
-        "encoder_jumps": float(odometry.encoder_jumps),
-        "steer_error_rad": commands.steer_error,
-        "steering_residual_m_s": float(np.abs(commands.residual).max()),
-        "speed_factor": commands.speed_factor,
-        "limit_factor": cut,
-        "power_limit": inputs.power_limit,
-    }
-    return status

@@ -1,6 +1,7 @@
 """Static forces on the wheels of any machine, on any ground: equalising suspensions and hyperstatic ones alike.
 
-Machine: URDF with passive joints (rockers, bogies) and couplings A q' = 0 (differential); motors hold all others. Z
+Machine: URDF with passive joints (rockers, bogies) and couplings A q' = 0 (differential); motors hold all others, and
+joints with springs are taken as locked: they stand at zero, and give as `compliance` says. Z
 spans the motions that are left free, base and passive joints. With the Jacobian J of the contact points and gravity
 g(q), statics is
 
@@ -80,7 +81,10 @@ class StandingMachine:
         self.wheels = [self._joint(wheel.joint) for wheel in machine.wheels]
         self.radii = np.array([wheel.radius for wheel in machine.wheels])
         driven = {name for drive in machine.drives for name in drive.joints}
-        self.passive = tuple(name for name in list(self.model.names)[2:] if name not in driven)
+        self.sprung = {joint: spring for spring in machine.suspensions for joint in spring.joints}
+        self.passive = tuple(
+            name for name in list(self.model.names)[2:] if name not in driven and name not in self.sprung
+        )
         self.free = self._free_motions()
 
     def stand(
