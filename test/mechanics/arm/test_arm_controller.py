@@ -466,3 +466,44 @@ def test_trim_brings_a_soft_servo_to_the_target(explorer: Any) -> None:
     plain = explorer.params.model_copy(update={"trim": explorer.params.trim.model_copy(update={"rate": 0.0})})
     output, _ = _servo(type(explorer)(plain, explorer.model, explorer.urdf), [goal], gravity, 250.0)
     assert output.status == "holding" and "not settled" in output.reason
+
+
+def _goals(loop: Loop) -> dict[str, ArmGoal]:
+    arm, start = loop.arm, loop.measured
+    tip = forward_kinematics(arm.model, start)
+    names = arm.params.joint_names
+    return {
+        "joints": JointGoal(names, tuple(start + 0.1)),
+        "pose": PoseGoal((tip.position[0], tip.position[1] + 0.05, tip.position[2])),
+        "named": NamedGoal("stow"),
+        "through points": TrajectoryGoal(names, (), (tuple(start + 0.1), tuple(start))),
+    }
+
+
+@pytest.mark.parametrize("kind", ["joints", "pose", "named", "through points"])
+def test_progress_and_time_to_go_tell_how_far_it_is(loop: Loop, kind: str) -> None:
+    assert loop.once().progress == 0.0
+    first = loop.once(_goals(loop)[kind])
+    assert first.status == "moving" and first.progress < 0.05
+    loop.until_rest()
+    moving = [output for output in loop.outputs[1:] if output.status == "moving"]
+    progress = [output.progress for output in moving]
+    assert progress == sorted(progress) and progress[-1] == 1.0
+    for output in moving:
+        assert output.time_to_go == pytest.approx((1.0 - output.progress) * (first.time_to_go + DT), abs=2 * DT)
+    assert (loop.outputs[-1].status, loop.outputs[-1].progress, loop.outputs[-1].time_to_go) == ("reached", 1.0, 0.0)
+
+
+def test_what_was_stopped_is_not_done_and_what_was_refused_has_not_begun(loop: Loop) -> None:
+    """A stop used to end with progress 1, as did a refusal."""
+    loop.once()
+    loop.once(NamedGoal("stow"))
+    while loop.outputs[-1].progress < 0.4:
+        loop.once()
+    stopping = loop.once(StopGoal())
+    assert stopping.time_to_go > 0.0
+    stopped = loop.until_rest()
+    assert stopped.status == "stopped" and stopped.progress == pytest.approx(0.4, abs=0.02)
+    assert stopped.time_to_go == 0.0
+    refused = loop.once(NamedGoal("wave"))
+    assert (refused.status, refused.progress, refused.time_to_go) == ("refused", 0.0, 0.0)

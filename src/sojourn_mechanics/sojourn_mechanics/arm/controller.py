@@ -136,6 +136,7 @@ def _begin_stop(model: ArmModel, state: ArmState, reason: str) -> ArmState:
     end = path.sample(path.duration)[0]
     return replace(
         state,
+        part_done=_progress(state),
         path=path,
         path_time=0.0,
         stopping=True,
@@ -176,6 +177,7 @@ def _take_goal(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmI
         return replace(
             state,
             status=state.status if busy else "refused",
+            part_done=state.part_done if busy else 0.0,
             reason=f"new goal refused: {error}" if busy else str(error),
             goals_refused=state.goals_refused + 1,
         )
@@ -195,6 +197,7 @@ def _start(state: ArmState, plan: Plan) -> ArmState:
         retreat_time=plan.retreat_time,
         leave=plan.leave,
         leave_time=plan.leave_time,
+        part_done=1.0,
         status="moving",
         reason=plan.note,
         goals_accepted=state.goals_accepted + 1,
@@ -285,16 +288,18 @@ def _within_limits(model: ArmModel, position: FloatArray, trim: FloatArray) -> F
     return np.asarray(np.minimum(np.maximum(position + trim, lower), upper), dtype=np.float64)
 
 
+def _progress(state: ArmState) -> float:
+    """Part of the motion of the last goal that is done, 0 to 1; a stop does not add to it."""
+    if state.path is None or state.stopping:
+        return state.part_done
+    return min(state.path_time / max(state.path.duration, 1e-9), 1.0)
+
+
 def _output(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmOutput:
     reference = state.reference
     tip = forward_kinematics(model, inputs.positions)
     offset = tip.position - state.tip_target
-    progress, time_to_go = 1.0, 0.0
-    if state.path is not None:
-        progress = min(state.path_time / max(state.path.duration, 1e-9), 1.0)
-        time_to_go = max(state.path.duration - state.path_time, 0.0)
-    elif state.status == "idle":
-        progress = 0.0
+    time_to_go = 0.0 if state.path is None else max(state.path.duration - state.path_time, 0.0)
     return ArmOutput(
         positions=_within_limits(model, motor_positions(params, model, reference, inputs.gravity_in_base), state.trim),
         velocities=reference.velocity.copy(),
@@ -307,7 +312,7 @@ def _output(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInpu
             inputs.gravity_in_base,
         ),
         status=state.status,
-        progress=progress,
+        progress=_progress(state),
         time_to_go=time_to_go,
         reason=state.reason,
         tip_in_base=tip.position,

@@ -49,6 +49,7 @@ class ArmState:
     retreat_time: float  # from this time on the path [s]
     leave: FloatArray | None  # joint positions (n,) that the path goes through first
     leave_time: float  # when it is there [s]
+    part_done: float  # of the motion of the last goal when it was cut off, 0 to 1; 1 where it was not
     status: ArmStatus
     reason: str
     was_allowed: bool
@@ -64,7 +65,7 @@ class ArmOutput:
     velocities: FloatArray  # (n,) [rad/s or m/s]
     efforts: FloatArray  # feed-forward (n,) [N m or N]
     status: ArmStatus
-    progress: float  # 0 to 1, of the time of the motion
+    progress: float  # 0 to 1, of the time of the motion; of one that was stopped what had been done by then
     time_to_go: float  # [s]
     reason: str
     tip_in_base: FloatArray  # measured tip position (3,) [m]
@@ -94,6 +95,7 @@ def initial_state(params: ArmParams) -> ArmState:
         retreat_time=0.0,
         leave=None,
         leave_time=0.0,
+        part_done=0.0,
         status="idle",
         reason="",
         was_allowed=True,
