@@ -240,8 +240,31 @@ BODY = "config/bodies/moon.yaml"
         (ROVER, "load: drive", "load: computer", ["no commanded load", "arm, drive, steer"]),
         (ROVER, "max_torque: 40.0", "max_torque: 400.0", ["servo.max_torque = 400.0", "60 N m", "effort"]),
         (ROVER, "first: rocker_left_joint", "first: rocker_joint", ["[0].first", "rocker_left_joint"]),
+        (
+            ROVER, "couplings:", "suspensions: [{joints: [bogie_left], stiffness: 50.0, damping: 1.0}]\ncouplings:",
+            ["suspensions[0].joints[0] = 'bogie_left'", "not a joint", "did you mean bogie_left_joint?"],
+        ),
+        (
+            ROVER, "couplings:", "suspensions: [{joints: [mast_joint], stiffness: 50.0, damping: 1.0}]\ncouplings:",
+            ["suspensions[0].joints[0] = 'mast_joint'", "is fixed", "urdf/explorer.urdf"],
+        ),
+        (
+            ROVER, "couplings:",
+            "suspensions: [{joints: [arm_elbow_joint], stiffness: 50.0, damping: 1.0}]\ncouplings:",
+            ["joint arm_elbow_joint has a drive", "without one"],
+        ),
+        (
+            ROVER, "couplings:",
+            "suspensions: [{joints: [bogie_left_joint], stiffness: 0, damping: 1.0, rest: 9.0}]\ncouplings:",
+            ["suspensions[0].stiffness = 0", "above 0", "[N m/rad]"],
+        ),
+        (ROVER, "motor: {resistance", "motor: {kind: seris, resistance", ["drives[0].motor", "seris"]),
+        (
+            ROVER, "motor: {resistance", "motor: {kind: series, resistance",
+            ["drives[0].motor.field_constant", "missing"],
+        ),
         (ROVER, "link: base_link", "link: base", ["pads[0].link = 'base'", "did you mean base_link?"]),
-        (ROVER, "battery: explorer_battery", "battery: explorer", ["one of explorer_battery"]),
+        (ROVER, "battery: explorer_battery", "battery: explorer", ["allowed is one of", "explorer_battery"]),
         (ROVER, "load: steer", "load: steer\n    load: steer", ["drives[1].load", "twice"]),
         (SOIL, "k_phi:", "kphi:", ["kphi", "did you mean k_phi?"]),
         (SOIL, "name: lunar_nominal", "name: other", ["name = 'other'", "lunar_nominal"]),

@@ -25,7 +25,7 @@ ACROSS_DEG = (2.0, 4.0, 8.0)
 PART_OF_SPEED = 0.8
 """Speed of the rims as a part of the largest speed that the drive may ask for [-]."""
 BEGIN, LENGTH = 2.0, 3.0
-"""Travel of the rims [m] before the measurement, and in it."""
+"""Travel of the rims [m] at full speed before the measurement, and in it."""
 
 
 def on_plane(scenario: str, overrides: Sequence[str], slope_deg: float, uphill_deg: float) -> LoadedScenario:
@@ -45,9 +45,10 @@ def drive(scenario: LoadedScenario) -> tuple[float, float]:
     wheels = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
     radii = np.array([wheel.shear_radius for wheel in model.machine.wheels])
     speed = PART_OF_SPEED * scenario.drive.limits.max_speed
-    command.reference[1, wheels] = speed / radii
+    speeding_up = speed / scenario.drive.limits.max_acceleration
     period = model.simulation.control_period
-    for _ in range(round(BEGIN / speed / period)):
+    for number in range(round((2.0 * speeding_up + BEGIN / speed) / period)):
+        command.reference[1, wheels] = min(number * period / speeding_up, 1.0) * speed / radii
         state, _ = step(model, state, command)
     angles = state.joints[0, wheels].copy()
     way = np.zeros(2)

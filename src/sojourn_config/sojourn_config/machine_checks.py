@@ -106,12 +106,10 @@ def with_drive_data(arm: ArmParams, rover: RoverConfig) -> ArmParams:
     update = {
         "reflected_inertia": tuple(drive.reflected_inertia for drive in found),
         "coulomb_friction": tuple(drive.friction_torque for drive in found),
-        "viscous_friction": tuple(drive.gear.viscous_friction for drive in found),
+        "viscous_friction": tuple(drive.viscous_friction for drive in found),
         "gear_efficiency": tuple(drive.gear.efficiency for drive in found),
-        "winding_loss": tuple(drive.motor.resistance / drive.torque_per_current**2 for drive in found),
-        "motor_effort": tuple(
-            min(drive.servo.max_torque, drive.motor.max_current * drive.torque_per_current) for drive in found
-        ),
+        "winding_loss": tuple(drive.winding_loss for drive in found),
+        "motor_effort": tuple(drive.motor_effort for drive in found),
         **_gear_data(found),
     }
     return arm.model_copy(update={name: value for name, value in update.items() if not getattr(arm, name)})

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sojourn_config.errors import Problem
+from sojourn_config.errors import Problem, names_text
 from sojourn_config.rover import RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
@@ -16,6 +16,8 @@ SAME_DIRECTION = 1e-6
 BASE_LINK = "base_link"
 UPRIGHT = 0.866
 """Least vertical part of a steering axis: its wheels are steered as if it were vertical."""
+FAR = 20.0
+"""Preload of a spring: greatest distance of its relaxed end from the middle of the joint, in travels."""
 TRIANGLE = 1e-6
 """Slack of the inequality of the principal moments of inertia, as a part of the largest: rounding of the file."""
 
@@ -29,6 +31,7 @@ def mechanism_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocu
         yield document.problem(("mass",), rover.mass, f"the masses of {urdf.file} sum up to {total:g} kg")
     yield from _axis_problems(rover, urdf)
     yield from _steering_problems(rover, urdf)
+    yield from _suspension_problems(rover, urdf, document)
     yield from _coupling_problems(rover, urdf, document)
 
 
@@ -104,6 +107,21 @@ def _direction_in_root(urdf: UrdfSummary, name: str) -> FloatArray:
         joint = above[joint.parent]
         direction = joint.transform_parent_to_joint[:3, :3] @ direction
     return np.asarray(direction)
+
+
+def _suspension_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+    """A spring acts on a joint that moves between stops, and is not relaxed far beyond them."""
+    for index, suspension in enumerate(rover.suspensions):
+        for number, name in enumerate(suspension.joints):
+            path = ("suspensions", index, "joints", number)
+            joint = urdf.joints.get(name)
+            if joint is None or joint.kind not in ("revolute", "prismatic"):
+                why = "is not a joint" if joint is None else f"is {joint.kind}"
+                able = [other.name for other in urdf.joints.values() if other.kind in ("revolute", "prismatic")]
+                yield document.problem(path, name, f"{why} in {urdf.file}: " + names_text(name, able))
+            elif abs(suspension.rest - 0.5 * (joint.lower + joint.upper)) > FAR * (joint.upper - joint.lower):
+                allowed = f"allowed is at most {FAR:g} times the travel of {name} from its middle, in {urdf.file}"
+                yield document.problem(("suspensions", index, "rest"), suspension.rest, allowed)
 
 
 def _coupling_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:

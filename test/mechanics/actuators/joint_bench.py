@@ -35,6 +35,9 @@ class Bench:
     bearing_friction: float = 0.0
     bearing_viscous: float = 0.0
     sees_joint: float = 0.0
+    saturation: float = 0.0
+    spring: float = 0.0
+    rest: float = 0.0
     inertia: float = 1e-3
     voltage: float = 24.0
     fraction: float = 1.0
@@ -57,6 +60,7 @@ class Bench:
             self.rotor * self.ratio**2, self.lower, self.upper, 2e4, 200.0,
             self.half_gap, self.tooth_stiffness, self.tooth_damping,
             self.bearing_friction, self.bearing_viscous, self.sees_joint,
+            self.saturation, self.spring, self.rest,
         ]])  # fmt: skip
         kinds, zero = np.array([self.kind]), np.zeros(1, dtype=np.int64)
         working, force, armature = np.zeros((jd.WORK_ROWS, 1)), np.zeros(1), np.zeros(1)

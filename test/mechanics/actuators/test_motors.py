@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sojourn_mechanics.actuators import dc_motor, series_motor
-from sojourn_mechanics.actuators.params import MotorParams
-from sojourn_mechanics.actuators.series_motor import SeriesMotorParams, SeriesMotorState
+from sojourn_mechanics.actuators.params import MotorParams, SeriesMotorParams
+from sojourn_mechanics.actuators.series_motor import SeriesMotorState
 from sojourn_mechanics.errors import InvalidValueError
 
 RE25 = MotorParams(

@@ -127,7 +127,7 @@ def test_equivalent_mass_is_that_of_the_kinetic_energy(lrv: VehicleParams) -> No
     speed, slip = 2.0, 0.1
     wheel_rate = speed / 0.4065
     rotor = 80.0 * wheel_rate
-    energy = 0.5 * lrv.mass * speed**2 + 4 * 0.5 * (0.7 * wheel_rate**2 + 1e-4 * rotor**2)
+    energy = 0.5 * lrv.mass * speed**2 + 4 * 0.5 * (lrv.axles[0].wheel_inertia * wheel_rate**2 + 1e-4 * rotor**2)
     assert equivalent_mass(lrv) == pytest.approx(2.0 * energy / speed**2)
     assert equivalent_mass(lrv, slip) > equivalent_mass(lrv)
 

@@ -12,7 +12,11 @@ Friction of gear and bearings is of Dahl's kind (Dahl 1968, Aerospace Report TOR
 rests at a fixed point:  dz/dt = q' - |q'| z/z_c,  τ_f = F z/z_c + b q',  F = F_0 + (1 - η)|τ|:
 with F_0 the friction without load, η the gear's efficiency, in both directions of power.
 
-A joint driven into its limit meets a stiff, damped stop.
+A joint driven into its limit meets a stiff, damped stop. A joint with a spring (suspension) feels τ_s = -k (q - q_0),
+explicit: with the plant's order (rate first, then angle) that keeps the energy, an implicit one would lose k dt^2/J of
+it each step. The damper of a suspension counts as viscous friction.
+
+A series motor has its own law and a brake: see `series_drive`.
 
 With a gear that has play and gives (`gear_play`), motor and joint move each for itself: servo, motor and the gear's
 friction act on the motor, stop and the friction of the bearing on the joint. The servo sees the motor's angle or the
@@ -29,6 +33,7 @@ import math
 from numba import njit
 
 from sojourn_mechanics.actuators.gear_play import on_joint, tooth_torque
+from sojourn_mechanics.actuators.series_drive import series_current, series_torque, torque_at_full_voltage
 from sojourn_mechanics.params import FloatArray, IntArray
 
 # Columns of a joint's parameters
@@ -36,7 +41,9 @@ RATIO, TORQUE_CONSTANT, RESISTANCE, MAX_CURRENT, EFFICIENCY, FRICTION, VISCOUS, 
 INTEGRAL, DERIVATIVE, MAX_TORQUE, ARMATURE, LOWER, UPPER, STOP_STIFFNESS, STOP_DAMPING = range(8, 16)
 HALF_GAP, TOOTH_STIFFNESS, TOOTH_DAMPING, BEARING_FRICTION, BEARING_VISCOUS, SEES_JOINT = range(16, 22)
 """Of a gear with play; a stiffness of zero: there is none, motor and joint turn as one."""
-JOINT_COLUMNS = 22
+SATURATION, SPRING_STIFFNESS, SPRING_REST = range(22, 25)
+"""SATURATION above 0: a series motor, whose field constant stands for TORQUE_CONSTANT."""
+JOINT_COLUMNS = 25
 
 PASSIVE, RATE, POSITION = 0, 1, 2
 """Kinds of joint."""
@@ -50,9 +57,9 @@ STATE_ROWS = 6
 """angle [rad], integral of the servo, friction deflection z [rad]; of a gear with play: twist [rad], rate of the motor
 over the gear [rad/s], deflection of the bearing's friction [rad]
 """
-WORK_ROWS = 12
+WORK_ROWS = 13
 """motor torque and its slope, friction and its slope, stop and its slope; of a gear with play: teeth and their slope,
-bearing and its slope, change of the motor's rate and its share of the joint's
+bearing and its slope, change of the motor's rate and its share of the joint's; 1 where a brake gives the motor's torque
 """
 ENERGY_TERMS = ("electrical", "winding_heat", "friction_heat", "stop_heat")
 
@@ -106,6 +113,8 @@ def joint_torques(
         angle = states[0, i]
         torque = 0.0
         slope = 0.0
+        series = p[SATURATION] > 0.0
+        braking = False
         has_play = p[TOOTH_STIFFNESS] > 0.0
         joint_rate = rate  # from here to the friction, `rate` is the motor's
         seen, spring_slope = angle, dt * p[PROPORTIONAL]
@@ -118,11 +127,13 @@ def joint_torques(
         if kinds[i] != PASSIVE:
             gain = p[RATIO] * p[TORQUE_CONSTANT]
             fraction = limits[i]
-            if fraction > 0.0:
+            if fraction > 0.0 or series:
                 if kinds[i] == RATE:
-                    error = command[1, i] - rate
+                    wanted = command[1, i] if fraction > 0.0 else 0.0
+                    error = wanted - rate
                     torque = p[PROPORTIONAL] * error + p[INTEGRAL] * states[1, i]
                     slope = p[PROPORTIONAL]
+                    braking = series and (wanted == 0.0 or torque * rate < 0.0)
                 else:
                     error = command[0, i] + command[1, i] * lead - seen
                     torque = (
@@ -133,18 +144,34 @@ def joint_torques(
                         + p[INTEGRAL] * states[1, i]
                     )
                     slope = p[DERIVATIVE] + spring_slope
-                largest = min(p[MAX_TORQUE], gain * p[MAX_CURRENT] * fraction)
+                most = p[MAX_CURRENT] * fraction
+                if braking:
+                    largest = p[MAX_TORQUE]
+                elif series:
+                    by_current = p[RATIO] * series_torque(p[TORQUE_CONSTANT], p[SATURATION], most)
+                    largest = min(p[MAX_TORQUE], by_current)
+                else:
+                    largest = min(p[MAX_TORQUE], gain * most)
                 limited = min(max(torque, -largest), largest)
                 if limited != torque:
                     torque = limited
                     slope = 0.0
                 # what the bus voltage can drive against the back-EMF
-                back = gain * rate
-                high = gain * (bus_voltage - back) / p[RESISTANCE]
-                low = gain * (-bus_voltage - back) / p[RESISTANCE]
+                if braking:
+                    high, low, steep = largest, -largest, 0.0
+                elif series:
+                    high, steep = torque_at_full_voltage(
+                        p[TORQUE_CONSTANT], p[SATURATION], p[RESISTANCE], bus_voltage, p[RATIO] * abs(rate)
+                    )
+                    high, low, steep = p[RATIO] * high, -p[RATIO] * high, p[RATIO] ** 2 * steep
+                else:
+                    back = gain * rate
+                    high = gain * (bus_voltage - back) / p[RESISTANCE]
+                    low = gain * (-bus_voltage - back) / p[RESISTANCE]
+                    steep = gain * gain / p[RESISTANCE]
                 if torque > high or torque < low:
                     torque = high if torque > high else low
-                    slope = gain * gain / p[RESISTANCE]
+                    slope = steep
                     # driven backwards beyond no-load speed: the amplifier's limit holds
                     if abs(torque) > largest:
                         torque = math.copysign(largest, torque)
@@ -168,6 +195,8 @@ def joint_torques(
         work[3, i] = friction_slope
         work[4, i] = stop
         work[5, i] = stop_slope
+        work[12, i] = 1.0 if braking else 0.0
+        generalised_force[column] -= p[SPRING_STIFFNESS] * (angle - p[SPRING_REST])
         if not has_play:
             generalised_force[column] += torque + friction_torque + stop
             armature[column] = p[ARMATURE] + dt * (slope + friction_slope + stop_slope)
@@ -227,6 +256,7 @@ def settle_joints(
         change = rate - old_rate
         mean_rate = 0.5 * (rate + old_rate)
         stop = work[4, i] - work[5, i] * change
+        spring = -p[SPRING_STIFFNESS] * (states[ANGLE, i] - p[SPRING_REST])
         states[ANGLE, i] += rate * dt
         energy[3] -= stop * mean_rate * dt
         through = 0.0
@@ -249,11 +279,19 @@ def settle_joints(
         friction_torque = work[2, i] - work[3, i] * change
         states[DEFLECTION, i] = _slipped(states[DEFLECTION, i], rate, old_rate, dt)
         energy[2] -= friction_torque * mean_rate * dt
-        efforts[i] = through if has_play else torque + friction_torque
+        efforts[i] = through if has_play else torque + friction_torque + spring
         if kinds[i] == PASSIVE:
             continue
-        gain = p[RATIO] * p[TORQUE_CONSTANT]
-        current = torque / gain
+        series = p[SATURATION] > 0.0
+        if work[12, i] > 0.0 or (series and torque * mean_rate < 0.0):  # a brake, not the motor
+            currents[i] = 0.0
+            energy[2] -= torque * mean_rate * dt
+            continue
+        if series:
+            current = series_current(p[TORQUE_CONSTANT], p[SATURATION], abs(torque) / p[RATIO])
+            current = math.copysign(current, torque)
+        else:
+            current = torque / (p[RATIO] * p[TORQUE_CONSTANT])
         heat = p[RESISTANCE] * current * current
         power = heat + torque * mean_rate
         currents[i] = current

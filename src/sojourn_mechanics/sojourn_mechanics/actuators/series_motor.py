@@ -14,24 +14,9 @@ Range: I from 0 to some multiples of the rated current.
 import math
 from typing import NamedTuple
 
-from pydantic import Field
-
 from sojourn_mechanics.actuators.dc_motor import WorkingPoint
+from sojourn_mechanics.actuators.params import SeriesMotorParams
 from sojourn_mechanics.errors import InvalidValueError
-from sojourn_mechanics.params import Params
-
-
-class SeriesMotorParams(Params):
-    """A series motor. `field_constant` is the torque for one ampere squared, without saturation."""
-
-    series_resistance: float = Field(gt=0.0, le=1e4, description="armature, field and brushes [ohm]")
-    field_constant: float = Field(gt=0.0, le=10.0, description="K_0, torque over current squared [N m/A^2]")
-    saturation_current: float = Field(gt=0.0, le=1e6, description="current at which the field is half of linear [A]")
-    inductance: float = Field(default=1e-3, gt=0.0, le=10.0, description="of both windings in series [H]")
-    rotor_inertia: float = Field(gt=0.0, le=1.0, description="[kg m^2]")
-    friction_torque: float = Field(ge=0.0, le=10.0, description="T_f, brushes and bearings [N m]")
-    viscous_friction: float = Field(ge=0.0, le=1.0, description="b, windage and iron losses [N m s/rad]")
-    max_current: float = Field(gt=0.0, le=5000.0, description="largest current that the amplifier gives [A]")
 
 
 class SeriesMotorState(NamedTuple):

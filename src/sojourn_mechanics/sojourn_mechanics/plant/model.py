@@ -18,6 +18,7 @@ import numpy as np
 import pinocchio as pin
 
 from sojourn_mechanics.actuators import joint_drive
+from sojourn_mechanics.actuators.params import SeriesMotorParams
 from sojourn_mechanics.contact import contact_set, ground_plane
 from sojourn_mechanics.contact.params import add_cuts, kernel_rows
 from sojourn_mechanics.errors import InvalidValueError
@@ -31,6 +32,8 @@ from sojourn_mechanics.terrain.height_field import HeightField
 from sojourn_mechanics.terrain.memory import GroundMemory, MemoryBoard
 
 PLACEMENT_SIZE = 12
+STIFFEST_SPRING = 0.3
+"""Largest angular frequency of a spring and what hangs on it, times the physics step [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,6 +123,7 @@ class PlantModel:
         self.memory = MemoryBoard(self.untouched_ground)
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
         self._make_workspace()
+        self._check_springs()
 
     @property
     def wheel_names(self) -> tuple[str, ...]:
@@ -142,12 +146,13 @@ class PlantModel:
     def _joint_tables(self, machine: MachineParams, bus: BusParams) -> JointTables:
         model = self.multibody
         drives = {joint: drive for drive in machine.drives for joint in drive.joints}
+        springs = {joint: suspension for suspension in machine.suspensions for joint in suspension.joints}
         load_names = [load.name for load in bus.loads]
         identifiers = range(2, model.njoints)
         names = tuple(model.names[i] for i in identifiers)
-        for joint in drives:
+        for joint in (*drives, *springs):
             if joint not in names:
-                raise InvalidValueError("joint of a drive", joint, "one of " + ", ".join(names))
+                raise InvalidValueError("joint of a drive or a spring", joint, "one of " + ", ".join(names))
         parameters = np.zeros((len(names), joint_drive.JOINT_COLUMNS))
         kinds = np.zeros(len(names), dtype=np.int64)
         loads = np.zeros(len(names), dtype=np.int64)
@@ -168,6 +173,11 @@ class PlantModel:
             row[joint_drive.EFFICIENCY] = 1.0
             row[joint_drive.FRICTION] = machine.passive_joint.friction_torque
             row[joint_drive.VISCOUS] = machine.passive_joint.viscous_friction
+            spring = springs.get(name)
+            if spring is not None:
+                row[joint_drive.SPRING_STIFFNESS] = spring.stiffness
+                row[joint_drive.SPRING_REST] = spring.rest
+                row[joint_drive.VISCOUS] += spring.damping
             drive = drives.get(name)
             if drive is None:
                 continue
@@ -176,12 +186,17 @@ class PlantModel:
             kinds[i] = joint_drive.RATE if drive.servo.mode == "rate" else joint_drive.POSITION
             loads[i] = load_names.index(drive.load)
             row[joint_drive.RATIO] = drive.gear.ratio
-            row[joint_drive.TORQUE_CONSTANT] = drive.motor.torque_constant
-            row[joint_drive.RESISTANCE] = drive.motor.resistance
+            if isinstance(drive.motor, SeriesMotorParams):
+                row[joint_drive.TORQUE_CONSTANT] = drive.motor.field_constant
+                row[joint_drive.RESISTANCE] = drive.motor.series_resistance
+                row[joint_drive.SATURATION] = drive.motor.saturation_current
+            else:
+                row[joint_drive.TORQUE_CONSTANT] = drive.motor.torque_constant
+                row[joint_drive.RESISTANCE] = drive.motor.resistance
             row[joint_drive.MAX_CURRENT] = drive.motor.max_current
             row[joint_drive.EFFICIENCY] = drive.gear.efficiency
             row[joint_drive.FRICTION] = drive.friction_torque
-            row[joint_drive.VISCOUS] = drive.gear.viscous_friction
+            row[joint_drive.VISCOUS] = drive.viscous_friction
             row[joint_drive.PROPORTIONAL] = drive.servo.proportional
             row[joint_drive.INTEGRAL] = drive.servo.integral
             row[joint_drive.DERIVATIVE] = drive.servo.derivative
@@ -198,6 +213,16 @@ class PlantModel:
             row[joint_drive.BEARING_VISCOUS] = drive.play.bearing_viscous
             row[joint_drive.SEES_JOINT] = float(drive.servo.encoder == "joint")
         return JointTables(names, parameters, kinds, columns, loads, armature, rotors)
+
+    def _check_springs(self) -> None:
+        """Springs are integrated explicitly: each must swing slowly against the step, even if the base stood still."""
+        inertia = np.diag(pin.crba(self.multibody, self.data, pin.neutral(self.multibody), pin.Convention.WORLD))
+        for name, row, column in zip(self.joints.names, self.joints.parameters, self.joints.columns, strict=True):
+            largest = (STIFFEST_SPRING / self.simulation.physics_step) ** 2 * inertia[column]
+            if row[joint_drive.SPRING_STIFFNESS] > largest:
+                stiffness = float(row[joint_drive.SPRING_STIFFNESS])
+                allowed = f"at most {largest:.3g} for this physics_step and what hangs on the joint"
+                raise InvalidValueError(f"stiffness of the spring of {name}", stiffness, allowed)
 
     def _contact_tables(self, machine: MachineParams) -> ContactTables:
         model = self.multibody

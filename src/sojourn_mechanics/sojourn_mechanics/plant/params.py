@@ -17,6 +17,17 @@ class CouplingParams(Params):
     ratio: float = Field(ge=-1e3, le=1e3, description="rates: first + ratio times second is zero [-]")
 
 
+class SuspensionParams(Params):
+    """Spring and damper on joints that no motor drives: torsion bars on swing arms, springs on guides. Units are of
+    a joint that turns; of one that slides they are N/m, N s/m and m.
+    """
+
+    joints: tuple[str, ...] = Field(min_length=1, description="joints of the URDF with this spring")
+    stiffness: float = Field(gt=0.0, le=1e7, description="of the spring [N m/rad]")
+    damping: float = Field(ge=0.0, le=1e6, description="of the damper [N m s/rad]")
+    rest: float = Field(default=0.0, ge=-10.0, le=10.0, description="angle at which the spring is relaxed [rad]")
+
+
 class MachineParams(Params):
     """A rover: wheels, pads, drives and couplings. Kinematics, masses, inertias and joint limits are in its
     URDF.
@@ -28,6 +39,7 @@ class MachineParams(Params):
     pads: tuple[PadParams, ...] = Field(default=(), description="other points that may touch the ground")
     drives: tuple[DriveParams, ...] = Field(min_length=1, description="motor, gear and servo of groups of joints")
     passive_joint: JointFrictionParams
+    suspensions: tuple[SuspensionParams, ...] = Field(default=(), description="springs and dampers on joints")
     wrench_sensor_link: str | None = Field(
         default=None,
         min_length=1,
@@ -46,6 +58,12 @@ class MachineParams(Params):
         for joint in joints:
             if joints.count(joint) > 1:
                 raise ValueError(f"drives: joint {joint} has {joints.count(joint)} drives, allowed is one")
+        sprung = [joint for suspension in self.suspensions for joint in suspension.joints]
+        for joint in sprung:
+            if sprung.count(joint) > 1:
+                raise ValueError(f"suspensions: joint {joint} has {sprung.count(joint)} springs, allowed is one")
+            if joint in joints:
+                raise ValueError(f"suspensions: joint {joint} has a drive, allowed is a joint without one")
         for wheel in self.wheels:
             if wheel.steer_joint is not None and wheel.steer_joint not in joints:
                 raise ValueError(f"wheels: steer_joint {wheel.steer_joint} of wheel {wheel.name} has no drive")

@@ -26,12 +26,12 @@ class EnergyAccount:
     """Net, at the motors' terminals."""
     winding_heat: float = 0.0
     friction_heat: float = 0.0
-    """Of gears and bearings, what is stored in their deflection included."""
+    """Of gears, bearings, dampers and brakes, what is stored in the deflection of gears and bearings included."""
     stop_heat: float = 0.0
     soil_work: float = 0.0
     """Into the ground, what is stored in it included."""
     mechanical: float = 0.0
-    """Kinetic and potential energy of the machine."""
+    """Kinetic and potential energy of the machine, its springs included."""
 
     def balance_error(self, start: "EnergyAccount") -> float:
         """Energy that is missing since `start`, as a fraction of the largest of its terms [-]."""

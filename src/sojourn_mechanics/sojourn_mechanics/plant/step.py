@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from sojourn_mechanics.actuators.joint_drive import MOTOR_RATE, STATE_ROWS
+from sojourn_mechanics.actuators.joint_drive import ANGLE, MOTOR_RATE, SPRING_REST, SPRING_STIFFNESS, STATE_ROWS
 from sojourn_mechanics.contact.contact_law import STATE_COLUMNS, WheelColumn
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
@@ -181,12 +181,15 @@ def _close_period(
 
 
 def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: FloatArray, joints: FloatArray) -> float:
-    """Kinetic energy, turning rotors included, and potential energy over z = 0 [J]."""
+    """Kinetic energy, turning rotors included, potential energy over z = 0, and what the springs hold [J]."""
     multibody, data = model.multibody, model.data
     kinetic = pin.computeKineticEnergy(multibody, data, configuration, velocity)
     rotors = 0.5 * float(np.dot(model.joints.armature, velocity * velocity))
     rotors += 0.5 * float(np.dot(model.joints.rotors, joints[MOTOR_RATE] ** 2))
-    return float(kinetic + rotors + pin.computePotentialEnergy(multibody, data, configuration))
+    table = model.joints.parameters
+    stretch = joints[ANGLE] - table[:, SPRING_REST]
+    springs = 0.5 * float(np.dot(table[:, SPRING_STIFFNESS], stretch * stretch))
+    return float(kinetic + rotors + springs + pin.computePotentialEnergy(multibody, data, configuration))
 
 
 def initial_state(

@@ -13,8 +13,8 @@ series motor cannot brake, so its machine brakes with friction.
 """
 
 from sojourn_mechanics.actuators.dc_motor import WorkingPoint, largest_torque, working_point
-from sojourn_mechanics.actuators.params import MotorParams
-from sojourn_mechanics.actuators.series_motor import SeriesMotorParams, series_largest_torque, series_working_point
+from sojourn_mechanics.actuators.params import MotorParams, SeriesMotorParams
+from sojourn_mechanics.actuators.series_motor import series_largest_torque, series_working_point
 from sojourn_mechanics.vehicle.params import VehicleParams
 
 

@@ -2,8 +2,8 @@
 parameters.
 
 Inertias are those of the whole machine, joints at given angles, about its centre of mass (composite rigid body,
-Featherstone 2008, sec. 6.2). Wheels within 5 cm of one another along x make an axle. What a URDF with rockers does not
-have, springs, stays out.
+Featherstone 2008, sec. 6.2). Wheels within 5 cm of one another along x make an axle. A spring k or damper c on the
+joint that carries a wheel is k/l^2, c/l^2 at the wheel, l = dz/dq its rise with the joint.
 """
 
 from collections.abc import Mapping
@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.vehicle.params import AxleParams, VehicleParams
 from sojourn_mechanics.vehicle.wheel_loads import StandingMachine
 
@@ -64,8 +65,12 @@ def vehicle_of(
         if wheel.steer_joint is not None:
             place = model.joints[model.getJointId(wheel.steer_joint)].idx_q
             steer = min(abs(model.lowerPositionLimit[place]), abs(model.upperPositionLimit[place]))
+        rate, damping, unsprung = _suspension(machine, stance.configuration, group[0])
         axles.append(
             AxleParams(
+                spring_rate=rate,
+                damping=damping,
+                unsprung_mass=unsprung,
                 name=wheel.name.rsplit("_", 1)[0],
                 x=float(stance.contacts[group, 0].mean() - centre[0]),
                 track=float(np.ptp(stance.contacts[group, 1])),
@@ -100,6 +105,22 @@ def vehicle_of(
         house_power=supply.house_power,
         cruise_speed=cruise_speed,
     )
+
+
+def _suspension(machine: StandingMachine, configuration: FloatArray, wheel: int) -> tuple[float | None, float, float]:
+    """Spring rate [N/m], damping [N s/m] and unsprung mass [kg] at a wheel; None, 0, 0 where no spring carries it."""
+    model, data = machine.model, machine.data
+    joint = machine.wheels[wheel]
+    for carrier in list(model.supports[joint])[1:]:
+        spring = machine.sprung.get(model.names[carrier])
+        if spring is None:
+            continue
+        pin.computeJointJacobians(model, data, configuration)
+        jacobian = pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)
+        lever = float(jacobian[2, model.joints[carrier].idx_v])
+        mass = float(sum(model.inertias[part].mass for part in model.subtrees[carrier]))
+        return spring.stiffness / lever**2, spring.damping / lever**2, mass
+    return None, 0.0, 0.0
 
 
 def _pad_height(machine: StandingMachine, index: int) -> float:

@@ -10,8 +10,7 @@ from typing import Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from sojourn_mechanics.actuators.params import GearParams, MotorParams
-from sojourn_mechanics.actuators.series_motor import SeriesMotorParams
+from sojourn_mechanics.actuators.params import GearParams, MotorParams, SeriesMotorParams
 from sojourn_mechanics.contact.params import ContactParams, WheelParams
 from sojourn_mechanics.contact.rigid_wheel_on_soil import RigidWheelOnSoilParams
 from sojourn_mechanics.contact.wheel_shape import WheelShape

@@ -31,8 +31,11 @@ def side_view(machine: StandingMachine, angles: Mapping[str, float] | None = Non
     left = [i for i, joint in enumerate(machine.wheels) if base.actInv(data.oMi[joint].translation)[1] > 0.0]
     hinge = {i: next((b for b in bogies if b in list(model.supports[machine.wheels[i]])), None) for i in left}
     used = {bogie for bogie in hinge.values() if bogie is not None}
+    names = [wheel.name for wheel in machine.machine.wheels]
     if len(used) > 1 or 2 * len(left) != len(machine.wheels):
-        raise InvalidValueError("machine", [wheel.name for wheel in machine.machine.wheels], "one bogie a side at most")
+        raise InvalidValueError("machine", names, "one bogie a side at most")
+    if not used and len(left) != 2:
+        raise InvalidValueError("machine", names, "two wheels a side on the body, where there is no bogie")
     wheels = []
     for i in left:
         place = data.oMi[machine.wheels[i]].translation
