@@ -56,7 +56,7 @@ class ClosedLoop:
         self._sightings, self._sun = SunSightings(scenario), SunReadings(scenario)
         self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
         self._commands = CommandBuffer(self.plant)
-        self._commands.hold(self.truth.joints[0])
+        self._commands.hold(self.truth.motor_angles)
         self._odometry, self._imu = Odometry(), Imu()
         self._tell_odometry()
         self._sensors = suite.initial_state(
