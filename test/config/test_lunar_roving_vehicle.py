@@ -38,6 +38,7 @@ def test_axles_wheels_and_springs_are_the_same(plant: Bundle, analysis: VehicleP
         assert abs(places[0][1] - places[1][1]) == pytest.approx(axle.track)
         for wheel in wheels:
             assert (wheel.radius, wheel.width) == (axle.rim_radius, axle.wheel_width)
+            assert wheel.contact == axle.contact
             assert plant.urdf.joints[str(wheel.steer_joint)].upper == pytest.approx(axle.max_steer)
             inertia = plant.urdf.inertials[plant.urdf.joints[wheel.joint].child].inertia
             assert inertia[1, 1] == pytest.approx(axle.wheel_inertia, rel=1e-3)

@@ -264,7 +264,7 @@ BODY = "config/bodies/moon.yaml"
             ["drives[0].motor.field_constant", "missing"],
         ),
         (ROVER, "link: base_link", "link: base", ["pads[0].link = 'base'", "did you mean base_link?"]),
-        (ROVER, "battery: explorer_battery", "battery: explorer", ["one of explorer_battery"]),
+        (ROVER, "battery: explorer_battery", "battery: explorer", ["allowed is one of", "explorer_battery"]),
         (ROVER, "load: steer", "load: steer\n    load: steer", ["drives[1].load", "twice"]),
         (SOIL, "k_phi:", "kphi:", ["kphi", "did you mean k_phi?"]),
         (SOIL, "name: lunar_nominal", "name: other", ["name = 'other'", "lunar_nominal"]),

@@ -5,7 +5,6 @@ for the power manager: all loads stay on. The arm holds its pose.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -45,7 +44,7 @@ class ClosedLoop:
     def __init__(self, scenario: LoadedScenario) -> None:
         self.scenario = scenario
         self.plant, self.truth = build_plant(scenario)
-        self.drive = DriveModel(scenario.drive, scenario.steering)
+        self.drive = DriveModel(scenario.drive, scenario.steering, loads=scenario.wheel_loads())
         self.drive.warm_up()
         start = scenario.config.start
         self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
@@ -57,7 +56,7 @@ class ClosedLoop:
         self._sightings, self._sun = SunSightings(scenario), SunReadings(scenario)
         self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
         self._commands = CommandBuffer(self.plant)
-        self._commands.hold(self.truth.joints[0])
+        self._commands.hold(self.truth.motor_angles)
         self._odometry, self._imu = Odometry(), Imu()
         self._tell_odometry()
         self._sensors = suite.initial_state(
@@ -95,9 +94,18 @@ class ClosedLoop:
 
     @property
     def true_slip(self) -> FloatArray:
-        """Slip of each wheel in the last period, as the plant tells it [-]."""
-        wheels = len(self.scenario.rover.wheels)
-        return np.zeros(wheels) if self.told is None else self.told.contacts[:wheels, 4].copy()
+        """Slip of each wheel in the last period, counted on its grouser tips, as the drive does [-].
+
+        The plant counts it on the rim.
+        """
+        wheels = self.scenario.rover.wheels
+        if self.told is None:
+            return np.zeros(len(wheels))
+        tips = np.array([wheel.shear_radius / wheel.radius for wheel in wheels])
+        told = self.told.contacts[: len(wheels), 4]
+        over_rim = np.where(told >= 0.0, 1.0 - told, 1.0 / np.maximum(1.0 + told, 1e-3))  # ground over rim
+        over_tips = over_rim / tips
+        return np.asarray(np.where(over_tips <= 1.0, 1.0 - over_tips, 1.0 / over_tips - 1.0))
 
     def _measure(self, stamp: int, goal: Goal | None, twist: TwistCommand | None) -> DriveInput:
         self._tell_odometry()
@@ -116,10 +124,11 @@ class ClosedLoop:
         joints = fill_joint_state(self._joints, stamp, read.joint_position, read.joint_velocity, read.joint_effort)
         set_quaternion(self._imu.orientation, read.imu.orientation)
         set_xyz(self._imu.angular_velocity, read.imu.angular_velocity)
+        set_xyz(self._imu.linear_acceleration, read.imu.specific_force)
         sun = None
         if is_due(topic("/sun_direction"), self.period):
             sun = self._sightings.sighting(stamp, self._sun.message(stamp, self._odometry))
-        return replace(self._wheels.drive_input(joints, self._imu, twist, goal, 1.0), sun=sun)
+        return self._wheels.drive_input(joints, self._imu, twist, goal, 1.0, sun)
 
     def _tell_odometry(self) -> None:
         set_quaternion(self._odometry.pose.pose.orientation, self.truth.configuration[3:7])

@@ -57,7 +57,7 @@ def _look_and_drive(scenario: LoadedScenario) -> None:
         state = hazcam.initial_state(camera, scenario.config.seed)
         hazcam.step(camera, state, scenario.height_field(), np.zeros(3), np.eye(3))
         eye = camera.position
-    DriveModel(scenario.drive, scenario.steering, eye).warm_up()
+    DriveModel(scenario.drive, scenario.steering, eye, loads=scenario.wheel_loads()).warm_up()
 
 
 def _step_plant(scenario: LoadedScenario) -> None:

@@ -131,7 +131,7 @@ def _drawing(curve: Curve, prefix: str) -> str:
             largest = max(float(np.nanmax(y)) for _, y in curve.lines.values())
             axes.set_ylim(bottom=largest * 1e-6, top=largest * 3.0)
         elif _is_flat(curve):
-            axes.set_ylim(bottom=0.0)
+            axes.set_ylim(bottom=0.0, top=1.2 * max(float(np.nanmax(y)) for _, y in curve.lines.values()))
         axes.set_title(curve.title, fontsize=10.5, loc="left")
         axes.set_xlabel(curve.x_label)
         axes.set_ylabel(curve.y_label)

@@ -188,7 +188,8 @@ class GoalClient:
 
 def _to_go(who: str, values: dict[str, str]) -> str:
     if who == "drive":
-        beside, rms = (float(values.get(name, "nan")) for name in ("lateral_error_m", "lateral_rms_m"))
+        errors = (float(values.get(name, "nan")) for name in ("lateral_error_m", "lateral_rms_m"))
+        beside, rms = (round(error, 3) + 0.0 for error in errors)  # + 0.0: no minus before a zero
         aside = f"{beside:+.3f} m beside the path ({rms:.3f} m RMS)"
         energy = ""
         if "energy_forecast_wh" in values:

@@ -36,7 +36,7 @@ def linear_plants(bundle: Bundle, pose: dict[str, float], speed: float) -> tuple
     )
     state = initial_state(model, 0.0, 0.0, 0.0, 1.0, pose)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
-    command.reference[0] = state.joints[0]
+    command.reference[0] = state.motor_angles
     standing = linearise(model, state, command)
     rows = model.reference_rows([wheel.joint for wheel in bundle.rover.wheels])
     radii = np.array([wheel.radius for wheel in bundle.rover.wheels])

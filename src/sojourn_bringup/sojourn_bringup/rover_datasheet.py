@@ -34,7 +34,7 @@ def subject_of(rover: str, body: str, soil: str) -> Subject:
     Raises:
         ConfigError: an unknown name, or files that do not fit together.
     """
-    if rover in available("vehicles"):  # it has published figures, and what a rover's files do not tell
+    if rover in available("vehicles") and rover not in available("rovers"):
         return Subject(
             load_params("vehicles", rover, VehicleParams),
             load_params("soils", soil, SoilParams),
@@ -46,7 +46,10 @@ def subject_of(rover: str, body: str, soil: str) -> Subject:
     bundle = read_machine(rover, body, soil)
     machine = StandingMachine(bundle.urdf_xml, bundle.rover, bundle.gravity)
     angles = bundle.arm_pose(STOWED)
-    vehicle = vehicle_of(Path(rover).stem, machine, supply_of(bundle), bundle.drive.limits.max_speed, angles)
+    if rover in available("vehicles"):  # it has published figures, and what a rover's files do not tell
+        vehicle = load_params("vehicles", rover, VehicleParams)
+    else:
+        vehicle = vehicle_of(Path(rover).stem, machine, supply_of(bundle), bundle.drive.limits.max_speed, angles)
     standing, driving = linear_plants(bundle, angles, vehicle.cruise_speed)
     return Subject(vehicle, bundle.soil, bundle.body, machine, angles, standing, driving)
 

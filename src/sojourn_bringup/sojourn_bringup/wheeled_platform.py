@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from sojourn_mechanics.actuators.params import DriveParams, JointFrictionParams
 from sojourn_mechanics.contact.params import WheelParams
-from sojourn_mechanics.plant.params import MachineParams
+from sojourn_mechanics.plant.params import MachineParams, SuspensionParams
 
 WHEEL_MASS = 2.0
 STEER_MASS = 0.5
@@ -30,7 +30,7 @@ def wheeled_platform(
     drives: Sequence[DriveParams],
     steering: DriveParams | None = None,
     steered: Sequence[int] = (),
-    struts: DriveParams | None = None,
+    struts: SuspensionParams | None = None,
     chassis_mass: float = 100.0,
     chassis_inertia: tuple[float, float, float] = (10.0, 20.0, 25.0),
     centre: tuple[float, float] = (0.0, 0.25),
@@ -42,7 +42,7 @@ def wheeled_platform(
         places: x of the axles, from front to rear [m]. wheel: pattern of all wheels; names and joints are filled in.
         drives: motor of the wheels of each axle, one an axle or one for all; their joints are filled in.
         steering: motor of the steered wheels. steered: numbers of the axles that steer.
-        struts: upright suspension of every wheel, a position servo for spring and damper; none: rigid.
+        struts: spring and damper of every wheel, which slides straight up; none: rigid.
         chassis_mass: [kg]. chassis_inertia: about its centre of mass, x, y, z [kg m^2].
         centre: of the chassis' mass, x and z in base_link [m]. track: between the wheels of an axle [m].
     """
@@ -83,12 +83,11 @@ def wheeled_platform(
         groups = [drive.model_copy(update={"joints": tuple(axle)}) for drive, axle in zip(drives, axles, strict=True)]
     if steering is not None and turned:
         groups.append(steering.model_copy(update={"joints": tuple(turned)}))
-    if struts is not None:
-        groups.append(struts.model_copy(update={"joints": tuple(sprung)}))
     machine = MachineParams(
         wheels=tuple(wheels),
         drives=tuple(groups),
         passive_joint=JointFrictionParams(friction_torque=0.0, viscous_friction=0.0),
+        suspensions=() if struts is None else (struts.model_copy(update={"joints": tuple(sprung)}),),
     )
     return Platform(f'<robot name="platform">{"".join(links)}</robot>', machine)
 

@@ -26,6 +26,8 @@ from sojourn_mechanics.terrain.params import TerrainParams
 if TYPE_CHECKING:
     from sojourn_mechanics.terrain.raster import Raster
 
+STOWED = "stow"
+"""Pose of the arm while the rover drives."""
 HEADS = ("rover", "body", "soil", "rock_soil", "battery", "loads", "power_manager", "sensors", "arm", "drive")
 """First word of an override that is for another file than the scenario's."""
 
@@ -97,6 +99,19 @@ class LoadedScenario(Bundle):
     def soil_names(self) -> tuple[str, str]:
         """Names of the default soil and of the soil of rocks."""
         return self.soil.name, self.rock_soil.name
+
+    def wheel_loads(self) -> FloatArray | None:
+        """What the wheels carry by pitch and roll, arm stowed, see `wheel_load_map`; shape (wheels, 3) [N].
+
+        None where the drive does not estimate slip.
+        """
+        if self.drive.slip is None:
+            return None
+        from sojourn_mechanics.steering.wheel_load_map import wheel_load_map  # loads Pinocchio
+
+        stowed = None if self.arm is None else self.arm.named_poses.get(STOWED)
+        angles = {} if self.arm is None or stowed is None else dict(zip(self.arm.joint_names, stowed, strict=True))
+        return wheel_load_map(self.urdf_xml, self.rover, self.gravity, angles)
 
     def sun_direction(self, time: float) -> FloatArray:
         """Unit vector to the Sun in map, shape (3,), `time` [s] after the start of the run."""

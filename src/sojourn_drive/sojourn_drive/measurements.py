@@ -15,6 +15,7 @@ from sojourn_mechanics.plant.params import MachineParams
 from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, TwistCommand
 from sojourn_mechanics.steering.goal import Goal
+from sojourn_mechanics.steering.heading_fix import SunSighting
 from sojourn_mechanics.steering.odometry import OdometryState
 
 DRIVE_LOADS = ("drive", "steer")
@@ -38,10 +39,16 @@ class WheelMeasurements:
         self._first_of_joint = [turned_by.index(joint) for joint in self._steer_joints]
         self._columns: tuple[list[str], list[int], list[int]] | None = None
         self._message = joint_state([*self._drive_joints, *self._steer_joints])
-        self._imu_to_base, _ = mounting(urdf_xml, IMU_LINK)
+        self._imu_to_base, self._imu_lever = mounting(urdf_xml, IMU_LINK)
 
     def drive_input(
-        self, joints: JointState, imu: Any, twist: TwistCommand | None, goal: Goal | None, power_limit: float
+        self,
+        joints: JointState,
+        imu: Any,
+        twist: TwistCommand | None,
+        goal: Goal | None,
+        power_limit: float,
+        sun: SunSighting | None = None,
     ) -> DriveInput:
         """Input of the drive's step. Raises RefusedMessageError if a wheel's joint is missing."""
         drive, steer = self._places(joints)
@@ -50,13 +57,17 @@ class WheelMeasurements:
         angles = np.zeros(len(drive))
         angles[self._steered] = position[steer][self._joint_of_steered]
         gyro = self._imu_to_base @ xyz(imu.angular_velocity)
+        centripetal = gyro * float(gyro @ self._imu_lever) - self._imu_lever * float(gyro @ gyro)
+        force = self._imu_to_base @ xyz(imu.linear_acceleration) - centripetal
         return DriveInput(
             wheel_positions=position[drive],
             wheel_rates=rate[drive],
             steer_angles=angles,
             wheel_efforts=np.array(joints.effort)[drive] if len(joints.effort) else None,
             gyro=(float(gyro[0]), float(gyro[1]), float(gyro[2])),
+            specific_force=(float(force[0]), float(force[1]), float(force[2])),
             roll_pitch=self._roll_pitch(quaternion(imu.orientation)),
+            sun=sun,
             twist=twist,
             goal=goal,
             power_limit=power_limit,

@@ -45,7 +45,9 @@ class DriveNode(ContractNode):
         super().__init__("drive", context=context, overrides=overrides, namespace=namespace)
         scenario = load_scenario(self.scenario_name, self.scenario_overrides)
         start = scenario.config.start
-        self.model = DriveModel(scenario.drive, scenario.steering, eye_of(scenario), scenario.terrain.bounds)
+        self.model = DriveModel(
+            scenario.drive, scenario.steering, eye_of(scenario), scenario.terrain.bounds, scenario.wheel_loads()
+        )
         self.model.warm_up()
         self.state = self.model.initial_state(start.x, start.y, start.yaw)
         self._measurements = WheelMeasurements(scenario.rover, scenario.urdf_xml)
@@ -85,12 +87,12 @@ class DriveNode(ContractNode):
         joints, imu = inputs["/joint_states"], inputs["/imu/data"]
         if joints is not None and imu is not None:  # None: refused on arrival
             try:
-                measured = self._measurements.drive_input(
-                    joints, imu, self._twist_command(stamp), self._pending, self._power_limit
-                )
                 sun = self._sun.sighting(stamp, inputs.get("/sun_direction"))
+                measured = self._measurements.drive_input(
+                    joints, imu, self._twist_command(stamp), self._pending, self._power_limit, sun
+                )
                 cloud = self._clouds.points(inputs.get("/hazcam/points"))
-                measured = replace(measured, sun=sun, supply=self._charge.supply, cloud=cloud)
+                measured = replace(measured, supply=self._charge.supply, cloud=cloud)
                 if self._interlock.reason:
                     measured = replace(measured, goal=None, stop=True, stop_reason=self._interlock.reason)
                 self.state, self._output = self.model.step(self.state, measured, self._since_last(stamp))

@@ -1,12 +1,10 @@
 """The plant of a scenario, settled on its ground."""
 
-from sojourn_config.scenario import LoadedScenario
+from sojourn_config.scenario import STOWED, LoadedScenario
 from sojourn_mechanics.plant.model import PlantModel
 from sojourn_mechanics.plant.state import PlantState
 from sojourn_mechanics.plant.step import initial_state
 from sojourn_mechanics.terrain.height_field import HeightField
-
-STOWED = "stow"
 
 
 def build_plant(scenario: LoadedScenario, terrain: HeightField | None = None) -> tuple[PlantModel, PlantState]:

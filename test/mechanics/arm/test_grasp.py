@@ -70,9 +70,9 @@ def test_more_friction_needs_less_force_and_force_goes_with_load(
 ) -> None:
     base = needed_force(jaws(friction, 0.01), ZERO, load(*force))
     assert needed_force(jaws(friction + more, 0.01), ZERO, load(*force)) <= base * (1.0 + 1e-6) + 1e-9
-    assert needed_force(jaws(friction, 0.01), ZERO, factor * load(*force)) == pytest.approx(
-        factor * base, rel=1e-5, abs=1e-7
-    )  # never less than the round cone asks for, and little more
+    scaled = needed_force(jaws(friction, 0.01), ZERO, factor * load(*force))
+    assert scaled == pytest.approx(factor * base, rel=1e-5, abs=1e-7)
+    # never less than the round cone asks for, and little more
     along, across = abs(force[1]), math.hypot(force[0], force[2])
     exact = along + across / (2.0 * friction)
     assert exact * (1.0 - 1e-6) - 1e-7 <= base <= exact / math.cos(math.pi / 32) * (1.0 + 1e-6) + 1e-7

@@ -19,6 +19,7 @@ from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.plant.linear_modes import ground_response, modes, reduced, response
 from sojourn_mechanics.plant.linearise import LinearPlant, linearise
 from sojourn_mechanics.plant.model import PlantModel
+from sojourn_mechanics.plant.params import SuspensionParams
 from sojourn_mechanics.plant.state import PlantCommand, PlantState, zeros_command
 from sojourn_mechanics.plant.step import initial_state, step
 from sojourn_mechanics.vehicle.body_motion import first_nulls
@@ -74,7 +75,7 @@ def sprung(rock: LoadedScenario) -> tuple[PlantModel, PlantState, PlantCommand]:
     )  # fmt: skip
     platform = wheeled_platform(
         PLACES, pattern, [drive("drive", "rate", proportional=10.0)],
-        struts=drive("arm", "position", proportional=SPRING, derivative=DAMPING), chassis_mass=CHASSIS,
+        struts=SuspensionParams(joints=("pattern",), stiffness=SPRING, damping=DAMPING), chassis_mass=CHASSIS,
         chassis_inertia=(40.0, CHASSIS * PLACES[0] ** 2, 150.0), centre=(0.0, 0.1), track=TRACK,
     )  # fmt: skip
     model, state, command = plant_of(rock, platform)

@@ -141,7 +141,7 @@ def test_two_bodies_fold_at_a_stand_without_dragging_a_wheel(drive_params: Drive
     np.testing.assert_allclose(last.steer_angles, wheels.steer_angles, atol=1e-9)
     np.testing.assert_allclose(last.wheel_rates, wheels.wheel_rates, atol=1e-9)
     turning = [state for _, state in history if np.abs(state.steer_rates[2]) > 0.0]
-    assert 0.2 < max(np.abs(state.steer_rates[2]) for state in turning) <= drive_params.limits.max_steer_rate
+    assert 0.15 < max(np.abs(state.steer_rates[2]) for state in turning) <= drive_params.limits.max_steer_rate
     assert turning[5].wheel_rates[0] * turning[5].wheel_rates[1] < 0.0  # the front body turns as the joint does
     # wheels at rest roll along with the joint; as they speed up, too, they lag by their own acceleration
     assert max(residual for residual, _ in history[:140]) < 1e-9

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sojourn_bringup.wheeled_platform import wheeled_platform
+from sojourn_bringup.wheeled_platform import STRUT_MASS, WHEEL_MASS, wheeled_platform
 from sojourn_config.bundle import read_machine
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.plant.params import SuspensionParams
+from sojourn_mechanics.vehicle.from_machine import Supply, vehicle_of
 from sojourn_mechanics.vehicle.travel_steer import (
     roll_steer,
     steering_error,
@@ -17,6 +19,7 @@ from sojourn_mechanics.vehicle.travel_steer import (
     travel_rates,
     wheel_pose,
 )
+from sojourn_mechanics.vehicle.two_bodies import two_bodies
 from sojourn_mechanics.vehicle.wheel_loads import StandingMachine
 
 TRACK = 1.2
@@ -122,3 +125,59 @@ def test_rigid_axles_have_no_travel_and_unknown_joints_are_refused(rover: Standi
     assert roll_steer(machine, (0, 1)) == 0.0
     with pytest.raises(InvalidValueError, match="rocker_middle"):
         wheel_pose(rover, 0, {"rocker_middle": 0.1})
+
+
+def test_springs_of_a_machine_as_its_wheels_feel_them() -> None:
+    """On struts the rate at the wheel is the spring's; what hangs on a strut is unsprung; loads need no friction."""
+    explorer = read_machine("explorer", "moon", "lunar_nominal").rover
+    spring = SuspensionParams(joints=("pattern",), stiffness=3000.0, damping=400.0)
+    platform = wheeled_platform([0.5, -0.3], explorer.wheels[0], explorer.drives[:1], struts=spring)
+    machine = StandingMachine(platform.urdf_xml, platform.machine, 1.6)
+    assert len(machine.sprung) == 4 and machine.passive == ()
+    stance = machine.stand(lambda x, y: 0.0)
+    loads = machine.loads(stance).normal
+    assert loads.sum() == pytest.approx(machine.mass * 1.6)
+    assert machine.spring_compliance(stance) == pytest.approx(np.full(4, 1.0 / 3000.0))
+    vehicle = vehicle_of("platform", machine, Supply(28.0, 100.0, 0.0), 1.0)
+    assert [axle.spring_rate for axle in vehicle.axles] == pytest.approx([3000.0, 3000.0])
+    assert [axle.damping for axle in vehicle.axles] == pytest.approx([400.0, 400.0])
+    assert [axle.unsprung_mass for axle in vehicle.axles] == pytest.approx([WHEEL_MASS + STRUT_MASS] * 2)
+    # a softer ground under one wheel takes load from it and its diagonal: four springs are hyperstatic
+    raised = machine.loads(machine.stand(lambda x, y: 0.01 if x > 0.0 and y > 0.0 else 0.0)).normal
+    assert raised[0] > loads[0] and raised[3] > loads[3] and raised[1] < loads[1] and raised[2] < loads[2]
+
+
+def test_two_bodies_of_an_articulated_machine() -> None:
+    """The rear axle on a body of its own, 0.1 m behind the middle, which a motor turns about the vertical."""
+    rover = read_machine("explorer", "moon", "lunar_nominal").rover
+    rigid = wheeled_platform([0.5, -0.6], rover.wheels[0], rover.drives[:1], chassis_mass=60.0, centre=(0.2, 0.1))
+    urdf = rigid.urdf_xml.replace("</robot>", "").replace('xyz="-0.6 ', 'xyz="-0.5 ')
+    for side in ("left", "right"):
+        child = f'<child link="wheel_axle_1_{side}_link"/>'
+        urdf = urdf.replace('<parent link="base_link"/>' + child, '<parent link="rear_link"/>' + child)
+    urdf += (
+        '<link name="rear_link"><inertial><origin xyz="-0.3 0 0.1"/><mass value="40"/><inertia ixx="1" iyy="2" izz="3"'
+        ' ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="fold_joint" type="revolute"><origin xyz="-0.1 0 0"/>'
+        '<parent link="base_link"/><child link="rear_link"/><axis xyz="0 0 1"/>'
+        '<limit lower="-0.7" upper="0.7" effort="100" velocity="1"/></joint></robot>'
+    )
+    steering = rover.drives[1].model_copy(update={"joints": ("fold_joint",)})
+    machine = StandingMachine(urdf, rigid.machine.model_copy(update={"drives": (*rigid.machine.drives, steering)}), 1.6)
+    halves = two_bodies(machine, "fold_joint")
+    front, rear = halves.front, halves.rear
+    assert (front.mass, rear.mass) == pytest.approx((60.0 + 2 * WHEEL_MASS, 40.0 + 2 * WHEEL_MASS))
+    assert (front.axle, rear.axle) == pytest.approx((0.6, 0.5))
+    assert rear.centre == pytest.approx((40.0 * 0.3 + 2 * WHEEL_MASS * 0.5) / rear.mass)
+    wheels = 2 * WHEEL_MASS * (0.5**2 + 0.25 * 0.125**2) + 40.0 * 0.3**2
+    assert rear.yaw_inertia == pytest.approx(3.0 + wheels + 0.5 * WHEEL_MASS - rear.mass * rear.centre**2)
+    assert halves.joint.stiffness == steering.servo.proportional
+    assert halves.largest_angle == pytest.approx(0.7)
+    with pytest.raises(InvalidValueError, match="knee"):
+        two_bodies(machine, "knee")
+    with pytest.raises(InvalidValueError, match="motor drives"):
+        two_bodies(read_and_stand("explorer"), "bogie_left_joint")
+
+
+def read_and_stand(name: str) -> StandingMachine:
+    bundle = read_machine(name, "moon", "lunar_nominal")
+    return StandingMachine(bundle.urdf_xml, bundle.rover, bundle.gravity)

@@ -21,6 +21,7 @@ from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.avoidance import EXAMPLE_CLOUD, accepted, guarded, guide, initial_avoidance, see
 from sojourn_mechanics.steering.avoidance_types import Avoidance, AvoidanceState
+from sojourn_mechanics.steering.drive_slip import no_headway, step_slip
 from sojourn_mechanics.steering.drive_status import drive_status
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, DriveState, Mode, TwistCommand
 from sojourn_mechanics.steering.energy_forecast import EnergyAccount, Supply, account_step, forecast_way, shortage
@@ -38,6 +39,7 @@ from sojourn_mechanics.steering.odometry import (
 )
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
 from sojourn_mechanics.steering.rate_limiter import LimiterState
+from sojourn_mechanics.steering.slip_estimation import SlipModel, slip_status
 from sojourn_mechanics.steering.turning_limits import TurningLimits, turning_limits
 from sojourn_mechanics.steering.way_round import Area
 from sojourn_mechanics.steering.wheel_commands import command_wheels, expected_slip
@@ -58,6 +60,8 @@ class DriveModel:
     """The hazard camera in base_link, shape (3,) [m]; without one there is no obstacle handling."""
     area: Area | None = None
     """Where a way round may lead; None for anywhere."""
+    loads: FloatArray | None = None
+    """Of the wheels, from `wheel_load_map`, shape (wheels, 3) [N]; None: slip is not estimated."""
     table: FloatArray = field(init=False)
     turn_radius: float = field(init=False)
     """Distance of the farthest wheel from base_link [m]."""
@@ -65,9 +69,13 @@ class DriveModel:
     """How sharply it can turn."""
     avoidance: Avoidance | None = field(init=False)
     """Obstacle handling, where it is asked for and there is a camera."""
+    slip: SlipModel | None = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "table", self.geometry.table(self.params.track_ratio))
+        slip, loads = self.params.slip, self.loads
+        estimator = None if slip is None or loads is None else SlipModel.of(slip, self.table, loads)
+        object.__setattr__(self, "slip", estimator)
         object.__setattr__(self, "turn_radius", max(math.hypot(w.x, w.y) for w in self.geometry.wheels))
         turning = turning_limits(self.table, self.params.limits, self.params.follower.max_curvature)
         object.__setattr__(self, "turning", turning)
@@ -81,7 +89,10 @@ class DriveModel:
         odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting_variances(self.params.heading_fix))
         motors = MotorState.unsuspected(len(self.table))
         avoidance = initial_avoidance(self.avoidance, x, y) if self.avoidance is not None else None
-        return DriveState("idle", odometry, None, None, None, math.inf, 0.0, motors, "idle", avoidance=avoidance)
+        slip = None if self.slip is None else self.slip.initial_state()
+        return DriveState(
+            "idle", odometry, None, None, None, math.inf, 0.0, motors, "idle", avoidance=avoidance, slip=slip
+        )
 
     def at_rest(self, state: DriveState) -> DriveOutput:
         """Output before the first step: nothing moves, the estimate is that of `state`."""
@@ -98,10 +109,21 @@ class DriveModel:
         wheels, dt = np.zeros(self.table.shape[0]), 0.02
         state = self.initial_state()
         for goal in (Goal.at(1.0, 1.0), None):
-            turning = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.1), roll_pitch=(0.0, 0.0), goal=goal)
+            turning = DriveInput(
+                wheels, wheels + 1.0, wheels, wheels, (0.0, 0.0, 0.1), (0.0, 0.0, 1.0), (0.0, 0.0), goal=goal
+            )
             turning = replace(turning, cloud=EXAMPLE_CLOUD)
             state, _ = self.step(state, turning, dt)
-        resting = DriveInput(wheels, wheels, wheels, gyro=(0.0, 0.0, 0.0), roll_pitch=(0.0, 0.0), stop=True)
+        resting = DriveInput(
+            wheels,
+            wheels,
+            wheels,
+            wheels,
+            gyro=(0.0, 0.0, 0.0),
+            specific_force=(0.0, 0.0, 1.0),
+            roll_pitch=(0.0, 0.0),
+            stop=True,
+        )
         resting = replace(resting, sun=SunSighting(np.array((1.0, 0.0, 0.0)), np.array((1.0, 0.0, 0.0))))
         for _ in range(round(2.0 * self.params.odometry.standing_time / dt)):
             state, _ = self.step(state, resting, dt)
@@ -134,7 +156,8 @@ def _measured(model: DriveModel, state: DriveState, inputs: DriveInput, dt: floa
         raise InvalidValueError("dt", dt, f"above 0 s, at most {LONGEST_PERIOD} s")
     if not (math.isfinite(inputs.power_limit) and 0.0 <= inputs.power_limit <= 1.0):
         raise InvalidValueError("power_limit", inputs.power_limit, "0 to 1")
-    for name, values in (("gyro", inputs.gyro), ("roll and pitch", inputs.roll_pitch)):
+    force = inputs.specific_force
+    for name, values in (("gyro", inputs.gyro), ("specific force", force), ("roll and pitch", inputs.roll_pitch)):
         if values is not None and not math.isfinite(sum(values)):
             raise InvalidValueError(name, values, "finite numbers")
     limiter = state.limiter
@@ -290,6 +313,9 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     if inputs.goal is not None:
         motors = motors.steering_on_trial()
     table = commandable(model.table, motors)
+    slipping = step_slip(model.slip, state, inputs, measured, dt)
+    if slipping is not None:
+        measured = replace(measured, slip=slipping.shared, slip_sigma=slipping.sigma)
     odometry = step_odometry(params.odometry, believable(model.table, motors), state.odometry, measured, dt)
     heading = state.heading
     if inputs.sun is not None and params.heading_fix is not None:
@@ -308,6 +334,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     arbiter.watch_energy(model, inputs.supply, dt)
     wanted = arbiter.take_twist(model, inputs.twist, dt)
     reason = shortcoming(model.table, motors, model.geometry.names)
+    reason = reason or no_headway(model.slip, slipping, model.geometry.names)
     if arbiter.follower is not None and reason:
         arbiter.end_goal(stop(arbiter.follower, reason))
     if arbiter.follower is not None:
@@ -346,6 +373,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         motors=motors,
         text=arbiter.text,
         energy=arbiter.energy,
+        slip=slipping,
         heading=heading,
         avoidance=arbiter.avoidance,
     )
@@ -358,7 +386,8 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         pose_covariance,
         twist_covariance,
         tuple(arbiter.outcomes),
-        drive_status(model.geometry.names, new_state, inputs.power_limit, cut, limited),
+        slip_status(model.slip, slipping, model.geometry.names)
+        | drive_status(model.geometry.names, new_state, inputs.power_limit, cut, limited),
     )
     return new_state, output
 

@@ -18,6 +18,7 @@ from sojourn_mechanics.steering.kinematics import PlanarTwist
 from sojourn_mechanics.steering.motor_watch import MotorState
 from sojourn_mechanics.steering.odometry import OdometryState
 from sojourn_mechanics.steering.rate_limiter import LimiterState
+from sojourn_mechanics.steering.slip_estimation import SlipState
 
 Mode = Literal["idle", "goal", "waypoints", "cmd_vel"]
 
@@ -57,6 +58,8 @@ class DriveInput:
     """Torques of the drives [N m], None where they are not measured."""
     gyro: tuple[float, float, float] | None = None
     """Angular velocity in base_link [rad/s], None without a gyro."""
+    specific_force: tuple[float, float, float] | None = None
+    """What the accelerometers feel, in base_link [m/s^2], None without them."""
     roll_pitch: tuple[float, float] | None = None
     """[rad], None to take the ground as level."""
     sun: SunSighting | None = None
@@ -98,6 +101,8 @@ class DriveState:
     """What the drive is doing, in words."""
     energy: EnergyAccount = field(default_factory=EnergyAccount)
     """Of the goal on its way, or of the last one."""
+    slip: SlipState | None = None
+    """Slip of the wheels, None where it is not estimated."""
     heading: HeadingFixState = field(default_factory=HeadingFixState)
     """What became of the sightings of the Sun."""
     avoidance: AvoidanceState | None = None

@@ -6,9 +6,9 @@ bias, or from the wheels where there is no gyro. The displacement in the body pl
 
     t = w dt,  s = sin t / t,  c = (1 - cos t) / t,   d = dt (1 - s) [s v_x - c v_y, c v_x + s v_y],
 
-with the slip s = mean_slip + slip_per_grade g that the soil is expected to give on the grade g = -sin pitch
-(forwards) and a drift downhill of side_slip_per_grade sin roll on side slopes (measured for a machine and a soil;
-zero where unknown),
+with the estimated slip s (see `slip_estimation`), or s = mean_slip + slip_per_grade g that the soil is expected to
+give on the grade g = -sin pitch (forwards), and a drift downhill of side_slip_per_grade sin roll on side slopes
+(measured for a machine and a soil; zero where unknown),
 turned into the odom frame by Rz(yaw) Ry(pitch) Rx(roll), with the tilt from the IMU. The Euler rate of yaw is
 (w_y sin roll + w_z cos roll) / cos pitch.
 
@@ -35,8 +35,8 @@ consider filter, in Jazwinski, Stochastic Processes and Filtering Theory (1970),
 Weston, Strapdown Inertial Navigation Technology (2004), chapter 3 (Euler rates).
 
 Assumptions: tilt changes little within a period, pitch within 80 degrees, base_link's height above the
-contacts times the tilt rate is small against the speed. Slip of a wheel on soil is covered by slip_sigma, not
-detected.
+contacts times the tilt rate is small against the speed. An estimated slip brings its own standard deviation: what is
+known of the old error is kept as a part of the new one, in proportion.
 """
 
 import math
@@ -52,11 +52,14 @@ from sojourn_mechanics.steering.odometry_kernels import (
     body_arc,
     fill_covariances,
     propagate,
+    rescaled,
     update_bias,
     wheel_motion,
 )
 from sojourn_mechanics.steering.params import OdometryParams
 
+SMALLEST_SLIP_SIGMA = 1e-3
+"""So that the covariance stays positive definite [-]."""
 LARGEST_PITCH = math.radians(80.0)
 """Beyond this pitch the Euler rate of yaw is not used [rad]."""
 
@@ -77,6 +80,10 @@ class OdometryInput:
     """Roll and pitch (REP 103, pitch positive nose down) [rad], None to take the ground as level."""
     commanded_still: bool = False
     """True while nothing is commanded to move."""
+    slip: float | None = None
+    """Estimated slip [-], None to take the expected one."""
+    slip_sigma: float = 0.0
+    """Standard deviation of the estimated slip [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,8 +234,14 @@ def step_odometry(
             yaw_rate_difference=0.0,
         )
 
-    grade = -math.sin(pitch) * (1.0 if v_x >= 0.0 else -1.0)
-    ground = 1.0 - min(max(params.mean_slip + params.slip_per_grade * grade, -0.5), 0.9)
+    before = state.covariance
+    if measured.slip is None:
+        grade = -math.sin(pitch) * (1.0 if v_x >= 0.0 else -1.0)
+        ground = 1.0 - min(max(params.mean_slip + params.slip_per_grade * grade, -0.5), 0.9)
+        slip_sigma = params.slip_sigma
+    else:
+        ground, slip_sigma = 1.0 - measured.slip, max(measured.slip_sigma, SMALLEST_SLIP_SIGMA)
+        before = rescaled(before, 3, slip_sigma)
     drift = -params.side_slip_per_grade * math.sin(roll) * abs(v_x) * ground
     v_x, v_y = v_x * ground, v_y * ground + drift
     pitch_rate = gyro[1] if gyro is not None else 0.0
@@ -251,14 +264,14 @@ def step_odometry(
     renewed = 1.0 - kept * kept
     yaw_variance = gyro_variance * dt if gyro is not None else params.wheel_yaw_sigma**2 * travel
     covariance = propagate(
-        state.covariance,
+        before,
         move_x,
         move_y,
         -sin_yaw * travel,
         cos_yaw * travel,
         bias_gain,
         kept,
-        params.slip_sigma**2 * renewed,
+        slip_sigma**2 * renewed,
         params.side_slip_sigma**2 * renewed,
         params.travel_sigma**2 * travel,
         yaw_variance,
@@ -301,7 +314,7 @@ def message_covariances(params: OdometryParams, state: OdometryState, dt: float)
         params.tilt_sigma,
         float(state.distance),
         params.travel_sigma**2 * speed / dt,
-        (params.slip_sigma * speed) ** 2,
+        float(state.covariance[3, 3]) * speed**2,
         (params.side_slip_sigma * speed) ** 2,
         params.gyro_random_walk**2 / dt + float(state.covariance[5, 5]),
         pose,

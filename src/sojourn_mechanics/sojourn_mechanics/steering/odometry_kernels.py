@@ -114,6 +114,16 @@ def propagate(
 
 
 @njit(cache=True)
+def rescaled(covariance: FloatArray, place: int, sigma: float) -> FloatArray:
+    """The covariance with another standard deviation of one state, correlations as they are."""
+    ratio = sigma / math.sqrt(covariance[place, place])
+    result = covariance.copy()
+    result[place] *= ratio
+    result[:, place] *= ratio
+    return result
+
+
+@njit(cache=True)
 def update_bias(covariance: FloatArray, noise_variance: float) -> tuple[float, FloatArray]:
     """Gain and covariance after the standing gyro has measured its bias; other states are left alone."""
     gain = covariance[5, 5] / (covariance[5, 5] + noise_variance)

@@ -18,6 +18,7 @@ from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, Params
 from sojourn_mechanics.steering.energy_params import EnergyParams
 from sojourn_mechanics.steering.obstacle_params import ObstacleParams
+from sojourn_mechanics.steering.slip_params import SlipParams
 from sojourn_mechanics.steering.wheel_table import wheel_table
 
 SMALLEST_BASE = 1e-3
@@ -338,6 +339,7 @@ class DriveParams(Params):
     motors: MotorWatchParams = Field(default=MotorWatchParams(), description="when a motor counts as failed")
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")
     heading_fix: HeadingFixParams | None = Field(None, description="trust in the sun sensor; none: it is not used")
+    slip: SlipParams | None = Field(None, description="slip from torques; none: the expected one is taken")
     follower: GoalFollowerParams = Field(..., description="approach to goals")
     obstacles: ObstacleParams | None = Field(None, description="obstacle handling; left out: it avoids nothing")
     energy: EnergyParams | None = Field(None, description="what driving costs; none: no forecast")

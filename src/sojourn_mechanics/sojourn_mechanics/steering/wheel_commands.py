@@ -122,7 +122,7 @@ def _smooth_rate(
         table[:, WheelTableColumn.X] - table[:, WheelTableColumn.PIVOT_X],
         table[:, WheelTableColumn.Y] - table[:, WheelTableColumn.PIVOT_Y],
     ).max()
-    acceleration = min(limits.max_acceleration, limits.max_deceleration) / float(lever)
+    acceleration = 0.5 * min(limits.max_acceleration, limits.max_deceleration) / float(lever)  # half is for the way
     to_go = float(np.abs(wanted_angles - state.steer_angles).max())
     present = float(np.abs(state.steer_rates).max())
     arriving = math.sqrt(acceleration * (2.0 * to_go + 0.25 * acceleration * dt * dt)) - 0.5 * acceleration * dt

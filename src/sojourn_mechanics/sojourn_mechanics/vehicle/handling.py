@@ -25,6 +25,9 @@ from scipy.linalg import expm
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 
+NEUTRAL = 1e-6
+"""A static margin of less than this, over what the axles would have alone, is rounding: the vehicle is neutral."""
+
 
 class SingleTrack(NamedTuple):
     """Mass [kg], yaw inertia [kg m^2]; of each axle: place x [m], cornering stiffness [N/rad], share of the steer
@@ -89,8 +92,8 @@ def poles(car: SingleTrack, speed: float) -> FloatArray:
 def understeer_gradient(car: SingleTrack) -> float:
     """K [s^2/m^2]: more than 0 understeers, less oversteers."""
     d = derivatives(car, 1.0)
-    if abs(d.n_beta) < 1e-12 * float(np.abs(car.x) @ np.abs(car.stiffness)):
-        return 0.0  # neutral, but for rounding
+    if abs(d.n_beta) < NEUTRAL * float(np.abs(car.x) @ np.abs(car.stiffness)):
+        return 0.0
     return car.mass * d.n_beta / (d.y_beta * d.n_rate - d.n_beta * d.y_rate)
 
 

@@ -57,9 +57,9 @@ def wheel_pose(machine: StandingMachine, wheel: int, angles: Mapping[str, float]
 
 
 def suspension_joints(machine: StandingMachine, wheel: int) -> tuple[str, ...]:
-    """Passive joints between the chassis and a wheel, from the chassis outwards."""
+    """Passive and sprung joints between the chassis and a wheel."""
     support = list(machine.model.supports[machine.wheels[wheel]])
-    return tuple(name for name in machine.passive if machine.model.getJointId(name) in support)
+    return tuple(name for name in (*machine.passive, *machine.sprung) if machine.model.getJointId(name) in support)
 
 
 def travel_rates(machine: StandingMachine, wheel: int, angles: Mapping[str, float] | None = None) -> TravelRates | None:

@@ -1,9 +1,8 @@
 """Static forces on the wheels of any machine, on any ground: equalising suspensions and hyperstatic ones alike.
 
 Machine: URDF with passive joints (rockers, bogies) and couplings A q' = 0 (differential); motors hold all others, and
-joints with springs are taken as locked: they stand at zero, and give as `compliance` says. Z
-spans the motions that are left free, base and passive joints. With the Jacobian J of the contact points and gravity
-g(q), statics is
+springs stay where they are: what they give counts as compliance of their wheels. Z spans the motions that are left
+free, base and passive joints. With the Jacobian J of the contact points and gravity g(q), statics is
 
     Z^T J^T f = Z^T g(q)                     (principle of virtual work)
 
@@ -123,17 +122,19 @@ class StandingMachine:
         contacts, normals, left = self._gaps(configuration, ground)
         return Stance(configuration, contacts, normals, left)
 
-    def loads(self, stance: Stance, compliance: FloatArray | float = COMPLIANCE) -> WheelLoads:
+    def loads(self, stance: Stance, compliance: FloatArray | float | None = None) -> WheelLoads:
         """Forces on the wheels at rest.
 
         Args:
-            compliance: of each contact, wheel and suspension together [m/N], (wheels,) or one for all.
+            compliance: of each contact, wheel and suspension together [m/N], (wheels,) or one for all; if left out,
+                that of a stiff wheel on the springs of the machine.
 
         Raises:
             InvalidValueError: no forces hold the machine: it falls over.
         """
         count = len(self.wheels)
-        softness = np.broadcast_to(np.asarray(compliance, dtype=np.float64), (count,))
+        given = COMPLIANCE + self.spring_compliance(stance) if compliance is None else compliance
+        softness = np.broadcast_to(np.asarray(given, dtype=np.float64), (count,))
         gravity = pin.computeGeneralizedGravity(self.model, self.data, stance.configuration)
         frames = [_frame(normal) for normal in stance.normals]
         rows = np.concatenate([self._jacobian(stance, wheel, frame) for wheel, frame in enumerate(frames)])
@@ -147,6 +148,17 @@ class StandingMachine:
         local = found.reshape(count, 3)
         forces = np.array([frame.T @ force for frame, force in zip(frames, local, strict=True)])
         return WheelLoads(forces, local[:, 2].copy(), np.hypot(local[:, 0], local[:, 1]))
+
+    def spring_compliance(self, stance: Stance) -> FloatArray:
+        """Of the springs, as each wheel's centre feels it upwards: sum (dz/dq)^2/k, (wheels,) [m/N]; 0 without."""
+        pin.computeJointJacobians(self.model, self.data, stance.configuration)
+        total = np.zeros(len(self.wheels))
+        for number, wheel in enumerate(self.wheels):
+            lift = pin.getJointJacobian(self.model, self.data, wheel, pin.LOCAL_WORLD_ALIGNED)[2]
+            for name in self.sprung:
+                column = self.model.joints[self._joint(name)].idx_v
+                total[number] += float(lift[column]) ** 2 / self.sprung[name].stiffness
+        return total
 
     def centre_of_mass(self, configuration: FloatArray) -> FloatArray:
         """In the world, shape (3,) [m]."""

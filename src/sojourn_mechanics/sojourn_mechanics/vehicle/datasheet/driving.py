@@ -138,10 +138,17 @@ def energy(subject: Subject) -> Section:
 
 def ruts(subject: Subject) -> Section:
     """What rear wheels spare in the ruts of the front ones."""
+    try:
+        return _ruts(subject)
+    except InvalidValueError as error:
+        return Section("Ruts", (Figure("rut_depth", "Depth of the ruts", None, "mm", f"not told: {error}"),))
+
+
+def _ruts(subject: Subject) -> Section:
     course, cruise = subject.course_in_ruts(), subject.vehicle.cruise_speed
     following = [number for number, wheel in enumerate(course.wheels) if isinstance(wheel, FollowingWheel)]
     if not subject.on_soil or not following or subject.soil.kind == "rigid":
-        note = "no wheel follows in the track of another" if not following else "the ground does not yield"
+        note = "no wheel follows in the track of another" if not following else "its wheels do not sink in"
         return Section("Ruts", (Figure("rut_depth", "Depth of the ruts", None, "mm", note),))
     fresh = steady_state(subject.course(OWN), cruise)
     state = steady_state(course, cruise)

@@ -5,6 +5,8 @@ import math
 import numpy as np
 
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.plant.linear_modes import ground_response
+from sojourn_mechanics.plant.linearise import LinearPlant
 from sojourn_mechanics.vehicle.body_motion import ElasticAxle, first_nulls, heave_and_pitch_modes, roll_motion
 from sojourn_mechanics.vehicle.datasheet.figures import Curve, Figure, Section
 from sojourn_mechanics.vehicle.datasheet.subject import Subject
@@ -19,6 +21,10 @@ from sojourn_mechanics.vehicle.quarter_car import (
 from sojourn_mechanics.vehicle.ride import comfort, weighted_acceleration
 
 FREQUENCIES = np.geomspace(0.1, 40.0, 800)
+PLANT_TEXT = (
+    "Of base_link: the plant linearised while it drives, with springs, dampers, links, wheels and soil as they are, "
+    "for waves longer than a wheel."
+)
 
 
 def riding(subject: Subject) -> Section:
@@ -31,6 +37,12 @@ def riding(subject: Subject) -> Section:
         Figure("bounce_null", "First frequency without bounce at cruise", bounce, "Hz", "from the wheelbase"),
         Figure("pitch_null", "First frequency without pitch at cruise", pitch, "Hz", "from the wheelbase"),
     )
+    of_plant: tuple[Figure, ...] = ()
+    curves_of_plant: tuple[Curve, ...] = ()
+    if subject.driving is not None and subject.machine is not None and subject.machine.sprung:
+        of_plant, curves_of_plant = _riding_of_plant(subject, subject.driving)
+    if of_plant and (front.spring_rate is None or front.tyre_rate is None):
+        return Section("Ride", (*nulls, *of_plant), curves_of_plant, PLANT_TEXT)
     if front.spring_rate is None or front.tyre_rate is None:
         figure = Figure(
             "natural_frequency", "Natural frequency", None, "Hz", "no springs: the suspension is rigid or equalises"
@@ -87,7 +99,26 @@ def riding(subject: Subject) -> Section:
     )
     text = "Linear quarter car, wheels in contact. The ISO words of comfort are for people on Earth. Lunar spectra are "
     text += "extrapolated from slopes at 17 m: craters and rocks come on top."
-    return Section("Ride", (*head, *nulls, *figures), curves, text)
+    if of_plant:
+        text += " " + PLANT_TEXT
+    return Section("Ride", (*head, *nulls, *figures, *of_plant), (*curves, *curves_of_plant), text)
+
+
+def _riding_of_plant(subject: Subject, plant: LinearPlant) -> tuple[tuple[Figure, ...], tuple[Curve, ...]]:
+    """Of the whole machine, driving at cruise speed, both tracks alike; its modes are with the suspension."""
+    longest = plant.speed / (2.0 * subject.vehicle.axles[0].wheel_radius)
+    frequencies = FREQUENCIES[longest > FREQUENCIES]
+    heave = np.abs(ground_response(plant, "z", frequencies))
+    figures, lines = [], {}
+    for name, ground in _grounds(subject).items():
+        spectrum = ground.at_speed(plant.speed, frequencies)
+        value = weighted_acceleration(frequencies, heave, spectrum)
+        lines[name] = (frequencies, heave**2 * spectrum)
+        key = "ride_plant_" + name.replace(" ", "_").lower()
+        figures.append(Figure(key, f"Weighted acceleration of base_link, {name}", value, "m/s²", comfort(value)))
+    title = "Spectrum of base_link's vertical acceleration at cruise, plant"
+    label = "power spectral density [(m/s²)²/Hz]"
+    return tuple(figures), (Curve(title, "frequency [Hz]", label, lines, logarithmic=True),)
 
 
 def _grounds(subject: Subject) -> dict[str, Roughness]:

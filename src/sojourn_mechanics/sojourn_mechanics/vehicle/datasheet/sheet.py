@@ -10,7 +10,8 @@ from sojourn_mechanics.vehicle.datasheet.riding import riding
 from sojourn_mechanics.vehicle.datasheet.standing import general, standing, steps
 from sojourn_mechanics.vehicle.datasheet.subject import Subject
 from sojourn_mechanics.vehicle.datasheet.suspending import suspension
-from sojourn_mechanics.vehicle.datasheet.turning import handling, slip_steering, steering
+from sojourn_mechanics.vehicle.datasheet.turning import handling, steering
+from sojourn_mechanics.vehicle.datasheet.unusual_steering import slip_steering
 from sojourn_mechanics.vehicle.params import PublishedFigure
 
 

@@ -92,7 +92,7 @@ def standing(subject: Subject) -> Section:
     text = "At rest. "
     if vehicle.equalising and subject.machine is not None:
         text += "Loads by virtual work on the machine's joints: the suspension equalises. "
-    elif len(vehicle.axles) > 2:
+    elif len(vehicle.axles) > 2 and vehicle.axles[0].spring_rate is not None:
         text += "More than two axles on springs: the rates of the springs decide. "
     return Section("Standing", tuple(figures), curves, text + "Tipping with the suspension locked.")
 
@@ -101,6 +101,10 @@ def steps(subject: Subject) -> Section:
     """Highest steps."""
     side = subject.side()
     if side is None:
+        return Section("Steps", (Figure("highest_step", "Highest step", None, "m", "no analysis for this suspension"),))
+    try:
+        least_friction(side, 0.01, subject.gravity)
+    except InvalidValueError:
         return Section("Steps", (Figure("highest_step", "Highest step", None, "m", "no analysis for this suspension"),))
     heights = np.array([highest_step(side, friction, subject.gravity, highest=1.0) for friction in STEP_FRICTIONS])
     headline = float(heights[STEP_FRICTIONS.index(FIRM_FRICTION)])

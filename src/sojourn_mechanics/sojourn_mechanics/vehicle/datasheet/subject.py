@@ -67,7 +67,22 @@ class Subject:
     def laws(self) -> tuple[str, ...]:
         """The laws that its wheels can be taken by."""
         rigid = all(isinstance(axle.contact, RigidWheelOnSoilParams) for axle in self.vehicle.axles)
+        if not self.on_soil:
+            return (OWN,)
         return LAWS[:2] if rigid else LAWS
+
+    @property
+    def articulation(self) -> str | None:
+        """The joint between two bodies that steers the wheels of one of them; None where wheels steer by themselves."""
+        if self.machine is None:
+            return None
+        joints = [wheel.steer_joint for wheel in self.machine.machine.wheels if wheel.steer_joint is not None]
+        return next((joint for joint in joints if joints.count(joint) > 1), None)
+
+    @property
+    def rolls_sideways(self) -> bool:
+        """Whether its wheels have rollers."""
+        return all(axle.contact.model == "roller_wheel" for axle in self.vehicle.axles)
 
     @property
     def places(self) -> FloatArray:

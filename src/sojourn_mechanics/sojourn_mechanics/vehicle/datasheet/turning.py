@@ -4,9 +4,11 @@ import math
 
 import numpy as np
 
+from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.vehicle.datasheet.figures import Curve, Figure, Section
 from sojourn_mechanics.vehicle.datasheet.subject import Subject
+from sojourn_mechanics.vehicle.datasheet.unusual_steering import articulated_steering
 from sojourn_mechanics.vehicle.handling import (
     SingleTrack,
     characteristic_speed,
@@ -20,22 +22,22 @@ from sojourn_mechanics.vehicle.longitudinal import loads
 from sojourn_mechanics.vehicle.params import AxleParams
 from sojourn_mechanics.vehicle.rollover import curve_limit, roll_over_factor
 from sojourn_mechanics.vehicle.side_force import cornering_stiffness
-from sojourn_mechanics.vehicle.slip_steering import SlipVehicle, spin_moment, steady_turn
 from sojourn_mechanics.vehicle.steering_geometry import ideal_angles, path_radii, steering_error, turn_of_outer_wheel
 
 SIDE_ANGLE = 0.6
 """Slip angle at which the side force of the soil is taken as its greatest [rad]."""
 STEP_DEG = 1.0
-SLIP_SPEED = 0.05
-"""Slip speed over which the friction of sliding wheels builds up, over the cruise speed."""
 
 
 def steering(subject: Subject) -> Section:
     """Turning circle at full lock, steering error, turning on the spot."""
     vehicle, places = subject.vehicle, subject.places
+    if subject.machine is not None and subject.articulation is not None:
+        return articulated_steering(subject, subject.machine, subject.articulation)
     steered = [axle for axle in vehicle.axles if axle.max_steer > 0.0]
     if not steered:
-        figure = Figure("outer_wheel_radius", "Turning circle", None, "m", "no wheel steers")
+        note = "turns on the spot, on its rollers" if subject.rolls_sideways else "no wheel steers"
+        figure = Figure("outer_wheel_radius", "Turning circle", 0.0 if subject.rolls_sideways else None, "m", note)
         return Section("Steering", (figure,))
     centre = _centre(subject)
     front = vehicle.axles[0]
@@ -74,43 +76,16 @@ def steering(subject: Subject) -> Section:
     )
 
 
-def slip_steering(subject: Subject) -> Section | None:
-    """Turns with one side faster than the other: all that a machine of fixed wheels has. None where wheels steer."""
-    vehicle = subject.vehicle
-    if any(axle.max_steer > 0.0 for axle in vehicle.axles):
-        return None
-    level = loads(subject.course(), 0.0)
-    sliding = [
-        -subject.side_force(axle).force(float(load), SIDE_ANGLE)
-        for axle, load in zip(vehicle.axles, level, strict=True)
-    ]
-    speed = vehicle.cruise_speed
-    friction = float(sum(sliding) / level.sum())
-    machine = SlipVehicle(subject.places, np.repeat(level, 2), friction, SLIP_SPEED * speed)
-    spin = steady_turn(machine, -speed, speed)
-    shares = np.linspace(-1.0, 0.95, 40)
-    turns = [steady_turn(machine, float(share) * speed, speed) for share in shares]
-    angle = f"side slip {math.degrees(SIDE_ANGLE):.0f}°"
-    figures = (
-        Figure("slip_friction", "Side force over load, sliding", friction, "", angle),
-        Figure("spin_moment", "Moment that resists a turn on the spot", spin_moment(machine), "N m"),
-        Figure("spin_power", "Power into the ground for it, rims at cruise speed", spin.power, "W"),
-        Figure("spin_rate", "Yaw rate of it", math.degrees(spin.yaw_rate), "°/s"),
-        Figure("width_ratio", "Effective over built track", spin.width_ratio, "", "free-rolling centres of the sides"),
-    )
-    radii = np.array([turn.forward / turn.yaw_rate for turn in turns])
-    powers = np.array([turn.power for turn in turns])
-    abscissa = "speed of the inner over that of the outer side"
-    curves = (
-        Curve("Radius of a slip-steered turn", abscissa, "radius [m]", {"centre of mass": (shares, radii)}),
-        Curve("Power into the ground", abscissa, "power [W]", {"all wheels": (shares, powers)}),
-    )
-    text = "Level ground, low speed. Coulomb friction as large as the side force of the sliding wheel on this soil, "
-    return Section("Slip steering", figures, curves, text + "which holds what the wheel pushes aside.")
-
-
 def handling(subject: Subject) -> Section:
     """Linear handling with the side force of the soil, limits on curves."""
+    try:
+        return _handling(subject)
+    except InvalidValueError as error:
+        figure = Figure("understeer_gradient", "Understeer gradient K", None, "s²/m²", f"not told: {error}")
+        return Section("Handling", (figure,))
+
+
+def _handling(subject: Subject) -> Section:
     vehicle = subject.vehicle
     level = loads(subject.course(), 0.0)
     stiffness = []

@@ -1,0 +1,42 @@
+"""The slip estimate as a part of the drive: what of its input it takes, and what becomes of a goal without headway."""
+
+import numpy as np
+
+from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.steering.drive_types import DriveInput, DriveState
+from sojourn_mechanics.steering.odometry import OdometryInput
+from sojourn_mechanics.steering.slip_estimation import SlipInput, SlipModel, SlipState, estimate_slip, is_stuck, trouble
+
+
+def step_slip(
+    model: SlipModel | None, state: DriveState, inputs: DriveInput, measured: OdometryInput, dt: float
+) -> SlipState | None:
+    """The slip after a period of `dt` [s]; as it was where a measurement is missing, None where it is not estimated.
+
+    Raises:
+        InvalidValueError: efforts that are not finite, or not one for each wheel.
+    """
+    force, gyro, tilt, efforts = inputs.specific_force, inputs.gyro, inputs.roll_pitch, inputs.wheel_efforts
+    if model is None or state.slip is None or force is None or gyro is None or tilt is None or efforts is None:
+        return state.slip
+    torques = np.array(efforts, dtype=np.float64)
+    if torques.shape != measured.wheel_rates.shape or not np.isfinite(torques).all():
+        raise InvalidValueError("wheel efforts", torques.tolist(), "one finite number for each wheel")
+    limiter = state.limiter
+    seen = SlipInput(
+        measured.wheel_rates,
+        measured.wheel_rates if limiter is None else limiter.wheel_rates,
+        measured.steer_angles,
+        torques,
+        np.array((gyro[0], gyro[1], gyro[2] - state.odometry.gyro_bias)),
+        np.array(force),
+        tilt,
+    )
+    return estimate_slip(model, state.slip, seen, dt)
+
+
+def no_headway(model: SlipModel | None, slip: SlipState | None, names: tuple[str, ...]) -> str:
+    """Why a goal cannot be pursued any longer, in words; empty where it can."""
+    if model is None or slip is None or not is_stuck(model.params, slip):
+        return ""
+    return trouble(model.params, slip, names)
