@@ -90,6 +90,13 @@ def test_wheels_of_the_drive_node_are_those_of_the_urdf(flat: LoadedScenario) ->
     assert wheels["front_left"].radius == pytest.approx(0.125 + 0.006), "they roll on their grousers"
 
 
+def test_a_blind_drive_looks_at_no_obstacle(flat: LoadedScenario) -> None:
+    assert flat.drive.obstacles is not None
+    blind = load_scenario("flat_drive", ["blind_drive=true"])
+    assert blind.drive.obstacles is None
+    assert blind.drive.model_copy(update={"obstacles": flat.drive.obstacles}) == flat.drive
+
+
 def test_arm_gets_rotor_inertia_and_friction_of_its_drives(flat: LoadedScenario) -> None:
     drives = {joint: drive for drive in flat.rover.drives for joint in drive.joints}
     for index, joint in enumerate(flat.arm.joint_names):

@@ -63,6 +63,9 @@ class ScenarioConfig(Params):
     duration_limit_s: float = Field(gt=0.0, le=LONGEST, description="simulated time at which a run ends [s]")
     simulation: SimulationParams = Field(default_factory=SimulationParams, description="steps of the plant")
     accept: AcceptanceConfig = Field(default_factory=AcceptanceConfig, description="how near counts as met")
+    blind_drive: bool = Field(
+        default=False, description="the drive avoids no obstacle: it goes where the operator says, as over a step"
+    )
     faults: tuple[FaultParams, ...] = Field(default=(), description="motors that fail during the run")
     steps: tuple[StepConfig, ...] = Field(default=(), description="what the operator sends, in order")
 
@@ -161,8 +164,11 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
             problems += error.problems
     if problems or bundle is None:
         raise ConfigError(problems)
+    fields = bundle.fields()
+    if config.blind_drive:
+        fields["drive"] = bundle.drive.model_copy(update={"obstacles": None})
     return LoadedScenario(
-        **bundle.fields(),
+        **fields,
         name=Path(name).stem,
         config=config,
         overrides=tuple(overrides),
