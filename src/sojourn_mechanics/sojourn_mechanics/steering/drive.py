@@ -12,21 +12,21 @@ Sources and equations: see kinematics, rate_limiter, odometry and goal_follower 
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.steering.avoidance import EXAMPLE_CLOUD, accepted, guarded, guide, initial_avoidance, see
-from sojourn_mechanics.steering.avoidance_types import Avoidance, AvoidanceState
+from sojourn_mechanics.steering.arbiter import NO_MOTION, Arbiter
+from sojourn_mechanics.steering.avoidance import EXAMPLE_CLOUD, guide, initial_avoidance, see
 from sojourn_mechanics.steering.drive_slip import no_headway, step_slip
 from sojourn_mechanics.steering.drive_status import drive_status
-from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, DriveState, Mode, TwistCommand
-from sojourn_mechanics.steering.energy_forecast import EnergyAccount, Supply, account_step, forecast_way, shortage
-from sojourn_mechanics.steering.goal import Goal, GoalOutcome
-from sojourn_mechanics.steering.goal_follower import FollowerLimits, FollowerState, accept, follow, stop
+from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, DriveState
+from sojourn_mechanics.steering.driven_machine import DrivenMachine
+from sojourn_mechanics.steering.goal import Goal
+from sojourn_mechanics.steering.goal_follower import FollowerLimits, follow, stop
 from sojourn_mechanics.steering.heading_fix import SunSighting, fix_heading, mounting_variances
 from sojourn_mechanics.steering.kinematics import PlanarTwist, limited_twist
 from sojourn_mechanics.steering.motor_watch import MotorState, believable, commandable, shortcoming, watch_motors
@@ -37,52 +37,17 @@ from sojourn_mechanics.steering.odometry import (
     message_covariances,
     step_odometry,
 )
-from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
 from sojourn_mechanics.steering.rate_limiter import LimiterState
-from sojourn_mechanics.steering.slip_estimation import SlipModel, slip_status
-from sojourn_mechanics.steering.turning_limits import TurningLimits, turning_limits
-from sojourn_mechanics.steering.way_round import Area
+from sojourn_mechanics.steering.slip_estimation import slip_status
 from sojourn_mechanics.steering.wheel_commands import command_wheels, expected_slip
 from sojourn_mechanics.vehicle.clothoid import Pose
 
 LONGEST_PERIOD = 1.0
 """Longest period a step accepts [s]."""
-NO_MOTION = PlanarTwist(0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
-class DriveModel:
-    """Parameters of one machine, validated and prepared for the kernels."""
-
-    params: DriveParams
-    geometry: SteeringGeometryParams
-    eye: FloatArray | None = None
-    """The hazard camera in base_link, shape (3,) [m]; without one there is no obstacle handling."""
-    area: Area | None = None
-    """Where a way round may lead; None for anywhere."""
-    loads: FloatArray | None = None
-    """Of the wheels, from `wheel_load_map`, shape (wheels, 3) [N]; None: slip is not estimated."""
-    table: FloatArray = field(init=False)
-    turn_radius: float = field(init=False)
-    """Distance of the farthest wheel from base_link [m]."""
-    turning: TurningLimits = field(init=False)
-    """How sharply it can turn."""
-    avoidance: Avoidance | None = field(init=False)
-    """Obstacle handling, where it is asked for and there is a camera."""
-    slip: SlipModel | None = field(init=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "table", self.geometry.table(self.params.track_ratio))
-        slip, loads = self.params.slip, self.loads
-        estimator = None if slip is None or loads is None else SlipModel.of(slip, self.table, loads)
-        object.__setattr__(self, "slip", estimator)
-        object.__setattr__(self, "turn_radius", max(math.hypot(w.x, w.y) for w in self.geometry.wheels))
-        turning = turning_limits(self.table, self.params.limits, self.params.follower.max_curvature)
-        object.__setattr__(self, "turning", turning)
-        avoidance = None
-        if self.params.obstacles is not None and self.eye is not None:
-            avoidance = Avoidance(self.params.obstacles, self.params.follower, turning, self.eye, self.area)
-        object.__setattr__(self, "avoidance", avoidance)
+class DriveModel(DrivenMachine):
+    """One machine and the laws that drive it; its state is a value, see `DriveState`."""
 
     def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
         """At rest at a pose in odom [m, rad]."""
@@ -171,90 +136,8 @@ def _measured(model: DriveModel, state: DriveState, inputs: DriveInput, dt: floa
     )
 
 
-@dataclass(slots=True)
-class _Arbiter:
-    """What commands the rover in this period; lives within one step only."""
-
-    mode: Mode
-    follower: FollowerState | None
-    since_override: float
-    text: str
-    outcomes: list[GoalOutcome]
-    energy: EnergyAccount
-    avoidance: AvoidanceState | None
-
-    def end_goal(self, outcome: GoalOutcome, mode: Mode = "idle") -> None:
-        """Notes how a goal ended."""
-        self.outcomes.append(outcome)
-        self.follower = None
-        self.mode = mode
-        self.text = f"{outcome.kind}: {outcome.reason}"
-
-    def take_stop(self, reason: str) -> None:
-        """A stop request ends goal and twist."""
-        if self.follower is not None:
-            self.end_goal(stop(self.follower, reason))
-        self.mode, self.text, self.since_override = "idle", f"stopped: {reason}", 0.0
-
-    def take_goal(self, model: DriveModel, goal: Goal, here: OdometryState, supply: Supply | None) -> None:
-        """A new goal ends the older one, unless it is refused."""
-        answer = accept(model.params.follower, model.turning, goal, Pose(here.x, here.y, here.yaw))
-        account = EnergyAccount()
-        if isinstance(answer, FollowerState) and model.params.energy is not None:
-            forecast = forecast_way(model.params.energy, answer.path, goal, here.z, here.yaw)
-            account = EnergyAccount(forecast, judged=supply is not None)
-            short = shortage(model.params.energy, forecast, supply) if supply is not None else None
-            if short is not None:
-                answer = GoalOutcome("refused", short, goal, math.nan)
-        if model.avoidance is not None and self.avoidance is not None:
-            answer, self.avoidance = accepted(model.avoidance, self.avoidance, goal, answer, here)
-        if isinstance(answer, GoalOutcome):
-            self.outcomes.append(answer)
-            if self.follower is None and self.mode == "idle":
-                self.text = f"refused: {answer.reason}"
-            return
-        if self.follower is not None:
-            self.end_goal(stop(self.follower, "pre-empted by a newer goal"))
-        self.follower, self.mode, self.since_override, self.energy = answer, goal.kind, 0.0, account
-
-    def watch_energy(self, model: DriveModel, supply: Supply | None, dt: float) -> None:
-        """Count what the goal takes; a goal that came before the first reading of the battery is judged by it."""
-        self.energy = account_step(self.energy, supply, self.follower is not None, dt)
-        costs, forecast = model.params.energy, self.energy.forecast
-        if self.energy.judged or self.follower is None or supply is None or costs is None or forecast is None:
-            return
-        self.energy = replace(self.energy, judged=True)
-        short = shortage(costs, forecast, supply)
-        if short is not None:
-            way = self.follower
-            self.end_goal(GoalOutcome("refused", short, way.goal, way.distance_to_go))
-
-    def take_twist(self, model: DriveModel, command: TwistCommand | None, dt: float) -> PlanarTwist:
-        """The operator's twist, if it is fresh and newer than the last goal or stop."""
-        timeout = model.params.cmd_vel_timeout
-        newer = command is not None and command.age < self.since_override - 0.5 * dt
-        if command is not None and newer and command.age <= timeout:
-            if self.follower is not None:
-                self.end_goal(stop(self.follower, "pre-empted by /cmd_vel"))
-            self.mode, self.text = "cmd_vel", "driving by /cmd_vel"
-            return command.twist
-        if self.mode == "cmd_vel":
-            self.mode, self.text = "idle", f"stopped: /cmd_vel is older than {timeout:.2f} s"
-        return NO_MOTION
-
-    def keep_clear(self, model: DriveModel, wanted: PlanarTwist, here: OdometryState) -> PlanarTwist:
-        """The motion wanted, or none where it would lead into an obstacle."""
-        if model.avoidance is None or self.avoidance is None or wanted == NO_MOTION:
-            return wanted
-        self.avoidance, free = guarded(model.avoidance, self.avoidance, wanted, here, by_hand=self.mode == "cmd_vel")
-        if free:
-            return wanted
-        self.text = f"stopped before {self.avoidance.obstacle}"
-        return NO_MOTION
-
-
 def _follow(
-    model: DriveModel, arbiter: _Arbiter, odometry: OdometryState, power: float, still: bool, dt: float
+    model: DriveModel, arbiter: Arbiter, odometry: OdometryState, power: float, still: bool, dt: float
 ) -> PlanarTwist:
     """The goal follower's twist; notes the end of the goal."""
     way = arbiter.follower
@@ -326,7 +209,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     avoidance = state.avoidance
     if model.avoidance is not None and avoidance is not None:
         avoidance = see(model.avoidance, avoidance, inputs.cloud, odometry, dt)
-    arbiter = _Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [], state.energy, avoidance)
+    arbiter = Arbiter(state.mode, state.follower, state.since_override + dt, state.text, [], state.energy, avoidance)
     if inputs.stop:
         arbiter.take_stop(inputs.stop_reason)
     if inputs.goal is not None:
