@@ -32,7 +32,7 @@ class FakeRole(ContractNode):
         self.declare_parameter("result_file", "")
         self.ends_the_run = role == "plant"
         self._manner = manner
-        self._owed = [row for row in outputs_of(role) if row.publisher == role and row.every]
+        self._owed = [row for row in outputs_of(role, self.participants) if row.publisher == role and row.every]
         self._ready: set[str] = set()
         self._sent = 0
         self._next_at = 0.0
