@@ -226,8 +226,9 @@ def a_publisher_is_best_effort(drive: Any) -> None:
 
 @defect("arm", replay="/arm_command.effort")
 def gravity_has_the_wrong_sign(arm: Any) -> None:
-    gravity_in_base = arm._gravity_in_base
-    arm._gravity_in_base = lambda imu: -gravity_in_base(imu)
+    measured = arm._measurements
+    gravity_in_base = measured._gravity_in_base
+    measured._gravity_in_base = lambda imu: -gravity_in_base(imu)
 
 
 @defect("arm", replay="/arm_command.name", judge="/arm_command.position")

@@ -27,7 +27,7 @@ from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, Driv
 from sojourn_mechanics.steering.driven_machine import DrivenMachine
 from sojourn_mechanics.steering.goal import Goal
 from sojourn_mechanics.steering.goal_follower import FollowerLimits, follow, stop
-from sojourn_mechanics.steering.heading_fix import SunSighting, fix_heading, mounting_variances
+from sojourn_mechanics.steering.heading_fix import SunSighting, eased, fix_heading, mounting_variances
 from sojourn_mechanics.steering.kinematics import PlanarTwist, limited_twist
 from sojourn_mechanics.steering.motor_watch import MotorState, believable, commandable, shortcoming, watch_motors
 from sojourn_mechanics.steering.odometry import (
@@ -203,6 +203,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     heading = state.heading
     if inputs.sun is not None and params.heading_fix is not None:
         odometry, heading = fix_heading(params.heading_fix, odometry, heading, inputs.sun)
+    published, heading = eased(odometry, heading, dt)
     if limiter is None:
         limiter = LimiterState.at_rest(measured.steer_angles)
 
@@ -265,7 +266,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         limited.state.wheel_rates,
         limited.state.steer_angles,
         limited.state.steer_rates,
-        odometry,
+        published,
         pose_covariance,
         twist_covariance,
         tuple(arbiter.outcomes),

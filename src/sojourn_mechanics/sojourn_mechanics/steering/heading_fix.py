@@ -18,6 +18,9 @@ A sighting is refused if its elevation or its heading is off by more than `gate`
 Li and Kirubarajan 2001, Estimation with Applications to Tracking and Navigation, sec. 5.4: NIS gate), or if the Sun
 stands too high to tell a heading; the state is then left as it was.
 
+What is published does not jump with a correction, for the frame odom is continuous (REP 105) and its twist is the
+change of its pose: `eased` lets the corrections into the published pose by and by.
+
 Sources: Trebi-Ollennu et al. 2001, "Design and analysis of a sun sensor for planetary rover absolute heading
 detection", IEEE Trans. Robotics and Automation 17:939; Ali et al. 2005, "Attitude and position estimation on the Mars
 Exploration Rovers", IEEE SMC. Assumptions: small errors; the ephemeris and the clock are exact.
@@ -33,6 +36,8 @@ from sojourn_mechanics.steering.odometry import OdometryState, wrap_angle
 from sojourn_mechanics.steering.odometry_kernels import update_all
 from sojourn_mechanics.steering.params import HeadingFixParams
 
+CORRECTION_SPEED, CORRECTION_RATE = 0.005, 0.02
+"""How fast a correction is made [m/s], [rad/s]: hidden in what the twist of /odom is good for."""
 MOUNTING = 6
 """Where m is in the covariance: places 6 to 8."""
 
@@ -61,6 +66,8 @@ class HeadingFixState:
     """Heading of the Sun less that of the odometry, at the last sighting with a heading [rad]."""
     deviation: float = 0.0
     """The same in standard deviations."""
+    behind: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Corrections that are not in the published pose yet: x, y [m] and yaw [rad]."""
 
 
 def mounting_variances(params: HeadingFixParams | None) -> tuple[float, ...]:
@@ -100,7 +107,8 @@ def fix_heading(
     deviation = innovation / math.sqrt(variance)
     if abs(deviation) > params.gate:
         text = f"rejected: heading off by {math.degrees(innovation):.1f} deg, {abs(deviation):.1f} sigma"
-        return odometry, HeadingFixState(heading.fixes, heading.rejected + 1, text, innovation, deviation)
+        rejected = heading.rejected + 1
+        return odometry, replace(heading, rejected=rejected, text=text, innovation=innovation, deviation=deviation)
 
     change, covariance = update_all(odometry.covariance, row, (params.noise_sigma / across) ** 2, innovation)
     corrected = replace(
@@ -112,7 +120,21 @@ def fix_heading(
         mounting=odometry.mounting + change[MOUNTING:],
         covariance=covariance,
     )
-    return corrected, HeadingFixState(heading.fixes + 1, heading.rejected, "heading fixed", innovation, deviation)
+    x, y, turn = heading.behind
+    behind = (x + float(change[0]), y + float(change[1]), turn + float(change[2]))
+    fixes = heading.fixes + 1
+    return corrected, HeadingFixState(fixes, heading.rejected, "heading fixed", innovation, deviation, behind)
+
+
+def eased(odometry: OdometryState, heading: HeadingFixState, dt: float) -> tuple[OdometryState, HeadingFixState]:
+    """The odometry as it is published after a period `dt` [s], and the state with what is then still behind."""
+    x, y, turn = heading.behind
+    if x == y == turn == 0.0:
+        return odometry, heading
+    left = max(1.0 - CORRECTION_SPEED * dt / max(math.hypot(x, y), 1e-12), 0.0)
+    x, y, turn = left * x, left * y, turn - min(max(turn, -CORRECTION_RATE * dt), CORRECTION_RATE * dt)
+    published = replace(odometry, x=odometry.x - x, y=odometry.y - y, yaw=wrap_angle(odometry.yaw - turn))
+    return published, replace(heading, behind=(x, y, turn))
 
 
 def _levelled(roll: float, pitch: float) -> FloatArray:
