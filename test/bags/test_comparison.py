@@ -22,6 +22,7 @@ from synthetic import PERIOD
 
 from sojourn_bags.comparison import compare, until
 from sojourn_bags.comparison_result import Verdict
+from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.layout import layout_of
 from sojourn_bags.reading import Messages
 from sojourn_contract.flow import topic_order
@@ -236,6 +237,16 @@ def test_keys_that_come_go_and_change_places_are_told() -> None:
     assert (gone.field, gone.first.other) == ("status.values.b", "(absent)")
     (moved,) = compare(side({"a": "1", "b": "2"}), side({"b": "2", "a": "1"})).fields
     assert moved.field == "status (order)"
+
+
+def test_what_a_side_leaves_out_does_not_hide_what_differs() -> None:
+    many = {f"key_{number}": "1" for number in range(100)}
+    one = {"/drive/status": as_messages("/drive/status", [status(50 * PERIOD, many | {"a": "1"})])}
+    other = {"/drive/status": as_messages("/drive/status", [status(50 * PERIOD, {"a": "2"})])}
+    lines = comparison_lines(compare(one, other), "ours", "theirs")
+    assert any("status.values.a " in line for line in lines)
+    (lacking,) = (line for line in lines if "theirs has no" in line)
+    assert lacking.endswith("status.values.key_5 and 94 more")
 
 
 @settings(max_examples=60, deadline=None)

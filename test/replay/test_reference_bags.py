@@ -157,7 +157,10 @@ def test_a_delay_of_one_period_is_named(domain: int) -> None:
 
 def test_messages_that_are_left_out_are_named(domain: int) -> None:
     topics = {topic.topic: topic for topic in judged(ForgetfulDrive, domain).topics}
-    assert topics["/odom"].missing == tuple(100 * number * 20_000_000 for number in range(1, 6))
+    assert topics["/odom"].missing == tuple(
+        range(2 * 10**9, reference("short_goals")["/odom"].log_times[-1] + 1, 2 * 10**9)
+    )
+    assert len(topics["/odom"].missing) >= 4
     assert topics["/diagnostics"].missing == (3 * 10**9,)
     assert not topics["/wheel_command"].missing
 

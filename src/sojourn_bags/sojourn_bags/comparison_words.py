@@ -4,9 +4,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from sojourn_bags.comparison_result import Comparison, FieldDifference, Place, TopicComparison, Verdict, at
+from sojourn_bags.comparison_text import ABSENT
 
 MOST_FIELDS = 60
 """Fields told one by one; the JSON has them all."""
+MOST_NAMES = 6
+"""Fields that a side leaves out, told by name for each topic."""
 _HEAD = ("topic.field", "differ", "beyond", "largest", "allowed", "first at")
 
 
@@ -16,7 +19,7 @@ def comparison_lines(comparison: Comparison, one: str = "A", other: str = "B") -
     Args:
         one, other: what the two sets are called.
     """
-    lines = [*_field_table(comparison, one, other)]
+    lines = [*_field_table(comparison, one, other), *_absent(comparison, one, other)]
     for topic in comparison.topics:
         lines += _gaps(topic, one, other)
     if comparison.order_differs_at is not None:
@@ -46,7 +49,8 @@ def _verdict(comparison: Comparison) -> str:
 
 
 def _field_table(comparison: Comparison, one: str, other: str) -> Iterator[str]:
-    rows = [_row(field, one, other) for field in comparison.fields[:MOST_FIELDS]]
+    fields = [field for field in comparison.fields if ABSENT not in (field.first.one, field.first.other)]
+    rows = [_row(field, one, other) for field in fields[:MOST_FIELDS]]
     if not rows:
         return
     widths = [max(len(row[column]) for row in (_HEAD, *rows)) for column in range(len(_HEAD))]
@@ -56,9 +60,21 @@ def _field_table(comparison: Comparison, one: str, other: str) -> Iterator[str]:
             *(cell.rjust(width) for cell, width in zip(row[1:6], widths[1:], strict=True)),
         ]
         yield "  ".join((*cells, *row[6:]))
-    left_out = len(comparison.fields) - len(rows)
+    left_out = len(fields) - len(rows)
     if left_out > 0:
         yield f"and {_count(left_out, 'more field')}"
+
+
+def _absent(comparison: Comparison, one: str, other: str) -> Iterator[str]:
+    """One line for all that a side leaves out of a topic: told one by one they would hide what differs."""
+    lacking: dict[tuple[str, str], list[str]] = {}
+    for field in comparison.fields:
+        if ABSENT in (field.first.one, field.first.other):
+            topic, _, name = field.name.partition(".")
+            lacking.setdefault((topic, one if field.first.one == ABSENT else other), []).append(name)
+    for (topic, side), names in lacking.items():
+        more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+        yield f"{topic}: {side} has no " + ", ".join(names[:MOST_NAMES]) + more
 
 
 def _row(field: FieldDifference, one: str, other: str) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -42,6 +43,8 @@ MEASURED_BY = ("plant", "sensors")
 HEARTBEAT_PERIODS = 50
 REFUSAL_LOG_S = 1.0
 """Wall time between two lines of the log on refused messages of one topic; the heartbeat counts them all."""
+FAREWELL_S = 1.0
+"""Wall time that a farewell has to arrive: a listener that is gone does not hold up the end."""
 READY_REPEAT_S = 0.2
 """Wall time between heartbeats before the run."""
 
@@ -179,6 +182,8 @@ class ContractNode(Node):
         """Say farewell; called once before the node is destroyed."""
         if self.now:
             self._send_heartbeat(ENDED, self.now)
+            # or the end of the node may overtake its last words, and the recorder's account lacks its counters
+            self._senders["/diagnostics"].wait_for_all_acked(Duration(seconds=FAREWELL_S))
 
     def unmatched(self) -> list[str]:
         """Endpoints of other participants that are not connected yet, in words."""
