@@ -19,6 +19,8 @@ from sojourn_bags.reading import read_bag
 from sojourn_config.paths import config_folder
 
 PACE_S = 6.0
+ROCKING_S = 6.0
+"""A machine whose drive dies stops and rocks on the soil, which the new drive cannot tell from speed at once."""
 NOTICE_S = 1.0
 """Wall time within which a dead node must be noticed, by the issue that asked for it."""
 
@@ -153,6 +155,7 @@ def test_a_killed_node_is_noticed_and_started_again(stack: Stack, start: Callabl
     watcher.join()
     assert noticed and noticed[0] - at < NOTICE_S
     stack.wait_until_running("drive", times=2)
+    time.sleep(ROCKING_S)
     goal = start("goal_client", "drive", "0.06", "0.0", "--frame", "base_link", "--domain", stack.domain)
     assert goal.wait() == 0, goal.text
 

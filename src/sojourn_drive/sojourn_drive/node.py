@@ -95,6 +95,8 @@ class DriveNode(ContractNode):
                 measured = replace(measured, supply=self._charge.supply, cloud=cloud)
                 if self._interlock.reason:
                     measured = replace(measured, goal=None, stop=True, stop_reason=self._interlock.reason)
+                if self._last is None and stamp > stamps.CONTROL_PERIOD_NS and self.model.slip is not None:
+                    self.state = replace(self.state, slip=self.model.slip.initial_state(at_rest=False))
                 self.state, self._output = self.model.step(self.state, measured, self._since_last(stamp))
                 self._last, self._pending = stamp, None
                 return self._output

@@ -40,6 +40,8 @@ TURNING_SIGMA = 0.01
 """Speed of base_link that wheels turning on the spot may leave [m/s]."""
 UNKNOWN_SPEED_SIGMA = 0.1
 """Of a machine that moves already when the drive starts [m/s]."""
+ROCKING_ACCELERATION = 0.3
+"""Of a machine that has just stopped, in the one reading that gravity is taken from when the drive starts [m/s^2]."""
 IDLE_EXPECTED = 0.3
 """Torque that a wheel must be expected to need before it can lack it [N m]."""
 
@@ -116,11 +118,12 @@ class SlipModel:
         """The model of a machine."""
         return SlipModel(params, table, loads, np.array([_row(params.fresh), _row(params.rut)]))
 
-    def initial_state(self) -> SlipState:
-        """At rest, as far as is known."""
+    def initial_state(self, at_rest: bool = True) -> SlipState:
+        """Before the first period. at_rest: False where the machine may still rock, as after a drive that has died."""
         zero = np.zeros(self.table.shape[0])
         params = self.params
-        variances = (UNKNOWN_SPEED_SIGMA**2, params.drift_sigma**2, params.factor_sigma**2)
+        drift = params.drift_sigma**2 + (0.0 if at_rest else ROCKING_ACCELERATION**2)
+        variances = (UNKNOWN_SPEED_SIGMA**2, drift, params.factor_sigma**2)
         return SlipState(
             states=np.array((0.0, 0.0, 1.0)),
             covariance=np.diag(np.array(variances)),
