@@ -19,6 +19,7 @@ from sojourn_mechanics.params import FloatArray, Params
 from sojourn_mechanics.steering.energy_params import EnergyParams
 from sojourn_mechanics.steering.obstacle_params import ObstacleParams
 from sojourn_mechanics.steering.slip_params import SlipParams
+from sojourn_mechanics.steering.terrain_match_params import TerrainMatchParams
 from sojourn_mechanics.steering.wheel_table import wheel_table
 
 SMALLEST_BASE = 1e-3
@@ -340,6 +341,9 @@ class DriveParams(Params):
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")
     heading_fix: HeadingFixParams | None = Field(None, description="trust in the sun sensor; none: it is not used")
     slip: SlipParams | None = Field(None, description="slip from torques; none: the expected one is taken")
+    terrain_match: TerrainMatchParams | None = Field(
+        None, description="odometry from the hazard camera; none: its clouds are for obstacles only"
+    )
     follower: GoalFollowerParams = Field(..., description="approach to goals")
     obstacles: ObstacleParams | None = Field(None, description="obstacle handling; left out: it avoids nothing")
     energy: EnergyParams | None = Field(None, description="what driving costs; none: no forecast")
