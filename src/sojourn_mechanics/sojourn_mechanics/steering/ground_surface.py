@@ -8,9 +8,9 @@ order), the plane
 with s the error of the point's height. Between the nodes the planes of the four corners are blended bilinearly. The
 plane is no node's if its points are few, lie on one side, or nearly on a line.
 
-Errors. The covariance of (a, g) is A^-1 B A^-1 with A = sum w X X^T and B = sum K w X X^T. For points spread evenly over
-the disc B is 3/5 of A for the height and 2/5 of A for the slopes (moments of K): that is taken here. It is scaled up by
-the squares of what the points are off the plane over s^2: relief that a plane cannot follow, and so the error of
+Errors. The covariance of (a, g) is A^-1 B A^-1 with A = sum w X X^T and B = sum K w X X^T. For points spread evenly
+over the disc B is 3/5 of A for the height and 2/5 of A for the slopes (moments of K): that is taken here. It is scaled
+up by the squares of what the points are off the plane over s^2: relief that a plane cannot follow, and so the error of
 interpolation, is in it.
 
 Source: Lancaster & Salkauskas (1981), Mathematics of Computation 37:141 (moving least squares). Range: relief that is

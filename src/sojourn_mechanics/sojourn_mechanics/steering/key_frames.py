@@ -48,7 +48,7 @@ MOST_OUTLIERS = 0.25
 """Part of the points beyond which a match is not used [-]."""
 LEAST_OVERLAP = 0.5
 """Part of a cloud on the key frame's surface below which there is a new one [-]."""
-LARGEST_SIGMA = 0.1
+LARGEST_SIGMA = 0.03
 """A direction in which a match is worse tells nothing [m]."""
 
 
@@ -143,7 +143,9 @@ def match_ground(
     )
     overlap = found.points / len(look.points)
     flaw = _flaw(params, found)
-    if flaw:
+    if not flaw and not _tells(found):
+        state = replace(state, text="the ground is too even to tell", points=found.points)
+    elif flaw:
         state = replace(state, rejected=state.rejected + 1, text=f"rejected: {flaw}", points=found.points)
     else:
         look = replace(look, place=(*look.place[:2], state.level + float(guess[2] + found.shift[2]), look.place[3]))
@@ -208,13 +210,18 @@ def _flaw(params: TerrainMatchParams, found: Match) -> str:
     """Why a match cannot be used; empty where it can."""
     if found.points < params.least_points:
         return f"only {found.points} points on known ground"
-    if not found.converged:
+    if not found.converged and _tells(found):
         return "no place fits"
     if found.outliers > MOST_OUTLIERS * found.points:
         return f"{found.outliers} of {found.points} points off the ground"
     if found.misfit > params.misfit:
         return f"points off the ground by {math.sqrt(found.misfit):.1f} sigma"
     return ""
+
+
+def _tells(found: Match) -> bool:
+    """Whether the ground has relief enough for a direction."""
+    return float(np.linalg.eigvalsh(found.information)[1]) > LARGEST_SIGMA**-2
 
 
 def _updated(
@@ -228,8 +235,6 @@ def _updated(
     """The filter's update with a match: see the head of this module."""
     values, axes = np.linalg.eigh(found.information)
     told = values > LARGEST_SIGMA**-2
-    if not told.any():
-        return odometry, replace(state, text="the ground is too even to tell", points=found.points)
     to_odom = rotation_of(0.0, 0.0, float(key[2]))[:2, :2]
     way = to_odom @ (guess + found.shift[:2])
     size = len(odometry.covariance)

@@ -12,6 +12,8 @@ START_POSITION_VARIANCE = 1e-6
 """Variance of the start position [m^2]: zero by definition, but a covariance must be positive definite."""
 START_YAW_VARIANCE = 1e-8
 """Variance of the start heading [rad^2], for the same reason."""
+CLONED_YAW_VARIANCE = 1e-10
+"""Of the heading of a clone against the original [rad^2], for the same reason."""
 STANDING_RATE_VARIANCE = 1e-8
 """Variance of a velocity that is zero because the rover stands [m^2/s^2 or rad^2/s^2]."""
 
@@ -117,6 +119,7 @@ def cloned(covariance: FloatArray, variance: float) -> FloatArray:
         result[:, size - 3 + i] = result[:, i]
     result[size - 3, size - 3] += variance
     result[size - 2, size - 2] += variance
+    result[size - 1, size - 1] += CLONED_YAW_VARIANCE
     return result
 
 
