@@ -22,6 +22,7 @@ from sojourn_drive.clouds import eye_of
 from sojourn_drive.measurements import WheelMeasurements
 from sojourn_drive.sun import SunSightings
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.plant.faults import MotorFaults
 from sojourn_mechanics.plant.state import PlantOutput
 from sojourn_mechanics.plant.step import step as step_plant
 from sojourn_mechanics.sensors import suite
@@ -61,6 +62,7 @@ class ClosedLoop:
         self._view, self._eye = HazardView(scenario), self.drive.eye
         self._sightings, self._sun = SunSightings(scenario), SunReadings(scenario)
         self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
+        self._faults = MotorFaults(self.plant, scenario.config.faults)
         self._commands = CommandBuffer(self.plant)
         self._commands.hold(self.truth.motor_angles)
         self._odometry, self._imu = Odometry(), Imu()
@@ -88,7 +90,8 @@ class ClosedLoop:
         measured = self._measure(stamp, goal, None if twist is None else TwistCommand(twist, 0.0))
         self.drive_state, self.output = self.drive.step(self.drive_state, change(measured), stamps.CONTROL_PERIOD_S)
         self._commands.take({"/wheel_command": self._wheels.command(stamp, self.output)})
-        self.truth, self.told = step_plant(self.plant, self.truth, self._commands.at(stamp))
+        command = self._faults.on(self._commands.at(stamp), self.truth.joints[0], stamps.seconds(stamp))
+        self.truth, self.told = step_plant(self.plant, self.truth, command)
         return self.output
 
     @property
