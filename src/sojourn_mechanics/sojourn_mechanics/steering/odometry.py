@@ -20,8 +20,8 @@ companion S in odom, the way d and the period's gyro gain g = dt cos roll / cos 
     e_x += -D_y (e_yaw - g e_bias / 2) - D_x e_slip + S_x e_side,   e_y likewise,   e_yaw += -g e_bias,
     e_slip *= exp(-d / slip_length),  e_side likewise,              P' = F P F^T + Q;
 
-Q: travel_sigma^2 per metre in x and y; gyro random walk per second (or wheel_yaw_sigma^2 per metre); the bias
-walks; slip and drift are renewed so that their variances stay slip_sigma^2 and side_slip_sigma^2.
+Q: travel_sigma^2 per metre and turn_sigma^2 per radian in x and y; gyro random walk per second (or wheel_yaw_sigma^2
+per metre); the bias walks; slip and drift are renewed so that their variances stay slip_sigma^2 and side_slip_sigma^2.
 
 The sun sensor corrects heading and bias in between, see `heading_fix`; a camera pose, slip and drift, see `key_frames`.
 What a measurement has told of e_slip and e_side is kept as slip_error and side_error, which fade like them, and is
@@ -302,7 +302,7 @@ def step_odometry(
         kept,
         slip_sigma**2 * renewed,
         params.side_slip_sigma**2 * renewed,
-        params.travel_sigma**2 * travel,
+        params.travel_sigma**2 * travel + params.turn_sigma**2 * abs(yaw_rate) * dt,
         yaw_variance,
         params.gyro_bias_walk**2 * dt if gyro is not None else 0.0,
     )

@@ -256,6 +256,12 @@ class OdometryParams(Params):
     travel_sigma: float = Field(
         ..., gt=0.0, le=1.0, description="random error of travel, per square root of metre [m/m^0.5]"
     )
+    turn_sigma: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=1.0,
+        description="random error of the position in turning, per square root of radian [m/rad^0.5]",
+    )
     wheel_yaw_sigma: float = Field(
         ...,
         gt=0.0,
