@@ -9,6 +9,8 @@ import numpy as np
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.messages import quaternion, wrench_values
 from sojourn_mechanics.arm.feedforward import gravity_in_body
+from sojourn_mechanics.arm.tasks.task import ToolReading
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT
 from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
@@ -26,6 +28,8 @@ class Measured:
     """In base_link (3,) [m/s2]."""
     wrench: FloatArray | None
     """Of the tool on the wrist's sensor (6,) [N], [N m]; None where it is not measured."""
+    tool: ToolReading | None
+    """Its actuator; None where nobody tells it."""
 
 
 class Measurements:
@@ -43,6 +47,8 @@ class Measurements:
         self._gravity = gravity
         self._refuse = refuse
         self._places: tuple[list[str], list[int]] = ([], [])
+        self._tool: int | None = None
+        """Place of the tool's actuator in a message."""
         self._imu_to_base = mounting(urdf_xml, IMU_LINK)[0]
 
     def read(self, joints: Any, imu: Any, wrist: Any) -> Measured | None:
@@ -56,6 +62,7 @@ class Measurements:
             efforts=np.array(joints.effort)[places] if len(joints.effort) else None,
             gravity=gravity,
             wrench=None if wrist is None else wrench_values(wrist),
+            tool=None if self._tool is None else _tool_reading(joints, self._tool),
         )
 
     def _places_in(self, joints: Any) -> list[int] | None:
@@ -71,6 +78,7 @@ class Measurements:
                     self._refuse("/joint_states", RefusedMessageError("/joint_states", "name", text, allowed))
                     return None
             self._places = (names, [names.index(joint) for joint in self._joints])
+            self._tool = names.index(TOOL_JOINT) if TOOL_JOINT in names else None
         return self._places[1]
 
     def _gravity_in_base(self, imu: Any) -> FloatArray | None:
@@ -83,3 +91,9 @@ class Measurements:
             self._refuse("/imu/data", error)
             return None
         return gravity
+
+
+def _tool_reading(joints: Any, place: int) -> ToolReading:
+    """The tool's actuator, at its place in a message."""
+    effort = joints.effort[place] if len(joints.effort) else 0.0
+    return ToolReading(joints.position[place], joints.velocity[place], effort)

@@ -4,11 +4,11 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 from pydantic import BaseModel
 
-from sojourn_config.errors import ConfigError, Problem, single
+from sojourn_config.errors import ConfigError, Problem, names_text, single
 from sojourn_config.load import validate
 from sojourn_config.machine_checks import ground_problems, machine_problems, steering_geometry, with_drive_data
 from sojourn_config.overrides import override_document
@@ -17,6 +17,7 @@ from sojourn_config.rover import RoverConfig
 from sojourn_config.urdf import UrdfSummary, read_urdf
 from sojourn_config.yaml_file import YamlDocument, dotted, read_yaml
 from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.arm.tool_params import ToolParams, ToolSet
 from sojourn_mechanics.environment.body import BodyParams
 from sojourn_mechanics.power.battery import BatteryParams
 from sojourn_mechanics.power.loads import BusParams
@@ -43,6 +44,7 @@ class Bundle:
         sensors, drive: sets of the sensor and drive node.
         arm: set of the arm node, None for a rover without one; rotor inertia and friction that its file leaves out
             are filled in from the rover's drives.
+        tool: at the end of the arm, None where there is none.
         steering: wheels as the drive node sees them, from URDF and rover.
         files: text of every file that was read, by name; the scenario's is first.
     """
@@ -58,6 +60,7 @@ class Bundle:
     power_manager: PowerManagerParams
     sensors: SensorSuiteParams
     arm: ArmParams | None
+    tool: ToolParams | None
     drive: DriveParams
     steering: SteeringGeometryParams
     files: dict[str, str]
@@ -114,8 +117,16 @@ class BundleReader:
         self._overrides = overrides
         self._soils: dict[str, YamlDocument] = {}
 
-    def read(self, rover: str, body: str, soil: str, rock_soil: str, extra_soils: Sequence[str] = ()) -> Bundle | None:
-        """All that a scenario names, or None with the reasons in `problems`."""
+    def read(
+        self,
+        rover: str,
+        body: str,
+        soil: str,
+        rock_soil: str,
+        extra_soils: Sequence[str] = (),
+        mounted: str | None = None,
+    ) -> Bundle | None:
+        """All that a scenario names, or None with the reasons in `problems`. `mounted`: a tool, not the rover's own."""
         here = (self._scenario, self._path)
         found_body = self._named("bodies", body, "body", BodyParams, here)
         found_soil = self._named("soils", soil, "soil", SoilParams, here)
@@ -132,11 +143,13 @@ class BundleReader:
         law = self._load("power", config.power_manager, "power_manager", PowerLawParams, there)
         sensors = self._load("sensors", config.sensors, "sensors", SensorSuiteParams, there)
         arm = self._arm(rover, config.arm, there)
+        tool = self._tool(config, mounted, here, there)
         drive = self._load("nodes", config.drive, "drive", DriveParams, there)
         if urdf is None or battery is None or bus is None or law is None or sensors is None:
             return None
         if (
             (config.arm is not None and arm is None)
+            or tool is False
             or drive is None
             or found_body is None
             or found_soil is None
@@ -152,7 +165,7 @@ class BundleReader:
         grounds = {ground.name: ground for ground in (found_soil, found_rock, *extra)}
         for ground in grounds.values():
             self.problems += ground_problems(config, ground, self._soils[ground.name])
-        found = machine_problems(config, urdf, bus[0], sensors[0], arm and arm[0], drive[0], documents)
+        found = machine_problems(config, urdf, bus[0], sensors[0], arm and arm[0], drive[0], documents, tool or None)
         if found:
             self.problems += found
             return None
@@ -168,6 +181,7 @@ class BundleReader:
             power_manager=PowerManagerParams(battery=battery[0], loads=bus[0].loads, law=law[0]),
             sensors=sensors[0],
             arm=None if arm is None else with_drive_data(arm[0], config),
+            tool=tool or None,
             drive=drive[0],
             steering=steering_geometry(config, urdf),
             files=self.files,
@@ -182,6 +196,32 @@ class BundleReader:
         for text in self._overrides.get("arm", ()):
             self.problems.append(Problem(f"--set arm.{text}", "", "", f"the rover {rover} has no arm"))
         return None
+
+    def _tool(
+        self,
+        config: RoverConfig,
+        mounted: str | None,
+        scenario: tuple[YamlDocument, Path],
+        rover: tuple[YamlDocument, Path],
+    ) -> ToolParams | Literal[False] | None:
+        """The tool on the arm; None where there is none, False with the reason in `problems`."""
+        name = mounted or config.tool
+        if name is None:
+            return None
+        document, _ = asked = scenario if mounted else rover
+        if config.arm is None:
+            self.problems.append(document.problem(("tool",), name, f"the rover {config.urdf} has no arm"))
+            return False
+        loaded = self._load("tools", name, "tool", ToolSet, asked)
+        if loaded is None:
+            return False
+        found, its_document = loaded[0].tool, loaded[1]
+        pads = [pad.name for pad in config.pads]
+        if found.pad not in pads:
+            allowed = "is no pad of the rover: " + names_text(found.pad, pads)
+            self.problems.append(its_document.problem(("tool", "pad"), found.pad, allowed))
+            return False
+        return found
 
     def _load(
         self, kind: str, name: str, key: str, model: type[Model], asked: tuple[YamlDocument, Path]

@@ -10,6 +10,7 @@ from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
 from sojourn_mechanics.actuators.params import DriveParams as DriveTrainParams
 from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT, ToolParams
 from sojourn_mechanics.contact.params import WheelParams
 from sojourn_mechanics.contact.roller_wheel import RollerWheelParams
 from sojourn_mechanics.power.loads import BusParams
@@ -29,19 +30,21 @@ def machine_problems(
     arm: ArmParams | None,
     drive: DriveParams,
     documents: Mapping[str, YamlDocument],
+    tool: ToolParams | None = None,
 ) -> list[Problem]:
     """All that does not fit together.
 
     Args:
         arm: None for a rover without one.
         documents: the files by role (`rover`, `sensors`, `arm`, `drive`), for messages.
+        tool: at the end of the arm, if there is one.
     """
     problems = [
         *mechanism_problems(rover, urdf, documents["rover"]),
         *_wheel_problems(rover, urdf, documents["rover"]),
         *_drive_problems(rover, urdf, bus, documents["rover"]),
         *_reference_problems(rover, urdf, documents["rover"]),
-        *_sensor_problems(sensors, urdf, documents["sensors"]),
+        *_sensor_problems(sensors, urdf, documents["sensors"], () if tool is None else (TOOL_JOINT,)),
         *(() if arm is None else _arm_problems(arm, rover, urdf, documents["arm"])),
     ]
     if not problems:
@@ -201,9 +204,13 @@ def _reference_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDoc
         yield document.problem(("urdf",), rover.urdf, f"has no link {BASE_LINK}")
 
 
-def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+def _sensor_problems(
+    sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument, of_tool: Sequence[str]
+) -> Iterator[Problem]:
     for group, params in sensors.joint_groups.items():
         for number, name in enumerate(params.joints):
+            if name in of_tool:
+                continue
             problem = _joint_problem(document, ("joint_groups", group, "joints", number), name, urdf)
             if problem is not None:
                 yield problem
