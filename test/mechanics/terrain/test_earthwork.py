@@ -110,3 +110,17 @@ def test_ground_that_remembers_nothing_is_not_changed() -> None:
     terrain, board = ground(), board_of(0.0)
     assert cut(board, terrain, terrain.grid, np.array([0.0, 0.0, -0.1]), np.array([0.1, 0.0, -0.1]), 0.1) == 0.0
     assert heap(board, terrain, terrain.grid, 0.0, 0.0, 1e-3, SLOPE) == 0.0
+
+
+def test_nothing_is_lost_in_ground_that_is_dug_again_and_again() -> None:
+    """What is put down where soil was taken counts as it is stored: in double precision, although that is single."""
+    terrain, board = ground(), board_of()
+    generator, balance = np.random.default_rng(1), 0.0
+    for _ in range(40):
+        begin = np.array([*generator.uniform(-0.2, 0.2, 2), -generator.uniform(0.005, 0.03)])
+        end = begin + np.array([*generator.uniform(-0.1, 0.1, 2), 0.0])
+        volume = cut(board, terrain, terrain.grid, begin, end, 0.06)
+        put = heap(board, terrain, terrain.grid, *generator.uniform(-0.2, 0.2, 2), 0.7 * volume, SLOPE)
+        assert 0.0 <= 0.7 * volume - put < 1e-11
+        balance += volume - put
+        assert removed(board) == pytest.approx(balance, abs=1e-17)

@@ -76,10 +76,10 @@ def _raise(pool: Tile, slots: IntArray, pages: IntArray, column: int, row: int, 
     if page == 0:
         return 0.0
     node = pool[page, row % TILE, column % TILE]
-    before = float(node[DUG])
+    before = np.float64(node[DUG])  # float() would leave it in single precision here
     node[DUG] = np.float32(before - by)
     pages[page, 2] = 1
-    return before - float(node[DUG])
+    return float(before - np.float64(node[DUG]))
 
 
 @njit(cache=True)
@@ -128,7 +128,7 @@ def _cone(ground: FloatArray, before: FloatArray, distance: FloatArray, top: flo
     for i in range(ground.shape[0]):
         height = top - slope * distance[i] - ground[i]
         if height > 0.0:
-            volume += (before[i] - float(np.float32(before[i] - height))) * cell * cell
+            volume += (before[i] - np.float64(np.float32(before[i] - height))) * cell * cell
     return volume
 
 
