@@ -335,3 +335,11 @@ def test_in_real_time_any_input_may_come_first(bench: Bench) -> None:
         bench.until(lambda period=period: node._latest.get("/joint_states", (0,))[0] == at(period), "joints are there")
         bench.send("/imu/data", imu(period))
     assert tuple(bench.answer("/arm_command", 3002).name) == ARM
+
+
+def test_a_goal_under_the_ground_is_refused_with_the_pair(arm: ArmBench) -> None:
+    """The rover's wheels tell where the ground is: 0.47 m under base_link."""
+    arm.step()
+    status = arm.goal("/arm/goal_pose", pose_goal(1.2, 0.0, -0.75))
+    assert status["state"] == "refused"
+    assert "and ground: overlap by" in status["reason"] and "arm_" in status["reason"]

@@ -10,6 +10,7 @@ import numpy as np
 from rclpy.context import Context
 
 from sojourn_arm.goals import GoalDesk
+from sojourn_arm.ground import Ground
 from sojourn_arm.measurements import Measurements
 from sojourn_arm.rover import ODOMETRY, Rover
 from sojourn_config.scenario import load_scenario
@@ -49,6 +50,8 @@ class ArmNode(ContractNode):
         self.state = task_control.initial_state(self.params, self.model)
         self._measurements = Measurements(self.params.joint_names, scenario.urdf_xml, scenario.gravity, self.refuse)
         self._rover = Rover(self.params.interlock, [wheel.joint for wheel in scenario.rover.wheels])
+        wheels = [(wheel.joint, wheel.radius + wheel.grouser_height) for wheel in scenario.rover.wheels]
+        self._ground = Ground(self.params, scenario.urdf_xml, wheels)
         self._goals = GoalDesk(self.params, self._rover)
         self._powered = True
         self._pending: ArmGoal | TaskRequest | None = None
@@ -83,6 +86,8 @@ class ArmNode(ContractNode):
         if measured is None:
             self._command.velocity = doubles(np.zeros(len(self._command.name)))
             return
+        if self._pending is not None:
+            self._ground.look(joints)
         why_not = self._rover.why_not_allowed if self._powered else "the power manager has switched the arm off"
         goal, task = (None, self._pending) if isinstance(self._pending, TaskRequest) else (self._pending, None)
         request = ArmInput(
@@ -92,6 +97,7 @@ class ArmNode(ContractNode):
             goal=goal,
             allowed=not why_not,
             not_allowed_reason=why_not,
+            ground=self._ground.plane,
         )
         tasks = task_control.TaskInput(request, task, measured.wrench, measured.efforts)
         self.state, self._output, report = task_control.step(

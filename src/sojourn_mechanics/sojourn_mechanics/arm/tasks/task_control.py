@@ -126,7 +126,7 @@ def _take_task(params: ArmParams, model: ArmModel, state: TaskState, inputs: Tas
         if under_way and not request.preempt:
             raise GoalRefusedError(f"{request.task}: {under_way} is under way (preempt: true would replace it)")
         posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
-        task = start_task(params, model, request, posture, inputs.wrench is not None)
+        task = start_task(params, model, request, posture, inputs.wrench is not None, inputs.arm.ground)
     except GoalRefusedError as error:
         return replace(state, refused=state.refused + 1), str(error)
     return replace(state, name=request.task, task=task, doing=Doing(), accepted=state.accepted + 1), ""
