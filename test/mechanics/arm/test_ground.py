@@ -1,4 +1,4 @@
-"""The plane on which a machine stands, by the joints of its suspension; lines of the tip that are checked against it."""
+"""The plane on which a machine stands, by the joints of its suspension; lines of the tip, checked against it."""
 
 from typing import Any
 

@@ -192,7 +192,7 @@ class ArmParams(Params):
         default=None,
         ge=-100.0,
         le=100.0,
-        description="the ground is the plane z = this in base_link [m]; null: the plane under the wheels, if it has any",
+        description="the ground is the plane z = this in base_link [m]; null: that under the wheels, if there are any",
     )
     ground_clearance: float = Field(default=0.02, ge=-0.5, le=1.0, description="links to ground plane, at least [m]")
     ground_contact_links: tuple[str, ...] = Field(
