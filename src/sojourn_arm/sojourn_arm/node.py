@@ -54,6 +54,9 @@ class ArmNode(ContractNode):
         self._ground = Ground(self.params, scenario.urdf_xml, wheels)
         self._goals = GoalDesk(self.params, self._rover)
         self._powered = True
+        self._rated_power = next((load.power_w for load in scenario.bus.loads if load.name == ARM_LOAD), 0.0)
+        self._granted: float | None = None
+        """What the power manager lets the arm draw [W]; None: all that it may."""
         self._pending: ArmGoal | TaskRequest | None = None
         """A goal that waits for the first period whose measurements can be used."""
         self._output: ArmOutput | None = None
@@ -64,7 +67,9 @@ class ArmNode(ContractNode):
         """One step of the arm's control, with the measurements of this period."""
         switches = inputs.get("/power/switches")
         if switches is not None:
-            self._powered = fraction_of(status_values(switches).get(ARM_LOAD, "on")) != 0.0
+            fraction = fraction_of(status_values(switches).get(ARM_LOAD, "on"))
+            self._powered = fraction != 0.0
+            self._granted = None if fraction is None or fraction == 1.0 else fraction * self._rated_power
         self._rover.hear(inputs)
         self._take_goals(goals)
         self._step(inputs["/joint_states"], inputs["/imu/data"], inputs.get("/wrist/wrench"))
@@ -98,6 +103,7 @@ class ArmNode(ContractNode):
             allowed=not why_not,
             not_allowed_reason=why_not,
             ground=self._ground.plane,
+            granted_power=self._granted,
         )
         tasks = task_control.TaskInput(request, task, measured.wrench, measured.efforts)
         self.state, self._output, report = task_control.step(
