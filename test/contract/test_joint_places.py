@@ -25,6 +25,6 @@ def test_a_message_with_other_names_is_looked_at_anew() -> None:
 
 def test_a_missing_joint_is_refused_by_name_and_the_next_good_message_is_taken() -> None:
     joints = JointPlaces("/joint_states", ("elbow",))
-    with pytest.raises(RefusedMessageError, match="/joint_states.name = wheel, steer: allowed is elbow among them"):
+    with pytest.raises(RefusedMessageError, match=r"/joint_states\.name = wheel, steer: allowed is elbow among them"):
         joints.places(joint_state(("wheel", "steer")))
     assert joints.places(joint_state(NAMES)).tolist() == [2]
