@@ -119,6 +119,18 @@ class Weigh(TaskRequest):
     seconds: float = Field(default=2.0, ge=0.2, le=60.0, description="over which torques are averaged in a posture [s]")
 
 
+class Pause(TaskRequest):
+    """Come to rest on the path of the motion that is under way."""
+
+    task: ClassVar[str] = "pause"
+
+
+class Resume(TaskRequest):
+    """Go on with what was paused."""
+
+    task: ClassVar[str] = "resume"
+
+
 class Drill(TaskRequest):
     """Press a turning drill into the ground."""
 
@@ -136,18 +148,8 @@ class Pick(TaskRequest):
 
 
 KINDS: tuple[type[TaskRequest], ...] = (
-    Unfold,
-    Stow,
-    Place,
-    Tare,
-    GuardedMove,
-    HoldForce,
-    Dig,
-    Dump,
-    Weigh,
-    Drill,
-    Pick,
-)
+    Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Dump, Weigh, Pause, Resume, Drill, Pick
+)  # fmt: skip
 TASKS: dict[str, type[TaskRequest]] = {kind.task: kind for kind in KINDS}
 """Every task by name."""
 
