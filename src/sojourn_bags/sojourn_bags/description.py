@@ -12,6 +12,7 @@ from pydantic import BaseModel
 from sojourn_bags.errors import IncompleteConfigError
 from sojourn_bags.reading import Bag
 from sojourn_bags.writer import Attachment
+from sojourn_config.composition import COMPOSED
 from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import LoadedScenario, ScenarioConfig
 from sojourn_mechanics.terrain.generate import generate
@@ -31,8 +32,6 @@ _SETS = (
     "power_manager",
     "sensors",
     "arm",
-    "drive",
-    "steering",
 )
 
 
@@ -63,6 +62,8 @@ class Run:
         sets: dict[str, BaseModel | None] = {
             "scenario": loaded.config,
             **{name: getattr(loaded, name) for name in _SETS},
+            "drive": None if loaded.driving is None else loaded.driving.drive,
+            "steering": None if loaded.driving is None else loaded.driving.steering,
         }
         return cls(
             name=loaded.name,
@@ -87,7 +88,7 @@ class Run:
                 name=document["name"],
                 scenario=ScenarioConfig.model_validate_json(json.dumps(resolved["scenario"])),
                 rover=RoverConfig.model_validate_json(json.dumps(resolved["rover"])),
-                urdf=next(text for name, text in files.items() if name.endswith(".urdf")),
+                urdf=files.get(COMPOSED) or next(text for name, text in files.items() if name.endswith(".urdf")),
                 resolved=resolved,
                 files=files,
                 overrides=tuple(document["overrides"]),
