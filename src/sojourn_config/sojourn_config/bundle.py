@@ -1,7 +1,7 @@
 """Everything that a rover on a body needs, read from its files and checked together."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -9,11 +9,10 @@ from typing import Any, TypeVar
 from pydantic import BaseModel
 
 from sojourn_config.arm_config import ArmConfig
-from sojourn_config.composition import COMPOSED
-from sojourn_config.errors import MISSING, ConfigError, Problem, single
+from sojourn_config.errors import ConfigError, Problem, single
 from sojourn_config.load import validate
 from sojourn_config.machine_checks import ground_problems, machine_problems, steering_geometry, with_drive_data
-from sojourn_config.mounting import Machine, join
+from sojourn_config.mounting import Machine, join, mount_problems
 from sojourn_config.overrides import override_document
 from sojourn_config.paths import resolve, resolve_urdf
 from sojourn_config.rover import RoverConfig
@@ -176,11 +175,11 @@ class BundleReader:
         for ground in grounds.values():
             self.problems += ground_problems(config, ground, self._soils[ground.name])
         alone = Machine(config, urdf, bus[0], law[0], sensors[0], arm and arm[0])
-        machine = self._with_arm(alone, arm and arm[1:], document)
+        machine = self._with_arm(alone, documents, arm[2] if arm else path)
         if machine is None:
             return None
         found = machine_problems(
-            machine.rover, machine.urdf, machine.bus, machine.sensors, machine.arm, drive and drive[0], documents
+            machine.rover, urdf, machine.urdf, machine.bus, machine.sensors, machine.arm, drive and drive[0], documents
         )
         if found:
             self.problems += found
@@ -201,34 +200,19 @@ class BundleReader:
             files=self.files,
         )
 
-    def _with_arm(
-        self, machine: Machine, arm_file: tuple[YamlDocument, Path] | None, asked: YamlDocument
-    ) -> Machine | None:
+    def _with_arm(self, machine: Machine, documents: Mapping[str, YamlDocument], arm_path: Path) -> Machine | None:
         """The machine joined with its arm; None with the reason in `problems`."""
-        arm, mount = machine.arm, machine.rover.arm_mount
-        if arm is None or arm_file is None:
-            return machine
-        document, path = arm_file
         arm_urdf = None
-        if mount is not None:
-            if arm.urdf is None:
-                allowed = (
-                    f"{machine.rover.arm} has no URDF of its own: allowed is an arm whose file in config/arms names one"
-                )
-                self.problems.append(asked.problem(("arm_mount",), MISSING, allowed))
-                return None
-            arm_urdf = self._urdf(arm.urdf, document, path)
+        if machine.arm is not None and machine.arm.urdf is not None and machine.rover.arm_mount is not None:
+            arm_urdf = self._urdf(machine.arm.urdf, documents["arm"], arm_path)
             if arm_urdf is None:
                 return None
-        elif arm.urdf is not None and arm.joint_names[0] not in machine.urdf.joints:
-            allowed = f"the key is missing: where {machine.rover.arm} stands on the machine, as {{link: base_link}}"
-            self.problems.append(asked.problem(("arm_mount",), MISSING, allowed))
+        problems = list(mount_problems(machine, arm_urdf, documents))
+        if problems:
+            self.problems += problems
             return None
         try:
-            joined = join(machine, arm_urdf)
-            if arm_urdf is not None:
-                self.files[COMPOSED] = joined.urdf.text
-            return joined
+            return join(machine, arm_urdf)
         except ConfigError as error:
             self.problems += error.problems
             return None

@@ -8,30 +8,21 @@ outside links and joints.
 from copy import deepcopy
 from xml.etree import ElementTree
 
-from sojourn_config.errors import ConfigError, Problem, names_text
+from sojourn_config.errors import ConfigError, Problem
 from sojourn_config.rover import ArmMountParams
 from sojourn_config.urdf import UrdfSummary, parse_urdf
 
-COMPOSED = "machine.urdf"
-"""Name under which the URDF of a machine with its arm goes with the files of a run."""
 
-
-def mounted_urdf(machine: UrdfSummary, arm: UrdfSummary, root: str | None, mount: ArmMountParams) -> UrdfSummary:
-    """The machine with the arm on it.
+def mounted_urdf(machine: UrdfSummary, arm: UrdfSummary, root: str, mount: ArmMountParams) -> UrdfSummary:
+    """The machine, which has the mount's link, with the arm on it.
 
     Args:
-        root: link with which the arm begins in its file; None: the outermost.
+        root: link with which the arm begins in its file.
 
     Raises:
-        ConfigError: the machine has no such link to carry it, the arm no such root; a name is on both.
+        ConfigError: a name is on both.
     """
-    first = root or arm.root
-    if first not in arm.links:
-        raise ConfigError([Problem(arm.file, "urdf_root", first, "is no link: " + names_text(first, arm.links))])
-    if mount.link not in machine.links:
-        allowed = f"is no link of {machine.file}: " + names_text(mount.link, machine.links)
-        raise ConfigError([Problem(arm.file, "arm_mount.link", mount.link, allowed)])
-    links = arm.below(first)
+    links = arm.below(root)
     joints = [joint.name for joint in arm.joints.values() if joint.parent in links]
     foot = f"{mount.prefix}mount_joint"
     clashes = [
@@ -46,7 +37,7 @@ def mounted_urdf(machine: UrdfSummary, arm: UrdfSummary, root: str | None, mount
     if clashes:
         raise ConfigError(clashes)
     whole, part = ElementTree.fromstring(machine.text), ElementTree.fromstring(arm.text)
-    whole.append(_foot(foot, mount, mount.prefix + first))
+    whole.append(_foot(foot, mount, mount.prefix + root))
     taken = {"link": links, "joint": joints}
     for element in part:
         if element.get("name") in taken.get(element.tag, ()):

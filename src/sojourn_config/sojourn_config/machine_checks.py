@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from sojourn_config.arm_config import ArmConfig
 from sojourn_config.errors import MISSING, Problem, names_text
-from sojourn_config.mechanism_checks import BASE_LINK, mechanism_problems
+from sojourn_config.mechanism_checks import BASE_LINK, mass_problems, mechanism_problems
 from sojourn_config.rover import RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
@@ -27,6 +27,7 @@ SAME_LENGTH = 1e-6
 
 def machine_problems(
     rover: RoverConfig,
+    own_urdf: UrdfSummary,
     urdf: UrdfSummary,
     bus: BusParams,
     sensors: SensorSuiteParams,
@@ -37,7 +38,7 @@ def machine_problems(
     """All that does not fit together.
 
     Args:
-        rover, urdf, bus, sensors: joined with those of the arm.
+        rover, urdf, bus, sensors: joined with those of the arm. own_urdf: the machine's without it.
         arm: None for a machine without one. drive: None for one without wheels.
         documents: the files by role (`rover`, `sensors`, `arm`, `drive`), for messages.
     """
@@ -46,6 +47,7 @@ def machine_problems(
         name: group for name, group in sensors.joint_groups.items() if not arm or name not in arm.joint_groups
     }
     problems = [
+        *mass_problems(rover, own_urdf, documents["rover"]),
         *mechanism_problems(rover, urdf, documents["rover"], arm.inertias_as_published if arm else ()),
         *_wheel_problems(rover, urdf, documents["rover"]),
         *_drive_problems(own_drives, urdf, bus, documents["rover"]),
@@ -56,7 +58,9 @@ def machine_problems(
     if arm is not None:
         problems += _arm_problems(arm, rover, urdf, documents["arm"])
         problems += _drive_problems(arm.drives, urdf, bus, documents["arm"])
-        problems += _group_problems(arm.joint_groups, urdf, documents["arm"])
+        prefix = rover.arm_mount.prefix if rover.arm_mount else ""
+        named_in_file = {name.removeprefix(prefix): group for name, group in arm.joint_groups.items()}
+        problems += _group_problems(named_in_file, urdf, documents["arm"])
     if drive is not None and not problems:
         problems += _limit_problems(rover, urdf, drive, documents["drive"])
     return problems

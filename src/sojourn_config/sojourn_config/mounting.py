@@ -1,13 +1,15 @@
 """A machine with the arm that it carries: the arm's drives, encoders, load and URDF joined with the machine's own."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from sojourn_config.arm_config import ArmConfig
 from sojourn_config.composition import mounted_urdf
-from sojourn_config.errors import single
+from sojourn_config.errors import MISSING, Problem, names_text
 from sojourn_config.mechanism_checks import BASE_LINK
 from sojourn_config.rover import ArmMountParams, RoverConfig
 from sojourn_config.urdf import UrdfSummary
+from sojourn_config.yaml_file import YamlDocument
 from sojourn_mechanics.power.loads import BusParams
 from sojourn_mechanics.power.manager_params import PowerLawParams
 from sojourn_mechanics.sensors.params import SensorSuiteParams
@@ -61,25 +63,54 @@ def on_machine(arm: ArmConfig, mount: ArmMountParams, root: str, first_joint_chi
     )
 
 
+def mount_problems(
+    machine: Machine, arm_urdf: UrdfSummary | None, documents: Mapping[str, YamlDocument]
+) -> Iterator[Problem]:
+    """Why the arm cannot be put on the machine as it is asked for.
+
+    Args:
+        arm_urdf: as for `join`. documents: files by role (`rover`, `arm`), for messages.
+    """
+    arm, mount, name = machine.arm, machine.rover.arm_mount, machine.rover.arm
+    if arm is None:
+        return
+    if mount is None:
+        if arm.urdf is not None and arm.joint_names[0] not in machine.urdf.joints:
+            allowed = f"the key is missing: where {name} stands on the machine, as {{link: {BASE_LINK}}}"
+            yield documents["rover"].problem(("arm_mount",), MISSING, allowed)
+        return
+    if arm_urdf is None:
+        allowed = f"{name} has no URDF of its own: allowed is an arm whose file in config/arms names one"
+        yield documents["rover"].problem(("arm_mount",), MISSING, allowed)
+        return
+    if mount.link not in machine.urdf.links:
+        allowed = f"is no link of {machine.urdf.file}: " + names_text(mount.link, machine.urdf.links)
+        yield documents["rover"].problem(("arm_mount", "link"), mount.link, allowed)
+    if arm.urdf_root is not None and arm.urdf_root not in arm_urdf.links:
+        allowed = f"is no link of {arm_urdf.file}: " + names_text(arm.urdf_root, arm_urdf.links)
+        yield documents["arm"].problem(("urdf_root",), arm.urdf_root, allowed)
+    first = arm.joint_names[0]
+    if first not in arm_urdf.joints:
+        allowed = f"is no joint of {arm_urdf.file}: " + names_text(first, arm_urdf.moving_joints)
+        yield documents["arm"].problem(("joint_names", 0), first, allowed)
+
+
 def join(machine: Machine, arm_urdf: UrdfSummary | None) -> Machine:
-    """The machine with all that its arm brings along.
+    """The machine with all that its arm brings along; `mount_problems` has found none.
 
     Args:
         arm_urdf: of an arm on a mount; None: the machine's own URDF has the arm.
 
     Raises:
-        ConfigError: what cannot be put together: names that clash, a link to stand on that is not there.
+        ConfigError: names of links or joints that clash.
     """
     arm, rover, urdf = machine.arm, machine.rover, machine.urdf
     if arm is None:
         return machine
     if rover.arm_mount is not None and arm_urdf is not None:
-        urdf = mounted_urdf(urdf, arm_urdf, arm.urdf_root, rover.arm_mount)
-        first = arm_urdf.joints.get(arm.joint_names[0])
-        if first is None:
-            allowed = f"is no joint of {arm_urdf.file}: allowed is one of " + ", ".join(arm_urdf.moving_joints)
-            raise single(f"config/arms/{rover.arm}.yaml", "joint_names[0]", arm.joint_names[0], allowed)
-        arm = on_machine(arm, rover.arm_mount, arm.urdf_root or arm_urdf.root, first.child)
+        root = arm.urdf_root or arm_urdf.root
+        urdf = mounted_urdf(urdf, arm_urdf, root, rover.arm_mount)
+        arm = on_machine(arm, rover.arm_mount, root, arm_urdf.joints[arm.joint_names[0]].child)
     bus, law = machine.bus, machine.law
     if arm.load is not None and arm.load.name not in {load.name for load in bus.loads}:
         bus = bus.model_copy(update={"loads": (*bus.loads, arm.load)})
