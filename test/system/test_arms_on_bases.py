@@ -19,7 +19,7 @@ from sojourn_mechanics.arm.model import build_arm_model
 from sojourn_mechanics.arm.orientation import from_quaternion
 from sojourn_mechanics.params import FloatArray
 
-COURSES = ("puma560_course",)
+COURSES = ("ssrms_course", "puma560_course", "cylindrical_course")
 AT_ONCE = 2
 FIRST_DOMAIN = HIGHEST_DOMAIN - 45
 DISTANCE_M, ANGLE_RAD = 0.002, 0.0087
