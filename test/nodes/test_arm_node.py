@@ -335,3 +335,40 @@ def test_in_real_time_any_input_may_come_first(bench: Bench) -> None:
         bench.until(lambda period=period: node._latest.get("/joint_states", (0,))[0] == at(period), "joints are there")
         bench.send("/imu/data", imu(period))
     assert tuple(bench.answer("/arm_command", 3002).name) == ARM
+
+
+def test_a_goal_under_the_ground_is_refused_with_the_pair(arm: ArmBench) -> None:
+    """The rover's wheels tell where the ground is: 0.47 m under base_link."""
+    arm.step()
+    status = arm.goal("/arm/goal_pose", pose_goal(1.2, 0.0, -0.75))
+    assert status["state"] == "refused"
+    assert "and ground: overlap by" in status["reason"] and "arm_" in status["reason"]
+
+
+def test_a_pause_ends_as_reached_and_resuming_carries_the_motion_on(arm: ArmBench) -> None:
+    arm.step()
+    assert arm.goal("/arm/joint_goal", joint_goal((), [], "stow"))["state"] == "moving"
+    status = arm.goal("/arm/task", task("pause"))
+    while status["state"] == "moving":
+        status = arm.status()
+    assert status["state"] == "reached" and "paused at" in status["reason"] and 0.0 < float(status["progress"]) < 1.0
+    assert list(arm.step(10).velocity) == [0.0] * 5
+    status = arm.goal("/arm/task", task("resume"))
+    while status["state"] == "moving":
+        status = arm.status()
+    assert (status["state"], status["reason"]) == ("reached", "")
+    assert list(arm.angles.values()) == pytest.approx(arm.node.params.named_poses["stow"], abs=1e-3)
+
+
+def test_with_a_share_of_its_power_the_arm_plans_slower(arm: ArmBench) -> None:
+    """0.02 of the 80 W of the load: 1.6 W. It used to plan as if all of its power were there."""
+    arm.step(6, switch="0.02")
+    status = arm.goal("/arm/joint_goal", joint_goal((), [], "stow"))
+    limited, path = status["reason"], arm.node.state.arm.path
+    assert "its limit is 1.6 W" in limited and path is not None
+    arm.step(10, switch="on")
+    arm.goal("/arm/stop", Header())
+    while arm.status()["state"] == "moving":
+        pass
+    arm.goal("/arm/joint_goal", joint_goal((), [], "unfold"))
+    assert "its limit" not in arm.status()["reason"]

@@ -10,6 +10,7 @@ import numpy as np
 from rclpy.context import Context
 
 from sojourn_arm.goals import GoalDesk
+from sojourn_arm.ground import Ground
 from sojourn_arm.measurements import Measurements
 from sojourn_arm.rover import ODOMETRY, Rover
 from sojourn_config.scenario import load_scenario
@@ -49,8 +50,13 @@ class ArmNode(ContractNode):
         self.state = task_control.initial_state(self.params, self.model)
         self._measurements = Measurements(self.params.joint_names, scenario.urdf_xml, scenario.gravity, self.refuse)
         self._rover = Rover(self.params.interlock, [wheel.joint for wheel in scenario.rover.wheels])
+        wheels = [(wheel.joint, wheel.radius + wheel.grouser_height) for wheel in scenario.rover.wheels]
+        self._ground = Ground(self.params, scenario.urdf_xml, wheels)
         self._goals = GoalDesk(self.params, self._rover)
         self._powered = True
+        self._rated_power = next((load.power_w for load in scenario.bus.loads if load.name == ARM_LOAD), 0.0)
+        self._granted: float | None = None
+        """What the power manager lets the arm draw [W]; None: all that it may."""
         self._pending: ArmGoal | TaskRequest | None = None
         """A goal that waits for the first period whose measurements can be used."""
         self._output: ArmOutput | None = None
@@ -61,7 +67,9 @@ class ArmNode(ContractNode):
         """One step of the arm's control, with the measurements of this period."""
         switches = inputs.get("/power/switches")
         if switches is not None:
-            self._powered = fraction_of(status_values(switches).get(ARM_LOAD, "on")) != 0.0
+            fraction = fraction_of(status_values(switches).get(ARM_LOAD, "on"))
+            self._powered = fraction != 0.0
+            self._granted = None if fraction is None or fraction == 1.0 else fraction * self._rated_power
         self._rover.hear(inputs)
         self._take_goals(goals)
         self._step(inputs["/joint_states"], inputs["/imu/data"], inputs.get("/wrist/wrench"))
@@ -83,6 +91,8 @@ class ArmNode(ContractNode):
         if measured is None:
             self._command.velocity = doubles(np.zeros(len(self._command.name)))
             return
+        if self._pending is not None:
+            self._ground.look(joints)
         why_not = self._rover.why_not_allowed if self._powered else "the power manager has switched the arm off"
         goal, task = (None, self._pending) if isinstance(self._pending, TaskRequest) else (self._pending, None)
         request = ArmInput(
@@ -92,6 +102,8 @@ class ArmNode(ContractNode):
             goal=goal,
             allowed=not why_not,
             not_allowed_reason=why_not,
+            ground=self._ground.plane,
+            granted_power=self._granted,
         )
         tasks = task_control.TaskInput(request, task, measured.wrench, measured.efforts)
         self.state, self._output, report = task_control.step(

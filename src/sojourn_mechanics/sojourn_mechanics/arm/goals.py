@@ -65,7 +65,17 @@ class StopGoal:
     """Stop as fast as acceleration and jerk allow, and hold."""
 
 
-ArmGoal: TypeAlias = JointGoal | NamedGoal | PoseGoal | TrajectoryGoal | StopGoal
+@dataclass(frozen=True, slots=True)
+class PauseGoal:
+    """Come to rest on the path of the present motion, to go on later."""
+
+
+@dataclass(frozen=True, slots=True)
+class ResumeGoal:
+    """Go on with a motion that was paused."""
+
+
+ArmGoal: TypeAlias = JointGoal | NamedGoal | PoseGoal | TrajectoryGoal | StopGoal | PauseGoal | ResumeGoal
 
 
 def pose_goal(params: ArmParams, position: Sequence[float], quaternion_xyzw: Sequence[float]) -> PoseGoal:

@@ -190,6 +190,15 @@ class ArmParams(Params):
     collision_step: float = Field(
         default=0.02, gt=0.0, le=0.2, description="largest joint step between two checks [rad or m]"
     )
+    avoid_ground: bool = Field(
+        default=True, description="motions are checked against the ground on which the machine stands"
+    )
+    ground_height: float | None = Field(
+        default=None,
+        ge=-100.0,
+        le=100.0,
+        description="the ground is the plane z = this in base_link [m]; null: that under the wheels, if there are any",
+    )
     ground_clearance: float = Field(default=0.02, ge=-0.5, le=1.0, description="links to ground plane, at least [m]")
     ground_contact_links: tuple[str, ...] = Field(
         default=(), description="links that may touch the ground: they keep ground_contact_depth instead"

@@ -78,8 +78,8 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     memory = (new.joints, new.contacts, command.reference, current_limits)
     outputs = (model.report, model.work, model.contact_force, model.force, model.armature, model.mass_matrix)
     efforts, currents, load_power = model.efforts, model.currents, model.load_power
-    touching = [] if model.wrist is None else model.wrist.contacts
-    wrist_force = np.zeros((len(touching), 3))
+    touching = None if model.wrist is None or not len(model.wrist.contacts) else model.wrist.contacts
+    wrist_force: FloatArray = np.zeros((0 if touching is None else len(touching), 3))
     on_map = True
     for i in range(model.simulation.substeps):
         pin.crba(multibody, data, configuration, pin.Convention.WORLD)
@@ -88,8 +88,8 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
             (i + 1) * dt, state.bus_voltage, dt, *outputs,
         )  # fmt: skip
         on_map = on_map and all_on_map
-        for place, contact in enumerate(touching):
-            wrist_force[place] += model.report[contact, 6:9]
+        if touching is not None:
+            wrist_force += model.report[touching, 6:9]
         pin.nonLinearEffects(multibody, data, configuration, velocity)
         pin.cholesky.decompose(multibody, data)
         acceleration = pin.cholesky.solve(multibody, data, model.force - model.bias)
@@ -105,7 +105,7 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     wrist = None
     if model.wrist is not None:
         report = model.report.copy()
-        report[touching, 6:9] = wrist_force / model.simulation.substeps
+        report[model.wrist.contacts, 6:9] = wrist_force / model.simulation.substeps
         mean = (velocity - state.velocity) / model.simulation.control_period
         wrist = model.wrist.wrench(configuration, velocity, mean, report)
     return _close_period(model, new, configuration, velocity, command, sums, load_energy, on_map, wrist)

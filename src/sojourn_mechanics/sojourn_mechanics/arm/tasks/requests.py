@@ -112,6 +112,18 @@ class Weigh(TaskRequest):
     seconds: float = Field(default=2.0, ge=0.2, le=60.0, description="over which torques are averaged in a posture [s]")
 
 
+class Pause(TaskRequest):
+    """Come to rest on the path of the motion that is under way."""
+
+    task: ClassVar[str] = "pause"
+
+
+class Resume(TaskRequest):
+    """Go on with what was paused."""
+
+    task: ClassVar[str] = "resume"
+
+
 class Drill(TaskRequest):
     """Press a turning drill into the ground."""
 
@@ -128,7 +140,9 @@ class Pick(TaskRequest):
     force: float = Field(default=10.0, gt=0.0, le=500.0, description="grasp force [N]")
 
 
-KINDS: tuple[type[TaskRequest], ...] = (Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Weigh, Drill, Pick)
+KINDS: tuple[type[TaskRequest], ...] = (
+    Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Weigh, Pause, Resume, Drill, Pick
+)  # fmt: skip
 TASKS: dict[str, type[TaskRequest]] = {kind.task: kind for kind in KINDS}
 """Every task by name."""
 
