@@ -111,6 +111,8 @@ def join(machine: Machine, arm_urdf: UrdfSummary | None) -> Machine:
         root = arm.urdf_root or arm_urdf.root
         urdf = mounted_urdf(urdf, arm_urdf, root, rover.arm_mount)
         arm = on_machine(arm, rover.arm_mount, root, arm_urdf.joints[arm.joint_names[0]].child)
+    if rover.fixed_base and arm.ground_height is None:
+        arm = arm.model_copy(update={"ground_height": 0.0})  # where a stand stands is known, without wheels to tell it
     bus, law = machine.bus, machine.law
     if arm.load is not None and arm.load.name not in {load.name for load in bus.loads}:
         bus = bus.model_copy(update={"loads": (*bus.loads, arm.load)})
