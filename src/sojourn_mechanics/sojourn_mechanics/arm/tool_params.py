@@ -73,13 +73,6 @@ ToolParams: TypeAlias = ScoopToolParams
 """A tool; the key `kind` says which."""
 
 
-class ToolSet(Params):
-    """A file of config/tools."""
-
-    description: str = Field(min_length=1, description="what tool this is")
-    tool: ToolParams
-
-
 def read_tool(text: str) -> ToolParams:
     """A tool from JSON. Raises pydantic's ValidationError."""
     tool: ToolParams = TypeAdapter(ToolParams).validate_json(text)
