@@ -27,6 +27,7 @@ _STATES = {
     "holding": "failed",
     "idle": "idle",
     "moving": "moving",
+    "paused": "reached",
     "refused": "refused",
     "reached": "reached",
     "stopped": "stopped",

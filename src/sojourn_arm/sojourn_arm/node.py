@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 from rclpy.context import Context
 
+from sojourn_arm.command import fill_command
 from sojourn_arm.goals import GoalDesk
+from sojourn_arm.ground import Ground
 from sojourn_arm.measurements import Measurements
 from sojourn_arm.rover import ODOMETRY, Rover
 from sojourn_config.scenario import load_scenario
@@ -17,7 +19,7 @@ from sojourn_contract import process, stamps
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_message, status_values
-from sojourn_contract.messages import doubles, fill_joint_state, joint_state
+from sojourn_contract.messages import doubles, joint_state
 from sojourn_contract.node import ContractNode
 from sojourn_contract.switches import fraction_of
 from sojourn_contract.topics import topic
@@ -46,11 +48,16 @@ class ArmNode(ContractNode):
         self.params = scenario.carried_arm()
         self.model = build_arm_model(scenario.urdf_xml, self.params)
         task_control.warm_up(self.params, self.model)
-        self.state = task_control.initial_state(self.params, self.model)
+        self.state = task_control.initial_state(self.params, self.model, scenario.tool)
         self._measurements = Measurements(self.params.joint_names, scenario.urdf_xml, scenario.gravity, self.refuse)
         self._rover = Rover(self.params.interlock, [wheel.joint for wheel in scenario.rover.wheels])
+        wheels = [(wheel.joint, wheel.radius + wheel.grouser_height) for wheel in scenario.rover.wheels]
+        self._ground = Ground(self.params, scenario.urdf_xml, wheels)
         self._goals = GoalDesk(self.params, self._rover)
         self._powered = True
+        self._rated_power = next((load.power_w for load in scenario.bus.loads if load.name == ARM_LOAD), 0.0)
+        self._granted: float | None = None
+        """What the power manager lets the arm draw [W]; None: all that it may."""
         self._pending: ArmGoal | TaskRequest | None = None
         """A goal that waits for the first period whose measurements can be used."""
         self._output: ArmOutput | None = None
@@ -61,7 +68,9 @@ class ArmNode(ContractNode):
         """One step of the arm's control, with the measurements of this period."""
         switches = inputs.get("/power/switches")
         if switches is not None:
-            self._powered = fraction_of(status_values(switches).get(ARM_LOAD, "on")) != 0.0
+            fraction = fraction_of(status_values(switches).get(ARM_LOAD, "on"))
+            self._powered = fraction != 0.0
+            self._granted = None if fraction is None or fraction == 1.0 else fraction * self._rated_power
         self._rover.hear(inputs)
         self._take_goals(goals)
         self._step(inputs["/joint_states"], inputs["/imu/data"], inputs.get("/wrist/wrench"))
@@ -83,6 +92,8 @@ class ArmNode(ContractNode):
         if measured is None:
             self._command.velocity = doubles(np.zeros(len(self._command.name)))
             return
+        if self._pending is not None:
+            self._ground.look(joints)
         why_not = self._rover.why_not_allowed if self._powered else "the power manager has switched the arm off"
         goal, task = (None, self._pending) if isinstance(self._pending, TaskRequest) else (self._pending, None)
         request = ArmInput(
@@ -92,16 +103,16 @@ class ArmNode(ContractNode):
             goal=goal,
             allowed=not why_not,
             not_allowed_reason=why_not,
+            ground=self._ground.plane,
+            granted_power=self._granted,
         )
-        tasks = task_control.TaskInput(request, task, measured.wrench, measured.efforts)
+        tasks = task_control.TaskInput(request, task, measured.wrench, measured.efforts, measured.tool)
         self.state, self._output, report = task_control.step(
             self.params, self.model, self.state, tasks, stamps.CONTROL_PERIOD_S
         )
         self._goals.note(self._output, report, self._pending is not None)
         self._pending = None
-        output = self._output
-        self._command.name = list(self.params.joint_names)
-        fill_joint_state(self._command, 0, output.positions, output.velocities, output.efforts)
+        fill_command(self._command, self.params.joint_names, self._output, self.state)
 
     def _take_goals(self, goals: list[tuple[str, Any]]) -> None:
         """Keep the goal that takes effect now; of several the last."""

@@ -115,6 +115,37 @@ def test_without_leave_to_move_a_task_ends_and_the_arm_stops(arm: IdealArm) -> N
     assert arm.said.goals_refused == 1
 
 
+def test_a_pause_rests_in_the_middle_of_a_task_and_resuming_goes_on(arm: IdealArm) -> None:
+    """Of a guided motion, and of one that a task has planned; another task meanwhile is refused."""
+    arm.start("guarded_move", distance=0.08, speed=0.01)
+    arm.run(2.0)
+    arm.start("pause")
+    arm.run(0.5)
+    here = arm.tips[-1]
+    assert arm.report is None and arm.said.status == "paused" and "resume goes on" in arm.said.reason
+    arm.start("pause")
+    assert "paused already" in arm.said.reason
+    arm.start("stow")
+    assert "guarded_move is under way" in arm.said.reason
+    arm.run(5.0)
+    assert arm.tips[-1] == pytest.approx(here, abs=1e-5)
+    arm.start("resume")
+    arm.run(2.0)
+    assert arm.report is not None and arm.report.doing.state == "moving"
+    assert 0.015 < here[2] - arm.tips[-1][2] < 0.021
+
+    arm.start("stow", preempt=True)
+    arm.run(1.0)
+    arm.start("pause")
+    arm.run(2.0)
+    assert arm.said.status == "paused" and not arm.rates.any()
+    arm.start("resume")
+    arm.run(30.0)
+    assert arm.report.name == "stow" and arm.report.doing.state == "reached"
+    arm.start("resume")
+    assert "no motion is paused" in arm.said.reason
+
+
 def test_a_lost_contact_is_sought_with_bounded_speed(arm: IdealArm) -> None:
     arm.start("hold_force", force=20.0, distance=0.1)
     arm.force = np.array([0.0, 0.0, 20.0])

@@ -8,8 +8,10 @@ import yaml
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.sensors import hazcam
 from sojourn_mechanics.sensors.hazcam import HazcamParams, hazcam_on
+from sojourn_mechanics.sensors.mounting import mounting
 from sojourn_mechanics.sensors.noise import NoiseStream
 from sojourn_mechanics.steering.attitude import rotation_of
+from sojourn_mechanics.steering.stereo_eye import StereoEye
 from sojourn_mechanics.terrain.height_field import HeightField
 from sojourn_mechanics.terrain.params import RoughnessParams
 from sojourn_mechanics.terrain.roughness import rough_surface
@@ -18,9 +20,13 @@ ROOT = Path(__file__).parents[3]
 RIDE = 0.47
 """Height of base_link above the ground below it [m]."""
 CELL, SIDE = 0.05, 16.0
-CAMERA = hazcam_on(
-    HazcamParams(**yaml.safe_load((ROOT / "config/sensors/explorer_sensors.yaml").read_text())["hazcam"]),
-    (ROOT / "urdf" / "explorer.urdf").read_text(encoding="utf-8"),
+PARAMS = HazcamParams(**yaml.safe_load((ROOT / "config/sensors/explorer_sensors.yaml").read_text())["hazcam"])
+URDF = (ROOT / "urdf" / "explorer.urdf").read_text(encoding="utf-8")
+CAMERA = hazcam_on(PARAMS, URDF)
+STEREO = StereoEye(
+    CAMERA.position,
+    mounting(URDF, PARAMS.link)[0][:, 0],
+    PARAMS.disparity_noise_px / (PARAMS.focal_length_px * PARAMS.baseline),
 )
 
 

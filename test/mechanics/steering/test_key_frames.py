@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rough_ground import CAMERA, Eye, ground, nodes, rough
+from rough_ground import STEREO, Eye, ground, nodes, rough
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
@@ -22,7 +22,7 @@ GYRO = (0.0, 0.0, 0.0)
 @pytest.fixture(scope="session")
 def matcher(drive_params: DriveParams) -> TerrainMatcher:
     assert drive_params.terrain_match is not None
-    return TerrainMatcher(drive_params.terrain_match, CAMERA.position)
+    return TerrainMatcher(drive_params.terrain_match, STEREO)
 
 
 class Drive:
@@ -44,13 +44,13 @@ class Drive:
 
     def go(self, seconds: float, slip: float, drift: float = 0.0, speed: float = SPEED, blind: bool = False) -> None:
         """So long with the wheels at `speed`, a true slip, and a true drift to the left over the way."""
-        still = np.zeros(6)
+        rates, straight = np.full(6, speed / RADIUS), np.zeros(6)
         for period in range(1, round(seconds / DT) + 1):
             self._turned += speed / RADIUS * DT
             way = speed * DT * (1.0 - slip)
             self.x, self.y = self.x + way, self.y + drift * abs(way)
             measured = OdometryInput(
-                np.full(6, self._turned), still, still, GYRO, (0.0, 0.0), commanded_still=speed == 0.0
+                np.full(6, self._turned), rates, straight, GYRO, (0.0, 0.0), commanded_still=speed == 0.0
             )
             self.odometry = step_odometry(self._params, self._table, self.odometry, measured, DT)
             if period % round(1.0 / DT) == 0 and not blind:

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rough_ground import CAMERA, Eye, ground, nodes, rough
+from rough_ground import CAMERA, STEREO, Eye, ground, nodes, rough
 
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.attitude import rotation_of
 from sojourn_mechanics.steering.ground_surface import GroundSurface, surface_through
 from sojourn_mechanics.steering.params import DriveParams
+from sojourn_mechanics.steering.stereo_eye import along_rays, height_variances
 from sojourn_mechanics.steering.terrain_match import Match, match, normal_equations
 from sojourn_mechanics.steering.terrain_match_params import TerrainMatchParams
 from sojourn_mechanics.terrain.height_field import HeightField
@@ -37,9 +38,7 @@ def surface_of(
         cloud = near(trust, eye.look(field, *before, yaw))
         lift = field.height(*before) - field.height(x, y)
         points.append(cloud + np.array((-back, 0.0, lift)))
-        rays = cloud - CAMERA.position
-        distance = np.linalg.norm(rays, axis=1)
-        variances.append((trust.range_noise * distance * (abs(rays[:, 2]) + 0.05 * distance)) ** 2 + 1e-6)
+        variances.append(height_variances(STEREO, cloud, np.array((0.0, 0.05, 1.0))) + 1e-6)
     return surface_through(np.concatenate(points), np.concatenate(variances), trust.cell, trust.radius, 3.0)
 
 
@@ -48,9 +47,8 @@ def matched(
 ) -> Match:
     to_key = rotation_of(0.0, 0.0, turn)
     points = near(trust, cloud)
-    rays = (points - CAMERA.position) @ to_key.T
     sigmas = (trust.tilt_sigma, 1e-4)
-    return match(surface, points @ to_key.T, rays, guess, trust.range_noise, trust.sharing, sigmas)
+    return match(surface, points @ to_key.T, along_rays(STEREO, points) @ to_key.T, guess, trust.sharing, sigmas)
 
 
 def test_the_normal_equations_are_the_gradient_of_the_squares() -> None:
@@ -61,12 +59,12 @@ def test_the_normal_equations_are_the_gradient_of_the_squares() -> None:
     surface = surface_through(np.column_stack([places, heights]), np.full(3000, 1e-9), 0.08, 0.14, 1.2)
     points = random.uniform(-0.5, 0.5, (200, 3))
     points[:, 2] = points[:, :2] @ (0.1, -0.2) - 0.5 + 0.003 * random.standard_normal(200)
-    rays = points - np.array((-1.0, 0.0, 0.5))
+    errors = 5e-3 * (points - np.array((-1.0, 0.0, 0.5)))
     grid = (surface.planes, surface.x0, surface.y0, surface.cell)
     place = np.array((0.01, 0.02, 0.5))
 
     def equations(shift: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-        matrix, side, _, count, outliers, squares = normal_equations(*grid, points, rays, place, shift, 5e-3, 2.0)
+        matrix, side, _, count, outliers, squares = normal_equations(*grid, points, errors, place, shift, 2.0)
         assert count == 200 and outliers == 0
         return matrix, side, squares
 

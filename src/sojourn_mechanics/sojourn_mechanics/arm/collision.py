@@ -16,6 +16,7 @@ may part.
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -88,6 +89,15 @@ def path_samples(path: JointPath, step: float) -> FloatArray:
     wanted = np.arange(0.0, travel[-1], 0.9 * step)
     picked = np.searchsorted(travel, wanted)
     return np.ascontiguousarray(fine[np.union1d(picked, [0, count - 1])])
+
+
+def refined(postures: FloatArray, step: float) -> FloatArray:
+    """Postures (m, n) with others on straight lines between them, no joint more than `step` from one to the next."""
+    rows = [postures[:1]]
+    for here, there in pairwise(postures):
+        count = max(1, math.ceil(float(np.max(np.abs(there - here))) / step))
+        rows.append(here + (np.arange(1, count + 1) / count)[:, None] * (there - here))
+    return np.vstack(rows)
 
 
 def check_samples(

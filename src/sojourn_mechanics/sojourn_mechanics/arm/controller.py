@@ -14,6 +14,8 @@ follows the position and velocity given here and adds the effort.
 - `allowed` false (load shed, drive moving) ends a motion with a jerk-limited stop; goals are refused
   meanwhile. When it is true again and the arm has sagged by more than `resync_error`, the reference starts
   anew from the measured position.
+- A pause brings the motion to rest on its path, and resuming goes on from there (pace.py). Where less power is granted
+  than the motion would draw, it is planned slower, or run slower from where it is.
 - A task may give the reference itself (`guide`): the arm then follows it and plans nothing.
 - Trim: at rest the position sent is reference + trim, with  d trim/dt = rate (reference - measured),
   limited in rate and size, and left alone within the deadband. It takes out what gravity model errors and
@@ -28,10 +30,11 @@ import numpy as np
 
 from sojourn_mechanics.arm.deflection import joint_positions, motor_positions
 from sojourn_mechanics.arm.feedforward import feedforward_effort
-from sojourn_mechanics.arm.goals import GoalRefusedError, PoseGoal, StopGoal
+from sojourn_mechanics.arm.goals import GoalRefusedError, PauseGoal, PoseGoal, ResumeGoal, StopGoal
 from sojourn_mechanics.arm.joint_path import JointPath
 from sojourn_mechanics.arm.kinematics import forward_kinematics
 from sojourn_mechanics.arm.model import ArmModel
+from sojourn_mechanics.arm.pace import follow_granted_power, go_on_at_rate, pause, resume, with_granted_power
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.planning import Plan, plan_goal
 from sojourn_mechanics.arm.state import ArmInput, ArmOutput, ArmState, ArmStatus, initial_state
@@ -69,6 +72,8 @@ def step(
     state = _follow_permission(params, model, state, inputs)
     if inputs.goal is not None:
         state = _take_goal(params, model, state, inputs)
+    if inputs.granted_power != state.granted_power:
+        state = follow_granted_power(params, model, state, inputs)
     if inputs.guide is not None and (inputs.goal is None or state.path is None):
         state = _follow(model, state, inputs.guide)
     else:
@@ -105,6 +110,9 @@ def _hold(model: ArmModel, state: ArmState, positions: FloatArray, status: ArmSt
         leave_time=0.0,
         status=status,
         reason=reason,
+        rate=1.0,
+        rate_change=0.0,
+        paused=False,
     )
 
 
@@ -149,6 +157,9 @@ def _begin_stop(model: ArmModel, state: ArmState, reason: str) -> ArmState:
         leave_time=0.0,
         status="moving",
         reason=reason,
+        rate=1.0,
+        rate_change=0.0,
+        paused=False,
     )
 
 
@@ -170,8 +181,13 @@ def _take_goal(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmI
     try:
         if not inputs.allowed:
             raise GoalRefusedError(f"not allowed to move: {inputs.not_allowed_reason or 'no reason given'}")
+        if isinstance(inputs.goal, PauseGoal):
+            return pause(state)
+        if isinstance(inputs.goal, ResumeGoal):
+            return resume(state)
         retreat, gravity = _present_retreat(state), inputs.gravity_in_base
-        plan = plan_goal(params, model, inputs.goal, state.reference, state.target, retreat, inputs.ground, gravity)
+        granted = with_granted_power(params, inputs.granted_power)
+        plan = plan_goal(granted, model, inputs.goal, state.reference, state.target, retreat, inputs.ground, gravity)
     except GoalRefusedError as error:
         busy = state.path is not None or state.settling
         return replace(
@@ -181,7 +197,7 @@ def _take_goal(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmI
             reason=f"new goal refused: {error}" if busy else str(error),
             goals_refused=state.goals_refused + 1,
         )
-    return _start(state, plan)
+    return _start(replace(state, granted_power=inputs.granted_power), plan)
 
 
 def _start(state: ArmState, plan: Plan) -> ArmState:
@@ -200,6 +216,10 @@ def _start(state: ArmState, plan: Plan) -> ArmState:
         part_done=1.0,
         status="moving",
         reason=plan.note,
+        rate=1.0,
+        rate_change=0.0,
+        pace=1.0,
+        paused=False,
         goals_accepted=state.goals_accepted + 1,
     )
 
@@ -224,6 +244,11 @@ def _advance_motion(
     if behind[worst] > params.following_error_limit and not state.stopping:
         state = _yield(params, model, state, inputs, worst, float(behind[worst]))
         path = state.path if state.path is not None else path
+    if state.rate < 1.0 or state.pace < 1.0 or state.paused:
+        slowed = go_on_at_rate(state, path, dt)
+        if slowed.path_time < path.duration:
+            return slowed
+        state = replace(slowed, rate=1.0, rate_change=0.0, paused=False)
     time = state.path_time + dt
     if time < path.duration:
         return replace(state, path_time=time, reference=JointReference(*path.sample(time)))
@@ -299,7 +324,7 @@ def _output(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInpu
     reference = state.reference
     tip = forward_kinematics(model, inputs.positions)
     offset = tip.position - state.tip_target
-    time_to_go = 0.0 if state.path is None else max(state.path.duration - state.path_time, 0.0)
+    time_to_go = 0.0 if state.path is None else max(state.path.duration - state.path_time, 0.0) / max(state.pace, 1e-3)
     return ArmOutput(
         positions=_within_limits(model, motor_positions(params, model, reference, inputs.gravity_in_base), state.trim),
         velocities=reference.velocity.copy(),

@@ -31,6 +31,9 @@ SAMPLE_TIME = 0.04
 """Between two looks at a motion [s]."""
 MOST_SAMPLES = 400
 _AT_REST = 1e-9
+_BISECTIONS = 10
+_MARGIN = 0.97
+"""Share of the power that a slowed motion may take: changing its rate takes some, too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +89,46 @@ def peak(params: ArmParams, model: ArmModel, path: JointPath, gravity: FloatArra
         text = f"the arm would draw {largest:.1f} W, its limit is {params.power_limit:.1f} W"
         return LoadPeak(largest / params.power_limit, text)
     return worst
+
+
+def rate_within(
+    params: ArmParams, model: ArmModel, path: JointPath, start: float, gravity: FloatArray, power: float
+) -> tuple[float, float]:
+    """How fast the rest of a path may be run so that it draws at most `power` [W].
+
+    At the rate r (path_clock.py) velocities are r times, inertial efforts r^2 times those of the plan; what gravity
+    asks for stays.
+
+    Args:
+        start: from this time on the path [s].
+
+    Returns:
+        the rate, 0 to 1 (0: holding alone draws more), and the power drawn in holding [W].
+    """
+    count = int(min(max(np.ceil((path.duration - start) / SAMPLE_TIME), 2), MOST_SAMPLES)) + 1
+    q, qd, qdd = (
+        np.array(column)
+        for column in zip(*(path.sample(t) for t in np.linspace(start, path.duration, count)), strict=True)
+    )
+    zero = np.zeros(model.joint_count)
+    held = np.array([rigid_effort(model, row, zero, zero, gravity) for row in q])
+    moving = np.array([rigid_effort(model, *row, gravity) for row in zip(q, qd, qdd, strict=True)]) - held
+
+    def drawn(rate: float) -> float:
+        motor = motor_efforts(params, held + rate**2 * moving, rate * qd)
+        return float(power_drawn(params, motor, rate * qd).max())
+
+    holding = drawn(0.0)
+    if drawn(1.0) <= power:
+        return 1.0, holding
+    slow, fast = 0.0, 1.0
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (slow + fast)
+        if drawn(middle) <= _MARGIN * power:
+            slow = middle
+        else:
+            fast = middle
+    return slow, holding
 
 
 def slower(model: ArmModel, factor: float, start: JointReference) -> ArmModel:

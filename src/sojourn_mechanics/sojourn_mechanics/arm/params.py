@@ -10,7 +10,7 @@ along the chain.
 """
 
 import math
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -136,6 +136,11 @@ class ArmParams(Params):
         default=(0.0, 0.0, -1.0),
         description="direction in base_link tried first when a goal leaves it free [-]; null: none",
     )
+    goal_orientation: Literal["direction", "full"] = Field(
+        default="direction",
+        description="what the orientation of a pose goal asks for: the direction of the tool axis, with any roll about "
+        "it (five joints cannot do more), or all of it",
+    )
     approach_distance: float = Field(
         default=0.06,
         ge=0.0,
@@ -184,6 +189,15 @@ class ArmParams(Params):
     )
     collision_step: float = Field(
         default=0.02, gt=0.0, le=0.2, description="largest joint step between two checks [rad or m]"
+    )
+    avoid_ground: bool = Field(
+        default=True, description="motions are checked against the ground on which the machine stands"
+    )
+    ground_height: float | None = Field(
+        default=None,
+        ge=-100.0,
+        le=100.0,
+        description="the ground is the plane z = this in base_link [m]; null: that under the wheels, if there are any",
     )
     ground_clearance: float = Field(default=0.02, ge=-0.5, le=1.0, description="links to ground plane, at least [m]")
     ground_contact_links: tuple[str, ...] = Field(

@@ -13,7 +13,7 @@ from sojourn_mechanics.arm.tasks.tip_motion import TipMotion
 from sojourn_mechanics.arm.trajectory import JointReference, at_rest
 from sojourn_mechanics.params import FloatArray
 
-ArmStatus: TypeAlias = Literal["idle", "moving", "holding", "refused", "reached", "stopped"]
+ArmStatus: TypeAlias = Literal["idle", "moving", "paused", "holding", "refused", "reached", "stopped"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +27,7 @@ class ArmInput:
     allowed: bool = True
     not_allowed_reason: str = ""
     ground: GroundPlane | None = None
+    granted_power: float | None = None  # what the arm may draw now [W], if that is less than its own limit
     guide: TipMotion | None = None  # reference that a task gives for this period, in place of a planned motion
 
 
@@ -55,6 +56,11 @@ class ArmState:
     was_allowed: bool
     goals_accepted: int
     goals_refused: int
+    rate: float = 1.0  # at which the path is run: 1 as planned, 0 at rest on it (path_clock.py)
+    rate_change: float = 0.0  # of the last period [1/s]
+    pace: float = 1.0  # the rate that the granted power allows
+    paused: bool = False  # the operator has asked for a pause
+    granted_power: float | None = None  # of the last period [W]
 
 
 @dataclass(frozen=True, slots=True)

@@ -74,10 +74,13 @@ def point_to_point(model: ArmModel, start: JointReference, target: FloatArray) -
 
 
 def stop(model: ArmModel, start: JointReference) -> JointPath:
-    """Fastest stop of every joint from `start`, each on its own, within acceleration and jerk limits."""
+    """Fastest stop from `start` within acceleration and jerk limits.
+
+    On the straight line that the joints are on, if they are on one; else all come to rest at the same time.
+    """
     problem = ruckig.InputParameter(model.joint_count)
     problem.control_interface = ruckig.ControlInterface.Velocity
-    problem.synchronization = ruckig.Synchronization.No
+    problem.synchronization = ruckig.Synchronization.Phase
     return _solve(model, problem, start, at_rest(start.position), None)
 
 

@@ -37,6 +37,7 @@ from sojourn_mechanics.steering.attitude import rotation_of
 from sojourn_mechanics.steering.ground_surface import GroundSurface, surface_through
 from sojourn_mechanics.steering.odometry import OdometryState, corrected, wrap_angle
 from sojourn_mechanics.steering.odometry_kernels import cloned, update_all, widened
+from sojourn_mechanics.steering.stereo_eye import StereoEye, along_rays
 from sojourn_mechanics.steering.terrain_match import Match, match
 from sojourn_mechanics.steering.terrain_match_params import TerrainMatchParams
 
@@ -58,8 +59,8 @@ class Look:
 
     points: FloatArray
     """About base_link."""
-    rays: FloatArray
-    """From the camera to the points."""
+    errors: FloatArray
+    """By which a point is off for one standard deviation of its match."""
     place: tuple[float, float, float, float]
     """base_link: x, y in odom, height in the chain of the matches [m]; yaw [rad]."""
 
@@ -96,8 +97,7 @@ class TerrainMatcher:
     """What matching needs to know of a machine."""
 
     params: TerrainMatchParams
-    eye: FloatArray
-    """The camera in base_link, shape (3,) [m]."""
+    eye: StereoEye
 
 
 def match_ground(
@@ -135,9 +135,8 @@ def match_ground(
     found = match(
         state.surface,
         look.points @ to_key.T,
-        look.rays @ to_key.T,
+        look.errors @ to_key.T,
         guess,
-        params.range_noise,
         params.sharing,
         (params.tilt_sigma, heading),
     )
@@ -162,7 +161,7 @@ def warm_up(matcher: TerrainMatcher, odometry: OdometryState) -> None:
     """Have every kernel compiled: looks at a wavy ground from two places; `odometry` is left as it is."""
     params, eye = matcher.params, matcher.eye
     ahead, left = np.meshgrid(np.linspace(0.5, 2.0, 31), np.linspace(-0.8, 0.8, 33))
-    ground = np.stack([ahead, left, 0.05 * np.sin(4.0 * ahead) * np.cos(4.0 * left) - eye[2] - 0.5], axis=-1)
+    ground = np.stack([ahead, left, 0.05 * np.sin(4.0 * ahead) * np.cos(4.0 * left) - eye.position[2] - 0.5], axis=-1)
     first, state = match_ground(matcher, odometry, TerrainMatchState(), ground.reshape(-1, 3))
     second = replace(first, x=first.x + params.least_step, y=first.y + params.least_step)
     match_ground(matcher, second, state, ground.reshape(-1, 3))
@@ -186,7 +185,7 @@ def match_status(state: TerrainMatchState | None, odometry: OdometryState) -> di
 
 def _look_of(matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState, cloud: FloatArray) -> Look:
     """The near points of a cloud in level axes."""
-    rays = cloud - matcher.eye
+    rays = cloud - matcher.eye.position
     near = (rays * rays).sum(axis=1) <= matcher.params.range**2
     level = rotation_of(odometry.roll, odometry.pitch)
     height = odometry.z
@@ -194,7 +193,7 @@ def _look_of(matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMat
         height = state.looks[-1].place[2] + odometry.z - state.at[2]
     return Look(
         np.ascontiguousarray(cloud[near] @ level.T),
-        np.ascontiguousarray(rays[near] @ level.T),
+        np.ascontiguousarray(along_rays(matcher.eye, cloud[near]) @ level.T),
         (odometry.x, odometry.y, height, odometry.yaw),
     )
 
@@ -289,10 +288,9 @@ def _with_key_frame(
         ahead, left = _turned(look.place[0] - x, look.place[1] - y, -yaw)
         turned = rotation_of(0.0, 0.0, wrap_angle(look.place[3] - yaw))
         points.append(look.points @ turned.T + np.array((ahead, left, look.place[2] - level)))
-        distance = np.sqrt((look.rays * look.rays).sum(axis=1))
-        height = params.range_noise * distance * (np.abs(look.rays[:, 2]) + LEAST_STEEPNESS * distance)
-        variances.append(height * height + LEAST_VARIANCE)
-    reach = params.range + float(np.hypot(eye[0], eye[1]))
+        length = np.sqrt((look.errors * look.errors).sum(axis=1))
+        variances.append((np.abs(look.errors[:, 2]) + LEAST_STEEPNESS * length) ** 2 + LEAST_VARIANCE)
+    reach = params.range + math.hypot(eye.position[0], eye.position[1])
     surface = surface_through(np.concatenate(points), np.concatenate(variances), params.cell, params.radius, reach)
     odometry = replace(
         odometry,

@@ -7,10 +7,10 @@ z) and the axes have turned by a small rotation t = (t_x, t_y, t_z) against thos
     dr / d(x, y, z, t) = (-h_x, -h_y, 1,  p_y,  -p_x,  h_x p_y - h_y p_x)   (first order in the tilt and its slopes)
 
 The sum of r^2 / s^2 is made least by Gauss-Newton, with Huber's weights, none beyond three times their limit, and with
-what is known of t (IMU, gyro) as a prior. The weight holds the error of the stereo camera along the ray q, of standard
-deviation s_r = range_noise |q|^2, and that of the surface:
+what is known of t (IMU, gyro) as a prior. The weight holds the error of the stereo camera, which moves the point along
+its ray by q for one standard deviation (`stereo_eye`), and that of the surface:
 
-    s^2 = [s_r (q_z - h_x q_x - h_y q_y) / |q|]^2 + sharing s_h^2
+    s^2 = (q_z - h_x q_x - h_y q_y)^2 + sharing s_h^2
 
 Points nearer to each other than the surface's radius share its error: `sharing` is how many. The slopes are those of
 the planes of `ground_surface`, not the derivative of their blend: they have less noise.
@@ -44,8 +44,9 @@ HUBER = 2.0
 """Residual over its deviation from which a point counts less; none beyond three times that."""
 CAPTURE = 0.1
 """Sigma of the weak prior on x and y that keeps an even ground's solution near the guess [m]; taken out at the end."""
-ITERATIONS, CONVERGED = 12, 2e-4
-"""At most; change of x and y below which the search ends [m]."""
+ITERATIONS, FULL_STEPS, CONVERGED = 16, 5, 5e-4
+"""At most; so many of them whole, then half, since points that come and go can make it swing; change of x and y below
+which the search ends [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,18 +69,18 @@ class Match:
 def match(
     surface: GroundSurface,
     points: FloatArray,
-    rays: FloatArray,
+    errors: FloatArray,
     place: FloatArray,
-    range_noise: float,
     sharing: float,
     turn_sigmas: tuple[float, float],
 ) -> Match:
     """The cloud on the surface.
 
     Args:
-        points: about base_link in the surface's axes, shape (n, 3) [m]. rays: from the camera to them, likewise.
+        points: about base_link in the surface's axes, shape (n, 3) [m].
+        errors: by which a point is off for one standard deviation of its match, likewise.
         place: first guess of base_link on the surface, shape (3,) [m].
-        range_noise: [1/m]. sharing: [-]. turn_sigmas: of tilt and heading against the surface's [rad].
+        sharing: [-]. turn_sigmas: of tilt and heading against the surface's [rad].
     """
     return Match(
         *_match(
@@ -88,9 +89,8 @@ def match(
             surface.y0,
             surface.cell,
             points,
-            rays,
+            errors,
             place,
-            range_noise,
             sharing,
             turn_sigmas[0],
             turn_sigmas[1],
@@ -100,8 +100,8 @@ def match(
 
 @njit(cache=True)
 def normal_equations(
-    planes: FloatArray, x0: float, y0: float, cell: float, points: FloatArray, rays: FloatArray, place: FloatArray,
-    shift: FloatArray, range_noise: float, sharing: float,
+    planes: FloatArray, x0: float, y0: float, cell: float, points: FloatArray, errors: FloatArray, place: FloatArray,
+    shift: FloatArray, sharing: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray, int, int, float]:  # fmt: skip
     """J^T W J, -J^T W r, the part of the noise of the slopes (x x, x y, y y), points, outliers, sum of squares."""
     matrix, side, noise = np.zeros((UNKNOWNS, UNKNOWNS)), np.zeros(UNKNOWNS), np.zeros(2)
@@ -118,8 +118,7 @@ def normal_equations(
             continue
         count += 1
         residual = z - height
-        qx, qy, qz = rays[i, 0], rays[i, 1], rays[i, 2]
-        along = range_noise * math.sqrt(qx * qx + qy * qy + qz * qz) * (qz - slope_x * qx - slope_y * qy)
+        along = errors[i, 2] - slope_x * errors[i, 0] - slope_y * errors[i, 1]
         weight = 1.0 / (along * along + sharing * variance)
         off = abs(residual) * math.sqrt(weight)
         if off > 3.0 * HUBER:
@@ -144,23 +143,23 @@ def normal_equations(
 
 @njit(cache=True)
 def _match(
-    planes: FloatArray, x0: float, y0: float, cell: float, points: FloatArray, rays: FloatArray, place: FloatArray,
-    range_noise: float, sharing: float, tilt_sigma: float, heading_sigma: float,
+    planes: FloatArray, x0: float, y0: float, cell: float, points: FloatArray, errors: FloatArray, place: FloatArray,
+    sharing: float, tilt_sigma: float, heading_sigma: float,
 ) -> tuple[FloatArray, FloatArray, int, int, float, bool]:  # fmt: skip
     """The fields of a Match."""
     prior = np.array((CAPTURE**-2, CAPTURE**-2, 0.0, tilt_sigma**-2, tilt_sigma**-2, heading_sigma**-2))
     shift, nothing = np.zeros(UNKNOWNS), np.zeros((2, 2))
     matrix, side, noise, count, outliers, squares = normal_equations(
-        planes, x0, y0, cell, points, rays, place, shift, range_noise, sharing
+        planes, x0, y0, cell, points, errors, place, shift, sharing
     )
     converged = False
-    for _ in range(ITERATIONS):
+    for iteration in range(ITERATIONS):
         if count - outliers < 2 * UNKNOWNS:
             return shift, nothing, count, outliers, 0.0, False
         change = np.linalg.solve(matrix + np.diag(prior), side - prior * shift)
-        shift = shift + change
+        shift = shift + (change if iteration < FULL_STEPS else 0.5 * change)
         matrix, side, noise, count, outliers, squares = normal_equations(
-            planes, x0, y0, cell, points, rays, place, shift, range_noise, sharing
+            planes, x0, y0, cell, points, errors, place, shift, sharing
         )
         if abs(change[0]) + abs(change[1]) < CONVERGED:
             converged = True

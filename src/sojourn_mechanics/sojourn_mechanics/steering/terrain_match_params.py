@@ -11,9 +11,6 @@ class TerrainMatchParams(Params):
     """How clouds of the hazard camera are matched with the ground seen before. Sigmas are standard deviations."""
 
     range: float = Field(gt=0.0, le=100.0, description="points farther from the camera are left out [m]")
-    range_noise: float = Field(
-        gt=0.0, le=1.0, description="error of a distance over its square: disparity noise / (f b) [1/m]"
-    )
     radius: float = Field(gt=0.01, le=10.0, description="round each node whose points make its plane [m]")
     cell: float = Field(gt=0.005, le=5.0, description="distance of the nodes of the surface [m]")
     clouds: int = Field(ge=1, le=50, description="looks that make the surface of a key frame [-]")

@@ -105,11 +105,30 @@ class Dig(TaskRequest):
     distance: float = Field(default=0.1, ge=0.005, le=0.5, description="within which the ground must be found [m]")
 
 
+class Dump(TaskRequest):
+    """Open the scoop where it is, let what is in it fall, and shut it."""
+
+    task: ClassVar[str] = "dump"
+    seconds: float = Field(default=1.0, ge=0.1, le=60.0, description="for which it stays open [s]")
+
+
 class Weigh(TaskRequest):
     """Weigh what is carried at the tip, from the joint torques in several postures."""
 
     task: ClassVar[str] = "weigh"
     seconds: float = Field(default=2.0, ge=0.2, le=60.0, description="over which torques are averaged in a posture [s]")
+
+
+class Pause(TaskRequest):
+    """Come to rest on the path of the motion that is under way."""
+
+    task: ClassVar[str] = "pause"
+
+
+class Resume(TaskRequest):
+    """Go on with what was paused."""
+
+    task: ClassVar[str] = "resume"
 
 
 class Drill(TaskRequest):
@@ -128,7 +147,9 @@ class Pick(TaskRequest):
     force: float = Field(default=10.0, gt=0.0, le=500.0, description="grasp force [N]")
 
 
-KINDS: tuple[type[TaskRequest], ...] = (Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Weigh, Drill, Pick)
+KINDS: tuple[type[TaskRequest], ...] = (
+    Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Dump, Weigh, Pause, Resume, Drill, Pick
+)  # fmt: skip
 TASKS: dict[str, type[TaskRequest]] = {kind.task: kind for kind in KINDS}
 """Every task by name."""
 

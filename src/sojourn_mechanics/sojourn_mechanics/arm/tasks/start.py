@@ -1,19 +1,24 @@
 """From a request to a task under way: the directions and lines that it asks for, checked before anything moves."""
 
+import math
+from typing import TypeVar, get_args
+
 import numpy as np
 
-from sojourn_mechanics.arm.collision import check_samples
+from sojourn_mechanics.arm.collision import GroundPlane, check_samples, refined
 from sojourn_mechanics.arm.goals import GoalRefusedError, NamedGoal, PoseGoal
 from sojourn_mechanics.arm.kinematics import forward_kinematics, nearby_solution
 from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.tasks.dig import DigTask
+from sojourn_mechanics.arm.tasks.dump import DumpTask
 from sojourn_mechanics.arm.tasks.go import Go
 from sojourn_mechanics.arm.tasks.guarded_move import GuardedMoveTask
 from sojourn_mechanics.arm.tasks.hold_force import HoldForceTask
 from sojourn_mechanics.arm.tasks.requests import (
     Dig,
     Drill,
+    Dump,
     GuardedMove,
     HoldForce,
     Pick,
@@ -27,17 +32,29 @@ from sojourn_mechanics.arm.tasks.requests import (
 from sojourn_mechanics.arm.tasks.tare import TareTask
 from sojourn_mechanics.arm.tasks.task import Task
 from sojourn_mechanics.arm.tasks.weigh import TURN, WeighTask
+from sojourn_mechanics.arm.tool_params import ScoopToolParams, ToolParams
 from sojourn_mechanics.params import FloatArray
 
+Tool = TypeVar("Tool", bound=ToolParams)
 _STEP = 0.01
 """Distance of the places of a line that are looked at [m]."""
 
 
-def start_task(params: ArmParams, model: ArmModel, request: TaskRequest, posture: FloatArray, feels: bool) -> Task:
+def start_task(
+    params: ArmParams,
+    model: ArmModel,
+    request: TaskRequest,
+    posture: FloatArray,
+    feels: bool,
+    ground: GroundPlane | None = None,
+    tool: ToolParams | None = None,
+) -> Task:
     """The task that a request asks for.
 
     Args:
         posture: joint positions (n,) from which it starts. feels: whether the wrist's sensor tells its wrench.
+        ground: plane in base_link that all but the tool keeps above, or None.
+        tool: at the arm's end.
 
     Raises:
         GoalRefusedError: a task that needs what this arm has not, or a line that it cannot follow.
@@ -49,6 +66,8 @@ def start_task(params: ArmParams, model: ArmModel, request: TaskRequest, posture
             return Go(PoseGoal(request.position, request.direction))
         case Weigh():
             return WeighTask(model, _weighing_postures(model, posture), request.seconds)
+        case Dump():
+            return DumpTask(_tool(request, tool, ScoopToolParams).lid.opening, request.seconds)
         case Drill():
             raise GoalRefusedError("drill: this arm has no drill")
         case Pick():
@@ -61,18 +80,24 @@ def start_task(params: ArmParams, model: ArmModel, request: TaskRequest, posture
             return TareTask(request.seconds, np.zeros(6))
         case GuardedMove():
             direction = _direction(model, request.direction, posture)
-            check_line(params, model, posture, direction, request.distance)
+            check_line(params, model, posture, direction, request.distance, ground)
             return GuardedMoveTask(
                 direction, start, request.speed, request.force, request.distance, request.retract, start
             )
         case HoldForce():
             direction = _direction(model, request.direction, posture)
+            if request.distance > 0.0:
+                check_line(params, model, posture, direction, request.distance, ground)
             return HoldForceTask(direction, start, request.force, request.seconds, request.tolerance, request.distance)
         case Dig():
+            lid = _tool(request, tool, ScoopToolParams).lid
             direction = _direction(model, request.direction, posture)
             along = _across(direction, np.array(request.along or (-1.0, 0.0, 0.0)))
-            reach = check_line(params, model, posture, direction, request.distance + request.depth)
-            check_line(params, model, reach[-1], along, request.length)
+            into = request.depth
+            reach = check_line(params, model, posture, direction, request.distance + into, ground, into)
+            begun = reach[_first_below(model, reach, ground, into) - 1]
+            end = check_line(params, model, begun, along, request.length, ground, into)[-1]
+            check_line(params, model, end, -direction, into, ground, into)
             return DigTask(
                 direction,
                 along,
@@ -84,8 +109,18 @@ def start_task(params: ArmParams, model: ArmModel, request: TaskRequest, posture
                 first=start,
                 touched=start,
                 begun=start,
+                lid=lid.opening,
             )
     raise GoalRefusedError(f"{request.task}: this arm has no law for it")
+
+
+def _tool(request: TaskRequest, tool: ToolParams | None, needed: type[Tool]) -> Tool:
+    """The tool, if it is of the kind that a task needs."""
+    if isinstance(tool, needed):
+        return tool
+    kind = needed.model_fields["kind"].annotation
+    has = "carries no tool" if tool is None else f"carries a {tool.kind}"
+    raise GoalRefusedError(f"{request.task}: this arm {has}: allowed is a {' or '.join(get_args(kind))}")
 
 
 def _across(direction: FloatArray, wanted: FloatArray) -> FloatArray:
@@ -114,12 +149,22 @@ def _direction(model: ArmModel, asked: tuple[float, float, float] | None, postur
 
 
 def check_line(
-    params: ArmParams, model: ArmModel, posture: FloatArray, direction: FloatArray, distance: float
+    params: ArmParams,
+    model: ArmModel,
+    posture: FloatArray,
+    direction: FloatArray,
+    distance: float,
+    ground: GroundPlane | None = None,
+    depth: float = 0.0,
 ) -> FloatArray:
     """Postures (m, n) along a straight line of the tip with the tool's direction held.
 
+    The tool is there to touch the ground: the links that may (`ground_contact_links`) are not checked against it, and
+    the others only as far as the tip is at most `depth` [m] under it. Where it goes on without a contact there is no
+    ground.
+
     Raises:
-        GoalRefusedError: the arm cannot follow the whole line, or would collide with the rover.
+        GoalRefusedError: the arm cannot follow the whole line, or would collide with the rover, itself or the ground.
     """
     tip = forward_kinematics(model, posture)
     count = max(2, round(distance / _STEP) + 1)
@@ -132,7 +177,20 @@ def check_line(
             raise GoalRefusedError(f"the arm can follow {reached * 1e3:.0f} mm of the {distance * 1e3:.0f} mm only")
         rows.append(found)
     postures = np.array(rows)
-    collision = check_samples(params, model, postures, None, allow_start=True)
+    collision = check_samples(params, model, refined(postures, params.collision_step), None, allow_start=True)
+    if collision is None and ground is not None:
+        touching = params.model_copy(update={"ground_contact_depth": math.inf})
+        near = refined(postures[: _first_below(model, postures, ground, depth)], params.collision_step)
+        collision = check_samples(touching, model, near, ground, allow_start=True)
     if collision is not None:
         raise GoalRefusedError(collision.text())
     return postures
+
+
+def _first_below(model: ArmModel, postures: FloatArray, ground: GroundPlane | None, depth: float) -> int:
+    """Number of the first posture after the start whose tip is more than `depth` under the ground; else how many."""
+    if ground is not None:
+        for k, posture in enumerate(postures[1:], start=1):
+            if forward_kinematics(model, posture).position @ np.array(ground.normal) < ground.height - depth - 1e-6:
+                return k
+    return len(postures)

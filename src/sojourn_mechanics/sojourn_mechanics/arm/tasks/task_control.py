@@ -8,6 +8,8 @@ replaces a task. A task that has ended goes on holding what it has reached (a co
 A guided motion is given up when the contact force exceeds `max_force` (the tool then gives way until it presses no
 more), when the joints are further than `following_error_limit` from their reference, when the tip cannot follow, and
 when the arm may not move (it then stops).
+
+A pause brings a planned motion to rest on its path, and the tip of a guided one; the task stands still meanwhile.
 """
 
 from dataclasses import dataclass, field, replace
@@ -15,18 +17,21 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sojourn_mechanics.arm import controller
-from sojourn_mechanics.arm.goals import ArmGoal, GoalRefusedError, PoseGoal, StopGoal
+from sojourn_mechanics.arm.goals import ArmGoal, GoalRefusedError, PauseGoal, PoseGoal, ResumeGoal, StopGoal
 from sojourn_mechanics.arm.kinematics import forward_kinematics
 from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.state import ArmInput, ArmOutput, ArmState
 from sojourn_mechanics.arm.tasks.contact_sense import ContactSense, check_wrench, contact_sense
 from sojourn_mechanics.arm.tasks.ended import Ended, Released
-from sojourn_mechanics.arm.tasks.requests import TaskRequest
+from sojourn_mechanics.arm.tasks.requests import Pause, Resume, TaskRequest
 from sojourn_mechanics.arm.tasks.start import start_task
-from sojourn_mechanics.arm.tasks.task import Doing, Look, Task
+from sojourn_mechanics.arm.tasks.task import Doing, Look, Task, ToolCommand, ToolReading
 from sojourn_mechanics.arm.tasks.tip_motion import CannotFollowError, TipMotion, begin, move
+from sojourn_mechanics.arm.tool_params import ToolParams
 from sojourn_mechanics.params import FloatArray
+
+_PAUSED = "paused; the task resume goes on"
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +44,8 @@ class TaskInput:
     """On the wrist's sensor in its frame (6,) [N], [N m]; None where it is not measured."""
     efforts: FloatArray | None = None
     """Of the joints as measured (n,) [N m]; None where nobody tells them."""
+    tool: ToolReading | None = None
+    """Of the tool's actuator; None where there is no tool, or nobody tells it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +54,10 @@ class TaskState:
 
     arm: ArmState
     sense: ContactSense
+    tool: ToolParams | None = None
+    """At the arm's end."""
+    tool_command: ToolCommand = field(default_factory=ToolCommand)
+    """For its actuator."""
     name: str = ""
     task: Task | None = None
     doing: Doing = field(default_factory=Doing)
@@ -54,6 +65,8 @@ class TaskState:
     accepted: int = 0
     """Tasks taken, less the goals that tasks have given to the arm."""
     refused: int = 0
+    paused: bool = False
+    """Of a guided motion; that of a planned one is in `arm`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,9 +77,9 @@ class TaskReport:
     doing: Doing
 
 
-def initial_state(params: ArmParams, model: ArmModel) -> TaskState:
-    """State before the first step."""
-    return TaskState(controller.initial_state(params), contact_sense(model))
+def initial_state(params: ArmParams, model: ArmModel, tool: ToolParams | None = None) -> TaskState:
+    """State before the first step, of an arm with a tool or without."""
+    return TaskState(controller.initial_state(params), contact_sense(model), tool)
 
 
 def warm_up(params: ArmParams, model: ArmModel) -> None:
@@ -90,8 +103,11 @@ def step(
     """
     check_wrench(inputs.wrench)
     goal, refusal = inputs.arm.goal, ""
-    if goal is None:
+    if goal is None and isinstance(inputs.task, Pause | Resume):
+        state, goal, refusal = _pause(state, isinstance(inputs.task, Pause))
+    elif goal is None:
         state, refusal = _take_task(params, model, state, inputs)
+    if goal is None:
         state, goal = _work(params, model, state, inputs, dt)
     asked = replace(inputs.arm, goal=goal, guide=state.motion)
     arm, output = controller.step(params, model, state.arm, asked, dt)
@@ -100,8 +116,8 @@ def step(
     state = replace(state, arm=arm)
     if inputs.arm.goal is not None:
         if taken:
-            state = replace(state, name="", task=None, motion=None)
-    elif goal is not None:  # of the task
+            state = replace(state, name="", task=None, motion=None, paused=False)
+    elif goal is not None and not isinstance(goal, PauseGoal | ResumeGoal):  # of the task
         state = replace(state, accepted=state.accepted - taken, refused=state.refused - refused)
         if refused:
             state = _give_up(state, Ended(arm.reason))
@@ -111,7 +127,21 @@ def step(
         goals_refused=output.goals_refused + state.refused,
         reason=refusal or output.reason,
     )
-    return state, output, None if state.task is None else TaskReport(state.name, state.doing)
+    if state.paused:
+        resting = not np.any(output.velocities)
+        output = replace(output, status="paused" if resting else "moving", reason=refusal or _PAUSED)
+    told = state.task is not None and not (state.paused or arm.paused)
+    return state, output, TaskReport(state.name, state.doing) if told else None
+
+
+def _pause(state: TaskState, begin: bool) -> tuple[TaskState, ArmGoal | None, str]:
+    """Pause or go on: a guided motion here, a planned one by a goal for the arm; else why not."""
+    if state.motion is None:
+        return state, PauseGoal() if begin else ResumeGoal(), ""
+    if begin == state.paused:
+        why = "pause: the motion is paused already" if begin else "resume: no motion is paused"
+        return replace(state, refused=state.refused + 1), None, why
+    return replace(state, paused=begin, accepted=state.accepted + 1), None, ""
 
 
 def _take_task(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> tuple[TaskState, str]:
@@ -126,15 +156,16 @@ def _take_task(params: ArmParams, model: ArmModel, state: TaskState, inputs: Tas
         if under_way and not request.preempt:
             raise GoalRefusedError(f"{request.task}: {under_way} is under way (preempt: true would replace it)")
         posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
-        task = start_task(params, model, request, posture, inputs.wrench is not None)
+        feels, ground = inputs.wrench is not None, inputs.arm.ground
+        task = start_task(params, model, request, posture, feels, ground, state.tool)
     except GoalRefusedError as error:
         return replace(state, refused=state.refused + 1), str(error)
-    return replace(state, name=request.task, task=task, doing=Doing(), accepted=state.accepted + 1), ""
+    return replace(state, name=request.task, task=task, doing=Doing(), accepted=state.accepted + 1, paused=False), ""
 
 
 def _under_way(state: TaskState) -> str:
     """What the arm is at, in words; empty where it is at nothing."""
-    if state.task is not None:
+    if state.task is not None and not state.arm.paused:
         return state.name if state.doing.state == "moving" else ""
     return "another goal" if state.arm.path is not None or state.arm.settling else ""
 
@@ -148,9 +179,14 @@ def _work(
     look = _look(params, model, state, inputs)
     if state.doing.state == "moving":
         state = _guard(params, state, inputs, look)
+    if state.paused and state.motion is not None and not isinstance(state.task, Ended | Released):
+        still = move(model, state.motion, np.zeros(3), params.force_control.tip_acceleration, dt)
+        return replace(state, motion=still), None
+    if state.arm.paused:
+        return state, None
     task, doing = state.task.advance(look, dt) if state.task is not None else (None, Doing())
     sense = state.sense if doing.bias is None else replace(state.sense, bias=state.sense.bias + doing.bias)
-    state = replace(state, task=task, sense=sense, doing=doing)
+    state = replace(state, task=task, sense=sense, doing=doing, tool_command=doing.tool or state.tool_command)
     if doing.velocity is None:
         stop = StopGoal() if state.motion is not None and doing.goal is None else None
         return replace(state, motion=None), doing.goal or stop
@@ -181,7 +217,7 @@ def _guard(params: ArmParams, state: TaskState, inputs: TaskInput, look: Look) -
 
 
 def _give_up(state: TaskState, ended: Ended) -> TaskState:
-    return replace(state, task=ended, motion=None, doing=Doing(state="failed", reason=ended.reason))
+    return replace(state, task=ended, motion=None, paused=False, doing=Doing(state="failed", reason=ended.reason))
 
 
 def _look(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> Look:
@@ -202,4 +238,5 @@ def _look(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInpu
         status=state.arm.status,
         reason=state.arm.reason,
         control=params.force_control,
+        tool=inputs.tool,
     )
