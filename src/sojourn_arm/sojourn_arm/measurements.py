@@ -5,10 +5,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.messages import quaternion, wrench_values
+from sojourn_contract.joint_places import JointPlaces
+from sojourn_contract.messages import numbers, quaternion, wrench_values
 from sojourn_mechanics.arm.feedforward import gravity_in_body
+from sojourn_mechanics.arm.tasks.task import ToolReading
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT
 from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
@@ -26,6 +30,8 @@ class Measured:
     """In base_link (3,) [m/s2]."""
     wrench: FloatArray | None
     """Of the tool on the wrist's sensor (6,) [N], [N m]; None where it is not measured."""
+    tool: ToolReading | None
+    """Its actuator; None where nobody tells it."""
 
 
 class Measurements:
@@ -39,10 +45,12 @@ class Measurements:
     def __init__(
         self, joints: Sequence[str], urdf_xml: str, gravity: float, refuse: Callable[[str, Exception], None]
     ) -> None:
-        self._joints = joints
         self._gravity = gravity
         self._refuse = refuse
-        self._places: tuple[list[str], list[int]] = ([], [])
+        self._places = JointPlaces("/joint_states", joints)
+        self._tool: int | None = None
+        """Place of the tool's actuator in a message, of the names in `_names`."""
+        self._names: list[str] = []
         self._imu_to_base = mounting(urdf_xml, IMU_LINK)[0]
 
     def read(self, joints: Any, imu: Any, wrist: Any) -> Measured | None:
@@ -51,27 +59,34 @@ class Measurements:
         if places is None or gravity is None:
             return None
         return Measured(
-            positions=np.array(joints.position)[places],
-            velocities=np.array(joints.velocity)[places],
-            efforts=np.array(joints.effort)[places] if len(joints.effort) else None,
+            positions=numbers(joints.position)[places],
+            velocities=numbers(joints.velocity)[places],
+            efforts=numbers(joints.effort)[places] if len(joints.effort) else None,
             gravity=gravity,
             wrench=None if wrist is None else wrench_values(wrist),
+            tool=self._tool_reading(joints),
         )
 
-    def _places_in(self, joints: Any) -> list[int] | None:
+    def _places_in(self, joints: Any) -> NDArray[np.intp] | None:
         """Where the arm's joints stand in a message, or None."""
         if joints is None:  # refused on arrival
             return None
-        if self._places[0] != joints.name:
-            names = list(joints.name)
-            for joint in self._joints:
-                if joint not in names:
-                    allowed = f"{joint} among them"
-                    text = ", ".join(names)
-                    self._refuse("/joint_states", RefusedMessageError("/joint_states", "name", text, allowed))
-                    return None
-            self._places = (names, [names.index(joint) for joint in self._joints])
-        return self._places[1]
+        try:
+            return self._places.places(joints)
+        except RefusedMessageError as refusal:
+            self._refuse("/joint_states", refusal)
+            return None
+
+    def _tool_reading(self, joints: Any) -> ToolReading | None:
+        """The tool's actuator; None where the message does not name it."""
+        if joints.name != self._names:
+            self._names = list(joints.name)
+            self._tool = self._names.index(TOOL_JOINT) if TOOL_JOINT in self._names else None
+        place = self._tool
+        if place is None:
+            return None
+        effort = joints.effort[place] if len(joints.effort) else 0.0
+        return ToolReading(joints.position[place], joints.velocity[place], effort)
 
     def _gravity_in_base(self, imu: Any) -> FloatArray | None:
         """Gravity from the attitude that the IMU reports, or None where it cannot be used."""

@@ -5,6 +5,7 @@ import numpy as np
 from sojourn_config.arms import load_arm
 from sojourn_config.load import load_params
 from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_drive.clouds import eye_of
 from sojourn_mechanics.arm import controller
 from sojourn_mechanics.arm.inverse import pose_goal
 from sojourn_mechanics.arm.model import build_arm_model
@@ -51,13 +52,12 @@ def _use_arm() -> None:
 
 
 def _look_and_drive(scenario: LoadedScenario) -> None:
-    params, eye = scenario.sensors.hazcam, None
+    params = scenario.sensors.hazcam
     if params is not None:
         camera = hazcam.hazcam_on(params, scenario.urdf_xml)
         state = hazcam.initial_state(camera, scenario.config.seed)
         hazcam.step(camera, state, scenario.height_field(), np.zeros(3), np.eye(3))
-        eye = camera.position
-    DriveModel(scenario.drive, scenario.steering, eye, loads=scenario.wheel_loads()).warm_up()
+    DriveModel(scenario.drive, scenario.steering, eye_of(scenario), loads=scenario.wheel_loads()).warm_up()
 
 
 def _step_plant(scenario: LoadedScenario) -> None:

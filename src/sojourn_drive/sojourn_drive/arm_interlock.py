@@ -4,8 +4,9 @@ pose on the way. The arm is where its joints are measured to be; the arm's node 
 
 from typing import Any
 
-import numpy as np
-
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.joint_places import JointPlaces
+from sojourn_contract.messages import numbers
 from sojourn_mechanics.arm.interlock import why_not_to_drive
 from sojourn_mechanics.arm.params import ArmParams
 
@@ -19,7 +20,7 @@ class ArmInterlock:
 
     def __init__(self, arm: ArmParams | None) -> None:
         self._arm = arm
-        self._places: tuple[list[str], list[int]] = ([], [])
+        self._places = JointPlaces("/joint_states", () if arm is None else arm.joint_names)
         self.reason = ""
         """Why the rover may not drive, in words; empty where it may."""
 
@@ -28,11 +29,9 @@ class ArmInterlock:
         arm = self._arm
         if arm is None or joints is None:
             return
-        if self._places[0] != joints.name:
-            names = list(joints.name)
-            if not set(arm.joint_names) <= set(names):
-                return
-            self._places = (names, [names.index(name) for name in arm.joint_names])
-        places = self._places[1]
-        positions, velocities = np.array(joints.position)[places], np.array(joints.velocity)[places]
+        try:
+            places = self._places.places(joints)
+        except RefusedMessageError:
+            return
+        positions, velocities = numbers(joints.position)[places], numbers(joints.velocity)[places]
         self.reason = why_not_to_drive(arm.interlock, arm.named_poses, arm.joint_names, positions, velocities, driving)

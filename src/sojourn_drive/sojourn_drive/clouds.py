@@ -2,19 +2,26 @@
 
 from typing import Any
 
+import numpy as np
+
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.clouds import points_of
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.sensors.mounting import mounting
+from sojourn_mechanics.steering.stereo_eye import StereoEye
 
 TOPIC = "/hazcam/points"
 
 
-def eye_of(scenario: LoadedScenario) -> FloatArray | None:
-    """Place of the rover's hazard camera in base_link, shape (3,) [m]; None for a rover without one."""
+def eye_of(scenario: LoadedScenario) -> StereoEye | None:
+    """The rover's hazard camera; None for a rover without one."""
     camera = scenario.sensors.hazcam
-    return None if camera is None else mounting(scenario.urdf_xml, camera.link)[1]
+    if camera is None:
+        return None
+    rotation, position = mounting(scenario.urdf_xml, camera.link)
+    noise = camera.disparity_noise_px / (camera.focal_length_px * camera.baseline)
+    return StereoEye(position, np.ascontiguousarray(rotation[:, 0]), noise)
 
 
 class Clouds:

@@ -7,8 +7,8 @@ import numpy as np
 import pinocchio as pin
 from sensor_msgs.msg import JointState
 
-from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.messages import fill_joint_state, joint_state, quaternion, xyz
+from sojourn_contract.joint_places import JointPlaces
+from sojourn_contract.messages import fill_joint_state, joint_state, numbers, quaternion, xyz
 from sojourn_contract.switches import fraction_of
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.plant.params import MachineParams
@@ -16,7 +16,6 @@ from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, TwistCommand
 from sojourn_mechanics.steering.goal import Goal
 from sojourn_mechanics.steering.heading_fix import SunSighting
-from sojourn_mechanics.steering.odometry import OdometryState
 
 DRIVE_LOADS = ("drive", "steer")
 """Loads without which the rover does not move."""
@@ -35,9 +34,9 @@ class WheelMeasurements:
         self._steer_joints = list(machine.steer_joints)
         turned_by = [wheel.steer_joint for wheel in machine.wheels]
         self._steered = [place for place, joint in enumerate(turned_by) if joint is not None]
-        self._joint_of_steered = [self._steer_joints.index(joint) for joint in turned_by if joint is not None]
         self._first_of_joint = [turned_by.index(joint) for joint in self._steer_joints]
-        self._columns: tuple[list[str], list[int], list[int]] | None = None
+        self._drive_places = JointPlaces("/joint_states", self._drive_joints)
+        self._steer_places = JointPlaces("/joint_states", [joint for joint in turned_by if joint is not None])
         self._message = joint_state([*self._drive_joints, *self._steer_joints])
         self._imu_to_base, self._imu_lever = mounting(urdf_xml, IMU_LINK)
 
@@ -51,19 +50,18 @@ class WheelMeasurements:
         sun: SunSighting | None = None,
     ) -> DriveInput:
         """Input of the drive's step. Raises RefusedMessageError if a wheel's joint is missing."""
-        drive, steer = self._places(joints)
-        position = np.array(joints.position)
-        rate = np.array(joints.velocity)
+        drive, steer = self._drive_places.places(joints), self._steer_places.places(joints)
+        position = numbers(joints.position)
         angles = np.zeros(len(drive))
-        angles[self._steered] = position[steer][self._joint_of_steered]
+        angles[self._steered] = position[steer]
         gyro = self._imu_to_base @ xyz(imu.angular_velocity)
         centripetal = gyro * float(gyro @ self._imu_lever) - self._imu_lever * float(gyro @ gyro)
         force = self._imu_to_base @ xyz(imu.linear_acceleration) - centripetal
         return DriveInput(
             wheel_positions=position[drive],
-            wheel_rates=rate[drive],
+            wheel_rates=numbers(joints.velocity)[drive],
             steer_angles=angles,
-            wheel_efforts=np.array(joints.effort)[drive] if len(joints.effort) else None,
+            wheel_efforts=numbers(joints.effort)[drive] if len(joints.effort) else None,
             gyro=(float(gyro[0]), float(gyro[1]), float(gyro[2])),
             specific_force=(float(force[0]), float(force[1]), float(force[2])),
             roll_pitch=self._roll_pitch(quaternion(imu.orientation)),
@@ -83,33 +81,12 @@ class WheelMeasurements:
         velocity[count:] = output.steer_rates[self._first_of_joint]
         return fill_joint_state(self._message, stamp, position, velocity)
 
-    def orientation(self, estimate: OdometryState) -> FloatArray:
-        """Quaternion x y z w of base_link in odom."""
-        rotation = pin.rpy.rpyToMatrix(estimate.roll, estimate.pitch, estimate.yaw)
-        return np.array(pin.Quaternion(rotation).coeffs())
-
     def power_limit(self, switches: dict[str, str], present: float) -> float:
         """Factor on all speeds from the power manager's switches; `present` where they do not name the
         drive.
         """
         fractions = (fraction_of(switches[load]) for load in DRIVE_LOADS if load in switches)
         return min((fraction for fraction in fractions if fraction is not None), default=present)
-
-    def _places(self, joints: JointState) -> tuple[list[int], list[int]]:
-        """Where the wheels' and the steering's joints are in a message; remembered while its names stay the
-        same.
-        """
-        if self._columns is None or self._columns[0] != joints.name:
-            names = list(joints.name)
-            for joint in (*self._drive_joints, *self._steer_joints):
-                if joint not in names:
-                    raise RefusedMessageError("/joint_states", "name", ", ".join(names), f"{joint} among them")
-            self._columns = (
-                names,
-                [names.index(joint) for joint in self._drive_joints],
-                [names.index(joint) for joint in self._steer_joints],
-            )
-        return self._columns[1], self._columns[2]
 
     def _roll_pitch(self, orientation_imu_in_map: FloatArray) -> tuple[float, float]:
         x, y, z, w = orientation_imu_in_map

@@ -8,15 +8,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from nav_msgs.msg import Odometry
 from rclpy.context import Context
 
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import process, stamps
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.heartbeat import status_message, status_values
-from sojourn_contract.messages import set_quaternion, set_xyz
+from sojourn_contract.heartbeat import status_values
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topics import topic
 from sojourn_drive.arm_interlock import ArmInterlock
@@ -24,6 +22,7 @@ from sojourn_drive.charge import ChargeGauge
 from sojourn_drive.clouds import Clouds, eye_of
 from sojourn_drive.goals import GoalDesk
 from sojourn_drive.measurements import WheelMeasurements
+from sojourn_drive.reports import OdometryReport, drive_report
 from sojourn_drive.sun import SunSightings
 from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.steering.drive import LONGEST_PERIOD, DriveModel
@@ -62,8 +61,7 @@ class DriveNode(ContractNode):
         self._pending: Goal | None = None
         """A goal that waits for the first period whose measurements can be used."""
         self._output = self.model.at_rest(self.state)
-        self._odometry = Odometry(child_frame_id="base_link")
-        self._odometry.header.frame_id = "odom"
+        self._odometry = OdometryReport()
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """One step of the drive, with the measurements of this period."""
@@ -76,9 +74,9 @@ class DriveNode(ContractNode):
         output = self._step(stamp, inputs)
         self._goals.note(output.outcomes)
         self.publish("/wheel_command", self._measurements.command(stamp, output))  # first: the plant waits for it
-        self.publish("/odom", self._odometry_message(stamp, output))
+        self.publish("/odom", self._odometry.message(stamp, output))
         if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
-            self.publish("/drive/status", self._status(stamp, output))
+            self.publish("/drive/status", drive_report(stamp, self._goals.status(self.state), output))
 
     def _step(self, stamp: int, inputs: Mapping[str, Any]) -> DriveOutput:
         """The drive's answer to this period. Where a measurement cannot be used the wheels stop and the
@@ -140,23 +138,6 @@ class DriveNode(ContractNode):
             return None
         sent, twist = self._twist
         return TwistCommand(twist, max(stamp - sent, 0) * 1e-9)
-
-    def _odometry_message(self, stamp: int, output: DriveOutput) -> Odometry:
-        message, estimate = self._odometry, output.odometry
-        message.header.stamp = stamps.to_message(stamp)
-        set_xyz(message.pose.pose.position, (estimate.x, estimate.y, estimate.z))
-        set_quaternion(message.pose.pose.orientation, self._measurements.orientation(estimate))
-        set_xyz(message.twist.twist.linear, (estimate.v_x, estimate.v_y, 0.0))
-        set_xyz(message.twist.twist.angular, (0.0, 0.0, estimate.yaw_rate))
-        message.pose.covariance = output.pose_covariance.ravel()
-        message.twist.covariance = output.twist_covariance.ravel()
-        return message
-
-    def _status(self, stamp: int, output: DriveOutput) -> Any:
-        values = self._goals.status(self.state)
-        values |= {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in output.status.items()}
-        level = 1 if values["state"] in ("refused", "stopped") or values.get("failed_motors") else 0
-        return status_message(stamp, "drive", values, values["reason"] or values["state"], level)
 
 
 def main() -> None:

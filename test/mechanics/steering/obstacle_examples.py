@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from sojourn_mechanics.sensors import hazcam
 from sojourn_mechanics.sensors.hazcam import HazcamParams
 from sojourn_mechanics.steering.obstacle_map import ObstacleMap, empty_map, with_cloud
 from sojourn_mechanics.steering.obstacle_params import ObstacleParams
+from sojourn_mechanics.steering.stereo_eye import StereoEye
 from sojourn_mechanics.terrain.height_field import HeightField
 
 ROOT = Path(__file__).parents[3]
@@ -20,6 +22,11 @@ RIDE = PARAMS.outline.ride_height
 CAMERA = hazcam.hazcam_on(
     HazcamParams(**yaml.safe_load((ROOT / "config/sensors/explorer_sensors.yaml").read_text())["hazcam"]),
     (ROOT / "urdf/explorer.urdf").read_text(encoding="utf-8"),
+)
+EYE = StereoEye(
+    CAMERA.position,
+    CAMERA.directions[len(CAMERA.directions) // 2],
+    CAMERA.params.disparity_noise_px / (CAMERA.params.focal_length_px * CAMERA.params.baseline),
 )
 Heights = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
@@ -41,9 +48,9 @@ def dense(heights: Heights, reach: float = 4.0) -> NDArray[np.float64]:
 
 
 def mapped(points: NDArray[np.float64], map_: ObstacleMap | None = None, driven: float = 0.0) -> ObstacleMap:
-    """A map with one more look of points, from a level base_link at the origin of odom."""
+    """A map with one more look of points without noise, from a level base_link at the origin of odom."""
     known = empty_map(PARAMS, 0.0, 0.0) if map_ is None else map_
-    return with_cloud(PARAMS, known, points, CAMERA.position, np.zeros(3), np.eye(3), driven)
+    return with_cloud(PARAMS, known, points, replace(EYE, depth_noise=0.0), np.zeros(3), np.eye(3), driven)
 
 
 def driven_over(heights: Heights, way: float, seed: int = 1, pitch: float = 0.0) -> ObstacleMap:
@@ -56,5 +63,5 @@ def driven_over(heights: Heights, way: float, seed: int = 1, pitch: float = 0.0)
     for x in np.arange(0.0, way + 0.05, 0.1):
         position = np.array([x, 0.0, field.height(x, 0.0)]) + RIDE * rotation[:, 2]
         state, points = hazcam.step(CAMERA, state, field, position, rotation)
-        map_ = with_cloud(PARAMS, map_, points.astype(float), CAMERA.position, position, rotation, float(x))
+        map_ = with_cloud(PARAMS, map_, points.astype(float), EYE, position, rotation, float(x))
     return map_

@@ -9,10 +9,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from sojourn_config.scenario import LoadedScenario
+from sojourn_drive.clouds import eye_of
 from sojourn_mechanics.plant.state import zeros_command
 from sojourn_mechanics.plant.step import step as step_plant
 from sojourn_mechanics.sensors import hazcam
-from sojourn_mechanics.sensors.mounting import mounting
 from sojourn_mechanics.steering.drive import DriveModel
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, TwistCommand
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
@@ -41,10 +41,9 @@ class Loop:
         scenario = self.scenario
         self.plant, self.state = build_plant(scenario)
         camera = scenario.sensors.hazcam
-        eye = None if camera is None else mounting(scenario.urdf_xml, camera.link)[1]
         self.camera = None if camera is None else hazcam.hazcam_on(camera, scenario.urdf_xml)
         self.noise = None if self.camera is None else hazcam.initial_state(self.camera, scenario.config.seed)
-        self.model = DriveModel(scenario.drive, scenario.steering, eye, scenario.terrain.bounds)
+        self.model = DriveModel(scenario.drive, scenario.steering, eye_of(scenario), scenario.terrain.bounds)
         start = scenario.config.start
         self.drive = self.model.initial_state(start.x, start.y, start.yaw)
         wheels = scenario.rover.wheels

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from obstacle_examples import CAMERA, PARAMS, RIDE, dense, driven_over, mapped
+from obstacle_examples import CAMERA, EYE, PARAMS, RIDE, dense, driven_over, mapped
 
 from sojourn_mechanics.steering.obstacle_map import (
     COUNT,
@@ -46,7 +46,7 @@ def test_a_nearer_look_replaces_and_a_farther_one_is_dropped() -> None:
     def look(map_, x: float, height: float):  # type: ignore[no-untyped-def]
         position = np.array([x, 0.0, 0.0])
         points = np.array([[3.5, 0.01, height]]) - position
-        return with_cloud(PARAMS, map_, points, CAMERA.position, position, np.eye(3), 0.0)
+        return with_cloud(PARAMS, map_, points, EYE, position, np.eye(3), 0.0)
 
     nearer = look(first, 0.95, 0.1)  # within a metre of the middle, so that the map stays where it is
     place = cell_at(nearer, 3.5, 0.01)
@@ -94,7 +94,7 @@ def test_clouds_are_turned_into_odom() -> None:
         PARAMS,
         empty_map(PARAMS, 1.0, 2.0),
         np.array([[3.0, 0.0, 0.0]]),
-        CAMERA.position,
+        EYE,
         position,
         yawed @ pitched,
         0.0,

@@ -44,9 +44,9 @@ def why_not_to_drive(
     """
     if not interlock.enabled or not interlock.driving_poses:
         return ""
-    off = {pose: np.abs(positions - np.array(poses[pose])) for pose in interlock.driving_poses}
-    nearest = min(off, key=lambda pose: float(np.max(off[pose])))
-    worst = int(np.argmax(off[nearest]))
+    off = {pose: np.abs(positions - poses[pose]) for pose in interlock.driving_poses}
+    nearest = min(off, key=lambda pose: float(off[pose].max()))
+    worst = int(off[nearest].argmax())
     if off[nearest][worst] > interlock.tolerance:
         poses_text = "' or '".join(interlock.driving_poses)
         return (

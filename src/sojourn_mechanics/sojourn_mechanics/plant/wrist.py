@@ -41,7 +41,7 @@ class WristLoad:
         self._multibody = multibody
         self._data = multibody.createData()
         beyond = set(multibody.subtrees[self._joint])
-        self.contacts = [i for i, body in enumerate(bodies) if int(body) in beyond]
+        self.contacts: IntArray = np.array([i for i, body in enumerate(bodies) if int(body) in beyond], dtype=np.int64)
         """Contacts with the ground that act beyond the sensor."""
 
     def at_rest(self, configuration: FloatArray, report: FloatArray) -> FloatArray:
@@ -61,10 +61,11 @@ class WristLoad:
         pin.rnea(self._multibody, self._data, configuration, velocity, acceleration)
         pin.updateGlobalPlacements(self._multibody, self._data)
         load = -np.array(self._data.f[self._joint].vector)
-        placement = self._data.oMi[self._joint]
-        for contact in self.contacts:
-            force = placement.rotation.T @ report[contact, _FORCE]
-            arm = placement.actInv(report[contact, :3])
-            load[:3] += force
-            load[3:] += np.cross(arm, force)
+        touching = report[self.contacts]
+        if touching[:, _FORCE].any():  # an arm seldom touches anything
+            placement = self._data.oMi[self._joint]
+            for contact in touching:
+                force = placement.rotation.T @ contact[_FORCE]
+                load[:3] += force
+                load[3:] += np.cross(placement.actInv(contact[:3]), force)
         return load

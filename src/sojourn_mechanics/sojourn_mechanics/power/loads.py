@@ -197,28 +197,59 @@ def _operate(
     locked_out: bool,
 ) -> BusOutput:
     index = params.index
-    on = np.where(index.essential, switches, 0.0) if locked_out else switches
-    wanted = np.where(index.commanded, np.minimum(asked, on * index.rated), on * index.rated)
-    # A load that is off takes nothing, and gives nothing back either.
-    wanted = np.where(index.resistive | (on <= 0.0), 0.0, wanted)
-    conductances = np.where(index.resistive, on * index.rated / index.nominal_squared, 0.0)
-    voltage, served = solve_bus(float(source), float(resistance), float(wanted.sum()), float(conductances.sum()), 0.0)
-    if served < 1.0:
-        # What motors return goes to the others whole; only what is asked is cut.
-        asked_power = float(np.maximum(wanted, 0.0).sum())
-        returned = asked_power - float(wanted.sum())
-        served = (served * (asked_power - returned) + returned) / asked_power if voltage > 0.0 else 0.0
-    power = np.where(wanted > 0.0, wanted * served, wanted) + conductances * voltage**2
-    load_current = power / voltage if voltage > 0.0 else np.zeros_like(power)
+    voltage, served, power, current = _operating_point(
+        index.rated, index.resistive, index.commanded, index.essential, index.nominal_squared, float(source),
+        float(resistance), switches, asked, locked_out,
+    )  # fmt: skip
     return BusOutput(
-        voltage=float(voltage),
-        current=float(load_current.sum()),
-        load_power=power if voltage > 0.0 else np.zeros_like(power),
-        load_current=load_current,
-        served=float(served),
-        brownout=bool(served < 1.0),
+        voltage=voltage,
+        current=float(current.sum()),
+        load_power=power,
+        load_current=current,
+        served=served,
+        brownout=served < 1.0,
         locked_out=locked_out,
     )
+
+
+@njit(cache=True)
+def _operating_point(
+    rated: FloatArray,
+    resistive: BoolArray,
+    commanded: BoolArray,
+    essential: BoolArray,
+    nominal_squared: FloatArray,
+    source: float,
+    resistance: float,
+    switches: FloatArray,
+    asked: FloatArray,
+    locked_out: bool,
+) -> tuple[float, float, FloatArray, FloatArray]:
+    """Bus voltage [V], part served [-], power [W] and current [A] of each load."""
+    count = rated.shape[0]
+    power, conductances = np.zeros(count), np.zeros(count)
+    for i in range(count):
+        on = 0.0 if locked_out and not essential[i] else switches[i]
+        if on <= 0.0:  # takes nothing, and gives nothing back either
+            continue
+        if resistive[i]:
+            conductances[i] = on * rated[i] / nominal_squared[i]
+        else:
+            power[i] = min(asked[i], on * rated[i]) if commanded[i] else on * rated[i]
+    wanted = power.sum()
+    voltage, served = solve_bus(source, resistance, wanted, conductances.sum(), 0.0)
+    if voltage <= 0.0:
+        return voltage, 1.0 if served >= 1.0 else 0.0, np.zeros(count), np.zeros(count)
+    if served < 1.0:
+        # What motors return goes to the others whole; only what is asked is cut.
+        asked_power = np.maximum(power, 0.0).sum()
+        returned = asked_power - wanted
+        served = (served * (asked_power - returned) + returned) / asked_power
+    for i in range(count):
+        if power[i] > 0.0:
+            power[i] *= served
+        power[i] += conductances[i] * voltage**2
+    return voltage, served, power, power / voltage
 
 
 def require_unique_names(loads: Sequence[LoadParams]) -> None:

@@ -72,7 +72,7 @@ def see(
     rotation = _rotation(odometry.roll, odometry.pitch, odometry.yaw)
     map_ = with_cloud(avoidance.params, state.map, points, avoidance.eye, position, rotation, odometry.distance)
     ground = judged(avoidance.params, map_)
-    level = odometry.z - avoidance.params.outline.ride_height
+    level = odometry.z + map_.lift - avoidance.params.outline.ride_height
     room = room_in(map_, ground.kinds)
     return replace(state, map=map_, ground=ground, room=room, level=level, since_cloud=0.0, fresh=True)
 

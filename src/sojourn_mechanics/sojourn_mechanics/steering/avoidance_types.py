@@ -12,6 +12,7 @@ from sojourn_mechanics.steering.obstacle_params import ObstacleParams
 from sojourn_mechanics.steering.params import GoalFollowerParams
 from sojourn_mechanics.steering.room import Room, circles_of
 from sojourn_mechanics.steering.route import Route
+from sojourn_mechanics.steering.stereo_eye import StereoEye
 from sojourn_mechanics.steering.traversability import Obstacle, Passability
 from sojourn_mechanics.steering.turning_limits import TurningLimits
 from sojourn_mechanics.steering.way_round import Area
@@ -24,8 +25,7 @@ class Avoidance:
     params: ObstacleParams
     follower: GoalFollowerParams
     turning_limits: TurningLimits
-    eye: FloatArray
-    """The camera in base_link, shape (3,) [m]."""
+    eye: StereoEye
     area: Area | None = None
     """Where the rover may go; None for anywhere."""
     circles: FloatArray = field(init=False)
@@ -56,7 +56,7 @@ class AvoidanceState:
     ground: Passability
     room: Room
     level: float = 0.0
-    """Height of the ground under the rover in odom [m]."""
+    """Height of the ground under the rover, as the map has it [m]."""
     since_cloud: float = 0.0
     """[s]"""
     fresh: bool = False

@@ -13,6 +13,7 @@ Sources and equations: see kinematics, rate_limiter, odometry and goal_follower 
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numba import njit
@@ -38,7 +39,6 @@ from sojourn_mechanics.steering.odometry import (
     step_odometry,
 )
 from sojourn_mechanics.steering.rate_limiter import LimiterState
-from sojourn_mechanics.steering.slip_estimation import slip_status
 from sojourn_mechanics.steering.wheel_commands import command_wheels, expected_slip
 from sojourn_mechanics.vehicle.clothoid import Pose
 
@@ -63,7 +63,7 @@ class DriveModel(DrivenMachine):
         """Output before the first step: nothing moves, the estimate is that of `state`."""
         pose_covariance, twist_covariance = message_covariances(self.params.odometry, state.odometry, 1.0)
         zero = np.zeros(self.table.shape[0])
-        return DriveOutput(zero, zero, zero, state.odometry, pose_covariance, twist_covariance, (), {})
+        return DriveOutput(zero, zero, zero, state.odometry, pose_covariance, twist_covariance, (), dict)
 
     def step(self, state: DriveState, inputs: DriveInput, dt: float) -> tuple[DriveState, DriveOutput]:
         """One period, see `step`."""
@@ -270,8 +270,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         pose_covariance,
         twist_covariance,
         tuple(arbiter.outcomes),
-        slip_status(model.slip, slipping, model.geometry.names)
-        | drive_status(model.geometry.names, new_state, inputs.power_limit, cut, limited),
+        partial(drive_status, model, new_state, inputs.power_limit, cut, limited),
     )
     return new_state, output
 

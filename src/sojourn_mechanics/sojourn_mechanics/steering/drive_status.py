@@ -5,22 +5,26 @@ import math
 import numpy as np
 
 from sojourn_mechanics.steering.drive_types import DriveState
+from sojourn_mechanics.steering.driven_machine import DrivenMachine
 from sojourn_mechanics.steering.energy_forecast import account_status
 from sojourn_mechanics.steering.motor_watch import failures
+from sojourn_mechanics.steering.slip_estimation import slip_status
 from sojourn_mechanics.steering.wheel_commands import WheelCommands
 
 
 def drive_status(
-    wheels: tuple[str, ...], state: DriveState, power_limit: float, cut: float, commands: WheelCommands
+    machine: DrivenMachine, state: DriveState, power_limit: float, cut: float, commands: WheelCommands
 ) -> dict[str, str | float]:
     """Fields of /drive/status; the unit is the last part of a name.
 
     Args:
-        wheels: their names. power_limit, cut: factors on all speeds, of the power manager and of the limits [-].
+        power_limit, cut: factors on all speeds, of the power manager and of the limits [-].
     """
+    wheels = machine.geometry.names
     odometry, way, outcome, seen = state.odometry, state.follower, state.last_outcome, state.avoidance
     followed = way if way is not None else outcome
-    status: dict[str, str | float] = {
+    return {
+        **slip_status(machine.slip, state.slip, wheels),
         "mode": state.mode,
         "failed_motors": failures(state.motors, wheels),
         "text": state.text,
@@ -56,4 +60,3 @@ def drive_status(
         "limit_factor": cut,
         "power_limit": power_limit,
     }
-    return status

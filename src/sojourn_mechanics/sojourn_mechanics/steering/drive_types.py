@@ -4,6 +4,7 @@ Arrays have one number for each wheel, in the order of the geometry. Positions [
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -127,5 +128,10 @@ class DriveOutput:
     """v_x, v_y, v_z, w_x, w_y, w_z; shape (6, 6)."""
     outcomes: tuple[GoalOutcome, ...]
     """Goals that ended in this period."""
-    status: dict[str, str | float]
-    """Fields of /drive/status."""
+    tell: Callable[[], dict[str, str | float]]
+    """Makes the fields of /drive/status, which are wanted once in many periods."""
+
+    @property
+    def status(self) -> dict[str, str | float]:
+        """Fields of /drive/status."""
+        return self.tell()

@@ -7,6 +7,7 @@ from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.avoidance_types import Avoidance
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
 from sojourn_mechanics.steering.slip_estimation import SlipModel
+from sojourn_mechanics.steering.stereo_eye import StereoEye
 from sojourn_mechanics.steering.turning_limits import TurningLimits, turning_limits
 from sojourn_mechanics.steering.way_round import Area
 
@@ -17,8 +18,8 @@ class DrivenMachine:
 
     params: DriveParams
     geometry: SteeringGeometryParams
-    eye: FloatArray | None = None
-    """The hazard camera in base_link, shape (3,) [m]; without one there is no obstacle handling."""
+    eye: StereoEye | None = None
+    """The hazard camera; without one there is no obstacle handling."""
     area: Area | None = None
     """Where a way round may lead; None for anywhere."""
     loads: FloatArray | None = None

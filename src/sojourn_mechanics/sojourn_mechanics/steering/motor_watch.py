@@ -22,6 +22,7 @@ degrees, Spirit with a wheel that was dragged (Arvidson et al. 2011, J. Geophys.
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from sojourn_mechanics.params import FloatArray
@@ -37,6 +38,8 @@ DRAGGED = 0.2
 """Part of `rate_error` that counts where the ground turns the wheel [-]."""
 SLOWEST_ERROR = 0.02
 """Rate [rad/s] below which no error counts."""
+STEERED = int(WheelTableColumn.STEERED)
+_NOT_MEASURED: FloatArray = np.empty(0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,48 +91,59 @@ def watch_motors(
             there is no such measurement.
         dt: period [s].
     """
-    steered = table[:, WheelTableColumn.STEERED] > 0.5
-    off = np.abs(commanded.steer_angles - steer_angles) > params.steer_error
-    still = np.abs(steer_rates) < MOVING * limits.max_steer_rate
-    steer_doubt = _counted(state.steer_doubt, steered & off & still, params.steer_time, dt)
-    newly = (steer_doubt >= params.steer_time) & ~state.steer_failed
-    held = np.where(newly, steer_angles, state.held) if newly.any() else state.held
-    drive_doubt = _counted(
-        state.drive_doubt,
-        _does_not_follow(params, limits, state.drive_failed, commanded.wheel_rates, wheel_rates, wheel_efforts),
-        params.drive_time,
-        dt,
-    )
-    drive_failed = (drive_doubt >= params.drive_time) | (state.drive_failed & (drive_doubt > 0.0))
-    return MotorState(steer_doubt, drive_doubt, state.steer_failed | newly, drive_failed, held)
+    steer_doubt, drive_doubt, steer_failed, drive_failed, held = _watched(
+        table, state.steer_doubt, state.drive_doubt, state.steer_failed, state.drive_failed, state.held,
+        commanded.steer_angles, commanded.wheel_rates, steer_angles, steer_rates, wheel_rates,
+        _NOT_MEASURED if wheel_efforts is None else wheel_efforts, params.steer_error, params.steer_time,
+        params.rate_error, params.drive_time, limits.max_steer_rate, limits.max_wheel_rate, dt,
+    )  # fmt: skip
+    return MotorState(steer_doubt, drive_doubt, steer_failed, drive_failed, held)
 
 
-def _counted(doubt: FloatArray, wrong: BoolArray, most: float, dt: float) -> FloatArray:
-    """Time of doubt, up while something is wrong and down while not [s]."""
-    return np.minimum(np.maximum(np.where(wrong, doubt + dt, doubt - dt), 0.0), most)
+@njit(cache=True)
+def _watched(
+    table: FloatArray, old_steer_doubt: FloatArray, old_drive_doubt: FloatArray, old_steer_failed: BoolArray,
+    old_drive_failed: BoolArray, old_held: FloatArray, angles_commanded: FloatArray, rates_commanded: FloatArray,
+    angles: FloatArray, steer_rates: FloatArray, rates: FloatArray, efforts: FloatArray, steer_error: float,
+    steer_time: float, rate_error: float, drive_time: float, max_steer_rate: float, max_wheel_rate: float, dt: float,
+) -> tuple[FloatArray, FloatArray, BoolArray, BoolArray, FloatArray]:  # fmt: skip
+    """The fields of a MotorState after a period."""
+    steer_doubt, drive_doubt = old_steer_doubt.copy(), old_drive_doubt.copy()
+    steer_failed, drive_failed, held = old_steer_failed.copy(), old_drive_failed.copy(), old_held.copy()
+    wrong = _does_not_follow(old_drive_failed, rates_commanded, rates, efforts, rate_error, MOVING * max_wheel_rate)
+    for i in range(table.shape[0]):
+        off = abs(angles_commanded[i] - angles[i]) > steer_error
+        still = abs(steer_rates[i]) < MOVING * max_steer_rate
+        jammed = table[i, STEERED] > 0.5 and off and still
+        steer_doubt[i] = min(max(steer_doubt[i] + (dt if jammed else -dt), 0.0), steer_time)
+        if steer_doubt[i] >= steer_time and not steer_failed[i]:
+            steer_failed[i], held[i] = True, angles[i]
+        drive_doubt[i] = min(max(drive_doubt[i] + (dt if wrong[i] else -dt), 0.0), drive_time)
+        drive_failed[i] = drive_doubt[i] >= drive_time or (drive_failed[i] and drive_doubt[i] > 0.0)
+    return steer_doubt, drive_doubt, steer_failed, drive_failed, held
 
 
+@njit(cache=True)
 def _does_not_follow(
-    params: MotorWatchParams,
-    limits: MotionLimits,
-    failed: BoolArray,
-    commanded: FloatArray,
-    rates: FloatArray,
-    efforts: FloatArray | None,
+    failed: BoolArray, commanded: FloatArray, rates: FloatArray, efforts: FloatArray, rate_error: float, least: float
 ) -> BoolArray:
-    asked = np.abs(commanded) > MOVING * limits.max_wheel_rate
+    """Whether each drive motor misses its command; `least` is the smallest rate that counts as one [rad/s]."""
+    size = np.abs(commanded)
+    asked = size > least
     if not asked.any():
         return failed  # nothing is learnt: a failed motor stays one
-    miss = np.abs(commanded - rates) / np.maximum(np.abs(commanded), SLOWEST_ERROR / params.rate_error)
-    if np.median(miss[asked & ~failed] if (asked & ~failed).any() else miss) > 0.5 * params.rate_error:
+    miss = np.abs(commanded - rates) / np.maximum(size, SLOWEST_ERROR / rate_error)
+    others = asked & ~failed
+    if np.median(miss[others] if others.any() else miss) > 0.5 * rate_error:
         return failed
-    wrong = miss > params.rate_error
-    if efforts is not None:
-        push = efforts * np.sign(commanded)
-        others = asked & ~failed
-        if others.any() and np.median(push[others]) > 0.0:
-            wrong |= (push < 0.0) & (miss > DRAGGED * params.rate_error)
-    return np.asarray(np.where(asked, wrong, failed))
+    push = efforts * np.sign(commanded) if efforts.shape[0] else np.zeros_like(commanded)
+    others_push = others.any() and np.median(push[others]) > 0.0
+    wrong = failed.copy()
+    for i in range(size.shape[0]):
+        if asked[i]:
+            dragged = others_push and push[i] < 0.0 and miss[i] > DRAGGED * rate_error
+            wrong[i] = miss[i] > rate_error or dragged
+    return wrong
 
 
 def commandable(table: FloatArray, state: MotorState) -> FloatArray:

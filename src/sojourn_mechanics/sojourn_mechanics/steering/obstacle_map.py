@@ -1,12 +1,14 @@
 """Map of the ground round the rover, from the points of its hazard camera: a square grid in odom that rolls along.
 
-Each cell keeps the lowest, highest and mean height of its points (odom), their number, from how far they were
-seen, and at which distance driven. Rules:
+Each cell keeps the lowest, highest and mean height of its points (odom), their number, how noisy they are (see
+`stereo_eye`), from how far they were seen, and at which distance driven. Rules:
 
-- a look from much nearer (NEARER) replaces what was known, since the error of stereo grows with the square of the
-  distance; one from about as far is merged; one from much farther is dropped;
+- a look from much nearer (NEARER) than the first that is kept replaces what was known, since the error of stereo grows
+  with the square of the distance; one from about as far is merged; one from farther is dropped;
 - a cell that has not been seen for `memory` metres of driving is unknown again. Odometry drifts with the distance
   driven, so the map is good as far as it reaches back, and a rover that stands still forgets nothing;
+- odometry's height is off where wheels slip on a climb, for all points of a look by the same. So a look is first lifted
+  to fit what is known: by the median of its points against the means of the cells that they fall into;
 - the grid moves by whole cells when the rover is RECENTRE from its middle.
 
 Ground that the camera should have seen and has not is kept apart, see `hidden_ground`.
@@ -16,7 +18,7 @@ cameras, a cell of about a wheel); Fankhauser et al. (2018), IEEE Robotics and A
 centred on the robot, drift of its pose).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
@@ -24,13 +26,18 @@ from numba import njit
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.hidden_ground import hidden_strips, is_hidden
 from sojourn_mechanics.steering.obstacle_params import ObstacleParams
+from sojourn_mechanics.steering.stereo_eye import StereoEye, height_variances
 
-COUNT, LOW, HIGH, MEAN, SIGHT, SEEN_AT, HIDDEN, LAYERS = 0, 1, 2, 3, 4, 5, 6, 7
-"""Layers: points [-], heights in odom [m], distance from the camera [m], odometer [m], 1 where hidden."""
+COUNT, LOW, HIGH, MEAN, NOISE, SIGHT, SEEN_AT, HIDDEN, LAYERS = 0, 1, 2, 3, 4, 5, 6, 7, 8
+"""Layers: points [-], heights in odom [m], variance of the error of a point's height [m^2], distance from the camera at
+the first of the looks that are kept [m], odometer [m], 1 where hidden.
+"""
 RECENTRE = 1.0
 """[m]"""
-NEARER, FARTHER = 0.7, 1.5
+NEARER, FARTHER = 0.7, 1.2
 """Ratios of distances of two looks: below, the new one replaces the old; above, it is dropped."""
+LEAST_FIT = 50
+"""Points on known ground that a look needs to be fitted to it; with fewer the last fit holds [-]."""
 MOST_POINTS = 50.0
 """Weight of what is known when new points are merged [-]."""
 
@@ -46,6 +53,8 @@ class ObstacleMap:
     """Side of a cell [m]."""
     layers: FloatArray
     """Shape (LAYERS, cells, cells); row along y, column along x."""
+    lift: float = 0.0
+    """By so much the heights of the map are above those of odometry, as of the last look [m]."""
 
     @property
     def known(self) -> "np.ndarray[tuple[int, int], np.dtype[np.bool_]]":
@@ -76,14 +85,14 @@ def recentred(map_: ObstacleMap, x: float, y: float) -> ObstacleMap:
     if abs(right) < count and abs(up) < count:
         old = map_.layers[:, max(up, 0) : count + min(up, 0), max(right, 0) : count + min(right, 0)]
         layers[:, max(-up, 0) : count - max(up, 0), max(-right, 0) : count - max(right, 0)] = old
-    return ObstacleMap(map_.x0 + right * map_.cell, map_.y0 + up * map_.cell, map_.cell, layers)
+    return replace(map_, x0=map_.x0 + right * map_.cell, y0=map_.y0 + up * map_.cell, layers=layers)
 
 
 def with_cloud(
     params: ObstacleParams,
     map_: ObstacleMap,
     points: FloatArray,
-    eye: FloatArray,
+    eye: StereoEye,
     position: FloatArray,
     rotation: FloatArray,
     driven: float,
@@ -91,7 +100,7 @@ def with_cloud(
     """The map after one look.
 
     Args:
-        points: in base_link, shape (n, 3) [m]. eye: the camera in base_link, shape (3,) [m].
+        points: in base_link, shape (n, 3) [m]. eye: the camera.
         position, rotation: of base_link in odom, shapes (3,) [m] and (3, 3).
         driven: odometer [m].
     """
@@ -99,21 +108,45 @@ def with_cloud(
     layers = rolled.layers.copy()
     layers[:, layers[SEEN_AT] < driven - params.map.memory] = 0.0
     in_odom = points @ rotation.T + position
-    distances = np.sqrt(((points - eye) ** 2).sum(axis=1))
-    add_points(layers, rolled.x0, rolled.y0, rolled.cell, in_odom, distances, driven)
+    lift = _lift(rolled, layers, in_odom)
+    in_odom[:, 2] += lift
+    seat, view = eye.position, params.map.view_deg
+    distances = np.sqrt(((points - seat) ** 2).sum(axis=1))
+    noise = height_variances(eye, points, rotation[2])
+    add_points(layers, rolled.x0, rolled.y0, rolled.cell, in_odom, distances, noise, driven)
     outline, limits = params.outline, params.passable
-    edges, ends = hidden_strips(points, eye, outline.ride_height, params.map.view_deg, params.map.near, limits.max_step)
-    mark_hidden(layers, rolled.x0, rolled.y0, rolled.cell, position, rotation, eye, edges, ends, params.map.view_deg)
-    return ObstacleMap(rolled.x0, rolled.y0, rolled.cell, layers)
+    edges, ends = hidden_strips(points, seat, outline.ride_height, view, params.map.near, limits.max_step)
+    mark_hidden(layers, rolled.x0, rolled.y0, rolled.cell, position, rotation, seat, edges, ends, view)
+    return replace(rolled, layers=layers, lift=lift)
+
+
+def _lift(map_: ObstacleMap, layers: FloatArray, points: FloatArray) -> float:
+    """What the points, shape (n, 3) in odom, have to be lifted by to lie on the known ground [m]."""
+    count = layers.shape[1]
+    columns = np.floor((points[:, 0] - map_.x0) / map_.cell).astype(np.int64)
+    rows = np.floor((points[:, 1] - map_.y0) / map_.cell).astype(np.int64)
+    on_map = (rows >= 0) & (rows < count) & (columns >= 0) & (columns < count)
+    rows, columns, heights = rows[on_map], columns[on_map], points[on_map, 2]
+    known = layers[COUNT, rows, columns] > 0.0
+    if np.count_nonzero(known) < LEAST_FIT:
+        return map_.lift
+    return float(np.median(layers[MEAN, rows[known], columns[known]] - heights[known]))
 
 
 @njit(cache=True)
 def add_points(
-    layers: FloatArray, x0: float, y0: float, cell: float, points: FloatArray, distances: FloatArray, driven: float
+    layers: FloatArray,
+    x0: float,
+    y0: float,
+    cell: float,
+    points: FloatArray,
+    distances: FloatArray,
+    noise: FloatArray,
+    driven: float,
 ) -> None:
-    """Merge the points of one look, shape (n, 3) in odom, seen from `distances`, into the layers."""
+    """Merge the points of one look, shape (n, 3) in odom, into the layers; `noise`: variances of their heights."""
     size = layers.shape[1]
-    look = np.zeros((5, size, size))  # number, lowest, highest, sum, sum of distances
+    look = np.zeros((6, size, size))  # number, lowest, highest, and sums: of heights, distances, variances
     for i in range(points.shape[0]):
         column = int(np.floor((points[i, 0] - x0) / cell))
         row = int(np.floor((points[i, 1] - y0) / cell))
@@ -127,12 +160,14 @@ def add_points(
         look[0, row, column] += 1.0
         look[3, row, column] += z
         look[4, row, column] += distances[i]
+        look[5, row, column] += noise[i]
     for row in range(size):
         for column in range(size):
             count = look[0, row, column]
             if count == 0.0:
                 continue
             mean, distance = look[3, row, column] / count, look[4, row, column] / count
+            spread = look[5, row, column] / count
             known = layers[COUNT, row, column]
             before = layers[SIGHT, row, column]
             if known > 0.0 and distance > FARTHER * before:
@@ -142,14 +177,15 @@ def add_points(
                 layers[LOW, row, column] = look[1, row, column]
                 layers[HIGH, row, column] = look[2, row, column]
                 layers[MEAN, row, column] = mean
+                layers[NOISE, row, column] = spread
                 layers[SIGHT, row, column] = distance
             else:
                 weight = min(known, MOST_POINTS)
                 layers[MEAN, row, column] = (weight * layers[MEAN, row, column] + count * mean) / (weight + count)
+                layers[NOISE, row, column] = (weight * layers[NOISE, row, column] + count * spread) / (weight + count)
                 layers[COUNT, row, column] = known + count
                 layers[LOW, row, column] = min(layers[LOW, row, column], look[1, row, column])
                 layers[HIGH, row, column] = max(layers[HIGH, row, column], look[2, row, column])
-                layers[SIGHT, row, column] = min(before, distance)
             layers[SEEN_AT, row, column] = driven
             layers[HIDDEN, row, column] = 0.0
 

@@ -3,10 +3,12 @@
 A leg is held as samples of its clothoids, arcs and straights, at most SPACING apart; in between, everything is
 linear (the chord of an arc of curvature k is off by no more than k SPACING^2 / 8: 0.2 mm at 0.7 1/m)."""
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.odometry import wrap_angle
@@ -16,6 +18,8 @@ SPACING = 0.05
 """Distance of the samples [m]."""
 BEHIND, AHEAD = 0.2, 1.0
 """How far from the last place on the path the next is looked for [m]; paths may cross themselves."""
+SHORTEST_SQUARE = 1e-24
+"""A step between two samples whose square is less is one on the spot [m^2]."""
 NO_TURN = 0.02
 """Angle below which nothing has to be turned [rad]."""
 
@@ -59,20 +63,28 @@ class Leg:
 
     def nearest(self, x: float, y: float, near: float) -> PathPoint:
         """The place on the leg nearest to (x, y) [m] among those about `near` [m] from its begin."""
-        s = self.samples[:, 0]
-        first = max(int(np.searchsorted(s, near - BEHIND)) - 1, 0)
-        last = min(int(np.searchsorted(s, near + AHEAD)) + 1, len(s) - 1)
-        part = self.samples[first : last + 1]
-        step = part[1:, 1:3] - part[:-1, 1:3]
-        offset = np.array((x, y)) - part[:-1, 1:3]
-        square = np.maximum((step * step).sum(axis=1), 1e-24)
-        fraction = np.clip((offset * step).sum(axis=1) / square, 0.0, 1.0)
-        miss = offset - fraction[:, None] * step
-        place = int(np.argmin((miss * miss).sum(axis=1)))
-        row = part[place] + fraction[place] * (part[place + 1] - part[place])
-        cosine, sine = np.cos(row[3]), np.sin(row[3])
-        lateral = cosine * (y - row[2]) - sine * (x - row[1])
-        return PathPoint(float(row[0]), float(row[3]), float(row[4]), float(lateral))
+        return PathPoint(*_nearest(self.samples, float(x), float(y), float(near)))
+
+
+@njit(cache=True)
+def _nearest(samples: FloatArray, x: float, y: float, near: float) -> tuple[float, float, float, float]:
+    """The fields of a PathPoint."""
+    count = samples.shape[0]
+    first = max(int(np.searchsorted(samples[:, 0], near - BEHIND)) - 1, 0)
+    last = min(int(np.searchsorted(samples[:, 0], near + AHEAD)) + 1, count - 1)
+    place, part, least = first, 0.0, np.inf
+    for i in range(first, last):
+        step_x, step_y = samples[i + 1, 1] - samples[i, 1], samples[i + 1, 2] - samples[i, 2]
+        off_x, off_y = x - samples[i, 1], y - samples[i, 2]
+        fraction = (off_x * step_x + off_y * step_y) / max(step_x * step_x + step_y * step_y, SHORTEST_SQUARE)
+        fraction = min(max(fraction, 0.0), 1.0)
+        miss_x, miss_y = off_x - fraction * step_x, off_y - fraction * step_y
+        square = miss_x * miss_x + miss_y * miss_y
+        if square < least:
+            place, part, least = i, fraction, square
+    row = samples[place] + part * (samples[place + 1] - samples[place])
+    lateral = math.cos(row[3]) * (y - row[2]) - math.sin(row[3]) * (x - row[1])
+    return row[0], row[3], row[4], lateral
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,9 +1,7 @@
 """What of the ground the rover cannot pass: steps, drops, slopes, bumps, hidden ground, cell by cell.
 
-- Step: the height of a cell against its eight neighbours (across one unknown cell if need be), highest point of the
-  one against lowest of the other, and highest against lowest within it. From this goes what the slope between them
-  explains, up to the slope that the rover can do; so a slope is no step. A cell at the foot is a `step`, one at the
-  top a `drop`.
+- Step: the height of a cell against its eight neighbours (across one unknown cell if need be), and within it, without
+  what noise and slope explain, see `steps`. A cell at the foot is a `step`, one at the top a `drop`.
 - Slope: gradient of the plane of least squares through the mean heights within `reach` of a cell, without those of
   steps, so that a rock is no slope.
 - Bump: highest point within `reach` above that plane, which would touch the belly.
@@ -25,6 +23,7 @@ from numpy.typing import NDArray
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.obstacle_map import COUNT, HIDDEN, HIGH, LOW, MEAN, ObstacleMap
 from sojourn_mechanics.steering.obstacle_params import ObstacleParams
+from sojourn_mechanics.steering.steps import grounds, step_at
 
 FREE, STEP, DROP, SLOPE, BUMP, HIDDEN_GROUND = 0, 1, 2, 3, 4, 5
 NAMES = ("free ground", "step", "drop", "slope", "bump", "hidden ground")
@@ -108,10 +107,11 @@ def judge_cells(
     size = layers.shape[1]
     kinds = np.zeros((size, size), np.int64)
     measures = np.zeros((size, size))
+    lows, highs = grounds(layers)
     for row in range(size):
         for column in range(size):
             if layers[COUNT, row, column] > 0.0:
-                rise, fall = _step(layers, row, column, cell, max_slope)
+                rise, fall = step_at(layers, lows, highs, row, column, cell, max_slope)
                 measures[row, column] = max(rise, fall)
                 if measures[row, column] > max_step:
                     kinds[row, column] = STEP if rise >= fall else DROP
@@ -132,31 +132,6 @@ def judge_cells(
                 kinds[row, column] = BUMP
                 measures[row, column] = bump
     return kinds, measures
-
-
-@njit(cache=True)
-def _step(layers: FloatArray, row: int, column: int, cell: float, max_slope: float) -> tuple[float, float]:
-    """Greatest rise from a cell to a neighbour, and greatest fall."""
-    size = layers.shape[1]
-    low, high, mean = layers[LOW, row, column], layers[HIGH, row, column], layers[MEAN, row, column]
-    rise = fall = max(high - low - max_slope * cell, 0.0)
-    for down in range(-1, 2):
-        for right in range(-1, 2):
-            if down == 0 and right == 0:
-                continue
-            for far in range(1, 3):
-                i, j = row + far * down, column + far * right
-                if not (0 <= i < size and 0 <= j < size):
-                    break
-                if layers[COUNT, i, j] == 0.0:
-                    continue
-                way = far * cell * math.sqrt(float(down * down + right * right))
-                # means are a cell apart, extremes up to two
-                explained = min(abs(layers[MEAN, i, j] - mean) / way, max_slope) * (way + cell)
-                rise = max(rise, layers[HIGH, i, j] - low - explained)
-                fall = max(fall, high - layers[LOW, i, j] - explained)
-                break
-    return rise, fall
 
 
 @njit(cache=True)

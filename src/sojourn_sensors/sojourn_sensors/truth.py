@@ -1,0 +1,56 @@
+"""What the plant's messages say of a period, as the emulators take it."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from sojourn_contract.joint_places import JointPlaces
+from sojourn_contract.messages import battery_readings, numbers, wrench_values
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.sensors.suite import SensorTruth
+from sojourn_sensors.motion import ImuMotion
+
+
+class TruthReader:
+    """Reads the truth; keeps the last word of what comes less than once a period.
+
+    Args:
+        motion: what an ideal IMU feels, from the motion of the base.
+    """
+
+    def __init__(self, motion: ImuMotion) -> None:
+        self._motion = motion
+        self._electrical = (0.0, 0.0, 293.15)
+        self._motors: tuple[list[str], JointPlaces] | None = None
+
+    def read(self, inputs: Mapping[str, Any], dt: float) -> SensorTruth:
+        """Truth at the end of a period of `dt` [s], from /truth/odom, /truth/joint_states and what came with them."""
+        odometry, joints = inputs["/truth/odom"], inputs["/truth/joint_states"]
+        electrical, wrist = inputs.get("/truth/electrical"), inputs.get("/truth/wrist_wrench")
+        if electrical is not None:
+            self._electrical = battery_readings(electrical)
+        voltage, current, temperature = self._electrical
+        motion = self._motion.update(odometry, dt)
+        positions = numbers(joints.position)
+        return SensorTruth(
+            joint_position=positions,
+            joint_effort=numbers(joints.effort),
+            angular_velocity_imu_in_imu=motion.angular_velocity,
+            specific_force_imu_in_imu=motion.specific_force,
+            bus_voltage=np.array([voltage]),
+            bus_current=np.array([current]),
+            bus_temperature=np.array([temperature]),
+            motor_position=self._motor_positions(joints, positions, inputs.get("/truth/motor_states")),
+            wrist_wrench=None if wrist is None else wrench_values(wrist),
+        )
+
+    def _motor_positions(self, joints: Any, positions: FloatArray, motors: Any) -> FloatArray | None:
+        """Angle of each joint's motor over its gear [rad], the joint's own where nothing is said; None if of none."""
+        if motors is None or not motors.name:
+            return None
+        if self._motors is None or self._motors[0] != motors.name:
+            self._motors = (list(motors.name), JointPlaces("/truth/joint_states", motors.name))
+        found = positions.copy()
+        found[self._motors[1].places(joints)] = motors.position
+        return found
