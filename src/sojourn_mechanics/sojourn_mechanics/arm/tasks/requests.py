@@ -105,6 +105,13 @@ class Dig(TaskRequest):
     distance: float = Field(default=0.1, ge=0.005, le=0.5, description="within which the ground must be found [m]")
 
 
+class Dump(TaskRequest):
+    """Open the scoop where it is, let what is in it fall, and shut it."""
+
+    task: ClassVar[str] = "dump"
+    seconds: float = Field(default=1.0, ge=0.1, le=60.0, description="for which it stays open [s]")
+
+
 class Weigh(TaskRequest):
     """Weigh what is carried at the tip, from the joint torques in several postures."""
 
@@ -141,7 +148,7 @@ class Pick(TaskRequest):
 
 
 KINDS: tuple[type[TaskRequest], ...] = (
-    Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Weigh, Pause, Resume, Drill, Pick
+    Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Dump, Weigh, Pause, Resume, Drill, Pick
 )  # fmt: skip
 TASKS: dict[str, type[TaskRequest]] = {kind.task: kind for kind in KINDS}
 """Every task by name."""
