@@ -64,9 +64,8 @@ def _holding_problems(
             held = abs(still.held_by(name, gravity))
             if held > drive.motor_effort:
                 unit = urdf.joints[name].effort_unit
-                allowed = (
-                    f"{name} would hold {held:.4g} {unit} at {gravity:.3g} m/s2, its drive {drive.motor_effort:.4g}"
-                )
+                allowed = f"{name} would hold {held:.4g} {unit} at {gravity:.3g} m/s2: "
+                allowed += f"allowed is {drive.motor_effort:.4g} {unit} at most, what its drive can give"
                 yield document.problem(("named_poses", pose), list(arm.named_poses[pose]), allowed)
 
 
@@ -80,10 +79,9 @@ def _balance_problems(
     feet = np.array([(in_base @ still.place(urdf.joints[wheel.joint].child))[:2, 3] for wheel in rover.wheels])
     outside = _distance_outside(feet, centre)
     if outside > 0.0:
-        allowed = (
-            f"it tips over with the arm in pose {pose!r}: the centre of mass, x {centre[0]:.2f}, y {centre[1]:.2f} m, "
-        )
-        allowed += f"is {outside:.2f} m outside the wheels; allowed is a lighter arm or another place for it"
+        where = f"x {centre[0]:.2f}, y {centre[1]:.2f} m, {outside:.2f} m outside the wheels"
+        allowed = f"tips the machine over in pose {pose!r}, its centre of mass at {where}: "
+        allowed += "allowed is a lighter arm or another place for it"
         yield document.problem(("arm_mount",), rover.arm, allowed)
 
 
