@@ -13,10 +13,12 @@ from sojourn_bags.machine import euler_angles, poses_of
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bringup.demo import scenario_of
 from sojourn_bringup.environment import HIGHEST_DOMAIN
+from sojourn_config.load import load_params
 from sojourn_config.paths import available
+from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import load_scenario
 
-ROVERS = available("rovers")
+ROVERS = [name for name in available("rovers") if not load_params("rovers", name, RoverConfig).fixed_base]
 SLOPE_DEG = 10.0
 AT_ONCE = 2
 FIRST_DOMAIN = HIGHEST_DOMAIN - 32

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sojourn_config.arm_config import ArmConfig
 from sojourn_config.errors import MISSING, names_text, single
 from sojourn_config.load import load_params, validate
 from sojourn_config.machine_checks import with_drive_data
@@ -97,7 +98,11 @@ def generated_urdf(path: Path) -> str:
 
 
 def _arm_on_rover(name: str) -> SerialArm:
-    params = load_params("arms", name, ArmParams)
+    config_of_arm = load_params("arms", name, ArmConfig)
+    if config_of_arm.urdf is not None:
+        asked = (f"config/arms/{name}{SUFFIX}", "urdf")
+        return arm_of_file(resolve_urdf(config_of_arm.urdf, asked, config_folder() / "arms"))
+    params: ArmParams = config_of_arm
     for rover in available("rovers"):
         config = load_params("rovers", rover, RoverConfig)
         if config.arm != name:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field
 
-from sojourn_config.bundle import Bundle, BundleReader
+from sojourn_config.bundle import Bundle, BundleReader, Driving
 from sojourn_config.errors import ConfigError, single
 from sojourn_config.load import validate
 from sojourn_config.overrides import override_document, route_overrides
@@ -165,8 +165,9 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
     if problems or bundle is None:
         raise ConfigError(problems)
     fields = bundle.fields()
-    if config.blind_drive:
-        fields["drive"] = bundle.drive.model_copy(update={"obstacles": None})
+    if config.blind_drive and bundle.driving is not None:
+        blind = bundle.drive.model_copy(update={"obstacles": None})
+        fields["driving"] = Driving(blind, bundle.steering)
     return LoadedScenario(
         **fields,
         name=Path(name).stem,

@@ -9,6 +9,9 @@ between joints (rocker differential) are linear constraints on the rates, solved
 (Featherstone 2008, Rigid Body Dynamics Algorithms, ch. 8). The right side of the constraint brings both the
 rate and the drift of the closed loop back to zero. B holds the slopes of the joint torques (see
 `joint_drive`).
+
+A base that is fixed (an arm on a stand) has six more rows, A = [1 0] on its own six rates: -λ is then the wrench on
+the foundation, and the state of every machine has one form.
 """
 
 from collections.abc import Sequence
@@ -32,6 +35,7 @@ from sojourn_mechanics.terrain.height_field import HeightField
 from sojourn_mechanics.terrain.memory import GroundMemory, MemoryBoard
 
 PLACEMENT_SIZE = 12
+BASE_RATES = 6
 STIFFEST_SPRING = 0.3
 """Largest angular frequency of a spring and what hangs on it, times the physics step [-]."""
 
@@ -240,7 +244,7 @@ class PlantModel:
             bodies.append(frame.parentJoint)
             offsets.append(frame.placement.act(np.array(pad.position)))
         chains = [self._support(body) for body in bodies]
-        supports = np.full((len(bodies), max(map(len, chains)) + 1), -1, dtype=np.int64)
+        supports = np.full((len(bodies), max(map(len, chains), default=0) + 1), -1, dtype=np.int64)
         for i, chain in enumerate(chains):
             supports[i, : len(chain)] = chain
         names = (*(wheel.name for wheel in machine.wheels), *(pad.name for pad in machine.pads))
@@ -250,7 +254,7 @@ class PlantModel:
             kernel_rows(machine.wheels, machine.pads, self.gravity),
             np.array(bodies, dtype=np.int64),
             supports,
-            np.ascontiguousarray(offsets),
+            np.ascontiguousarray(np.reshape(offsets, (-1, 3))),
         )
 
     def _support(self, joint: int) -> list[int]:
@@ -263,9 +267,11 @@ class PlantModel:
         return chain
 
     def _coupling_rows(self, machine: MachineParams) -> FloatArray:
-        """A of the constraint A q̇ = 0, shape (couplings, nv)."""
-        rows = np.zeros((len(machine.couplings), self.multibody.nv))
-        for row, coupling in zip(rows, machine.couplings, strict=True):
+        """A of the constraint A q̇ = 0, shape (couplings, nv); of a fixed base (couplings + 6, nv)."""
+        rows = np.zeros((len(machine.couplings) + BASE_RATES * machine.fixed_base, self.multibody.nv))
+        if machine.fixed_base:
+            rows[-BASE_RATES:, :BASE_RATES] = np.eye(BASE_RATES)
+        for row, coupling in zip(rows, machine.couplings, strict=False):
             row[self.joints.columns[self._index_of(coupling.first)]] = 1.0
             row[self.joints.columns[self._index_of(coupling.second)]] = coupling.ratio
         return rows

@@ -195,7 +195,7 @@ def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: Fl
 def initial_state(
     model: PlantModel, x: float, y: float, yaw: float, soc: float, angles: dict[str, float] | None = None
 ) -> PlantState:
-    """The machine at rest on the ground, settled on its soil.
+    """The machine at rest on the ground, settled on its soil; a fixed base stands square on it, its arm settled.
 
     A machine put down on uneven ground slides a little until it rests; it is put down again with that offset
     taken off, until it rests where it was asked for.
@@ -285,14 +285,15 @@ def _ground(model: PlantModel, x: float, y: float) -> tuple[float, float, float]
 
 
 def _standing_height(model: PlantModel, configuration: FloatArray) -> float:
-    """Height of the base over the plane that its lowest wheel touches, base level [m]."""
+    """Height of the base over the plane that its lowest wheel touches, base level [m]; 0 of one without wheels."""
     level = configuration.copy()
     level[:7] = 0.0
     level[6] = 1.0
     pin.forwardKinematics(model.multibody, model.data, level)
     tables = model.contacts
     wheels = range(tables.wheel_count)
-    return max(
+    heights = (
         float(tables.wheels[i, WheelColumn.RADIUS] - model.data.oMi[int(tables.bodies[i])].translation[2])
         for i in wheels
     )
+    return max(heights, default=0.0)

@@ -1,0 +1,116 @@
+"""An arm with a URDF of its own on a machine: what it brings along, its names there, and what is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sojourn_config.arm_config import ArmConfig
+from sojourn_config.arms import load_arm
+from sojourn_config.errors import ConfigError
+from sojourn_config.load import load_params
+from sojourn_config.paths import available
+from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_mechanics.arm.kinematics import forward_kinematics
+from sojourn_mechanics.arm.model import build_arm_model
+
+ALONE = [name for name in available("arms") if load_params("arms", name, ArmConfig).urdf is not None]
+ON_SKID = ["rover=skid", "rover.arm=puma560", "rover.arm_mount={link: base_link, xyz: [0.1, 0, 0.2], rpy: [0, 0, 0.5]}"]
+
+
+@pytest.fixture(scope="module")
+def carried() -> LoadedScenario:
+    return load_scenario("flat_drive", ON_SKID)
+
+
+def test_it_brings_its_drives_encoders_and_load_along(carried: LoadedScenario) -> None:
+    alone = load_scenario("flat_drive", ["rover=skid"])
+    params = load_params("arms", "puma560", ArmConfig)
+    assert carried.arm_joints == tuple(f"arm_{name}" for name in params.joint_names)
+    assert carried.urdf.moving_joints == (*alone.urdf.moving_joints, *carried.arm_joints)
+    driven = [joint for drive in carried.rover.drives for joint in drive.joints]
+    assert driven[-6:] == list(carried.arm_joints) and len(driven) == 10
+    measured = [joint for group in carried.sensors.joint_groups.values() for joint in group.joints]
+    assert measured == driven
+    assert [load.name for load in carried.bus.loads] == [*(load.name for load in alone.bus.loads), "arm"]
+    assert carried.power_manager.law.arm_power_limit == params.load.power_w
+    assert carried.carried_arm().reflected_inertia[1] == pytest.approx(200e-6 * 107.815**2)
+
+
+def test_its_masses_and_its_reach_are_added_where_it_is_bolted_on(carried: LoadedScenario) -> None:
+    skid = load_scenario("flat_drive", ["rover=skid"])
+    total = sum(inertial.mass for inertial in carried.urdf.inertials.values())
+    assert total == pytest.approx(sum(i.mass for i in skid.urdf.inertials.values()) + 17.4 + 4.8 + 0.82 + 0.34 + 0.09)
+    arm, own = build_arm_model(carried.urdf_xml, carried.carried_arm()), load_arm("puma560")
+    turn = np.array([[np.cos(0.5), -np.sin(0.5), 0.0], [np.sin(0.5), np.cos(0.5), 0.0], [0.0, 0.0, 1.0]])
+    for positions in np.random.default_rng(1).uniform(own.lower, own.upper, (5, 6)):
+        there, alone = forward_kinematics(arm, positions), forward_kinematics(own, positions)
+        np.testing.assert_allclose(there.position, turn @ alone.position + [0.1, 0.0, 0.2], atol=1e-12)
+        np.testing.assert_allclose(there.rotation, turn @ alone.rotation, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ALONE)
+def test_drives_and_encoders_fit_motors_and_gears_of_the_urdf(name: str) -> None:
+    params, arm = load_params("arms", name, ArmConfig), load_arm(name)
+    drives = {joint: drive for drive in params.drives for joint in drive.joints}
+    encoders = {joint: group.encoder for group in params.joint_groups.values() for joint in group.joints}
+    assert params.joint_names == arm.joint_names and set(drives) == set(encoders) == set(arm.joint_names)
+    for index, joint in enumerate(arm.joint_names):
+        drive = drives[joint]
+        assert drive.servo.max_torque <= arm.max_effort[index]
+        assert drive.motor_effort > 0.97 * drive.servo.max_torque, f"{joint}: the current stops it before the servo"
+        if encoders[joint].side == "motor":
+            assert encoders[joint].gear_ratio == drive.gear.ratio
+        if arm.motor_inertia[index] > 0.0:  # the URDF has a motor
+            assert drive.reflected_inertia == pytest.approx(arm.motor_inertia[index], rel=1e-3)
+            mean = 0.5 * (arm.friction.forward[index] + arm.friction.backward[index])
+            assert drive.friction_torque == pytest.approx(mean, rel=0.01)
+            assert drive.viscous_friction == pytest.approx(arm.friction.viscous[index], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (
+            ["rover=explorer", "rover.arm=puma560", "rover.arm_mount={link: base_link}"],
+            ["joint arm_elbow_joint", "is in urdf/puma560.urdf too", "another arm_mount.prefix"],
+        ),
+        (
+            [*ON_SKID, "rover.arm_mount.link=deck"],
+            ["arm_mount.link = 'deck'", "is no link of urdf/skid.urdf", "base_link"],
+        ),
+        (["rover=skid", "rover.arm=puma560"], ["config/rovers/skid.yaml: arm_mount", "where puma560 stands"]),
+        (["rover=skid", "rover.arm=explorer_arm", "rover.arm_mount={}"], ["arm_mount", "explorer_arm has no URDF"]),
+        ([*ON_SKID, "rover.arm_mount.prefix=Arm"], ["arm_mount.prefix = 'Arm'", "lower case, ends with _"]),
+        ([*ON_SKID, "rover.arm_mount.xyz=[0, 0]"], ["arm_mount.xyz", "[m]"]),
+        (
+            [*ON_SKID, "arm.drives[0].load=drill"],
+            ["drives[0].load = 'drill'", "config/arms/puma560.yaml", "no load of the bus"],
+        ),
+        (
+            [*ON_SKID, "arm.drives[1].servo.max_torque=200"],
+            ["max_torque = 200", "at most 186.4 N m", "arm_shoulder_joint"],
+        ),
+        ([*ON_SKID, "arm.joint_groups.waist.joints=[hip_joint]"], ["joint_groups.waist.joints[0]", "arm_hip_joint"]),
+        (["rover=puma560", "drive.goal_tolerance=1"], ["drive.goal_tolerance=1", "puma560 does not drive"]),
+        (["rover=puma560"], ["steps[0].drive_to", "puma560 stands fast: it has no wheels"]),
+        (["rover=puma560", "rover.drive=drive"], ["drive = 'drive'", "stands fast"]),
+        (["rover=skid", "rover.fixed_base=true"], ["fixed_base with 4 wheels"]),
+        (["rover=skid", "rover.wheels=[]"], ["wheels", "fixed_base = true"]),
+        (["rover=skid", "rover.drive=null"], ["drive", "with wheels"]),
+        (["rover=puma560", "rover.arm=null"], ["arm", "nothing moves on a fixed base"]),
+        (["body=low_earth_orbit"], ["body = 'low_earth_orbit'", "free fall", "wheels of explorer"]),
+    ],
+)
+def test_what_does_not_fit_is_refused(overrides: list[str], words: list[str]) -> None:
+    with pytest.raises(ConfigError) as caught:
+        load_scenario("flat_drive", overrides)
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_a_broken_urdf_of_the_arm_is_told_with_its_file(tmp_path: Path) -> None:
+    urdf = tmp_path / "half.urdf"
+    urdf.write_text("<robot name='half'><link name='a'/>", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"half\.urdf.*not an XML document"):
+        load_scenario("flat_drive", [*ON_SKID, f"arm.urdf={urdf}"])
