@@ -7,10 +7,10 @@
     check   at the depth: unload to `TOUCH`; where what gave way under the weight was counted as depth, drill on
     out     back to where the advance began, the spindle turning; then it stops
 
-The depth is that of the tip below the touch under the same force. It ends early, comes out and says why when the spindle stalls (below
-`STALLED` of its rate for `STALL_TIME`), when it gets on by less than `LITTLE` in the task's patience, and when the bit
-gets too hot. The bit has no thermometer: its temperature is estimated from the power that the spindle gives, torque
-times rate as measured, by the heat balance of the tool's file (`BitHeatParams`).
+The depth is that of the tip below the touch under the same force. It ends early, comes out and says why when the
+spindle stalls (below `STALLED` of its rate for `STALL_TIME`), when it gets on by less than `LITTLE` in the task's
+patience, and when the bit gets too hot. The bit has no thermometer: its temperature is estimated from the power that
+the spindle gives, torque times rate as measured, by the heat balance of the tool's file (`BitHeatParams`).
 """
 
 from dataclasses import dataclass, replace
@@ -29,8 +29,8 @@ STALLED, STALL_TIME, SPIN_TIME = 0.3, 0.5, 5.0
 """Part of the commanded rate; times [s]."""
 LITTLE = 2e-4
 """Way in the task's patience that counts as getting on [m]."""
-FEED_TIME, FASTEST_FEED = 2.0, 3e-3
-"""Of the integral of the force loop [s], and its limit [m/s]."""
+FEED_TIME, FASTEST_FEED, FEED_FROM = 3.0, 3e-3, 0.8
+"""Of the integral of the force loop [s], its limit [m/s], and the part of the weight on the bit from which it works."""
 EXACT = 2e-4
 """By how much a hole may be too shallow [m]."""
 ZERO = np.zeros(3)
@@ -146,7 +146,7 @@ class DrillTask:
         if why or task.deepest >= task.depth + task.given:
             task = replace(task, phase="check", why=why, feed=0.0)
             return task, task._told(ZERO, force, 0.9)
-        gain = dt / (look.control.damping * FEED_TIME)
+        gain = dt / (look.control.damping * FEED_TIME) if force > FEED_FROM * task.force else 0.0
         feed = min(max(task.feed + gain * (task.force - force), 0.0), FASTEST_FEED)
         task = replace(task, feed=feed)
         velocity = hybrid_velocity(look.control, task.direction, task.force, look.force, ZERO)
