@@ -9,7 +9,8 @@ from typing import Any, TypeVar
 from pydantic import BaseModel
 
 from sojourn_config.arm_config import ArmConfig
-from sojourn_config.errors import ConfigError, Problem, single
+from sojourn_config.carrying_checks import carrying_problems
+from sojourn_config.errors import MISSING, ConfigError, Problem, single
 from sojourn_config.load import validate
 from sojourn_config.machine_checks import ground_problems, machine_problems, steering_geometry, with_drive_data
 from sojourn_config.mounting import Machine, join, mount_problems
@@ -102,7 +103,7 @@ class Bundle:
 
     def _driving(self) -> Driving:
         if self.driving is None:
-            raise single(next(iter(self.files)), "rover", self.urdf.file, "this machine stands fast: it does not drive")
+            raise single(self.urdf.file, "", MISSING, "this machine stands fast: it does not drive")
         return self.driving
 
     @property
@@ -195,6 +196,11 @@ class BundleReader:
             return None
         found = machine_problems(
             machine.rover, urdf, machine.urdf, machine.bus, machine.sensors, machine.arm, drive and drive[0], documents
+        )
+        found = found or list(
+            carrying_problems(
+                machine.rover, machine.urdf, machine.arm, found_body.surface_gravity, battery[0], documents
+            )
         )
         if found:
             self.problems += found
