@@ -14,6 +14,7 @@ from sojourn_bags.reading import Bag
 from sojourn_bags.writer import Attachment
 from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import LoadedScenario, ScenarioConfig
+from sojourn_mechanics.arm.tool_params import ToolParams, read_tool
 from sojourn_mechanics.terrain.generate import generate
 from sojourn_mechanics.terrain.height_field import HeightField
 from sojourn_mechanics.terrain.raster import Raster
@@ -33,6 +34,7 @@ _SETS = (
     "power_manager",
     "sensors",
     "arm",
+    "tool",
 )
 
 
@@ -112,6 +114,12 @@ class Run:
     def arm_joints(self) -> tuple[str, ...]:
         """Joints of the arm; none where there is no arm."""
         return () if self.arm is None else tuple(self.arm["joint_names"])
+
+    @property
+    def tool(self) -> ToolParams | None:
+        """Tool on the arm, None where there is none."""
+        tool = self.resolved.get("tool")
+        return None if tool is None else read_tool(json.dumps(tool))
 
     def terrain(self) -> HeightField:
         """The ground of the run, made again from its parameters and seed."""

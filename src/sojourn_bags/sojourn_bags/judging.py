@@ -115,6 +115,7 @@ def machine_of(bag: Bag) -> Machine:
             run.arm_joints,
             [load["name"] for load in run.resolved["bus"]["loads"]],
             () if run.arm is None else tuple(run.arm["named_poses"]),
+            run.tool,
         )
     except (IncompleteConfigError, ConfigError, KeyError) as error:
         text = f"{bag.path} does not describe its rover ({error}): name a scenario with it, --scenario NAME"

@@ -7,24 +7,39 @@ import argparse
 import json
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from sojourn_bringup import options
 from sojourn_bringup.arm_control import compare_laws, print_comparison
-from sojourn_bringup.arm_report import KEYS, dh_figures, figures_of, inverse_figures, print_dh, print_figures
+from sojourn_bringup.arm_inverse import PREFERENCES, Wish, inverse_figures, print_inverse
+from sojourn_bringup.arm_report import KEYS, dh_figures, figures_of, print_dh, print_figures
 from sojourn_bringup.errors import UsageError
 from sojourn_config.arms import arm_names, load_arm
 from sojourn_mechanics.arm.control_loop import ControlTestError
 from sojourn_mechanics.arm.dh_extract import dh_of_chain
+from sojourn_mechanics.arm.orientation import (
+    from_euler_zyz,
+    from_quaternion,
+    from_roll_pitch_yaw,
+    from_rotation_vector,
+)
 from sojourn_mechanics.arm.posture import posture
+from sojourn_mechanics.arm.redundancy import Sphere
 from sojourn_mechanics.arm.serial_arm import SerialArm, with_payload
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 
 EARTH = 9.81
+_TURNS = {
+    "rpy": (3, from_roll_pitch_yaw),
+    "quaternion": (4, from_quaternion),
+    "rotation_vector": (3, from_rotation_vector),
+    "euler": (3, from_euler_zyz),
+}
+"""Options that turn the tip: how many numbers, and what makes a matrix of them."""
 _NUMBER = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|-(inf|nan|infinity)", re.IGNORECASE)
 
 
@@ -53,8 +68,25 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("--payload", metavar="KG", help="mass held at the tip [kg]")
     result.add_argument("--payload-at", nargs="+", metavar="M", help="its centre of mass in the tip frame, x y z [m]")
     result.add_argument("--to", nargs="+", metavar="M", help="also solve for joint positions: tip at x y z [m] ...")
-    result.add_argument("--rpy", nargs="+", metavar="A", help="... turned by roll, pitch, yaw ...")
+    result.add_argument("--rpy", nargs="+", metavar="A", help="... turned by roll, pitch, yaw about fixed x, y, z ...")
+    result.add_argument("--quaternion", nargs="+", metavar="X", help="... or by a unit quaternion x y z w ...")
+    result.add_argument("--rotation-vector", nargs="+", metavar="A", help="... or about an axis by its length ...")
+    result.add_argument("--euler", nargs="+", metavar="A", help="... or about moving z, y, z ...")
     result.add_argument("--pointing", nargs="+", metavar="X", help="... or with the tool axis along x y z")
+    result.add_argument(
+        "--prefer",
+        choices=PREFERENCES,
+        help="with --to, what joints to spare are for: the posture that is best by this",
+    )
+    result.add_argument(
+        "--obstacle",
+        nargs="+",
+        action="append",
+        metavar="M",
+        help="with --prefer clear: a sphere x y z radius in the base [m]; again for more",
+    )
+    result.add_argument("--base-link", metavar="LINK", help="of a URDF: where the arm begins (default: outermost link)")
+    result.add_argument("--tip-link", metavar="LINK", help="of a URDF: its tip (default: end of the longest line)")
     result.add_argument("--dh", action="store_true", help="print the Denavit-Hartenberg tables instead")
     result.add_argument(
         "--workspace",
@@ -80,7 +112,7 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the figures of a posture, the tables of an arm, or draw its workspace."""
     given = parser().parse_args(_protected(sys.argv[1:] if arguments is None else arguments))
-    arm = load_arm(given.arm)
+    arm = load_arm(given.arm, given.base_link, given.tip_link)
     gravity = _gravity(given.gravity)
     if given.payload is not None or given.payload_at is not None:
         arm = _loaded(arm, given)
@@ -103,17 +135,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     figures["payload_kg"] = 0.0 if given.payload is None else _numbers(given.payload, "--payload", 1)[0]
     if given.to is not None:
         figures["inverse_kinematics"] = _inverse(arm, given, q if given.q is not None else None)
-    elif given.rpy is not None or given.pointing is not None:
-        raise UsageError("arm_test: --rpy and --pointing go with --to")
+    elif alone := [name for name in ("pointing", "prefer", "obstacle", *_TURNS) if getattr(given, name) is not None]:
+        raise UsageError(f"arm_test: {_option(alone[0])} goes with --to")
     if given.json:
         print(json.dumps(figures, indent=2))
     else:
         print_figures(figures)
+        if given.to is not None:
+            print_inverse(figures["inverse_kinematics"])
     return 0
 
 
 def _draw(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> int:
-    from sojourn_bringup.arm_picture import draw_workspace
+    from sojourn_bringup.arm_picture import draw_workspace, usual_payload
     from sojourn_mechanics.arm.workspace import workspace_map
 
     path: Path = given.workspace
@@ -130,14 +164,22 @@ def _draw(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> int
             "picture": str(path),
             "reach_from_axis_m": found.reach_from_axis,
             "volume_m3": found.volume,
-            "largest_manipulability": float(np.nanmax(found.manipulability)),
-            "largest_force_any_direction_n": float(np.nanmax(found.force)),
-            "largest_payload_kg": None if found.payload is None else float(np.nanmax(found.payload)),
+            "largest_manipulability": _largest(found.manipulability),
+            "largest_force_any_direction_n": _largest(found.force),
+            "largest_payload_kg": None if found.payload is None else _largest(found.payload),
+            "payload_in_95_percent_kg": None if found.payload is None else usual_payload(found.payload),
+            "force_without_weight": found.weightless,
         }
         print(json.dumps(summary, indent=2))
     else:
         print(f"workspace of {arm.name}: {path}")
     return 0
+
+
+def _largest(values: FloatArray) -> float | None:
+    """Largest of a map; None where there is no bound, or nothing."""
+    finite = values[~np.isnan(values)]
+    return float(finite.max()) if finite.size and np.isfinite(finite.max()) else None
 
 
 def _compare(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> int:
@@ -156,18 +198,38 @@ def _compare(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> 
 
 
 def _inverse(arm: SerialArm, given: argparse.Namespace, start: FloatArray | None) -> dict[str, object]:
-    if given.rpy is not None and given.pointing is not None:
-        raise UsageError("arm_test: --rpy and --pointing: allowed is one of the two")
-    position = np.array(_numbers(given.to, "--to", 3))
-    rpy = None if given.rpy is None else np.array(_numbers(given.rpy, "--rpy", 3))
-    if rpy is not None and given.degrees:
-        rpy = np.radians(rpy)
-    direction = None if given.pointing is None else np.array(_numbers(given.pointing, "--pointing", 3))
-    if direction is not None:
+    turns = [name for name in ("pointing", *_TURNS) if getattr(given, name) is not None]
+    if len(turns) > 1:
+        raise UsageError(f"arm_test: {' and '.join(_option(name) for name in turns)}: allowed is one of them")
+    direction = rotation = None
+    if turns == ["pointing"]:
+        direction = np.array(_numbers(given.pointing, "--pointing", 3))
         if not np.any(direction):
             raise UsageError("arm_test: --pointing 0 0 0: allowed is a direction")
         direction /= np.linalg.norm(direction)
-    return inverse_figures(arm, position, rpy, direction, start)
+    elif turns:
+        count, to_matrix = _TURNS[turns[0]]
+        values = np.array(_numbers(getattr(given, turns[0]), _option(turns[0]), count))
+        try:
+            rotation = to_matrix(np.radians(values) if given.degrees and count == 3 else values)
+        except InvalidValueError as error:
+            raise UsageError(f"arm_test: {_option(turns[0])}: {error}") from error
+    wish = Wish(np.array(_numbers(given.to, "--to", 3)), rotation, direction, given.prefer, tuple(_obstacles(given)))
+    return inverse_figures(arm, wish, start)
+
+
+def _obstacles(given: argparse.Namespace) -> Iterator[Sphere]:
+    if (given.prefer == "clear") != (given.obstacle is not None):
+        raise UsageError("arm_test: --prefer clear and --obstacle: allowed are both or neither")
+    for texts in given.obstacle or ():
+        *centre, radius = _numbers(texts, "--obstacle", 4)
+        if radius < 0.0:
+            raise UsageError(f"arm_test: --obstacle: radius {radius:g}: allowed is at least 0 m")
+        yield Sphere(np.array(centre), radius)
+
+
+def _option(name: str) -> str:
+    return "--" + name.replace("_", "-")
 
 
 def _loaded(arm: SerialArm, given: argparse.Namespace) -> SerialArm:

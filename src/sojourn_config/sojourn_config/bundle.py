@@ -9,15 +9,18 @@ from typing import Any, TypeVar
 from pydantic import BaseModel
 
 from sojourn_config.arm_config import ArmConfig
-from sojourn_config.errors import ConfigError, Problem, single
+from sojourn_config.carrying_checks import carrying_problems
+from sojourn_config.errors import MISSING, ConfigError, Problem, single
 from sojourn_config.load import validate
 from sojourn_config.machine_checks import ground_problems, machine_problems, steering_geometry, with_drive_data
 from sojourn_config.mounting import Machine, join, mount_problems
 from sojourn_config.overrides import override_document
 from sojourn_config.paths import resolve, resolve_urdf
 from sojourn_config.rover import RoverConfig
+from sojourn_config.tool_config import ToolSet, pad_problem, tool_ground_problems, with_tool
 from sojourn_config.urdf import UrdfSummary, read_urdf
 from sojourn_config.yaml_file import YamlDocument, dotted, read_yaml
+from sojourn_mechanics.arm.tool_params import ToolParams
 from sojourn_mechanics.environment.body import BodyParams
 from sojourn_mechanics.power.battery import BatteryParams
 from sojourn_mechanics.power.loads import BusParams
@@ -52,6 +55,7 @@ class Bundle:
         sensors: set of the sensors' node.
         arm: set of the arm node, None for a rover without one; rotor inertia and friction that its file leaves out
             are filled in from the rover's drives.
+        tool: at the end of the arm, None where there is none.
         driving: set of the drive node and wheels from URDF and rover; None for a machine that stands fast.
         files: text of every file that was read, by name; the scenario's is first.
     """
@@ -67,6 +71,7 @@ class Bundle:
     power_manager: PowerManagerParams
     sensors: SensorSuiteParams
     arm: ArmConfig | None
+    tool: ToolParams | None
     driving: Driving | None
     files: dict[str, str]
 
@@ -98,7 +103,7 @@ class Bundle:
 
     def _driving(self) -> Driving:
         if self.driving is None:
-            raise single(next(iter(self.files)), "rover", self.urdf.file, "this machine stands fast: it does not drive")
+            raise single(self.urdf.file, "", MISSING, "this machine stands fast: it does not drive")
         return self.driving
 
     @property
@@ -137,8 +142,16 @@ class BundleReader:
         self._overrides = overrides
         self._soils: dict[str, YamlDocument] = {}
 
-    def read(self, rover: str, body: str, soil: str, rock_soil: str, extra_soils: Sequence[str] = ()) -> Bundle | None:
-        """All that a scenario names, or None with the reasons in `problems`."""
+    def read(
+        self,
+        rover: str,
+        body: str,
+        soil: str,
+        rock_soil: str,
+        extra_soils: Sequence[str] = (),
+        mounted: str | None = None,
+    ) -> Bundle | None:
+        """All that a scenario names, or None with the reasons in `problems`. `mounted`: a tool, not the rover's own."""
         here = (self._scenario, self._path)
         found_body = self._named("bodies", body, "body", BodyParams, here)
         found_soil = self._named("soils", soil, "soil", SoilParams, here)
@@ -155,11 +168,13 @@ class BundleReader:
         law = self._load("power", config.power_manager, "power_manager", PowerLawParams, there)
         sensors = self._load("sensors", config.sensors, "sensors", SensorSuiteParams, there)
         arm = self._arm(rover, config.arm, there)
+        tool = self._tool(config, mounted, here, there)
         drive = self._driving(rover, config.drive, there)
         if urdf is None or battery is None or bus is None or law is None or sensors is None:
             return None
         if (
             (config.arm is not None and arm is None)
+            or (tool is None and (mounted or config.tool))
             or (config.drive is not None and drive is None)
             or found_body is None
             or found_soil is None
@@ -174,12 +189,18 @@ class BundleReader:
         grounds = {ground.name: ground for ground in (found_soil, found_rock, *extra)}
         for ground in grounds.values():
             self.problems += ground_problems(config, ground, self._soils[ground.name])
+            self.problems += tool_ground_problems(tool and tool[0], ground, self._soils[ground.name])
         alone = Machine(config, urdf, bus[0], law[0], sensors[0], arm and arm[0])
         machine = self._with_arm(alone, documents, arm[2] if arm else path)
         if machine is None:
             return None
         found = machine_problems(
             machine.rover, urdf, machine.urdf, machine.bus, machine.sensors, machine.arm, drive and drive[0], documents
+        )
+        found = found or list(
+            carrying_problems(
+                machine.rover, machine.urdf, machine.arm, found_body.surface_gravity, battery[0], documents
+            )
         )
         if found:
             self.problems += found
@@ -194,8 +215,9 @@ class BundleReader:
             battery=battery[0],
             bus=machine.bus,
             power_manager=PowerManagerParams(battery=battery[0], loads=machine.bus.loads, law=machine.law),
-            sensors=machine.sensors,
+            sensors=machine.sensors if tool is None else with_tool(machine.sensors, tool[0]),
             arm=machine.arm and with_drive_data(machine.arm, machine.rover),
+            tool=tool and tool[0].tool,
             driving=None if drive is None else Driving(drive[0], steering_geometry(machine.rover, machine.urdf)),
             files=self.files,
         )
@@ -226,6 +248,29 @@ class BundleReader:
         for text in self._overrides.get("arm", ()):
             self.problems.append(Problem(f"--set arm.{text}", "", "", f"the rover {rover} has no arm"))
         return None
+
+    def _tool(
+        self,
+        config: RoverConfig,
+        mounted: str | None,
+        scenario: tuple[YamlDocument, Path],
+        rover: tuple[YamlDocument, Path],
+    ) -> tuple[ToolSet, YamlDocument, Path] | None:
+        """The set of the tool; None where the arm has none, or with the reason in `problems`."""
+        name, asked = (mounted, scenario) if mounted else (config.tool, rover)
+        if name is None:
+            for text in self._overrides.get("tool", ()):
+                self.problems.append(Problem(f"--set tool.{text}", "", "", "the arm has no tool"))
+            return None
+        if config.arm is None:
+            self.problems.append(asked[0].problem(("tool",), name, f"the machine {config.urdf} has no arm"))
+            return None
+        found = self._load("tools", name, "tool", ToolSet, asked)
+        problem = found and pad_problem(config, found[0], found[1])
+        if problem:
+            self.problems.append(problem)
+            return None
+        return found
 
     def _driving(
         self, rover: str, name: str | None, asked: tuple[YamlDocument, Path]

@@ -43,6 +43,9 @@ class RoverConfig(MachineParams):
     power_manager: str = Field(min_length=1, description="law of the power manager: name in config/power")
     sensors: str = Field(min_length=1, description="name in config/sensors")
     arm: str | None = Field(default=None, min_length=1, description="name in config/arms; left out: it has no arm")
+    tool: str | None = Field(
+        default=None, min_length=1, description="at the end of the arm: name in config/tools; left out: none"
+    )
     arm_mount: ArmMountParams | None = Field(
         default=None, description="where the arm is bolted on; left out: the machine's own URDF has it"
     )

@@ -22,11 +22,13 @@ import pinocchio as pin
 
 from sojourn_mechanics.actuators import joint_drive
 from sojourn_mechanics.actuators.params import SeriesMotorParams
+from sojourn_mechanics.arm.tool_params import ToolParams
 from sojourn_mechanics.contact import contact_set, ground_plane
 from sojourn_mechanics.contact.params import add_cuts, kernel_rows
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, IntArray
 from sojourn_mechanics.plant.params import MachineParams, SimulationParams
+from sojourn_mechanics.plant.tools.mounted_tool import MountedTool, with_tool
 from sojourn_mechanics.plant.wrist import WristLoad
 from sojourn_mechanics.power.battery import BatteryParams
 from sojourn_mechanics.power.loads import BusParams
@@ -79,10 +81,12 @@ class PlantModel:
         battery, bus: energy supply and its loads.
         simulation: steps.
         memory_cell: distance of the nodes at which the ground remembers wheels [m]; 0: it does not.
+        tool: at the end of the machine's arm, or none.
 
     Raises:
-        InvalidValueError: a joint or link that the URDF does not have, a drive whose load the bus does not
-            have, a soil that is missing or lacks what the contact model of a wheel needs.
+        InvalidValueError: a joint or link that the URDF does not have, a drive or tool whose load the bus does not
+            have, a tool whose pad the machine does not have, a soil that is missing or lacks what the contact model
+            of a wheel needs.
     """
 
     def __init__(
@@ -96,8 +100,9 @@ class PlantModel:
         bus: BusParams,
         simulation: SimulationParams | None = None,
         memory_cell: float = 0.0,
+        tool: ToolParams | None = None,
     ) -> None:
-        self.machine = machine
+        self.machine = machine = with_tool(machine, tool)
         self.terrain = terrain
         self.battery = battery
         self.bus = bus
@@ -125,6 +130,7 @@ class PlantModel:
         self.rim = np.stack([ground_plane.RIM_SIN, ground_plane.RIM_COS])
         self.untouched_ground = GroundMemory(memory_cell, terrain.origin_x, terrain.origin_y)
         self.memory = MemoryBoard(self.untouched_ground)
+        self.tool = None if tool is None else MountedTool(self, tool, ground)
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
         self._make_workspace()
         self._check_springs()
