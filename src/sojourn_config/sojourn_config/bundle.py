@@ -17,7 +17,7 @@ from sojourn_config.mounting import Machine, join, lent, mount_problems
 from sojourn_config.overrides import override_document
 from sojourn_config.paths import resolve, resolve_urdf
 from sojourn_config.rover import RoverConfig
-from sojourn_config.tool_config import ToolSet, pad_problem, with_tool
+from sojourn_config.tool_config import ToolSet, pad_problem, tool_ground_problems, with_tool
 from sojourn_config.urdf import UrdfSummary, read_urdf
 from sojourn_config.yaml_file import YamlDocument, dotted, read_yaml
 from sojourn_mechanics.arm.tool_params import ToolParams
@@ -189,6 +189,7 @@ class BundleReader:
         grounds = {ground.name: ground for ground in (found_soil, found_rock, *extra)}
         for ground in grounds.values():
             self.problems += ground_problems(config, ground, self._soils[ground.name])
+            self.problems += tool_ground_problems(tool and tool[0], ground, self._soils[ground.name])
         alone = Machine(config, urdf, bus[0], law[0], sensors[0], arm and arm[0])
         machine = self._with_arm(alone, documents, arm[2] if arm else path)
         if machine is None:

@@ -14,7 +14,7 @@ Trouble, told in words: wheels that spin without headway (slip above a limit for
 load (off the ground, in a hole, or a broken shaft); a wheel that stands while others roll (blocked). Sources: Ojeda et
 al. (2006), IEEE Trans. Robotics 22:366; Wong (2008), Theory of Ground Vehicles, sec. 2.5 and 4.1.
 
-Not seen: slip on firm ground, where torque needs none. Cameras that track the ground (visual odometry) see it.
+Not seen: slip on firm ground, where torque needs none. The camera sees it, where the ground has relief (`key_frames`).
 """
 
 import math
