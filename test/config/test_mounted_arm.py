@@ -11,11 +11,17 @@ from sojourn_config.errors import ConfigError
 from sojourn_config.load import load_params
 from sojourn_config.paths import available
 from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_config.still_machine import StillMachine
+from sojourn_mechanics.arm.dynamics import rigid_effort
 from sojourn_mechanics.arm.kinematics import forward_kinematics
 from sojourn_mechanics.arm.model import build_arm_model
 
 ALONE = [name for name in available("arms") if load_params("arms", name, ArmConfig).urdf is not None]
-ON_SKID = ["rover=skid", "rover.arm=puma560", "rover.arm_mount={link: base_link, xyz: [0.1, 0, 0.2], rpy: [0, 0, 0.5]}"]
+MOUNT = "rover.arm_mount={link: base_link, xyz: [0.1, 0, 0.2], rpy: [0, 0, 0.5]}"
+SLOW = "arm.max_velocity=[0.8, 0.7, 1.2, 2.0, 2.0, 2.0]"
+"""As far as the bus of that rover can drive it, of 20 V when its battery is empty."""
+ON_SKID = ["rover=skid", "rover.arm=puma560", MOUNT, SLOW]
+CYLINDRICAL = ["rover=skid", "rover.arm=cylindrical"]
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +86,15 @@ def test_drives_and_encoders_fit_motors_and_gears_of_the_urdf(name: str) -> None
             ["arm_mount.link = 'deck'", "is no link of urdf/skid.urdf", "base_link"],
         ),
         (["rover=skid", "rover.arm=puma560"], ["config/rovers/skid.yaml: arm_mount", "where puma560 stands"]),
-        (["rover=skid", "rover.arm=explorer_arm", "rover.arm_mount={}"], ["arm_mount", "explorer_arm has no URDF"]),
+        (
+            ["rover=explorer_arm", "arm.of_rover=null"],
+            ["config/rovers/explorer_arm.yaml", "arm_mount", "explorer_arm has no URDF of its own"],
+        ),
+        (["rover=explorer_arm", "arm.of_rover=explorr"], ["of_rover = 'explorr'", "did you mean explorer?"]),
+        (
+            ["rover=explorer_arm", "arm.urdf_root=arm_link"],
+            ["urdf_root = 'arm_link'", "is no link of urdf/explorer.urdf"],
+        ),
         ([*ON_SKID, "rover.arm_mount.prefix=Arm"], ["arm_mount.prefix = 'Arm'", "lower case, ends with _"]),
         ([*ON_SKID, "rover.arm_mount.xyz=[0, 0]"], ["arm_mount.xyz", "[m]"]),
         (
@@ -99,6 +113,18 @@ def test_drives_and_encoders_fit_motors_and_gears_of_the_urdf(name: str) -> None
         (["rover=skid", "rover.wheels=[]"], ["wheels", "fixed_base = true"]),
         (["rover=skid", "rover.drive=null"], ["drive", "with wheels"]),
         (["rover=puma560", "rover.arm=null"], ["arm", "nothing moves on a fixed base"]),
+        (
+            ["rover=skid", "rover.arm=puma560", MOUNT],
+            ["max_velocity[1] = 1.0", "skid_battery gives 19.9 V", "allowed is some 0.7"],
+        ),
+        (
+            [*CYLINDRICAL, "rover.arm_mount={link: base_link, xyz: [1.2, 0, 0]}"],
+            ["arm_mount = 'cylindrical'", "tips the machine over in pose 'stow'", "0.21 m outside the wheels"],
+        ),
+        (
+            ["rover=lrv", "rover.arm=srms", "rover.arm_mount={}"],
+            ["named_poses.stow", "arm_shoulder_pitch_joint would hold 38", "allowed is 1570 N m"],
+        ),
         (["body=low_earth_orbit"], ["body = 'low_earth_orbit'", "free fall", "wheels of explorer"]),
     ],
 )
@@ -107,6 +133,45 @@ def test_what_does_not_fit_is_refused(overrides: list[str], words: list[str]) ->
         load_scenario("flat_drive", overrides)
     for word in words:
         assert word in str(caught.value)
+
+
+def test_the_explorers_arm_comes_with_what_the_explorer_has_of_it() -> None:
+    stand, explorer = load_scenario("explorer_arm_course"), load_scenario("flat_drive")
+    assert stand.arm_joints == stand.urdf.moving_joints == explorer.arm_joints  # its mount has no prefix
+    own = {joint: drive for drive in explorer.rover.drives for joint in drive.joints}
+    assert {joint: drive for drive in stand.rover.drives for joint in drive.joints} == {
+        joint: own[joint] for joint in stand.arm_joints
+    }
+    for group in ("arm", "wrist"):
+        assert stand.sensors.joint_groups[group] == explorer.sensors.joint_groups[group]
+    assert stand.sensors.wrist == explorer.sensors.wrist
+    assert stand.rover.wrench_sensor_link == explorer.rover.wrench_sensor_link
+    assert [pad.name for pad in stand.rover.pads] == ["arm_tip"] and stand.tool == explorer.tool
+    mass = sum(inertial.mass for name, inertial in stand.urdf.inertials.items() if name != "base_link")
+    links = explorer.urdf.below("arm_mount_link")
+    assert mass == pytest.approx(sum(i.mass for name, i in explorer.urdf.inertials.items() if name in links))
+
+
+def test_who_carries_it_well_is_let_be() -> None:
+    load_scenario("flat_drive", [*CYLINDRICAL, "rover.arm_mount={link: base_link, xyz: [0.1, 0, 0]}"])
+
+
+def test_what_a_joint_would_hold_is_what_rigid_body_dynamics_says(carried: LoadedScenario) -> None:
+    params = carried.carried_arm()
+    model = build_arm_model(carried.urdf_xml, params)
+    down = np.array([0.0, 0.0, -carried.gravity])
+    for positions in np.random.default_rng(2).uniform(model.lower, model.upper, (5, 6)):
+        still = StillMachine(carried.urdf, dict(zip(params.joint_names, positions, strict=True)))
+        wanted = rigid_effort(model, positions, np.zeros(6), np.zeros(6), down)
+        found = [still.held_by(name, carried.gravity) for name in params.joint_names]
+        np.testing.assert_allclose(found, wanted, atol=1e-9)
+
+
+def test_a_sliding_joint_holds_the_weight_on_it() -> None:
+    gantry = load_scenario("cartesian_course")
+    still = StillMachine(gantry.urdf, gantry.arm_pose("unfold"))
+    assert still.held_by("arm_z_joint", 9.81) == pytest.approx(-3.0 * 9.81)  # it slides down: it holds back
+    assert still.held_by("arm_x_joint", 9.81) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_broken_urdf_of_the_arm_is_told_with_its_file(tmp_path: Path) -> None:

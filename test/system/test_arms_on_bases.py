@@ -1,17 +1,14 @@
 """Arms other than the explorer's, in lock-step over the topics: each reaches joint positions and poses in truth."""
 
 import json
-import subprocess
-import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import demos
 
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag, read_bag
-from sojourn_bringup.environment import HIGHEST_DOMAIN
 from sojourn_config.scenario import load_scenario
 from sojourn_config.steps import ArmJointsStep, ArmPoseStep
 from sojourn_mechanics.arm.kinematics import forward_kinematics
@@ -19,28 +16,26 @@ from sojourn_mechanics.arm.model import build_arm_model
 from sojourn_mechanics.arm.orientation import from_quaternion
 from sojourn_mechanics.params import FloatArray
 
-COURSES = ("ssrms_course", "puma560_course", "cylindrical_course")
-AT_ONCE = 2
-FIRST_DOMAIN = HIGHEST_DOMAIN - 45
+HERE = Path(__file__).parent
+MOUNT = "rover.arm_mount={link: forward_link, xyz: [0.0, 0.0, 0.2]}"
+COURSES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "ssrms": ("ssrms_course", ()),  # seven joints, without weight
+    "puma560_on_lrv": (str(HERE / "foreign_arm.yaml"), ("rover.arm=puma560", MOUNT)),  # on springs, on soil
+    "puma560": ("puma560_course", ()),
+    "cylindrical": ("cylindrical_course", ()),  # two of four joints slide
+}
+"""Scenario and overrides."""
 DISTANCE_M, ANGLE_RAD = 0.002, 0.0087
 """What the turret of the explorer is asked for, too: 2 mm and half a degree."""
 
 
-def run(scenario: str, folder: Path, domain: int) -> tuple[int, str]:
-    """A scenario in a process of its own. Returns its exit status and what it said."""
-    command = [sys.executable, "-m", "sojourn_bringup.demo", "--scenario", scenario]
-    command += ["--run-dir", str(folder / scenario), "--domain", str(domain)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-    return done.returncode, done.stdout[-2000:] + done.stderr[-2000:]
-
-
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str, Path]]:
-    folder = tmp_path_factory.mktemp("arms")
-    with ThreadPoolExecutor(AT_ONCE) as pool:
-        domains = range(FIRST_DOMAIN, FIRST_DOMAIN + len(COURSES))
-        results = list(pool.map(run, COURSES, [folder] * len(COURSES), domains))
-    return {course: (*result, folder / course) for course, result in zip(COURSES, results, strict=True)}
+    options = {
+        course: ["--scenario", scenario, *(word for text in overrides for word in ("--set", text))]
+        for course, (scenario, overrides) in COURSES.items()
+    }
+    return demos(options, tmp_path_factory.mktemp("arms"))
 
 
 def true_joints_at(bag: Bag, names: tuple[str, ...], time_s: float) -> FloatArray:
@@ -59,7 +54,7 @@ def test_it_reaches_its_goals_in_truth_and_keeps_the_contract(
     assert status == 0, said
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     assert summary["all_met"] and summary["complete"]
-    bag, scenario = read_bag(folder), load_scenario(course)
+    bag, scenario = read_bag(folder), load_scenario(*COURSES[course])
     params = scenario.carried_arm()
     arm = build_arm_model(scenario.urdf_xml, params)
     poses = joints = 0
@@ -77,6 +72,6 @@ def test_it_reaches_its_goals_in_truth_and_keeps_the_contract(
             cosine = 0.5 * (np.trace(turned.T @ tip.rotation) - 1.0)
             assert np.arccos(np.clip(cosine, -1.0, 1.0)) < ANGLE_RAD
             poses += 1
-    assert poses >= 2 and joints >= 2
+    assert poses >= 1 and joints >= 2
     report, _ = judge_bag(bag)
     assert report.violations == 0, report.groups

@@ -2,13 +2,14 @@
 
 from pydantic import Field
 
-from sojourn_config.errors import Problem, names_text
+from sojourn_config.errors import MISSING, Problem, names_text
 from sojourn_config.rover import RoverConfig
 from sojourn_config.yaml_file import YamlDocument
 from sojourn_mechanics.arm.tool_params import TOOL_JOINT, ToolParams
 from sojourn_mechanics.params import Params
 from sojourn_mechanics.sensors.encoder import EncoderParams
 from sojourn_mechanics.sensors.params import JointGroupParams, SensorSuiteParams
+from sojourn_mechanics.soil.params import SoilParams
 
 GROUP = "tool"
 
@@ -31,6 +32,13 @@ def pad_problem(rover: RoverConfig, tool: ToolSet, document: YamlDocument) -> Pr
     return document.problem(
         ("tool", "pad"), tool.tool.pad, "is no pad of the rover: " + names_text(tool.tool.pad, pads)
     )
+
+
+def tool_ground_problems(tool: ToolSet | None, soil: SoilParams, document: YamlDocument) -> list[Problem]:
+    """What the tool needs of a soil and its file does not give."""
+    if tool is None or tool.tool.kind != "drill" or soil.specific_energy is not None:
+        return []
+    return [document.problem(("specific_energy",), MISSING, "the key is missing: needed by the drill")]
 
 
 def with_tool(sensors: SensorSuiteParams, tool: ToolSet) -> SensorSuiteParams:

@@ -59,10 +59,11 @@ class UrdfJoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UrdfInertial:
-    """Mass [kg] and inertia of a link about its centre of mass, shape (3, 3) [kg m^2]."""
+    """Mass [kg], inertia of a link about its centre of mass, shape (3, 3) [kg m^2], and that centre in it, (3,) [m]."""
 
     mass: float
     inertia: FloatArray
+    centre: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -258,7 +259,8 @@ def _inertial(link: ElementTree.Element) -> tuple[str, UrdfInertial]:
             [value["ixz"], value["iyz"], value["izz"]],
         ]
     )
-    found = UrdfInertial(_number(mass, "value", f"link {name}"), matrix)
+    centre = _transform(link.find("inertial/origin"))[:3, 3]
+    found = UrdfInertial(_number(mass, "value", f"link {name}"), matrix, centre)
     if not (np.isfinite(found.mass) and np.all(np.isfinite(matrix))):
         raise ValueError(f"link {name}: mass and ixx, ixy, ixz, iyy, iyz, izz are all needed, and finite")
     return name, found

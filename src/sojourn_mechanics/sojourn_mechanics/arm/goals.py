@@ -186,7 +186,7 @@ def check_position_limits(model: ArmModel, values: FloatArray, columns: list[int
         if not model.lower[column] - 1e-6 <= value <= model.upper[column] + 1e-6:
             raise GoalRefusedError(
                 f"{what}: {model.joint_names[column]} = {value:.4f} is out of its limits "
-                f"{model.lower[column]:.4f} to {model.upper[column]:.4f}"
+                f"{model.lower[column]:.4f} to {model.upper[column]:.4f} {model.unit(column)}"
             )
 
 

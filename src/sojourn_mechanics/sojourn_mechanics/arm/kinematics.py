@@ -171,7 +171,8 @@ def _explain(
             if float(np.max(excess)) < best_excess:
                 best_excess = float(np.max(excess))
                 best_text = ", ".join(
-                    f"{model.joint_names[i]} would be {q[i]:.3f} (limits {model.lower[i]:.3f} to {model.upper[i]:.3f})"
+                    f"{model.joint_names[i]} would be {q[i]:.3f} {model.unit(int(i))} (limits {model.lower[i]:.3f} to "
+                    f"{model.upper[i]:.3f})"
                     for i in np.flatnonzero(excess > 0.0)
                 )
     if best_text:

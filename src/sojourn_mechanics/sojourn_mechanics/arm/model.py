@@ -57,6 +57,14 @@ class ArmModel:
         """Number of joints [-]."""
         return len(self.joint_names)
 
+    def unit(self, joint: int) -> str:
+        """Of a joint's position, for texts."""
+        return "rad" if self.chain.revolute[joint] > 0.5 else "m"
+
+    def effort_unit(self, joint: int) -> str:
+        """Of a joint's effort, for texts."""
+        return "N m" if self.chain.revolute[joint] > 0.5 else "N"
+
 
 def build_arm_model(urdf_xml: str, params: ArmParams) -> ArmModel:
     """Arm model from the text of a URDF.

@@ -5,12 +5,14 @@ in the messages that name joints; it moves no link of the URDF, whose last link 
 """
 
 import math
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Annotated, Literal, NamedTuple, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
+from sojourn_mechanics.actuators.params import GearParams, MotorParams
 from sojourn_mechanics.contact.params import PadParams, ScoopParams
 from sojourn_mechanics.params import Params
+from sojourn_mechanics.soil.drilling import DrillBitParams
 
 TOOL_JOINT = "tool_joint"
 
@@ -32,15 +34,19 @@ class _ToolParams(Params):
     """What every tool has."""
 
     pad: str = Field(min_length=1, description="pad of the rover that is the tool's end")
-    radius: float = Field(gt=0.0, le=0.5, description="of that end [m]")
     load: str = Field(min_length=1, description="load of the bus that feeds it")
     load_distance: float = Field(
         default=0.0, ge=-0.5, le=0.5, description="from the tip to the middle of what it carries, towards the arm [m]"
     )
 
+    def end(self) -> tuple[float, ScoopParams | None]:
+        """Radius of its end [m], and what it cuts soil with when it is dragged."""
+        raise NotImplementedError
+
     def fit(self, pad: PadParams) -> PadParams:
         """The pad with this tool on it."""
-        return pad.model_copy(update={"radius": self.radius, "scoop": None, "is_tool": True})
+        radius, cut = self.end()
+        return pad.model_copy(update={"radius": radius, "scoop": cut, "is_tool": True})
 
 
 class LidParams(Params):
@@ -55,13 +61,14 @@ class ScoopToolParams(_ToolParams):
     """A scoop with a lid: open it cuts and fills, shut it keeps what it has."""
 
     kind: Literal["scoop"]
+    radius: float = Field(gt=0.0, le=0.5, description="of its end, as a plate that is pressed [m]")
     cut: ScoopParams = Field(description="its blade")
     capacity: float = Field(gt=0.0, le=1.0, description="volume that it holds; more is pushed ahead of it [m3]")
     lid: LidParams
 
-    def fit(self, pad: PadParams) -> PadParams:
-        """The pad with this tool on it."""
-        return super().fit(pad).model_copy(update={"scoop": self.cut})
+    def end(self) -> tuple[float, ScoopParams | None]:
+        """See `_ToolParams`."""
+        return self.radius, self.cut
 
     @property
     def joint(self) -> ToolJoint:
@@ -69,7 +76,45 @@ class ScoopToolParams(_ToolParams):
         return ToolJoint("revolute", 0.0, self.lid.opening, self.lid.rate, True)
 
 
-ToolParams: TypeAlias = ScoopToolParams
+class BitHeatParams(Params):
+    """The bit as one lump of heat."""
+
+    capacity: float = Field(gt=0.0, le=1e5, description="[J/K]")
+    conductance: float = Field(ge=0.0, le=100.0, description="to the turret [W/K]")
+    share: float = Field(ge=0.0, le=1.0, description="of the power at the bit that heats it; the rest heats chips [-]")
+    ambient: float = Field(gt=0.0, le=1000.0, description="temperature of the turret [K]")
+
+    def step(self, temperature: float, power: float, dt: float) -> float:
+        """Temperature [K] after `dt` [s] with a power at the bit [W]: C dT/dt = s P - G (T - T_a), implicit."""
+        rate = dt / self.capacity
+        return (temperature + rate * (self.share * power + self.conductance * self.ambient)) / (
+            1.0 + rate * self.conductance
+        )
+
+
+class DrillToolParams(_ToolParams):
+    """A rotary drill with a drag bit."""
+
+    kind: Literal["drill"]
+    bit: DrillBitParams
+    motor: MotorParams
+    gear: GearParams
+    rate: float = Field(gt=0.0, le=500.0, description="of the spindle, unless a task asks for less [rad/s]")
+    acceleration: float = Field(gt=0.0, le=1e4, description="at which the amplifier brings it there [rad/s2]")
+    heat: BitHeatParams
+    max_temperature: float = Field(gt=0.0, le=2000.0, description="of the bit, at which a task stops [K]")
+
+    def end(self) -> tuple[float, ScoopParams | None]:
+        """See `_ToolParams`."""
+        return self.bit.radius, None
+
+    @property
+    def joint(self) -> ToolJoint:
+        """The spindle."""
+        return ToolJoint("continuous", -math.inf, math.inf, self.rate, False)
+
+
+ToolParams: TypeAlias = Annotated[ScoopToolParams | DrillToolParams, Field(discriminator="kind")]
 """A tool; the key `kind` says which."""
 
 

@@ -148,7 +148,7 @@ def _close_period(
     tool, drawn, gained = state.tool, NO_ENERGY, 0.0
     if model.tool is not None and tool is not None:
         supplied = float(command.load_fractions[model.tool.load] * state.served)
-        tool, drawn = model.tool.advance(model, tool, state.contacts, command.tool, supplied)
+        tool, drawn = model.tool.advance(model, tool, state.contacts, command.tool, supplied, state.bus_voltage)
         load_energy[model.tool.load] += drawn.electrical
         if state.tool is not None and tool.payload != state.tool.payload:
             model.tool.prepare(tool)

@@ -11,6 +11,7 @@ from sojourn_mechanics.arm.kinematics import forward_kinematics, nearby_solution
 from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.tasks.dig import DigTask
+from sojourn_mechanics.arm.tasks.drill import DrillTask
 from sojourn_mechanics.arm.tasks.dump import DumpTask
 from sojourn_mechanics.arm.tasks.go import Go
 from sojourn_mechanics.arm.tasks.guarded_move import GuardedMoveTask
@@ -32,7 +33,7 @@ from sojourn_mechanics.arm.tasks.requests import (
 from sojourn_mechanics.arm.tasks.tare import TareTask
 from sojourn_mechanics.arm.tasks.task import Task
 from sojourn_mechanics.arm.tasks.weigh import TURN, WeighTask
-from sojourn_mechanics.arm.tool_params import ScoopToolParams, ToolParams
+from sojourn_mechanics.arm.tool_params import DrillToolParams, ScoopToolParams, ToolParams
 from sojourn_mechanics.params import FloatArray
 
 Tool = TypeVar("Tool", bound=ToolParams)
@@ -68,8 +69,10 @@ def start_task(
             return WeighTask(model, _weighing_postures(model, posture), request.seconds)
         case Dump():
             return DumpTask(_tool(request, tool, ScoopToolParams).lid.opening, request.seconds)
+        case Dig():
+            _tool(request, tool, ScoopToolParams)
         case Drill():
-            raise GoalRefusedError("drill: this arm has no drill")
+            _tool(request, tool, DrillToolParams)
         case Pick():
             raise GoalRefusedError("pick: this arm has no gripper")
     if not feels:
@@ -110,6 +113,29 @@ def start_task(
                 touched=start,
                 begun=start,
                 lid=lid.opening,
+            )
+        case Drill():
+            drill = _tool(request, tool, DrillToolParams)
+            rate = drill.rate if request.rate is None else request.rate
+            if rate > drill.rate:
+                raise GoalRefusedError(
+                    f"drill: rate = {rate:g} rad/s: allowed is at most {drill.rate:g}, the drill's own"
+                )
+            direction = _direction(model, request.direction, posture)
+            into = request.depth
+            check_line(params, model, posture, direction, request.distance + into, ground, into)
+            return DrillTask(
+                drill,
+                direction,
+                request.depth,
+                request.force,
+                rate,
+                request.speed,
+                request.patience,
+                request.distance,
+                first=start,
+                touched=start,
+                temperature=drill.heat.ambient,
             )
     raise GoalRefusedError(f"{request.task}: this arm has no law for it")
 

@@ -178,7 +178,7 @@ def _work(
         return state, None
     look = _look(params, model, state, inputs)
     if state.doing.state == "moving":
-        state = _guard(params, state, inputs, look)
+        state = _guard(params, model, state, inputs, look)
     if state.paused and state.motion is not None and not isinstance(state.task, Ended | Released):
         still = move(model, state.motion, np.zeros(3), params.force_control.tip_acceleration, dt)
         return replace(state, motion=still), None
@@ -198,7 +198,7 @@ def _work(
     return replace(state, motion=moved), None
 
 
-def _guard(params: ArmParams, state: TaskState, inputs: TaskInput, look: Look) -> TaskState:
+def _guard(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, look: Look) -> TaskState:
     """Give up a task under way where the arm may not go on."""
     if not inputs.arm.allowed:
         return replace(state, task=Ended(f"not allowed to move: {inputs.arm.not_allowed_reason}"))
@@ -212,7 +212,8 @@ def _guard(params: ArmParams, state: TaskState, inputs: TaskInput, look: Look) -
     worst = int(np.argmax(behind))
     if behind[worst] > params.following_error_limit:
         name = params.joint_names[worst]
-        return replace(state, task=Ended(f"{name} is {behind[worst]:.3f} rad from its reference: something holds it"))
+        off = f"{behind[worst]:.3f} {model.unit(worst)}"
+        return replace(state, task=Ended(f"{name} is {off} from its reference: something holds it"))
     return state
 
 

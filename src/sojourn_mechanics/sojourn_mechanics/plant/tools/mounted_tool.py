@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 import pinocchio as pin
 
-from sojourn_mechanics.arm.tool_params import ToolParams
+from sojourn_mechanics.arm.tool_params import DrillToolParams, ScoopToolParams, ToolParams
 from sojourn_mechanics.contact.pad_on_soil import DRAG_X, DRAG_Y, MOMENT, PILE, TAKEN
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.plant.params import MachineParams
+from sojourn_mechanics.plant.tools.drill import Drill
 from sojourn_mechanics.plant.tools.scoop import Scoop
 from sojourn_mechanics.plant.tools.tool_state import Surroundings, ToolEnergy, ToolState
 from sojourn_mechanics.soil.params import SoilParams
@@ -44,7 +45,7 @@ class MountedTool:
         model: the plant, with its contacts. soils: of the ground, in the order of the kernels.
 
     Raises:
-        InvalidValueError: a load that the bus does not have.
+        InvalidValueError: a load that the bus does not have, a soil that lacks what the tool needs.
     """
 
     def __init__(self, model: "PlantModel", params: ToolParams, soils: Sequence[SoilParams]) -> None:
@@ -54,7 +55,7 @@ class MountedTool:
         self.params = params
         self.pad = model.contacts.names.index(params.pad)
         self.load = loads.index(params.load)
-        self._law: ToolLaw = Scoop(params, tuple(soil.kind == "soil" for soil in soils))
+        self._law = _law_of(params, soils)
         self._row = model.contacts.wheels[self.pad]
         self._multibody = model.multibody
         self._joint = int(model.contacts.bodies[self.pad])
@@ -80,13 +81,19 @@ class MountedTool:
             self._hang(state.payload)
 
     def advance(
-        self, model: "PlantModel", state: ToolState, contacts: FloatArray, reference: FloatArray | None, supply: float
+        self,
+        model: "PlantModel",
+        state: ToolState,
+        contacts: FloatArray,
+        reference: FloatArray | None,
+        supply: float,
+        voltage: float,
     ) -> tuple[ToolState, ToolEnergy]:
         """After a period: what the tool has done in it.
 
         Args:
             contacts: states of all contacts. reference: of the actuator (3,), None: it stays where it is.
-            supply: part of its power that it can have.
+            supply: part of its power that it can have. voltage: of the bus [V].
         """
         wanted = np.array([state.position, 0.0, 0.0]) if reference is None else reference
         around = Surroundings(
@@ -100,6 +107,8 @@ class MountedTool:
             supply=supply,
             report=model.report[self.pad],
             drag=contacts[self.pad, DRAG_X : DRAG_Y + 1],
+            axis=self._axis @ model.placements[self._joint, :9].reshape(3, 3),
+            voltage=voltage,
         )
         return self._law.advance(state, around)
 
@@ -109,6 +118,14 @@ class MountedTool:
             inertia = inertia + pin.Inertia(mass, self._centre, mass * GYRATION**2 * np.eye(3))
         self._multibody.inertias[self._joint] = inertia
         self._hangs = mass
+
+
+def _law_of(params: ToolParams, soils: Sequence[SoilParams]) -> ToolLaw:
+    match params:
+        case ScoopToolParams():
+            return Scoop(params, tuple(soil.kind == "soil" for soil in soils))
+        case DrillToolParams():
+            return Drill(params, list(soils))
 
 
 def with_tool(machine: MachineParams, tool: ToolParams | None) -> MachineParams:

@@ -22,6 +22,7 @@ import numpy as np
 
 from sojourn_mechanics.arm.tool_params import ScoopToolParams
 from sojourn_mechanics.contact.pad_on_soil import lead_length
+from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.plant.tools.tool_state import ScoopState, Soil, Surroundings, ToolEnergy, ToolState
 from sojourn_mechanics.soil.params import SoilColumn
 from sojourn_mechanics.terrain.earthwork import cut, heap
@@ -51,6 +52,8 @@ class Scoop:
     def advance(self, state: ToolState, around: Surroundings) -> tuple[ToolState, ToolEnergy]:
         """State at the end of a period, and the energy that it took; the same state where nothing has happened."""
         own = state.own
+        if not isinstance(own, ScoopState):
+            raise InvalidValueError("state of the scoop", type(own).__name__, "ScoopState")
         touches = around.report[3] > 0.0
         lid = self._lid(state, around)
         open_ = lid > 0.5 * self.params.lid.opening

@@ -3,8 +3,6 @@
 from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
-import numpy as np
-
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.terrain.height_field import HeightField
 from sojourn_mechanics.terrain.memory import MemoryBoard
@@ -56,7 +54,45 @@ class ScoopState:
         }
 
 
-OwnState: TypeAlias = ScoopState
+class Hole(NamedTuple):
+    """A hole in the ground."""
+
+    x: float
+    """Of its mouth in map [m]."""
+    y: float
+    depth: float
+    """Below the ground there [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class DrillState:
+    """What a drill has done."""
+
+    temperature: float
+    """Of its bit [K]."""
+    holes: tuple[Hole, ...] = ()
+    thrust: float = 0.0
+    """[N]"""
+    torque: float = 0.0
+    """At the bit [N m]."""
+    stalled: bool = False
+    cuttings: float = 0.0
+    """Volume drilled out since the start [m3]."""
+    has_worked: bool = False
+
+    def told(self) -> dict[str, float]:
+        """See `ToolState`."""
+        return {
+            "tool thrust_n": self.thrust,
+            "tool torque_nm": self.torque,
+            "tool temperature_k": self.temperature,
+            "tool hole_m": max((hole.depth for hole in self.holes), default=0.0),
+            "tool cuttings_m3": self.cuttings,
+            "tool stalled": float(self.stalled),
+        }
+
+
+OwnState: TypeAlias = ScoopState | DrillState
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,5 +154,7 @@ class Surroundings:
     """Of its end's contact, see `contact_set.REPORT_COLUMNS`."""
     drag: FloatArray
     """Way on which its end is dragged, D of `pad_on_soil`, (2,)."""
-    rotation: FloatArray = field(default_factory=lambda: np.eye(3))
-    """Of the link that carries its end, to map (3, 3)."""
+    axis: FloatArray
+    """Out of the tool, in map (3,)."""
+    voltage: float
+    """Of the bus [V]."""
