@@ -3,6 +3,9 @@
 The rim is a circle of the wheel's radius in the plane across the axle. Its lowest point against the contact
 plane (see `ground_plane`) lies below the plane by  z = r cos γ - d,  with the camber γ of the axle against
 the ground and the distance d of the centre from the plane.
+
+A rut lowers and tilts the plane (see `ground_memory`). It is nowhere above the ground as it was once, but the plane
+through its edge is: so no wheel is deeper in a rut than it is below the ground as it was.
 """
 
 import math
@@ -92,12 +95,14 @@ def find_contact(
     norm = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     remembers = memory[3][2] > 0.0
     past[RUT] = 0.0
+    deepest = math.inf
     if remembers:
         # lowest point and depth against the ground as it was once
         lowest_x = centre[0] + radius * slope_x * norm
         lowest_y = centre[1] + radius * slope_y * norm
         rise = centre[2] - pz - slope_x * (centre[0] - px) - slope_y * (centre[1] - py)
         depth = radius - rise * norm
+        deepest = max(depth, 0.0)
         if depth > 0.0:
             rut, rut_x, rut_y = look_ahead(memory, wheel, lowest_x, lowest_y, forward, travel, depth, past)
             pz -= rut
@@ -114,7 +119,7 @@ def find_contact(
         side[k] = axle[k] - camber * normal[k]
     cos_camber = math.sqrt(in_plane[0] ** 2 + in_plane[1] ** 2 + in_plane[2] ** 2)
     distance = normal[0] * (centre[0] - px) + normal[1] * (centre[1] - py) + normal[2] * (centre[2] - pz)
-    penetration = radius * cos_camber - distance
+    penetration = min(radius * cos_camber - distance, deepest)
     if penetration <= 0.0 or cos_camber < MIN_COS_CAMBER:
         return False, 0, on_map
     for k in range(3):
