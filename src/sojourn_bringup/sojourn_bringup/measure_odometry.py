@@ -85,6 +85,9 @@ def drive(name: str, overrides: Sequence[str], seed: int) -> Result:
         output = loop.step()
         now = loop.true_pose
         distance, before = distance + math.dist(now[:2], before[:2]), now
+    if distance == 0.0:
+        said = output.outcomes[0].reason if output.outcomes else f"not done in {LONGEST_S:.0f} s"
+        raise UsageError(f"scenario {name}, seed {seed}: {said}; allowed is a route that this rover can drive")
     estimate, truth = output.odometry, loop.true_pose
     off = np.array((estimate.x - truth[0], estimate.y - truth[1]))
     return Result(

@@ -1,15 +1,15 @@
-"""Measures in the plant how far apart the free-rolling centres of a skid-steered machine lie: `track_ratio` of its drive.
+"""Measures in the plant how far apart the free-rolling centres of a skid-steered machine lie: its `track_ratio`.
 
     scripts/lib/python -m sojourn_bringup.measure_turning --rover skid
 
 The machine drives curves and turns on the spot on level ground of the scenario's soil, its wheels turning at steady
-rates that differ from side to side. With the speeds V of the grouser tips on the two sides, the track B and the true yaw
-rate w, the treads' instantaneous centres of rotation lie
+rates that differ from side to side. With the speeds V of the grouser tips on the two sides, the track B and the true
+yaw rate w, the treads' instantaneous centres of rotation lie
 
     y_left - y_right = (V_right - V_left) (1 - s) / w = track_ratio B,        x = -v_y / w,
 
-apart and ahead of base_link; s is the slip that the drive expects straight ahead and adds to all rates itself. The ratio
-told at the end is the least-squares fit of w over all motions.
+apart and ahead of base_link; s is the slip that the drive expects straight ahead and adds to all rates itself. The
+ratio told at the end is the least-squares fit of w over all motions.
 
 Sources: Martinez, Mandow, Morales, Pedraza & Garcia-Cerezo (2005), Int. J. Robotics Research 24(10):867, and Mandow et
 al. (2007), IEEE/RSJ Int. Conf. Intelligent Robots and Systems, 1222 (centres of rotation of treads and of wheels, and
@@ -93,7 +93,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     overrides = [*given.set, *([] if given.rover is None else [f"rover={given.rover}"])]
     scenario = on_plane(given.scenario, overrides, 0.0, 0.0)
     if not scrubs(scenario.steering.wheels):
-        raise UsageError(f"{scenario.config.rover}: all of its wheels can roll in a turn; allowed is a machine that skids")
+        raise UsageError(
+            f"{scenario.config.rover}: all of its wheels can roll in a turn; allowed is a machine that skids"
+        )
     limits, slip = scenario.drive.limits, scenario.drive.odometry.mean_slip
     sides = [wheel.y for wheel in scenario.steering.wheels]
     track, turns = max(sides) - min(sides), []

@@ -185,8 +185,8 @@ def test_finite_on_any_ground_that_wheels_have_torn_up(rig: Maker, path: list[tu
 
 
 def test_a_wheel_that_comes_down_on_the_edge_of_a_rut_is_pressed_up_gently(rig: Maker) -> None:
-    """The tilted plane through a steep edge reaches above the ground as it was: a wheel that bounced there met more than
-    a centimetre of soil at once, four times its load, and the chassis chattered within the control period."""
+    """The tilted plane through a steep edge reaches above the ground as it was: a wheel that bounced there met more
+    than a centimetre of soil at once, four times its load, and the chassis chattered within the control period."""
     wheel = rig("lunar_nominal", cell=0.025)
     with_rut(wheel, 0.012, -1.0, 0.5)
     pressed = []
