@@ -51,8 +51,8 @@ class Turn(NamedTuple):
     """Of the mean of both sides; not a number on the spot [-]."""
 
 
-def turn(scenario: LoadedScenario, speed: float, yaw_rate: float) -> Turn:
-    """Drive one motion: speed [m/s] and yaw rate [rad/s] of a machine without slip."""
+def turn(scenario: LoadedScenario, speed: float, yaw_rate: float, angle: float = TURN) -> Turn:
+    """Drive one motion: speed [m/s], yaw rate [rad/s] and angle [rad] of a machine without slip."""
     model, state = build_plant(scenario)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
     command.reference[0] = state.motor_angles
@@ -61,10 +61,10 @@ def turn(scenario: LoadedScenario, speed: float, yaw_rate: float) -> Turn:
     sides = np.array([wheel.y for wheel in scenario.steering.wheels])
     rates = (speed - yaw_rate * sides) / radii
     period = model.simulation.control_period
-    for number in range(round((SPEEDING_UP_S + 0.5 * TURN / abs(yaw_rate)) / period)):
+    for number in range(round((SPEEDING_UP_S + 0.5 * angle / abs(yaw_rate)) / period)):
         command.reference[1, wheels] = min(number * period / SPEEDING_UP_S, 1.0) * rates
         state, _ = step(model, state, command)
-    angles, way, turned, count = state.joints[0, wheels].copy(), np.zeros(2), 0.0, round(TURN / abs(yaw_rate) / period)
+    angles, way, turned, count = state.joints[0, wheels].copy(), np.zeros(2), 0.0, round(angle / abs(yaw_rate) / period)
     for _ in range(count):
         before = state.configuration[:3]
         state, _ = step(model, state, command)
