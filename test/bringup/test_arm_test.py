@@ -90,7 +90,7 @@ def test_inverse_kinematics_with_all_branches(capsys: pytest.CaptureFixture[str]
         (["puma560", "--payload", "-1"], "--payload -1: allowed is a mass of at least 0 kg"),
         (["puma560", "--payload-at", "0", "0", "1"], "--payload-at goes with --payload"),
         (["puma560", "--to", "1", "2"], "--to has 2 values: allowed is 3"),
-        (["puma560", "--rpy", "1", "2", "3"], "go with --to"),
+        (["puma560", "--rpy", "1", "2", "3"], "--rpy goes with --to"),
         (["puma560", "--workspace", "map.txt"], "ends in .png"),
         (["puma560", "--workspace", "/no/such/map.png"], "there is no folder /no/such"),
     ],
@@ -140,6 +140,83 @@ def test_control_laws_are_compared(capsys: pytest.CaptureFixture[str], monkeypat
         main(["srms", "--control"])
     with pytest.raises(UsageError, match="--mass-error -1: allowed is a share above -1"):
         main(["puma560", "--control", "--mass-error", "-1"])
+
+
+def test_every_form_of_an_orientation_asks_for_the_same_pose(capsys: pytest.CaptureFixture[str]) -> None:
+    to = ["puma560", "--to", "0.5", "0.1", "0.6"]
+    half = math.sin(0.5), math.cos(0.5)
+    forms = (
+        ["--rpy", "0", "1", "0"],
+        ["--quaternion", "0", str(half[0]), "0", str(half[1])],
+        ["--rotation-vector", "0", "1", "0"],
+        ["--euler", "0", "1", "0"],
+        ["--degrees", "--euler", "0", str(math.degrees(1.0)), "0"],
+    )
+    first, *others = (_json(capsys, *to, *form)["inverse_kinematics"] for form in forms)
+    assert first["status"] == "solved"
+    for other in others:
+        np.testing.assert_allclose(other["q"], first["q"], atol=1e-6)
+
+
+def test_joints_to_spare_are_used_as_asked(capsys: pytest.CaptureFixture[str]) -> None:
+    to = ["ssrms", "--to", "8", "1", "3", "--quaternion", "0", "0", "0", "1"]
+    obstacle = ["--prefer", "clear", "--obstacle", "4", "1", "2", "0.5"]
+    for prefer in (["--prefer", "centred"], ["--prefer", "manipulability"], obstacle):
+        found = _json(capsys, *to, *prefer)["inverse_kinematics"]
+        second = found["secondary"]
+        assert second["measure"] > second["measure_of_first"]
+        there = _json(capsys, "ssrms", "--q", *(str(q) for q in second["q"]))
+        np.testing.assert_allclose(there["tip_position_m"], [8.0, 1.0, 3.0], atol=1e-5)
+        np.testing.assert_allclose(there["tip_rotation"], np.eye(3), atol=1e-6)
+    assert main([*to, "--prefer", "centred"]) == 0
+    assert "centred:" in capsys.readouterr().out
+    for wrong in (["--prefer", "clear"], ["--obstacle", "1", "1", "1", "1"]):
+        with pytest.raises(UsageError, match="both or neither"):
+            main([*to, *wrong])
+
+
+def test_a_pose_that_is_reached_only_in_collision_is_told_apart(capsys: pytest.CaptureFixture[str]) -> None:
+    """The SRMS folded up: every way to be there has the wrist in the lower arm."""
+    folded = ["--q", "0.848", "0.67", "-2.638", "-1.964", "1.273", "6.368"]
+    posture = _json(capsys, "srms", *folded)
+    assert "lower_arm_link and wrist_yaw_link overlap" in posture["collision"]
+    to = ["--to", *(str(value) for value in posture["tip_position_m"])]
+    turn = ["--quaternion", *(str(value) for value in posture["tip_quaternion_xyzw"])]
+    found = _json(capsys, "srms", *folded, *to, *turn)["inverse_kinematics"]
+    assert found["status"] == "collision" and "lower_arm_link and wrist_yaw_link" in found["message"]
+    assert main(["srms", *folded, *to, *turn]) == 0
+    assert "inverse kinematics: collision" in capsys.readouterr().out
+
+
+def test_motions_on_one_way_are_compared(capsys: pytest.CaptureFixture[str]) -> None:
+    """The fastest is that under torque; power makes it slower; a trapezoid is as fast where torque is ample."""
+    start, goal = ["--q", "0.1", "0.6", "-2.6", "0.3", "0.9", "0.2"], ["1", "0.9", "-2", "0", "-0.5", "1"]
+    rows = _json(capsys, "puma560", *start, "--move-to", *goal, "--power", "60")["motions"]
+    assert {"trapezoid", "cubic", "quintic", "cycloidal", "seven_segments"} < set(rows)
+    fastest = rows["time_optimal"]
+    for name, row in rows.items():
+        assert row["duration_s"] >= fastest["duration_s"] * 0.999, name
+        assert row["largest_share_of_speed"] <= 1.001 and row["largest_share_of_effort"] <= 1.001
+    assert rows["trapezoid"]["duration_s"] == pytest.approx(fastest["duration_s"], rel=1e-3)
+    limited = rows["time_optimal_power"]
+    assert limited["largest_power_w"] <= 60.5 < fastest["largest_power_w"]
+    assert limited["duration_s"] > fastest["duration_s"]
+    assert main(["puma560", *start, "--move-to", *goal]) == 0
+    assert "seven_segments" in capsys.readouterr().out
+
+
+def test_the_tip_moves_on_a_line_or_says_why_not(capsys: pytest.CaptureFixture[str]) -> None:
+    start = ["--q", ".3", ".4", ".2", ".9", ".5", "1.2", ".2", "--gravity", "0"]
+    found = _json(capsys, "ssrms", *start, "--line-to", "5", "3", "4")
+    arrived = _json(capsys, "ssrms", "--q", *(str(q) for q in found["to"]))
+    np.testing.assert_allclose(arrived["tip_position_m"], [5.0, 3.0, 4.0], atol=1e-4)
+    assert found["motions"]["time_optimal"]["largest_share_of_effort"] <= 1.001
+    far = _json(capsys, "puma560", "--line-to", "5", "5", "5")
+    assert "% of the path the arm stays" in far["refused"]
+    with pytest.raises(UsageError, match="--power goes with"):
+        main(["puma560", "--power", "5"])
+    with pytest.raises(UsageError, match="--move-to has 2 values: puma560 has 6 joints"):
+        main(["puma560", "--move-to", "5", "5"])
 
 
 def test_the_workspace_is_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

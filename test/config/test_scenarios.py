@@ -47,7 +47,7 @@ def test_every_scenario_loads_and_its_ground_can_be_made(name: str) -> None:
     ground = ground_of(name)
     assert set(ground.soil_names) <= set(scenario.soils)
     assert math.isfinite(ground.height(scenario.config.start.x, scenario.config.start.y))
-    assert scenario.gravity > 0.0
+    assert (scenario.gravity > 0.0) != scenario.body.free_fall
     for step in scenario.config.steps:
         assert step.kind in ACTIONS
 

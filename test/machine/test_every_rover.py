@@ -15,7 +15,7 @@ from sojourn_mechanics.plant.state import zeros_command
 from sojourn_mechanics.plant.step import step
 from sojourn_plant.start import build_plant
 
-ROVERS = available("rovers")
+ROVERS = [name for name in available("rovers") if not load_params("rovers", name, RoverConfig).fixed_base]
 FORCE_Z = 8
 """Column of the vertical force in the plant's report of contacts."""
 G_MOON = 4902.800e9 / 1737.4e3**2

@@ -17,6 +17,10 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from sojourn_arm.node import ArmNode
 from sojourn_contract import stamps
 from sojourn_contract.heartbeat import status_message
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT
+
+COMMANDED = (*ARM, TOOL_JOINT)
+"""The explorer's arm and its scoop."""
 
 
 class ArmBench:
@@ -95,9 +99,9 @@ def pose_goal(x: float, y: float, z: float, frame: str = "base_link") -> PoseSta
 def test_holds_where_it_is_and_answers_every_period(arm: ArmBench) -> None:
     start = dict(arm.angles)
     command = arm.step(50)
-    assert tuple(command.name) == ARM
-    assert list(command.position) == pytest.approx(list(start.values()), abs=1e-6)
-    assert list(command.velocity) == [0.0] * 5
+    assert tuple(command.name) == COMMANDED
+    assert list(command.position) == pytest.approx([*start.values(), 0.0], abs=1e-6)
+    assert list(command.velocity) == [0.0] * len(COMMANDED)
     assert abs(command.effort[1]) > 1.0, "feed-forward carries the arm's weight"
     assert [stamp_of(message) for message in arm.bench.received["/arm_command"]] == [at(p) for p in range(1, 51)]
     status = arm.bench.status("/arm/status", 50)
@@ -126,7 +130,7 @@ def test_named_pose_and_stop(arm: ArmBench) -> None:
     while status["state"] == "moving":
         status = arm.status()
     assert status["state"] == "stopped"
-    assert list(arm.step().velocity) == [0.0] * 5
+    assert list(arm.step().velocity) == [0.0] * len(COMMANDED)
 
 
 def test_a_pose_goal_starts_a_motion(arm: ArmBench) -> None:
@@ -200,7 +204,7 @@ def test_measurements_that_cannot_be_used_hold_the_arm(arm: ArmBench, spoil: str
     last = list(arm.step().position)
     for _ in range(10):
         command = arm.step(spoil=spoil)
-        assert list(command.position) == last and list(command.velocity) == [0.0] * 5
+        assert list(command.position) == last and list(command.velocity) == [0.0] * len(COMMANDED)
     assert arm.node.counters.refused == {topic: 10}
     before = arm.node.events.received["/arm/joint_goal"]
     arm.bench.send("/arm/joint_goal", joint_goal((), [], "unfold"))
@@ -214,7 +218,7 @@ def test_before_anything_is_measured_it_commands_nothing(arm: ArmBench) -> None:
     command = arm.step(50, spoil="NaN")
     assert list(command.name) == [] and list(command.position) == []
     assert arm.bench.status("/arm/status", 50)["state"] == "idle"
-    assert tuple(arm.step().name) == ARM
+    assert tuple(arm.step().name) == COMMANDED
 
 
 @pytest.mark.parametrize("text", ["off", "0.0"])
@@ -242,7 +246,7 @@ def test_while_the_rover_drives_a_goal_is_refused_and_a_motion_stops(bench: Benc
     command = arm.step(99, rate=0.01)
     status = bench.status("/arm/status", arm.period)
     assert status["state"] == "stopped" and "the rover drives" in status["reason"]
-    assert list(command.velocity) == [0.0] * 5
+    assert list(command.velocity) == [0.0] * len(COMMANDED)
 
 
 def test_a_goal_on_the_ground_is_found_from_where_the_rover_stands(bench: Bench) -> None:
@@ -322,7 +326,7 @@ def test_in_real_time_it_acts_without_the_drive(bench: Bench) -> None:
         bench.send("/joint_states", joints(period))
         bench.until(lambda period=period: node._latest.get("/joint_states", (0,))[0] == at(period), "joints are there")
         bench.send("/imu/data", imu(period))
-    assert tuple(bench.answer("/arm_command", 2).name) == ARM
+    assert tuple(bench.answer("/arm_command", 2).name) == COMMANDED
 
 
 def test_in_real_time_any_input_may_come_first(bench: Bench) -> None:
@@ -334,7 +338,7 @@ def test_in_real_time_any_input_may_come_first(bench: Bench) -> None:
         bench.send("/joint_states", joints(period))
         bench.until(lambda period=period: node._latest.get("/joint_states", (0,))[0] == at(period), "joints are there")
         bench.send("/imu/data", imu(period))
-    assert tuple(bench.answer("/arm_command", 3002).name) == ARM
+    assert tuple(bench.answer("/arm_command", 3002).name) == COMMANDED
 
 
 def test_a_goal_under_the_ground_is_refused_with_the_pair(arm: ArmBench) -> None:
@@ -352,12 +356,12 @@ def test_a_pause_ends_as_reached_and_resuming_carries_the_motion_on(arm: ArmBenc
     while status["state"] == "moving":
         status = arm.status()
     assert status["state"] == "reached" and "paused at" in status["reason"] and 0.0 < float(status["progress"]) < 1.0
-    assert list(arm.step(10).velocity) == [0.0] * 5
+    assert list(arm.step(10).velocity) == [0.0] * len(COMMANDED)
     status = arm.goal("/arm/task", task("resume"))
     while status["state"] == "moving":
         status = arm.status()
     assert (status["state"], status["reason"]) == ("reached", "")
-    assert list(arm.angles.values()) == pytest.approx(arm.node.params.named_poses["stow"], abs=1e-3)
+    assert [arm.angles[name] for name in ARM] == pytest.approx(arm.node.params.named_poses["stow"], abs=1e-3)
 
 
 def test_with_a_share_of_its_power_the_arm_plans_slower(arm: ArmBench) -> None:

@@ -11,6 +11,8 @@ from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.joint_places import JointPlaces
 from sojourn_contract.messages import numbers, quaternion, wrench_values
 from sojourn_mechanics.arm.feedforward import gravity_in_body
+from sojourn_mechanics.arm.tasks.task import ToolReading
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT
 from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
@@ -28,6 +30,8 @@ class Measured:
     """In base_link (3,) [m/s2]."""
     wrench: FloatArray | None
     """Of the tool on the wrist's sensor (6,) [N], [N m]; None where it is not measured."""
+    tool: ToolReading | None
+    """Its actuator; None where nobody tells it."""
 
 
 class Measurements:
@@ -44,6 +48,9 @@ class Measurements:
         self._gravity = gravity
         self._refuse = refuse
         self._places = JointPlaces("/joint_states", joints)
+        self._tool: int | None = None
+        """Place of the tool's actuator in a message, of the names in `_names`."""
+        self._names: list[str] = []
         self._imu_to_base = mounting(urdf_xml, IMU_LINK)[0]
 
     def read(self, joints: Any, imu: Any, wrist: Any) -> Measured | None:
@@ -57,6 +64,7 @@ class Measurements:
             efforts=numbers(joints.effort)[places] if len(joints.effort) else None,
             gravity=gravity,
             wrench=None if wrist is None else wrench_values(wrist),
+            tool=self._tool_reading(joints),
         )
 
     def _places_in(self, joints: Any) -> NDArray[np.intp] | None:
@@ -68,6 +76,17 @@ class Measurements:
         except RefusedMessageError as refusal:
             self._refuse("/joint_states", refusal)
             return None
+
+    def _tool_reading(self, joints: Any) -> ToolReading | None:
+        """The tool's actuator; None where the message does not name it."""
+        if joints.name != self._names:
+            self._names = list(joints.name)
+            self._tool = self._names.index(TOOL_JOINT) if TOOL_JOINT in self._names else None
+        place = self._tool
+        if place is None:
+            return None
+        effort = joints.effort[place] if len(joints.effort) else 0.0
+        return ToolReading(joints.position[place], joints.velocity[place], effort)
 
     def _gravity_in_base(self, imu: Any) -> FloatArray | None:
         """Gravity from the attitude that the IMU reports, or None where it cannot be used."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from rclpy.context import Context
 
+from sojourn_arm.command import fill_command
 from sojourn_arm.goals import GoalDesk
 from sojourn_arm.ground import Ground
 from sojourn_arm.measurements import Measurements
@@ -18,7 +19,7 @@ from sojourn_contract import process, stamps
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_message, status_values
-from sojourn_contract.messages import doubles, fill_joint_state, joint_state
+from sojourn_contract.messages import doubles, joint_state
 from sojourn_contract.node import ContractNode
 from sojourn_contract.switches import fraction_of
 from sojourn_contract.topics import topic
@@ -47,7 +48,7 @@ class ArmNode(ContractNode):
         self.params = scenario.carried_arm()
         self.model = build_arm_model(scenario.urdf_xml, self.params)
         task_control.warm_up(self.params, self.model)
-        self.state = task_control.initial_state(self.params, self.model)
+        self.state = task_control.initial_state(self.params, self.model, scenario.tool)
         self._measurements = Measurements(self.params.joint_names, scenario.urdf_xml, scenario.gravity, self.refuse)
         self._rover = Rover(self.params.interlock, [wheel.joint for wheel in scenario.rover.wheels])
         wheels = [(wheel.joint, wheel.radius + wheel.grouser_height) for wheel in scenario.rover.wheels]
@@ -105,15 +106,13 @@ class ArmNode(ContractNode):
             ground=self._ground.plane,
             granted_power=self._granted,
         )
-        tasks = task_control.TaskInput(request, task, measured.wrench, measured.efforts)
+        tasks = task_control.TaskInput(request, task, measured.wrench, measured.efforts, measured.tool)
         self.state, self._output, report = task_control.step(
             self.params, self.model, self.state, tasks, stamps.CONTROL_PERIOD_S
         )
         self._goals.note(self._output, report, self._pending is not None)
         self._pending = None
-        output = self._output
-        self._command.name = list(self.params.joint_names)
-        fill_joint_state(self._command, 0, output.positions, output.velocities, output.efforts)
+        fill_command(self._command, self.params.joint_names, self._output, self.state)
 
     def _take_goals(self, goals: list[tuple[str, Any]]) -> None:
         """Keep the goal that takes effect now; of several the last."""

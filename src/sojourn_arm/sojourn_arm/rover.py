@@ -61,7 +61,10 @@ class Rover:
         base_in_frame = pin.XYZQUATToSE3([*xyz(here.pose.pose.position), *quaternion(here.pose.pose.orientation)])
         position = base_in_frame.actInv(np.array(goal.position))
         direction = None if goal.direction is None else base_in_frame.rotation.T @ np.array(goal.direction)
-        return PoseGoal(tuple(position), None if direction is None else tuple(direction))
+        if goal.orientation is None:
+            return PoseGoal(tuple(position), None if direction is None else tuple(direction))
+        turned = pin.Quaternion(base_in_frame.rotation).inverse() * pin.Quaternion(np.array(goal.orientation))
+        return PoseGoal(tuple(position), orientation=tuple(turned.coeffs()))
 
 
 def _motion(command: Any, joints: Any, drive_joints: frozenset[str]) -> str:

@@ -14,12 +14,15 @@ from sojourn_bags.reading import Bag
 from sojourn_bags.writer import Attachment
 from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import LoadedScenario, ScenarioConfig
+from sojourn_mechanics.arm.tool_params import ToolParams, read_tool
 from sojourn_mechanics.terrain.generate import generate
 from sojourn_mechanics.terrain.height_field import HeightField
 from sojourn_mechanics.terrain.raster import Raster
 
 CONFIGURATION_NAME = "configuration.json"
 ELEVATION_NAME = "elevation.npz"
+COMPOSED_NAME = "machine.urdf"
+"""Of a machine whose arm has a URDF of its own: both in one, as they were used."""
 _MEDIA_TYPES = {".yaml": "application/yaml", ".urdf": "application/xml"}
 _SETS = (
     "rover",
@@ -31,8 +34,7 @@ _SETS = (
     "power_manager",
     "sensors",
     "arm",
-    "drive",
-    "steering",
+    "tool",
 )
 
 
@@ -63,6 +65,8 @@ class Run:
         sets: dict[str, BaseModel | None] = {
             "scenario": loaded.config,
             **{name: getattr(loaded, name) for name in _SETS},
+            "drive": None if loaded.driving is None else loaded.driving.drive,
+            "steering": None if loaded.driving is None else loaded.driving.steering,
         }
         return cls(
             name=loaded.name,
@@ -87,7 +91,7 @@ class Run:
                 name=document["name"],
                 scenario=ScenarioConfig.model_validate_json(json.dumps(resolved["scenario"])),
                 rover=RoverConfig.model_validate_json(json.dumps(resolved["rover"])),
-                urdf=next(text for name, text in files.items() if name.endswith(".urdf")),
+                urdf=_urdf_of(bag, files),
                 resolved=resolved,
                 files=files,
                 overrides=tuple(document["overrides"]),
@@ -111,6 +115,12 @@ class Run:
         """Joints of the arm; none where there is no arm."""
         return () if self.arm is None else tuple(self.arm["joint_names"])
 
+    @property
+    def tool(self) -> ToolParams | None:
+        """Tool on the arm, None where there is none."""
+        tool = self.resolved.get("tool")
+        return None if tool is None else read_tool(json.dumps(tool))
+
     def terrain(self) -> HeightField:
         """The ground of the run, made again from its parameters and seed."""
         scenario = self.scenario
@@ -129,9 +139,17 @@ class Run:
         for name, text in self.files.items():
             media_type = _MEDIA_TYPES.get(PurePosixPath(name).suffix, "text/plain")
             found.append(Attachment(name, media_type, text.encode()))
+        if self.urdf not in self.files.values():
+            found.append(Attachment(COMPOSED_NAME, _MEDIA_TYPES[".urdf"], self.urdf.encode()))
         if self.raster is not None:
             found.append(Attachment(ELEVATION_NAME, "application/zip", _raster_bytes(self.raster)))
         return found
+
+
+def _urdf_of(bag: Bag, files: dict[str, str]) -> str:
+    if COMPOSED_NAME in bag.attachments:
+        return bag.attachments[COMPOSED_NAME].decode()
+    return next(text for name, text in files.items() if name.endswith(".urdf"))
 
 
 def _raster_bytes(raster: Raster) -> bytes:

@@ -108,14 +108,14 @@ def machine_of(bag: Bag) -> Machine:
     """The rover that the bag describes. Raises UnjudgeableBagError if it describes none."""
     try:
         run = Run.of_bag(bag)
-        name, urdf = next((name, text) for name, text in run.files.items() if name.endswith(".urdf"))
         return Machine.of(
             run.scenario.rover,
             run.rover,
-            parse_urdf(urdf, name),
+            parse_urdf(run.urdf, f"URDF of {run.name}"),
             run.arm_joints,
             [load["name"] for load in run.resolved["bus"]["loads"]],
             () if run.arm is None else tuple(run.arm["named_poses"]),
+            run.tool,
         )
     except (IncompleteConfigError, ConfigError, KeyError) as error:
         text = f"{bag.path} does not describe its rover ({error}): name a scenario with it, --scenario NAME"

@@ -15,6 +15,7 @@ from sojourn_bags.description import Run
 from sojourn_bags.goals import ARM_TOPICS
 from sojourn_bags.machine import FloatArray, TrueMachine, euler_angles, poses_of
 from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.report_arm import draw_standing_arm
 from sojourn_bags.report_map import draw_map
 from sojourn_bags.summary import summarise
 from sojourn_mechanics.terrain.height_field import HeightField
@@ -60,17 +61,15 @@ def write_report(
     wheel_axes = [figure.add_subplot(grid[row, 1], sharex=charge_axes) for row in range(4)]
     _draw_power(charge_axes, bag)
     if run.arm_joints:
-        _draw_joints(arm_axes, bag, run.arm_joints, "Torque of the arm joints, force at the wrist")
+        label = "torque [N m], force [N]" if run.rover.fixed_base else "torque [N m]"
+        _draw_joints(arm_axes, bag, run.arm_joints, "Torque of the arm joints, force at the wrist", label)
         _draw_wrist(arm_axes, bag)
     else:
         _draw_attitude(arm_axes, bag)
-    _draw_contacts(wheel_axes[0], bag, run, "sinkage", 1000.0, "Sinkage of each wheel", "sinkage [mm]")
-    _draw_contacts(wheel_axes[1], bag, run, "slip_ratio", 1.0, "Slip of each wheel", "slip ratio [-]")
-    _draw_joints(wheel_axes[2], bag, [wheel.joint for wheel in run.rover.wheels], "Torque of the wheel drives")
-    if run.rover.steer_joints:
-        _draw_joints(wheel_axes[3], bag, list(run.rover.steer_joints), "Torque of the steering joints")
+    if run.rover.fixed_base:
+        draw_standing_arm(wheel_axes, bag, run.arm_joints, _draw_curves)
     else:
-        _draw_contacts(wheel_axes[3], bag, run, "slip_angle", 180.0 / np.pi, "Slip angle of each wheel", "angle [°]")
+        _draw_wheels(wheel_axes, bag, run)
     times = (charge_axes, arm_axes, *wheel_axes)
     for axes in times:
         _shade_goals(axes, summary["goals"])
@@ -99,6 +98,17 @@ def _title(summary: dict[str, Any]) -> str:
     return f"{summary['scenario']}  ({', '.join(numbers)})\n{verdict}"
 
 
+def _draw_wheels(panels: Sequence[Axes], bag: Bag, run: Run) -> None:
+    """Four panels of a machine with wheels."""
+    _draw_contacts(panels[0], bag, run, "sinkage", 1000.0, "Sinkage of each wheel", "sinkage [mm]")
+    _draw_contacts(panels[1], bag, run, "slip_ratio", 1.0, "Slip of each wheel", "slip ratio [-]")
+    _draw_joints(panels[2], bag, [wheel.joint for wheel in run.rover.wheels], "Torque of the wheel drives")
+    if run.rover.steer_joints:
+        _draw_joints(panels[3], bag, list(run.rover.steer_joints), "Torque of the steering joints")
+    else:
+        _draw_contacts(panels[3], bag, run, "slip_angle", 180.0 / np.pi, "Slip angle of each wheel", "angle [°]")
+
+
 def _draw_contacts(axes: Axes, bag: Bag, run: Run, field: str, scale: float, title: str, label: str) -> None:
     """One curve a wheel from the true contacts, whose first points are the wheels."""
     contacts = bag["/truth/contacts"]
@@ -108,14 +118,14 @@ def _draw_contacts(axes: Axes, bag: Bag, run: Run, field: str, scale: float, tit
     axes.set(title=title, ylabel=label)
 
 
-def _draw_joints(axes: Axes, bag: Bag, names: Sequence[str], title: str) -> None:
+def _draw_joints(axes: Axes, bag: Bag, names: Sequence[str], title: str, label: str = "torque [N m]") -> None:
     """One curve a joint from the true efforts."""
     states: Messages = bag["/truth/joint_states"]
     joints = states.joints()
     known = [name for name in names if name in joints.names]
     values = joints.effort[:, [joints.index(name) for name in known]]
     _draw_curves(axes, states.times, values, [short_name(name) for name in known])
-    axes.set(title=title, ylabel="torque [N m]")
+    axes.set(title=title, ylabel=label)
 
 
 def _draw_wrist(axes: Axes, bag: Bag) -> None:

@@ -82,7 +82,7 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
         "steps_not_sent": not_sent,
         "messages": messages(bag),
     }
-    summary["verdict"] = _verdict(summary, results)
+    summary["verdict"] = _verdict(summary, results, run.rover.fixed_base)
     return {
         key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in summary.items()
     }
@@ -153,7 +153,7 @@ def messages(bag: Bag) -> dict[str, dict[str, int | None]]:
     }
 
 
-def _verdict(summary: dict[str, Any], results: list[GoalResult]) -> str:
+def _verdict(summary: dict[str, Any], results: list[GoalResult], stands_fast: bool) -> str:
     """One or two sentences for a person."""
     unmet = [result for result in results if not result.met]
     parts = []
@@ -167,13 +167,13 @@ def _verdict(summary: dict[str, Any], results: list[GoalResult]) -> str:
     if summary["steps_not_sent"]:
         parts.append(f"{summary['steps_not_sent']} steps of the scenario were never sent.")
     if summary["all_met"]:
-        parts.append(_success(summary, len(results)))
+        parts.append(_success(summary, len(results), stands_fast))
     if not summary["complete"]:
         parts.append("The record is not complete.")
     return " ".join(parts)
 
 
-def _success(summary: dict[str, Any], goals: int) -> str:
+def _success(summary: dict[str, Any], goals: int, stands_fast: bool) -> str:
     if not goals:
         return "No goals were asked for."
     deeds = []
@@ -182,7 +182,8 @@ def _success(summary: dict[str, Any], goals: int) -> str:
         deeds.append(f"drove {summary['distance_m']:.1f} m and stopped {from_goal} from the goal")
     if summary["arm_error_m"] is not None:
         deeds.append(f"placed the arm {length_in_words(summary['arm_error_m'])} from its target")
-    done = f": the rover {' and '.join(deeds)}" if deeds else ""
+    who = "machine" if stands_fast else "rover"
+    done = f": the {who} {' and '.join(deeds)}" if deeds else ""
     return f"Every goal was met{done}."
 
 

@@ -5,10 +5,10 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from sojourn_bringup.screen import wide_console
 from sojourn_mechanics.arm.control_laws import LAWS
 from sojourn_mechanics.arm.control_loop import comparison_motion, run, settings_for
 from sojourn_mechanics.arm.serial_arm import SerialArm, with_scaled_masses
@@ -64,7 +64,7 @@ def compare_laws(arm: SerialArm, gravity: FloatArray, mass_error: float) -> dict
 
 def print_comparison(figures: dict[str, Any]) -> None:
     """The same as tables."""
-    console, loop = Console(highlight=False), figures["loop"]
+    console, loop = wide_console(), figures["loop"]
     console.print(
         f"{figures['arm']}: a quintic motion of {figures['motion']['duration_s']:.2f} s; bandwidth "
         f"{loop['bandwidth_rad_s']:.3g} rad/s, sampled every {1e3 * loop['sample_time_s']:.3g} ms, "

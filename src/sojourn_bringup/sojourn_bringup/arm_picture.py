@@ -16,6 +16,8 @@ from sojourn_mechanics.params import FloatArray
 _BLANK = " "
 _HARDLY = 0.01
 """Share of cells below which a map is not drawn."""
+_FLAT = 0.08
+"""Height over width below which a section is not drawn to scale."""
 _INK, _ARM = "#333333", "#c1002d"
 
 
@@ -32,14 +34,22 @@ def draw_workspace(arm: SerialArm, found: WorkspaceMap, gravity: FloatArray, sta
     section = _to_section(arm, points) if found.about_axis else points[:, [0, 2]]
     payload = found.payload
     maps = (
-        (found.pointing, "Pointing directions [share]", "viridis", 1.0),
+        (
+            found.pointing,
+            f"{'Turns about the tool' if found.one_way else 'Pointing directions'} [share]",
+            "viridis",
+            1.0,
+        ),
         (found.manipulability, "Manipulability", "cividis", None),
-        (found.force, "Force in the worst direction [N]", "magma", None),
+        (found.force, f"Force in the worst direction{', weightless' if found.weightless else ''} [N]", "magma", None),
         (payload, "Payload held at rest [kg]", "magma", None),
     )
     for axis, (values, title, colours, top) in zip(axes.flat[:4], maps, strict=True):
         if values is None:
             _say(axis, title, "no weight: any mass is held at rest")
+            continue
+        if not np.any(np.isfinite(values)):
+            _say(axis, title, "without bound: no drive carries it")
             continue
         if np.nanmean(values > 0.0) < _HARDLY:
             _say(axis, title, "none: the arm cannot hold itself\nunder this gravity (see --gravity)")
@@ -56,15 +66,18 @@ def draw_workspace(arm: SerialArm, found: WorkspaceMap, gravity: FloatArray, sta
 def _map(
     figure: Figure, axis: Axes, found: WorkspaceMap, values: FloatArray, title: str, colours: str, top: float | None
 ) -> None:
+    values = np.where(np.isfinite(values), values, np.nan)
     finite = values[np.isfinite(values)]
     # a few postures near the axis give far more than all others: they would take the whole scale
     high = top if top is not None else float(np.percentile(finite, 98)) if finite.size else 1.0
     shown = axis.pcolormesh(found.across, found.height, values, cmap=colours, vmin=0.0, vmax=max(high, 1e-9))
     over = top is None and finite.size and float(finite.max()) > 1.02 * high
-    figure.colorbar(shown, ax=axis, extend="max" if over else "neither", shrink=0.85)
+    beside = axis.inset_axes((1.03, 0.0, 0.05, 1.0))
+    figure.colorbar(shown, cax=beside, extend="max" if over else "neither")
     across = "distance from the first joint's axis [m]" if found.about_axis else "x [m]"
     axis.set(title=title, xlabel=across, ylabel="height along it [m]" if found.about_axis else "z [m]")
-    axis.set_aspect("equal")
+    flat = np.ptp(found.height) < _FLAT * np.ptp(found.across)  # a planar arm: nothing to be seen to scale
+    axis.set_aspect("auto" if flat else "equal")
     axis.set_facecolor("#f2f2f2")
 
 
@@ -92,14 +105,20 @@ def _layout(arm: SerialArm, found: WorkspaceMap, gravity: FloatArray) -> str:
     freedom = "as many joints as a pose has numbers: 6"
     if spare:
         freedom = f"to spare for a pose: {spare}" if spare > 0 else f"missing for any pose: {-spare}"
+    dexterous = float(np.mean(found.pointing[np.isfinite(found.pointing)] > 0.95))
+    carried = None if found.payload is None else usual_payload(found.payload)
     lines = [
         f"joints: {arm.joint_count} ({kinds})" + (f", {wrist}" if wrist else ""),
         freedom,
         f"stretched length: {arm.reach:.3f} m",
         f"farthest tip from the axis: {found.reach_from_axis:.3f} m" if found.about_axis else "",
-        f"volume reached: {found.volume:.4g} m³" if found.about_axis else "",
+        f"volume reached: {found.volume:.4g} m³" if found.volume > 0.0 else "",
         f"gravity in the base: {gravity[0]:g} {gravity[1]:g} {gravity[2]:g} m/s²",
-        f"pointing: of {DIRECTIONS} equal patches of the sphere; 1 is dexterous",
+        f"the tool points one way; turns: of {DIRECTIONS} sectors"
+        if found.one_way
+        else f"pointing: of {DIRECTIONS} equal patches of the sphere; 1 is dexterous",
+        f"dexterous (over 0.95): {100.0 * dexterous:.0f} % of the section",
+        "" if carried is None else f"payload held in 95 % of the section: {carried:.3g} kg",
         "other maps: of the best posture found in each cell",
         _BLANK,
         "range of each joint, largest speed and effort:",
@@ -111,6 +130,13 @@ def _layout(arm: SerialArm, found: WorkspaceMap, gravity: FloatArray) -> str:
         speed, limit = arm.max_velocity[i], arm.max_effort[i]
         lines.append(f"  {name}: {low:.4g} to {high:.4g}{unit}, {speed:.3g} {rate}, {limit:.4g} {effort}")
     return "\n".join(line for line in lines if line)
+
+
+def usual_payload(payload: FloatArray) -> float | None:
+    """What is carried in 95 % of the cells of a map [kg]; None without bound."""
+    known = payload[~np.isnan(payload)]
+    value = float(np.quantile(known, 0.05, method="lower")) if known.size else 0.0
+    return value if np.isfinite(value) else None
 
 
 def _to_section(arm: SerialArm, points: FloatArray) -> FloatArray:

@@ -3,19 +3,14 @@
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
-from sojourn_mechanics.arm.closed_form import (
-    has_spherical_wrist,
-    is_planar_with_yaw,
-    planar_yaw_branches,
-    spherical_wrist_branches,
-)
+from sojourn_bringup.screen import wide_console
 from sojourn_mechanics.arm.dh import DhGeometry
-from sojourn_mechanics.arm.inverse import pointing_goal, pose_goal, position_goal
-from sojourn_mechanics.arm.orientation import from_roll_pitch_yaw, orientation_of
+from sojourn_mechanics.arm.manipulability import partial_manipulability
+from sojourn_mechanics.arm.orientation import orientation_of
 from sojourn_mechanics.arm.posture import Posture
+from sojourn_mechanics.arm.self_collision import SelfCollision
 from sojourn_mechanics.arm.serial_arm import SerialArm
 from sojourn_mechanics.params import FloatArray
 
@@ -39,11 +34,15 @@ KEYS = {
     "inverse_dynamics_n_m": "n: M qdd + C qd + g, motors' inertia included, friction not",
     "drive_torques_n_m": "n: the same with friction",
     "manipulability": "Yoshikawa: product of the Jacobian's singular values",
+    "manipulability_translation": "the same of its first three rows: of a planar arm l1 l2 |sin q2|",
+    "manipulability_rotation": "the same of its last three rows",
     "smallest_singular_value": "of the Jacobian with lengths in reaches of the arm; 0: singular",
     "condition_number": "of the same; null: singular",
     "largest_payload_kg": "further mass that can be held here; null without weight",
+    "collision": "links of the arm that overlap, in words; empty where none do",
     "beyond_limits, overloaded": "joints out of range, or asked for more than they can give, in words",
-    "inverse_kinematics": "with --to: status (solved, singular, limits, unreachable), q, errors, branches",
+    "inverse_kinematics": "with --to: status (solved, singular, collision, limits, unreachable), q, errors, branches; "
+    "with --prefer: secondary",
 }
 """Keys of --json and what they hold."""
 
@@ -78,47 +77,15 @@ def figures_of(
         "inverse_dynamics_n_m": found.inverse_dynamics.tolist(),
         "drive_torques_n_m": found.drive_effort.tolist(),
         "manipulability": found.manipulability,
+        "manipulability_translation": partial_manipulability(arm, found.tip.jacobian, slice(0, 3)),
+        "manipulability_rotation": partial_manipulability(arm, found.tip.jacobian, slice(3, 6)),
         "smallest_singular_value": found.smallest_singular_value,
         "condition_number": condition if np.isfinite(condition) else None,
         "largest_payload_kg": found.largest_payload if _is_finite(found.largest_payload) else None,
+        "collision": SelfCollision(arm).text(q),
         "beyond_limits": list(found.beyond_limits),
         "overloaded": list(found.overloaded),
     }
-
-
-def inverse_figures(
-    arm: SerialArm,
-    position: FloatArray,
-    rpy: FloatArray | None,
-    direction: FloatArray | None,
-    start: FloatArray | None,
-) -> dict[str, Any]:
-    """Joint positions for a tip position, with an orientation, a direction, or neither; all branches where known."""
-    rotation = None if rpy is None else from_roll_pitch_yaw(rpy)
-    branches: tuple[Any, ...] | None = None
-    if rotation is not None:
-        answer = pose_goal(arm, position, rotation, start)
-        if has_spherical_wrist(arm):
-            branches = spherical_wrist_branches(arm, position, rotation, start)
-    elif direction is not None:
-        answer = pointing_goal(arm, position, direction, start)
-        if is_planar_with_yaw(arm):
-            branches = planar_yaw_branches(arm, position, direction, start)
-    else:
-        answer = position_goal(arm, position, start)
-    result: dict[str, Any] = {
-        "status": answer.status,
-        "message": answer.message,
-        "q": answer.positions.tolist(),
-        "position_error_m": answer.position_error,
-        "angle_error_rad": answer.angle_error,
-    }
-    if branches is not None:
-        result["branches"] = [
-            {"q": branch.positions.tolist(), "inside_limits": branch.inside, "singular": branch.singular}
-            for branch in branches
-        ]
-    return result
 
 
 def dh_figures(arm: SerialArm, tables: dict[str, DhGeometry]) -> dict[str, Any]:
@@ -139,7 +106,7 @@ def dh_figures(arm: SerialArm, tables: dict[str, DhGeometry]) -> dict[str, Any]:
 
 def print_dh(arm: SerialArm, tables: dict[str, DhGeometry]) -> None:
     """Both tables in words; angles in degrees."""
-    console = Console(highlight=False)
+    console = wide_console()
     for kind, geometry in tables.items():
         a, alpha = _columns(kind, geometry)
         sub = "i" if kind == "standard" else "i-1"
@@ -154,12 +121,12 @@ def print_dh(arm: SerialArm, tables: dict[str, DhGeometry]) -> None:
         console.print(table)
         for what, transform in (("frame 0 in the base", geometry.base), ("tip in the last frame", geometry.tool)):
             rpy = np.degrees(orientation_of(transform[:3, :3]).roll_pitch_yaw)
-            console.print(f"{what}: xyz {_row(transform[:3, 3])} m, roll pitch yaw {_row(rpy)} deg")
+            console.print(f"{what}: xyz {row_text(transform[:3, 3])} m, roll pitch yaw {row_text(rpy)} deg")
 
 
 def print_figures(figures: dict[str, Any]) -> None:
     """The figures of a posture in words."""
-    console = Console(highlight=False)
+    console = wide_console()
     joints = Table(title=f"{figures['arm']}: joints")
     heads = ("joint", "q", "qd", "qdd", "gravity", "Coriolis", "friction", "M qdd + C qd + g", "drive")
     for head in heads:
@@ -172,32 +139,28 @@ def print_figures(figures: dict[str, Any]) -> None:
     kinds = set(figures["joint_kinds"])
     units = {"revolute": "rad, N m", "prismatic": "m, N"}
     console.print("units: " + "; ".join(f"{kind} {units[kind]}" for kind in sorted(kinds, reverse=True)))
-    gravity, payload = _row(figures["gravity_m_s2"]), figures["payload_kg"]
+    gravity, payload = row_text(figures["gravity_m_s2"]), figures["payload_kg"]
     console.print(f"gravity {gravity} m/s2 in the base, payload {payload:g} kg\n")
-    console.print(f"tip position      {_row(figures['tip_position_m'])} m")
-    console.print(f"    quaternion    {_row(figures['tip_quaternion_xyzw'])} (x y z w)")
-    console.print(f"    roll pitch yaw {_row(figures['tip_roll_pitch_yaw_rad'])} rad")
+    console.print(f"tip position      {row_text(figures['tip_position_m'])} m")
+    console.print(f"    quaternion    {row_text(figures['tip_quaternion_xyzw'])} (x y z w)")
+    console.print(f"    roll pitch yaw {row_text(figures['tip_roll_pitch_yaw_rad'])} rad")
     for text in figures["orientation_singularities"]:
         console.print(f"    not unique here: {text}")
     console.print(_matrix("Jacobian", figures["jacobian"], figures["joints"], ("vx", "vy", "vz", "wx", "wy", "wz")))
     console.print(_matrix("mass matrix", figures["mass_matrix_kg_m2"], figures["joints"], figures["joints"]))
     smallest = figures["smallest_singular_value"]
-    console.print(f"manipulability {figures['manipulability']:.4g}, smallest singular value {smallest:.4g}")
+    moving, turning = figures["manipulability_translation"], figures["manipulability_rotation"]
+    console.print(
+        f"manipulability {figures['manipulability']:.4g} (of translation {moving:.4g}, of rotation {turning:.4g}), "
+        f"smallest singular value {smallest:.4g}"
+    )
     if figures["largest_payload_kg"] is not None:
         console.print(f"largest further payload held here: {figures['largest_payload_kg']:.4g} kg")
     for key, words in (("beyond_limits", "beyond its range"), ("overloaded", "asked for more than it can give")):
         for text in figures[key]:
             console.print(f"{words}: {text}", style="yellow")
-    if "inverse_kinematics" in figures:
-        _print_inverse(console, figures["inverse_kinematics"])
-
-
-def _print_inverse(console: Console, found: dict[str, Any]) -> None:
-    console.print(f"\ninverse kinematics: {found['status']} {found['message']}\n    q {_row(found['q'])}")
-    for branch in found.get("branches", ()):
-        marks = [] if branch["inside_limits"] else ["beyond the joint limits"]
-        marks += ["singular"] if branch["singular"] else []
-        console.print(f"    branch {_row(branch['q'])} {', '.join(marks)}")
+    if figures["collision"]:
+        console.print(f"collides: {figures['collision']}", style="yellow")
 
 
 def _matrix(title: str, rows: list[list[float]], columns: list[str], names: Any) -> Table:
@@ -215,13 +178,13 @@ def _columns(kind: str, table: DhGeometry) -> tuple[FloatArray, FloatArray]:
     return (table.a[1:], table.alpha[1:]) if kind == "standard" else (table.a[:-1], table.alpha[:-1])
 
 
-def _row(values: Any) -> str:
+def row_text(values: Any) -> str:
     return " ".join(_number(value) for value in values)
 
 
 def _number(value: float) -> str:
-    """Four decimals, and no minus before a zero."""
-    return f"{round(float(value), 4) + 0.0:.4f}"
+    """Four decimals, or five digits of what is large; no minus before a zero."""
+    return f"{round(float(value), 4) + 0.0:.4f}" if abs(value) < 1e5 else f"{value:.5g}"
 
 
 def _is_finite(value: float | None) -> bool:

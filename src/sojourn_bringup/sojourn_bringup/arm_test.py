@@ -7,24 +7,40 @@ import argparse
 import json
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from sojourn_bringup import options
 from sojourn_bringup.arm_control import compare_laws, print_comparison
-from sojourn_bringup.arm_report import KEYS, dh_figures, figures_of, inverse_figures, print_dh, print_figures
+from sojourn_bringup.arm_inverse import PREFERENCES, Wish, inverse_figures, print_inverse
+from sojourn_bringup.arm_motion import line_figures, moves_figures, print_motions
+from sojourn_bringup.arm_report import KEYS, dh_figures, figures_of, print_dh, print_figures
 from sojourn_bringup.errors import UsageError
 from sojourn_config.arms import arm_names, load_arm
 from sojourn_mechanics.arm.control_loop import ControlTestError
 from sojourn_mechanics.arm.dh_extract import dh_of_chain
+from sojourn_mechanics.arm.orientation import (
+    from_euler_zyz,
+    from_quaternion,
+    from_roll_pitch_yaw,
+    from_rotation_vector,
+)
 from sojourn_mechanics.arm.posture import posture
+from sojourn_mechanics.arm.redundancy import Sphere
 from sojourn_mechanics.arm.serial_arm import SerialArm, with_payload
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 
 EARTH = 9.81
+_TURNS = {
+    "rpy": (3, from_roll_pitch_yaw),
+    "quaternion": (4, from_quaternion),
+    "rotation_vector": (3, from_rotation_vector),
+    "euler": (3, from_euler_zyz),
+}
+"""Options that turn the tip: how many numbers, and what makes a matrix of them."""
 _NUMBER = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|-(inf|nan|infinity)", re.IGNORECASE)
 
 
@@ -53,8 +69,25 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("--payload", metavar="KG", help="mass held at the tip [kg]")
     result.add_argument("--payload-at", nargs="+", metavar="M", help="its centre of mass in the tip frame, x y z [m]")
     result.add_argument("--to", nargs="+", metavar="M", help="also solve for joint positions: tip at x y z [m] ...")
-    result.add_argument("--rpy", nargs="+", metavar="A", help="... turned by roll, pitch, yaw ...")
+    result.add_argument("--rpy", nargs="+", metavar="A", help="... turned by roll, pitch, yaw about fixed x, y, z ...")
+    result.add_argument("--quaternion", nargs="+", metavar="X", help="... or by a unit quaternion x y z w ...")
+    result.add_argument("--rotation-vector", nargs="+", metavar="A", help="... or about an axis by its length ...")
+    result.add_argument("--euler", nargs="+", metavar="A", help="... or about moving z, y, z ...")
     result.add_argument("--pointing", nargs="+", metavar="X", help="... or with the tool axis along x y z")
+    result.add_argument(
+        "--prefer",
+        choices=PREFERENCES,
+        help="with --to, what joints to spare are for: the posture that is best by this",
+    )
+    result.add_argument(
+        "--obstacle",
+        nargs="+",
+        action="append",
+        metavar="M",
+        help="with --prefer clear: a sphere x y z radius in the base [m]; again for more",
+    )
+    result.add_argument("--base-link", metavar="LINK", help="of a URDF: where the arm begins (default: outermost link)")
+    result.add_argument("--tip-link", metavar="LINK", help="of a URDF: its tip (default: end of the longest line)")
     result.add_argument("--dh", action="store_true", help="print the Denavit-Hartenberg tables instead")
     result.add_argument(
         "--workspace",
@@ -67,6 +100,9 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--control", action="store_true", help="compare control laws on one motion instead, in a simulated loop"
     )
+    result.add_argument("--move-to", nargs="+", metavar="Q", help="compare motions from --q to these positions instead")
+    result.add_argument("--line-to", nargs="+", metavar="M", help="move the tip from --q straight to x y z [m] instead")
+    result.add_argument("--power", metavar="W", help="with these two: also time-optimal under this power [W]")
     result.add_argument(
         "--mass-error",
         default="0.2",
@@ -80,7 +116,7 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the figures of a posture, the tables of an arm, or draw its workspace."""
     given = parser().parse_args(_protected(sys.argv[1:] if arguments is None else arguments))
-    arm = load_arm(given.arm)
+    arm = load_arm(given.arm, given.base_link, given.tip_link)
     gravity = _gravity(given.gravity)
     if given.payload is not None or given.payload_at is not None:
         arm = _loaded(arm, given)
@@ -95,6 +131,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _draw(arm, gravity, given)
     if given.control:
         return _compare(arm, gravity, given)
+    if given.move_to is not None or given.line_to is not None:
+        return _move(arm, gravity, given)
+    if given.power is not None:
+        raise UsageError("arm_test: --power goes with --move-to or --line-to")
     q, qd, qdd = (_joints(arm, given, name) for name in ("q", "qd", "qdd"))
     try:
         figures = figures_of(arm, q, qd, qdd, gravity, posture(arm, q, qd, qdd, gravity))
@@ -103,17 +143,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     figures["payload_kg"] = 0.0 if given.payload is None else _numbers(given.payload, "--payload", 1)[0]
     if given.to is not None:
         figures["inverse_kinematics"] = _inverse(arm, given, q if given.q is not None else None)
-    elif given.rpy is not None or given.pointing is not None:
-        raise UsageError("arm_test: --rpy and --pointing go with --to")
+    elif alone := [name for name in ("pointing", "prefer", "obstacle", *_TURNS) if getattr(given, name) is not None]:
+        raise UsageError(f"arm_test: {_option(alone[0])} goes with --to")
     if given.json:
         print(json.dumps(figures, indent=2))
     else:
         print_figures(figures)
+        if given.to is not None:
+            print_inverse(figures["inverse_kinematics"])
     return 0
 
 
 def _draw(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> int:
-    from sojourn_bringup.arm_picture import draw_workspace
+    from sojourn_bringup.arm_picture import draw_workspace, usual_payload
     from sojourn_mechanics.arm.workspace import workspace_map
 
     path: Path = given.workspace
@@ -130,14 +172,22 @@ def _draw(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> int
             "picture": str(path),
             "reach_from_axis_m": found.reach_from_axis,
             "volume_m3": found.volume,
-            "largest_manipulability": float(np.nanmax(found.manipulability)),
-            "largest_force_any_direction_n": float(np.nanmax(found.force)),
-            "largest_payload_kg": None if found.payload is None else float(np.nanmax(found.payload)),
+            "largest_manipulability": _largest(found.manipulability),
+            "largest_force_any_direction_n": _largest(found.force),
+            "largest_payload_kg": None if found.payload is None else _largest(found.payload),
+            "payload_in_95_percent_kg": None if found.payload is None else usual_payload(found.payload),
+            "force_without_weight": found.weightless,
         }
         print(json.dumps(summary, indent=2))
     else:
         print(f"workspace of {arm.name}: {path}")
     return 0
+
+
+def _largest(values: FloatArray) -> float | None:
+    """Largest of a map; None where there is no bound, or nothing."""
+    finite = values[~np.isnan(values)]
+    return float(finite.max()) if finite.size and np.isfinite(finite.max()) else None
 
 
 def _compare(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> int:
@@ -155,19 +205,57 @@ def _compare(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> 
     return 0
 
 
+def _move(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> int:
+    if given.move_to is not None and given.line_to is not None:
+        raise UsageError("arm_test: --move-to and --line-to: allowed is one of the two")
+    power = None if given.power is None else _numbers(given.power, "--power", 1)[0]
+    if power is not None and power <= 0.0:
+        raise UsageError(f"arm_test: --power {power:g}: allowed is a number above 0 W")
+    start = _joints(arm, given, "q")
+    if given.move_to is not None:
+        figures = moves_figures(arm, start, _joints(arm, given, "move_to"), gravity, power)
+    else:
+        figures = line_figures(arm, start, np.array(_numbers(given.line_to, "--line-to", 3)), gravity, power)
+    if given.json:
+        print(json.dumps(figures, indent=2))
+    else:
+        print_motions(figures)
+    return 0
+
+
 def _inverse(arm: SerialArm, given: argparse.Namespace, start: FloatArray | None) -> dict[str, object]:
-    if given.rpy is not None and given.pointing is not None:
-        raise UsageError("arm_test: --rpy and --pointing: allowed is one of the two")
-    position = np.array(_numbers(given.to, "--to", 3))
-    rpy = None if given.rpy is None else np.array(_numbers(given.rpy, "--rpy", 3))
-    if rpy is not None and given.degrees:
-        rpy = np.radians(rpy)
-    direction = None if given.pointing is None else np.array(_numbers(given.pointing, "--pointing", 3))
-    if direction is not None:
+    turns = [name for name in ("pointing", *_TURNS) if getattr(given, name) is not None]
+    if len(turns) > 1:
+        raise UsageError(f"arm_test: {' and '.join(_option(name) for name in turns)}: allowed is one of them")
+    direction = rotation = None
+    if turns == ["pointing"]:
+        direction = np.array(_numbers(given.pointing, "--pointing", 3))
         if not np.any(direction):
             raise UsageError("arm_test: --pointing 0 0 0: allowed is a direction")
         direction /= np.linalg.norm(direction)
-    return inverse_figures(arm, position, rpy, direction, start)
+    elif turns:
+        count, to_matrix = _TURNS[turns[0]]
+        values = np.array(_numbers(getattr(given, turns[0]), _option(turns[0]), count))
+        try:
+            rotation = to_matrix(np.radians(values) if given.degrees and count == 3 else values)
+        except InvalidValueError as error:
+            raise UsageError(f"arm_test: {_option(turns[0])}: {error}") from error
+    wish = Wish(np.array(_numbers(given.to, "--to", 3)), rotation, direction, given.prefer, tuple(_obstacles(given)))
+    return inverse_figures(arm, wish, start)
+
+
+def _obstacles(given: argparse.Namespace) -> Iterator[Sphere]:
+    if (given.prefer == "clear") != (given.obstacle is not None):
+        raise UsageError("arm_test: --prefer clear and --obstacle: allowed are both or neither")
+    for texts in given.obstacle or ():
+        *centre, radius = _numbers(texts, "--obstacle", 4)
+        if radius < 0.0:
+            raise UsageError(f"arm_test: --obstacle: radius {radius:g}: allowed is at least 0 m")
+        yield Sphere(np.array(centre), radius)
+
+
+def _option(name: str) -> str:
+    return "--" + name.replace("_", "-")
 
 
 def _loaded(arm: SerialArm, given: argparse.Namespace) -> SerialArm:
@@ -194,14 +282,14 @@ def _gravity(texts: list[str] | None) -> FloatArray:
 
 
 def _joints(arm: SerialArm, given: argparse.Namespace, name: str) -> FloatArray:
-    """Values of --q, --qd or --qdd (n,) [rad or m, per s, per s2]."""
+    """Values of --q, --qd, --qdd or --move-to (n,) [rad or m, per s, per s2]."""
     texts = getattr(given, name)
     if texts is None:
         return np.zeros(arm.joint_count)
-    values = np.array(_numbers(texts, f"--{name}", None))
+    values = np.array(_numbers(texts, _option(name), None))
     if len(values) != arm.joint_count:
         raise UsageError(
-            f"arm_test: --{name} has {len(values)} values: {arm.name} has {arm.joint_count} joints "
+            f"arm_test: {_option(name)} has {len(values)} values: {arm.name} has {arm.joint_count} joints "
             f"({', '.join(arm.joint_names)})"
         )
     return np.where(arm.revolute, np.radians(values), values) if given.degrees else values

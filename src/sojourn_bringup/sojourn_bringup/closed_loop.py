@@ -1,10 +1,12 @@
 """Plant, sensors and drive of a scenario in one loop, without ROS: for measurements that need many runs.
 
 The conversions are those of the nodes, so that the drive gets what it would get over the topics, to the last bit, but
-for the power manager: all loads stay on. The arm holds its pose.
+for the power manager: all loads stay on. The drive goes the way that it is given: the camera serves its odometry, not
+the handling of obstacles. The arm holds its pose.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -16,9 +18,12 @@ from sojourn_contract import stamps
 from sojourn_contract.barrier import is_due
 from sojourn_contract.messages import fill_joint_state, joint_state, quaternion, set_quaternion, set_xyz
 from sojourn_contract.topics import topic
+from sojourn_drive.clouds import eye_of
 from sojourn_drive.measurements import WheelMeasurements
 from sojourn_drive.sun import SunSightings
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.plant.faults import MotorFaults
 from sojourn_mechanics.plant.state import PlantOutput
 from sojourn_mechanics.plant.step import step as step_plant
 from sojourn_mechanics.sensors import suite
@@ -30,6 +35,7 @@ from sojourn_plant.commands import CommandBuffer
 from sojourn_plant.start import build_plant
 from sojourn_sensors.motion import ImuMotion
 from sojourn_sensors.sun import SunReadings
+from sojourn_sensors.view import HazardView
 
 STORE = "battery"
 
@@ -44,7 +50,8 @@ class ClosedLoop:
     def __init__(self, scenario: LoadedScenario) -> None:
         self.scenario = scenario
         self.plant, self.truth = build_plant(scenario)
-        self.drive = DriveModel(scenario.drive, scenario.steering, loads=scenario.wheel_loads())
+        on_its_way = scenario.drive.model_copy(update={"obstacles": None})
+        self.drive = DriveModel(on_its_way, scenario.steering, eye_of(scenario), loads=scenario.wheel_loads())
         self.drive.warm_up()
         start = scenario.config.start
         self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
@@ -53,8 +60,10 @@ class ClosedLoop:
         """What the plant tells of the last period."""
         self.period = 0
         self._wheels = WheelMeasurements(scenario.rover, scenario.urdf_xml)
+        self._view, self._eye = HazardView(scenario), self.drive.eye
         self._sightings, self._sun = SunSightings(scenario), SunReadings(scenario)
         self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
+        self._faults = MotorFaults(self.plant, scenario.config.faults)
         self._commands = CommandBuffer(self.plant)
         self._commands.hold(self.truth.motor_angles)
         self._odometry, self._imu = Odometry(), Imu()
@@ -62,8 +71,8 @@ class ClosedLoop:
         self._sensors = suite.initial_state(
             scenario.sensors,
             scenario.config.seed,
-            self.plant.joints.names,
-            self.truth.joints[0],
+            (*self.plant.joints.names, *(() if self.plant.tool is None else (TOOL_JOINT,))),
+            self._with_tool(self.truth.joints[0], 0),
             (STORE,),
             self._motion.orientation_imu_in_map(quaternion(self._odometry.pose.pose.orientation)),
             scenario.gravity,
@@ -82,7 +91,8 @@ class ClosedLoop:
         measured = self._measure(stamp, goal, None if twist is None else TwistCommand(twist, 0.0))
         self.drive_state, self.output = self.drive.step(self.drive_state, change(measured), stamps.CONTROL_PERIOD_S)
         self._commands.take({"/wheel_command": self._wheels.command(stamp, self.output)})
-        self.truth, self.told = step_plant(self.plant, self.truth, self._commands.at(stamp))
+        command = self._faults.on(self._commands.at(stamp), self.truth.joints[0], stamps.seconds(stamp))
+        self.truth, self.told = step_plant(self.plant, self.truth, command)
         return self.output
 
     @property
@@ -112,8 +122,8 @@ class ClosedLoop:
         motion = self._motion.update(self._odometry, stamps.CONTROL_PERIOD_S)
         efforts = self.plant.efforts if self.told is None else self.told.efforts
         truth = suite.SensorTruth(
-            joint_position=self.truth.joints[0],
-            joint_effort=efforts,
+            joint_position=self._with_tool(self.truth.joints[0], 0),
+            joint_effort=self._with_tool(efforts, 1),
             angular_velocity_imu_in_imu=motion.angular_velocity,
             specific_force_imu_in_imu=motion.specific_force,
             bus_voltage=np.array([28.0]),
@@ -128,9 +138,19 @@ class ClosedLoop:
         sun = None
         if is_due(topic("/sun_direction"), self.period):
             sun = self._sightings.sighting(stamp, self._sun.message(stamp, self._odometry))
-        return self._wheels.drive_input(joints, self._imu, twist, goal, 1.0, sun)
+        measured = self._wheels.drive_input(joints, self._imu, twist, goal, 1.0, sun)
+        if self._eye is not None and is_due(topic("/hazcam/points"), self.period):
+            cloud = self._view.look(self._odometry).astype(np.float64)
+            measured = replace(measured, cloud=cloud)
+        return measured
+
+    def _with_tool(self, of_joints: FloatArray, place: int) -> FloatArray:
+        """What the sensors measure of the joints and, at the end, of the tool: position (0) or effort (1)."""
+        tool = self.truth.tool
+        return of_joints if tool is None else np.append(of_joints, (tool.position, tool.effort)[place])
 
     def _tell_odometry(self) -> None:
+        set_xyz(self._odometry.pose.pose.position, self.truth.configuration[:3])
         set_quaternion(self._odometry.pose.pose.orientation, self.truth.configuration[3:7])
         set_xyz(self._odometry.twist.twist.linear, self.truth.velocity[:3])
         set_xyz(self._odometry.twist.twist.angular, self.truth.velocity[3:6])

@@ -16,15 +16,6 @@ from sojourn_contract.manual import SECTIONS
 from sojourn_contract.page import field_note
 from sojourn_contract.topics import TOPICS
 
-PIPE_WIDTH = 160
-"""Columns where the output is no terminal, so that no line is broken for a width that nobody has."""
-
-
-def console() -> Console:
-    """Standard output: as wide as the terminal, and plain and wide in a pipe."""
-    found = Console(highlight=False)
-    return found if found.is_terminal else Console(highlight=False, width=PIPE_WIDTH)
-
 
 def show_contract(screen: Console, machine: Machine) -> None:
     """Topics with their fields, rules, and the rover's joints."""

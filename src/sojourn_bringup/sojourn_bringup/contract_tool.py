@@ -14,11 +14,12 @@ from sojourn_bringup import options
 from sojourn_bringup.candidate_bench import add_bench, bench, candidate_of, replay_settings
 from sojourn_bringup.compare import read_runs
 from sojourn_bringup.contract_live import LiveSource
-from sojourn_bringup.contract_screen import console, show_contract, show_report
+from sojourn_bringup.contract_screen import show_contract, show_report
 from sojourn_bringup.cut_off import unless_cut_off
 from sojourn_bringup.errors import UsageError
 from sojourn_bringup.process_table import check_roles
 from sojourn_bringup.references import default_reference
+from sojourn_bringup.screen import wide_console
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.judge import Judge
@@ -80,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     report, facts, bags = judge(given)
     if not report.messages:
         raise UsageError(f"{facts['source']}: there was no message to judge")
-    show_report(console(), report, facts["notes"], facts["source"])
+    show_report(wide_console(), report, facts["notes"], facts["source"])
     if given.json is not None:
         _write_json(given.json, facts | report.as_data())
     return unless_cut_off(1 if report.violations else 0, bags)
@@ -103,7 +104,7 @@ def show_as(form: str, machine: Machine) -> None:
     elif form == "json":
         print(json.dumps(contract_data() | {"rover": machine.as_data()}, indent=2, ensure_ascii=False))
     else:
-        show_contract(console(), machine)
+        show_contract(wide_console(), machine)
 
 
 def _check_bag(given: argparse.Namespace) -> Checked:

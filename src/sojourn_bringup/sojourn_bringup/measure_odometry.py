@@ -37,7 +37,7 @@ CHI_SQUARE_95 = 5.991
 
 class Result(NamedTuple):
     """One seed: distance gone [m], true error at the end in x and y [m], error over its deviations squared, error and
-    deviation of the heading [rad], how the goal ended.
+    deviation of the heading [rad], true distance from the last point of the route [m], how the goal ended.
     """
 
     seed: int
@@ -46,6 +46,7 @@ class Result(NamedTuple):
     squared: float
     heading_error: float
     heading_sigma: float
+    missed: float
     outcome: str
 
 
@@ -97,6 +98,7 @@ def drive(name: str, overrides: Sequence[str], seed: int) -> Result:
         float(off @ np.linalg.solve(estimate.covariance[:2, :2], off)),
         math.remainder(estimate.yaw - truth[2], 2.0 * math.pi),
         math.sqrt(estimate.covariance[2, 2]),
+        math.dist(truth[:2], goal.points[-1]),
         output.outcomes[0].kind if output.outcomes else "not done",
     )
 
@@ -117,8 +119,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             results.append(result)
             print(
                 f"seed {result.seed:3d}: {result.outcome}, {result.distance:5.2f} m, error {result.error:.3f} m "
-                f"({100.0 * result.error / result.distance:.1f} %), {math.sqrt(result.squared):.2f} sigma, heading "
-                f"{1e3 * result.heading_error:+.2f} mrad ({abs(result.heading_error) / result.heading_sigma:.2f})",
+                f"({100.0 * result.error / result.distance:.2f} %), {math.sqrt(result.squared):.2f} sigma, heading "
+                f"{1e3 * result.heading_error:+.2f} mrad ({abs(result.heading_error) / result.heading_sigma:.2f}), "
+                f"{result.missed:.2f} m from the goal",
                 flush=True,
             )
     parts = np.array([result.error / result.distance for result in results])

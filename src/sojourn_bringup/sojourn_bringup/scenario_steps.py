@@ -62,6 +62,16 @@ def needed_roles(scenario: LoadedScenario) -> tuple[str, ...]:
     return tuple(role for role in ("drive", "arm") if role in roles)
 
 
+def absent_roles(scenario: LoadedScenario) -> dict[str, str]:
+    """Roles that this machine has no use for, and why."""
+    reasons = {}
+    if scenario.arm is None:
+        reasons["arm"] = "has no arm"
+    if scenario.driving is None:
+        reasons["drive"] = "stands fast, it has no wheels"
+    return reasons
+
+
 def _action(step: StepAction, joints: Sequence[str]) -> Action:
     match step:
         case DriveGoalStep():

@@ -16,8 +16,16 @@ from sojourn_contract.heartbeat import READY, RUNNING, STALLED
 from sojourn_contract.stamps import seconds
 
 _COLOURS = {READY: "green", RUNNING: "green", STALLED: "red", SILENT: "red", DEAD: "red", RESTARTING: "yellow"}
+PIPE_WIDTH = 160
+"""Columns where the output is no terminal, so that no line is broken for a width that nobody has."""
 _REDRAW_S = 0.25
 _LINE_EVERY_S = 10.0
+
+
+def wide_console() -> Console:
+    """Standard output: as wide as the terminal, and plain and wide in a pipe."""
+    found = Console(highlight=False)
+    return found if found.is_terminal else Console(highlight=False, width=PIPE_WIDTH)
 
 
 class Screen:

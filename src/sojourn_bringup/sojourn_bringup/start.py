@@ -11,7 +11,7 @@ from sojourn_bringup.outcome import Outcome
 from sojourn_bringup.plan import DEFAULT_LOCKSTEP_TIMEOUT_S, RunPlan, check_lockstep, replacement_of
 from sojourn_bringup.process_table import PROCESSES, ROLE_NAMES, check_roles, process
 from sojourn_bringup.run_folder import make_run_folder
-from sojourn_bringup.scenario_steps import needed_roles, prepare_scenario
+from sojourn_bringup.scenario_steps import absent_roles, needed_roles, prepare_scenario
 from sojourn_bringup.screen import Screen, default_screen
 from sojourn_bringup.shared_memory import remove_tracing_files
 from sojourn_config.scenario import LoadedScenario
@@ -97,8 +97,10 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     scenario = prepare_scenario(given.scenario, overrides)
     participants = _participants(given, scenario.loaded, screen)
     started = tuple(role for role in participants if not given.only or role in given.only)
-    if scenario.loaded.arm is None and "arm" in {*given.only, *replacements, *shadows}:
-        raise UsageError(f"the rover {scenario.loaded.config.rover} has no arm: there is no role arm in its runs")
+    machine = scenario.loaded.config.rover
+    for role, reason in absent_roles(scenario.loaded).items():
+        if role in {*given.only, *replacements, *shadows}:
+            raise UsageError(f"the rover {machine} {reason}: there is no role {role} in its runs")
     for role in given.only:
         if role in given.without:
             raise UsageError(f"--only and --without both name {role}")
@@ -150,9 +152,7 @@ def _commands(texts: Sequence[str], option: str) -> dict[str, str]:
 
 def _participants(given: argparse.Namespace, scenario: LoadedScenario, screen: Screen) -> tuple[str, ...]:
     """Roles that take part: all but those left out, and no scripted operator where it could not do its steps."""
-    without = set(given.without)
-    if scenario.arm is None:
-        without.add("arm")
+    without = {*given.without, *absent_roles(scenario)}
     if "operator" not in without:
         needed = needed_roles(scenario)
         lacking = [role for role in needed if role in without]

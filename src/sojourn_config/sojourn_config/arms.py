@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sojourn_config.arm_config import ArmConfig
 from sojourn_config.errors import MISSING, names_text, single
 from sojourn_config.load import load_params, validate
 from sojourn_config.machine_checks import with_drive_data
@@ -28,12 +29,13 @@ def arm_names() -> tuple[str, ...]:
     return tuple(sorted(alone | set(available("arms"))))
 
 
-def load_arm(name: str) -> SerialArm:
+def load_arm(name: str, base_link: str | None = None, tip_link: str | None = None) -> SerialArm:
     """An arm.
 
     Args:
         name: one of `arm_names()`; a rover, for its arm; or the path of a URDF, or of a Denavit-Hartenberg table in
             YAML.
+        base_link, tip_link: of a URDF: where the arm begins and ends, in place of what the file suggests.
 
     Raises:
         ConfigError: no such arm or file, or its content is wrong; the message lists the names.
@@ -42,20 +44,20 @@ def load_arm(name: str) -> SerialArm:
     if path.suffix in (SUFFIX, ".yml", ".urdf", ".xml") or "/" in name:
         if not path.is_file():
             raise single("command line", "arm", name, "there is no such file; without a path, " + _known(path.stem))
-        return arm_of_file(path)
+        return arm_of_file(path, base_link, tip_link)
     if name in available("rovers"):
         carried = load_params("rovers", name, RoverConfig).arm
         if carried is None:
             raise single("command line", "arm", name, f"the rover {name} has no arm: " + _known(name))
         name = carried
     if name in available("arms"):
-        return _arm_on_rover(name)
+        return _arm_on_rover(name, base_link, tip_link)
     if name not in arm_names():
         raise single("command line", "arm", name, _known(name) + " (or the path of a URDF or a table in YAML)")
-    return arm_of_file(urdf_folder() / f"{name}.urdf")
+    return arm_of_file(urdf_folder() / f"{name}.urdf", base_link, tip_link)
 
 
-def arm_of_file(path: Path) -> SerialArm:
+def arm_of_file(path: Path, base_link: str | None = None, tip_link: str | None = None) -> SerialArm:
     """The arm in a URDF or a Denavit-Hartenberg table.
 
     Raises:
@@ -69,7 +71,7 @@ def arm_of_file(path: Path) -> SerialArm:
         except (OSError, UnicodeDecodeError) as error:
             raise single(display(path), "", MISSING, f"cannot be read: {error}") from error
     try:
-        return build_serial_arm(text)
+        return build_serial_arm(text, base_link, tip_link)
     except MechanicsError as error:
         raise single(display(path), "", MISSING, str(error)) from error
 
@@ -96,16 +98,25 @@ def generated_urdf(path: Path) -> str:
     return urdf_from_dh(read_dh(path), "\n".join([made, "", *(f" {line}".rstrip() for line in head)]))
 
 
-def _arm_on_rover(name: str) -> SerialArm:
-    params = load_params("arms", name, ArmParams)
+def _arm_on_rover(name: str, base_link: str | None, tip_link: str | None) -> SerialArm:
+    config_of_arm = load_params("arms", name, ArmConfig)
+    if config_of_arm.urdf is not None:
+        asked = (f"config/arms/{name}{SUFFIX}", "urdf")
+        urdf = resolve_urdf(config_of_arm.urdf, asked, config_folder() / "arms")
+        return arm_of_file(urdf, base_link, tip_link)
+    if base_link is not None or tip_link is not None:
+        why = f"its base and tip are in config/arms/{name}{SUFFIX}; give the path of its URDF for others"
+        raise single("command line", "arm", name, why)
+    params: ArmParams = config_of_arm
     for rover in available("rovers"):
         config = load_params("rovers", rover, RoverConfig)
-        if config.arm != name:
+        if config.arm != name or config.arm_mount is not None:
             continue
         params = with_drive_data(params, config)
         asked = (f"config/rovers/{rover}{SUFFIX}", "urdf")
         text = resolve_urdf(config.urdf, asked, config_folder() / "rovers").read_text(encoding="utf-8")
-        arm = build_serial_arm(text, params.base_link, params.tip_link, params.tool_axis)
+        ignored = {frozenset(pair) for pair in params.ignored_link_pairs}
+        arm = build_serial_arm(text, params.base_link, params.tip_link, params.tool_axis, ignored)
         zero = np.zeros(arm.joint_count)
         coulomb = np.array(params.coulomb_friction) if params.coulomb_friction else zero
         viscous = np.array(params.viscous_friction) if params.viscous_friction else zero

@@ -1,22 +1,26 @@
 """Everything that a rover on a body needs, read from its files and checked together."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from sojourn_config.errors import ConfigError, Problem, single
+from sojourn_config.arm_config import ArmConfig
+from sojourn_config.carrying_checks import carrying_problems
+from sojourn_config.errors import MISSING, ConfigError, Problem, single
 from sojourn_config.load import validate
 from sojourn_config.machine_checks import ground_problems, machine_problems, steering_geometry, with_drive_data
+from sojourn_config.mounting import Machine, join, lent, mount_problems
 from sojourn_config.overrides import override_document
 from sojourn_config.paths import resolve, resolve_urdf
 from sojourn_config.rover import RoverConfig
+from sojourn_config.tool_config import ToolSet, pad_problem, tool_ground_problems, with_tool
 from sojourn_config.urdf import UrdfSummary, read_urdf
 from sojourn_config.yaml_file import YamlDocument, dotted, read_yaml
-from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.arm.tool_params import ToolParams
 from sojourn_mechanics.environment.body import BodyParams
 from sojourn_mechanics.power.battery import BatteryParams
 from sojourn_mechanics.power.loads import BusParams
@@ -29,21 +33,30 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Driving:
+    """What the drive node has of a machine with wheels: its set, and the wheels as it sees them."""
+
+    drive: DriveParams
+    steering: SteeringGeometryParams
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Bundle:
     """The parameter sets of a run.
 
     Args:
-        rover: wheels, pads, drives, couplings (also the plant's MachineParams).
-        urdf: the machine's URDF; `urdf.text` is the XML.
+        rover: wheels, pads, drives, couplings (also the plant's MachineParams), those of its arm among them.
+        urdf: the machine's URDF, with the arm that is mounted on it; `urdf.text` is the XML.
         body: planet or moon.
         soil, rock_soil: default soil of the ground, and soil of its rocks.
         extra_soils: soils of patches and of the soil raster.
         battery, bus: energy store and its loads.
         power_manager: what the power manager believes and its law.
-        sensors, drive: sets of the sensor and drive node.
+        sensors: set of the sensors' node.
         arm: set of the arm node, None for a rover without one; rotor inertia and friction that its file leaves out
             are filled in from the rover's drives.
-        steering: wheels as the drive node sees them, from URDF and rover.
+        tool: at the end of the arm, None where there is none.
+        driving: set of the drive node and wheels from URDF and rover; None for a machine that stands fast.
         files: text of every file that was read, by name; the scenario's is first.
     """
 
@@ -57,9 +70,9 @@ class Bundle:
     bus: BusParams
     power_manager: PowerManagerParams
     sensors: SensorSuiteParams
-    arm: ArmParams | None
-    drive: DriveParams
-    steering: SteeringGeometryParams
+    arm: ArmConfig | None
+    tool: ToolParams | None
+    driving: Driving | None
     files: dict[str, str]
 
     @property
@@ -72,11 +85,26 @@ class Bundle:
         """The soils of the ground by name."""
         return {soil.name: soil for soil in (*self.extra_soils, self.rock_soil, self.soil)}
 
-    def carried_arm(self) -> ArmParams:
+    def carried_arm(self) -> ArmConfig:
         """The set of the arm. Raises ConfigError for a rover without one."""
         if self.arm is None:
             raise single(next(iter(self.files)), "rover", self.urdf.file, "this rover has no arm")
         return self.arm
+
+    @property
+    def drive(self) -> DriveParams:
+        """The set of the drive node. Raises ConfigError for a machine that stands fast."""
+        return self._driving().drive
+
+    @property
+    def steering(self) -> SteeringGeometryParams:
+        """The wheels as the drive node sees them. Raises ConfigError for a machine that stands fast."""
+        return self._driving().steering
+
+    def _driving(self) -> Driving:
+        if self.driving is None:
+            raise single(self.urdf.file, "", MISSING, "this machine stands fast: it does not drive")
+        return self.driving
 
     @property
     def arm_joints(self) -> tuple[str, ...]:
@@ -114,17 +142,25 @@ class BundleReader:
         self._overrides = overrides
         self._soils: dict[str, YamlDocument] = {}
 
-    def read(self, rover: str, body: str, soil: str, rock_soil: str, extra_soils: Sequence[str] = ()) -> Bundle | None:
-        """All that a scenario names, or None with the reasons in `problems`."""
+    def read(
+        self,
+        rover: str,
+        body: str,
+        soil: str,
+        rock_soil: str,
+        extra_soils: Sequence[str] = (),
+        mounted: str | None = None,
+    ) -> Bundle | None:
+        """All that a scenario names, or None with the reasons in `problems`. `mounted`: a tool, not the rover's own."""
         here = (self._scenario, self._path)
         found_body = self._named("bodies", body, "body", BodyParams, here)
         found_soil = self._named("soils", soil, "soil", SoilParams, here)
         found_rock = self._named("soils", rock_soil, "rock_soil", SoilParams, here)
         found_extra = [self._named("soils", name, "terrain", SoilParams, here) for name in extra_soils]
-        machine = self._load("rovers", rover, "rover", RoverConfig, here)
-        if machine is None:
+        named = self._load("rovers", rover, "rover", RoverConfig, here)
+        if named is None:
             return None
-        config, document, path = machine
+        config, document, path = named
         there = (document, path)
         urdf = self._urdf(config.urdf, document, path)
         battery = self._load("power", config.battery, "battery", BatteryParams, there)
@@ -132,12 +168,14 @@ class BundleReader:
         law = self._load("power", config.power_manager, "power_manager", PowerLawParams, there)
         sensors = self._load("sensors", config.sensors, "sensors", SensorSuiteParams, there)
         arm = self._arm(rover, config.arm, there)
-        drive = self._load("nodes", config.drive, "drive", DriveParams, there)
+        tool = self._tool(config, mounted, here, there)
+        drive = self._driving(rover, config.drive, there)
         if urdf is None or battery is None or bus is None or law is None or sensors is None:
             return None
         if (
             (config.arm is not None and arm is None)
-            or drive is None
+            or (tool is None and (mounted or config.tool))
+            or (config.drive is not None and drive is None)
             or found_body is None
             or found_soil is None
             or found_rock is None
@@ -146,41 +184,120 @@ class BundleReader:
         extra = tuple(found for found in found_extra if found is not None)
         if len(extra) < len(found_extra):
             return None
-        documents = {"rover": document, "sensors": sensors[1], "drive": drive[1]}
-        if arm is not None:
-            documents["arm"] = arm[1]
+        documents = {"rover": document, "sensors": sensors[1]}
+        documents |= {role: found[1] for role, found in (("arm", arm), ("drive", drive)) if found is not None}
         grounds = {ground.name: ground for ground in (found_soil, found_rock, *extra)}
         for ground in grounds.values():
             self.problems += ground_problems(config, ground, self._soils[ground.name])
-        found = machine_problems(config, urdf, bus[0], sensors[0], arm and arm[0], drive[0], documents)
+            self.problems += tool_ground_problems(tool and tool[0], ground, self._soils[ground.name])
+        alone = Machine(config, urdf, bus[0], law[0], sensors[0], arm and arm[0])
+        machine = self._with_arm(alone, documents, arm[2] if arm else path)
+        if machine is None:
+            return None
+        found = machine_problems(
+            machine.rover, urdf, machine.urdf, machine.bus, machine.sensors, machine.arm, drive and drive[0], documents
+        )
+        misplaced = tool and pad_problem(machine.rover, *tool[:2])
+        found += [misplaced] if misplaced else []
+        found = found or list(
+            carrying_problems(
+                machine.rover, machine.urdf, machine.arm, found_body.surface_gravity, battery[0], documents
+            )
+        )
         if found:
             self.problems += found
             return None
         return Bundle(
-            rover=config,
-            urdf=urdf,
+            rover=machine.rover,
+            urdf=machine.urdf,
             body=found_body,
             soil=found_soil,
             rock_soil=found_rock,
             extra_soils=extra,
             battery=battery[0],
-            bus=bus[0],
-            power_manager=PowerManagerParams(battery=battery[0], loads=bus[0].loads, law=law[0]),
-            sensors=sensors[0],
-            arm=None if arm is None else with_drive_data(arm[0], config),
-            drive=drive[0],
-            steering=steering_geometry(config, urdf),
+            bus=machine.bus,
+            power_manager=PowerManagerParams(battery=battery[0], loads=machine.bus.loads, law=machine.law),
+            sensors=machine.sensors if tool is None else with_tool(machine.sensors, tool[0]),
+            arm=machine.arm and with_drive_data(machine.arm, machine.rover),
+            tool=tool and tool[0].tool,
+            driving=None if drive is None else Driving(drive[0], steering_geometry(machine.rover, machine.urdf)),
             files=self.files,
         )
 
+    def _with_arm(self, machine: Machine, documents: Mapping[str, YamlDocument], arm_path: Path) -> Machine | None:
+        """The machine joined with its arm; None with the reason in `problems`."""
+        arm, arm_urdf = machine.arm, None
+        if arm is not None and machine.rover.arm_mount is not None and (arm.urdf or arm.of_rover):
+            asked = (documents["arm"], arm_path)
+            lender = None if arm.of_rover is None else self._lender(arm.of_rover, asked)
+            if lender is not None:
+                machine = dataclasses.replace(machine, arm=lent(arm, lender))
+                arm_urdf = lender.urdf
+            if arm.urdf is not None:
+                arm_urdf = self._urdf(arm.urdf, *asked)
+            if arm_urdf is None:
+                return None
+        problems = list(mount_problems(machine, arm_urdf, documents))
+        if problems:
+            self.problems += problems
+            return None
+        try:
+            return join(machine, arm_urdf)
+        except ConfigError as error:
+            self.problems += error.problems
+            return None
+
+    def _lender(self, rover: str, asked: tuple[YamlDocument, Path]) -> Machine | None:
+        """A rover whose arm is put on another machine; None with the reason in `problems`."""
+        found = self._load("rovers", rover, "of_rover", RoverConfig, asked)
+        if found is None:
+            return None
+        config, document, path = found
+        there = (document, path)
+        urdf = self._urdf(config.urdf, document, path)
+        bus = self._load("power", config.loads, "of_rover.loads", BusParams, there)
+        law = self._load("power", config.power_manager, "of_rover.power_manager", PowerLawParams, there)
+        sensors = self._load("sensors", config.sensors, "of_rover.sensors", SensorSuiteParams, there)
+        if urdf is None or bus is None or law is None or sensors is None:
+            return None
+        return Machine(config, urdf, bus[0], law[0], sensors[0], None)
+
     def _arm(
         self, rover: str, name: str | None, asked: tuple[YamlDocument, Path]
-    ) -> tuple[ArmParams, YamlDocument, Path] | None:
+    ) -> tuple[ArmConfig, YamlDocument, Path] | None:
         """The set of the arm; None where the rover has none, or with the reason in `problems`."""
         if name is not None:
-            return self._load("arms", name, "arm", ArmParams, asked)
+            return self._load("arms", name, "arm", ArmConfig, asked)
         for text in self._overrides.get("arm", ()):
             self.problems.append(Problem(f"--set arm.{text}", "", "", f"the rover {rover} has no arm"))
+        return None
+
+    def _tool(
+        self,
+        config: RoverConfig,
+        mounted: str | None,
+        scenario: tuple[YamlDocument, Path],
+        rover: tuple[YamlDocument, Path],
+    ) -> tuple[ToolSet, YamlDocument, Path] | None:
+        """The set of the tool; None where the arm has none, or with the reason in `problems`."""
+        name, asked = (mounted, scenario) if mounted else (config.tool, rover)
+        if name is None:
+            for text in self._overrides.get("tool", ()):
+                self.problems.append(Problem(f"--set tool.{text}", "", "", "the arm has no tool"))
+            return None
+        if config.arm is None:
+            self.problems.append(asked[0].problem(("tool",), name, f"the machine {config.urdf} has no arm"))
+            return None
+        return self._load("tools", name, "tool", ToolSet, asked)
+
+    def _driving(
+        self, rover: str, name: str | None, asked: tuple[YamlDocument, Path]
+    ) -> tuple[DriveParams, YamlDocument, Path] | None:
+        """The set of the drive node; None where the machine stands fast, or with the reason in `problems`."""
+        if name is not None:
+            return self._load("nodes", name, "drive", DriveParams, asked)
+        for text in self._overrides.get("drive", ()):
+            self.problems.append(Problem(f"--set drive.{text}", "", "", f"the machine {rover} does not drive"))
         return None
 
     def _load(

@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from typing import TypeVar
 
+from sojourn_config.arm_config import ArmConfig
 from sojourn_config.errors import MISSING, Problem, names_text
-from sojourn_config.mechanism_checks import BASE_LINK, mechanism_problems
+from sojourn_config.mechanism_checks import BASE_LINK, mass_problems, mechanism_problems
 from sojourn_config.rover import RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
@@ -13,9 +15,11 @@ from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.contact.params import WheelParams
 from sojourn_mechanics.contact.roller_wheel import RollerWheelParams
 from sojourn_mechanics.power.loads import BusParams
-from sojourn_mechanics.sensors.params import SensorSuiteParams
+from sojourn_mechanics.sensors.params import JointGroupParams, SensorSuiteParams
 from sojourn_mechanics.soil.params import SoilParams
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams, WheelGeometry
+
+AnyArm = TypeVar("AnyArm", bound=ArmParams)
 
 SAME_LENGTH = 1e-6
 """Largest difference of two lengths that are meant to be one [m]."""
@@ -23,28 +27,41 @@ SAME_LENGTH = 1e-6
 
 def machine_problems(
     rover: RoverConfig,
+    own_urdf: UrdfSummary,
     urdf: UrdfSummary,
     bus: BusParams,
     sensors: SensorSuiteParams,
-    arm: ArmParams | None,
-    drive: DriveParams,
+    arm: ArmConfig | None,
+    drive: DriveParams | None,
     documents: Mapping[str, YamlDocument],
 ) -> list[Problem]:
     """All that does not fit together.
 
     Args:
-        arm: None for a rover without one.
+        rover, urdf, bus, sensors: joined with those of the arm. own_urdf: the machine's without it.
+        arm: None for a machine without one. drive: None for one without wheels.
         documents: the files by role (`rover`, `sensors`, `arm`, `drive`), for messages.
     """
+    own_drives = rover.drives[: len(rover.drives) - len(arm.drives)] if arm else rover.drives
+    own_groups = {
+        name: group for name, group in sensors.joint_groups.items() if not arm or name not in arm.joint_groups
+    }
     problems = [
-        *mechanism_problems(rover, urdf, documents["rover"]),
+        *mass_problems(rover, own_urdf, documents["rover"]),
+        *mechanism_problems(rover, urdf, documents["rover"], arm.inertias_as_published if arm else ()),
         *_wheel_problems(rover, urdf, documents["rover"]),
-        *_drive_problems(rover, urdf, bus, documents["rover"]),
+        *_drive_problems(own_drives, urdf, bus, documents["rover"]),
         *_reference_problems(rover, urdf, documents["rover"]),
         *_sensor_problems(sensors, urdf, documents["sensors"]),
-        *(() if arm is None else _arm_problems(arm, rover, urdf, documents["arm"])),
+        *_group_problems(own_groups, urdf, documents["sensors"]),
     ]
-    if not problems:
+    if arm is not None:
+        problems += _arm_problems(arm, rover, urdf, documents["arm"])
+        problems += _drive_problems(arm.drives, urdf, bus, documents["arm"])
+        prefix = rover.arm_mount.prefix if rover.arm_mount else ""
+        named_in_file = {name.removeprefix(prefix): group for name, group in arm.joint_groups.items()}
+        problems += _group_problems(named_in_file, urdf, documents["arm"])
+    if drive is not None and not problems:
         problems += _limit_problems(rover, urdf, drive, documents["drive"])
     return problems
 
@@ -99,7 +116,7 @@ def _finite(limit: float) -> float | None:
     return limit if math.isfinite(limit) else None
 
 
-def with_drive_data(arm: ArmParams, rover: RoverConfig) -> ArmParams:
+def with_drive_data(arm: AnyArm, rover: RoverConfig) -> AnyArm:
     """The arm with rotor inertia and friction of the rover's drives, where its own file leaves them out."""
     drives = {joint: drive for drive in rover.drives for joint in drive.joints}
     found = [drives[joint] for joint in arm.joint_names]
@@ -168,10 +185,12 @@ def _wheel_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocumen
                 yield document.problem((*path, "steer_joint"), wheel.steer_joint, allowed)
 
 
-def _drive_problems(rover: RoverConfig, urdf: UrdfSummary, bus: BusParams, document: YamlDocument) -> Iterator[Problem]:
+def _drive_problems(
+    drives: Sequence[DriveTrainParams], urdf: UrdfSummary, bus: BusParams, document: YamlDocument
+) -> Iterator[Problem]:
     loads = {load.name: load for load in bus.loads}
     commanded = [load.name for load in bus.loads if load.kind == "commanded"]
-    for index, drive in enumerate(rover.drives):
+    for index, drive in enumerate(drives):
         path: KeyPath = ("drives", index)
         if drive.load not in commanded:
             why = "is no commanded load" if drive.load in loads else "is no load of the bus"
@@ -183,7 +202,8 @@ def _drive_problems(rover: RoverConfig, urdf: UrdfSummary, bus: BusParams, docum
                 yield problem
             elif drive.servo.max_torque > urdf.joints[name].effort:
                 effort = urdf.joints[name].effort
-                allowed = f"allowed is at most {effort:g} N m, the effort of {name} in {urdf.file}"
+                unit = urdf.joints[name].effort_unit
+                allowed = f"allowed is at most {effort:g} {unit}, the effort of {name} in {urdf.file}"
                 yield document.problem((*path, "servo", "max_torque"), drive.servo.max_torque, allowed)
 
 
@@ -201,12 +221,17 @@ def _reference_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDoc
         yield document.problem(("urdf",), rover.urdf, f"has no link {BASE_LINK}")
 
 
-def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
-    for group, params in sensors.joint_groups.items():
+def _group_problems(
+    groups: Mapping[str, JointGroupParams], urdf: UrdfSummary, document: YamlDocument
+) -> Iterator[Problem]:
+    for group, params in groups.items():
         for number, name in enumerate(params.joints):
             problem = _joint_problem(document, ("joint_groups", group, "joints", number), name, urdf)
             if problem is not None:
                 yield problem
+
+
+def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
     if sensors.sun is not None and sensors.sun.link not in urdf.links:
         allowed = f"is no link of {urdf.file}: " + names_text(sensors.sun.link, urdf.links)
         yield document.problem(("sun", "link"), sensors.sun.link, allowed)
@@ -215,7 +240,7 @@ def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: Ya
         yield document.problem(("hazcam", "link"), sensors.hazcam.link, allowed)
 
 
-def _arm_problems(arm: ArmParams, rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+def _arm_problems(arm: ArmConfig, rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
     driven = {joint for drive in rover.drives for joint in drive.joints}
     for index, name in enumerate(arm.joint_names):
         problem = _joint_problem(document, ("joint_names", index), name, urdf)
@@ -226,16 +251,18 @@ def _arm_problems(arm: ArmParams, rover: RoverConfig, urdf: UrdfSummary, documen
             yield document.problem(("joint_names", index), name, "has no drive in the rover's drives")
         joint = urdf.joints[name]
         if arm.max_velocity[index] > joint.velocity:
-            allowed = f"allowed is at most {joint.velocity:g} rad/s, the velocity of {name} in {urdf.file}"
+            allowed = f"allowed is at most {joint.velocity:g} {joint.unit}/s, the velocity of {name} in {urdf.file}"
             yield document.problem(("max_velocity", index), arm.max_velocity[index], allowed)
         for pose, positions in arm.named_poses.items():
             if not joint.lower <= positions[index] <= joint.upper:
-                allowed = f"allowed is {joint.lower:g} to {joint.upper:g} rad, the limits of {name}"
+                allowed = f"allowed is {joint.lower:g} to {joint.upper:g} {joint.unit}, the limits of {name}"
                 yield document.problem(("named_poses", pose, index), positions[index], allowed)
-    for key, link in (("base_link", arm.base_link), ("tip_link", arm.tip_link)):
+    named: list[tuple[KeyPath, str]] = [(("base_link",), arm.base_link), (("tip_link",), arm.tip_link)]
+    named += [(("inertias_as_published", index), link) for index, link in enumerate(arm.inertias_as_published)]
+    for key, link in named:
         if link not in urdf.links:
             allowed = f"is not a link of {urdf.file}: " + names_text(link, urdf.links)
-            yield document.problem((key,), link, allowed)
+            yield document.problem(key, link, allowed)
 
 
 def _limit_problems(

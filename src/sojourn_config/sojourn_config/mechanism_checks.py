@@ -1,6 +1,6 @@
 """Checks of a rover's mechanism: masses and inertias of its URDF, axes of its wheels, couplings of its joints."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -22,22 +22,34 @@ TRIANGLE = 1e-6
 """Slack of the inequality of the principal moments of inertia, as a part of the largest: rounding of the file."""
 
 
-def mechanism_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
-    """All that is wrong. `document`: the rover's file, for messages."""
-    yield from _inertia_problems(urdf)
+def mechanism_problems(
+    rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument, as_published: Collection[str] = ()
+) -> Iterator[Problem]:
+    """All that is wrong.
+
+    Args:
+        document: the rover's file, for messages. as_published: links whose inertia is not judged.
+    """
+    yield from _inertia_problems(urdf, as_published)
     yield from _weightless_problems(urdf)
-    total = sum(inertial.mass for inertial in urdf.inertials.values())
-    if rover.mass is not None and abs(total - rover.mass) > SAME_MASS * rover.mass:
-        yield document.problem(("mass",), rover.mass, f"the masses of {urdf.file} sum up to {total:g} kg")
     yield from _axis_problems(rover, urdf)
     yield from _steering_problems(rover, urdf)
     yield from _suspension_problems(rover, urdf, document)
     yield from _coupling_problems(rover, urdf, document)
 
 
-def _inertia_problems(urdf: UrdfSummary) -> Iterator[Problem]:
+def mass_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+    """A machine, without an arm that is mounted on it, weighs what its file says."""
+    total = sum(inertial.mass for inertial in urdf.inertials.values())
+    if rover.mass is not None and abs(total - rover.mass) > SAME_MASS * rover.mass:
+        yield document.problem(("mass",), rover.mass, f"the masses of {urdf.file} sum up to {total:g} kg")
+
+
+def _inertia_problems(urdf: UrdfSummary, as_published: Collection[str]) -> Iterator[Problem]:
     """A body has a mass above zero, and moments of inertia that some distribution of mass can have."""
     for name, inertial in urdf.inertials.items():
+        if name in as_published:
+            continue
         key = f"link {name}"
         if inertial.mass <= 0.0:
             yield Problem(urdf.file, f"{key}, mass", f"{inertial.mass:g}", "allowed is more than 0 kg")

@@ -12,7 +12,7 @@ from sojourn_config.errors import MISSING, names_text, single
 
 ENVIRONMENT_VARIABLE = "SOJOURN_CONFIG_DIR"
 KINDS: tuple[str, ...] = (
-    "arms", "bodies", "nodes", "power", "rovers", "scenarios", "sensors", "soils", "vehicles", "wheels",
+    "arms", "bodies", "nodes", "power", "rovers", "scenarios", "sensors", "soils", "tools", "vehicles", "wheels",
 )  # fmt: skip
 """Folders of `config/`."""
 SUFFIX = ".yaml"

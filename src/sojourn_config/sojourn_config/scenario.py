@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field
 
-from sojourn_config.bundle import Bundle, BundleReader
+from sojourn_config.bundle import Bundle, BundleReader, Driving
 from sojourn_config.errors import ConfigError, single
 from sojourn_config.load import validate
 from sojourn_config.overrides import override_document, route_overrides
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 STOWED = "stow"
 """Pose of the arm while the rover drives."""
-HEADS = ("rover", "body", "soil", "rock_soil", "battery", "loads", "power_manager", "sensors", "arm", "drive")
+HEADS = ("rover", "body", "soil", "rock_soil", "battery", "loads", "power_manager", "sensors", "arm", "tool", "drive")
 """First word of an override that is for another file than the scenario's."""
 
 
@@ -53,6 +53,9 @@ class ScenarioConfig(Params):
     description: str = Field(min_length=1, description="what happens, in one sentence")
     seed: int = Field(ge=0, lt=2**63, description="seed of everything random [-]")
     rover: str = Field(min_length=1, description="name in config/rovers")
+    tool: str | None = Field(
+        default=None, min_length=1, description="name in config/tools, in place of the rover's own tool"
+    )
     body: str = Field(min_length=1, description="name in config/bodies")
     terrain: TerrainParams = Field(description="the ground")
     soil: str = Field(min_length=1, description="name in config/soils")
@@ -151,7 +154,8 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
     document = override_document(read_yaml(path), own)
     config = validate(document, ScenarioConfig)
     reader = BundleReader(document, path, routed)
-    bundle = reader.read(config.rover, config.body, config.soil, config.rock_soil, config.terrain.extra_soils)
+    soils = config.soil, config.rock_soil, config.terrain.extra_soils
+    bundle = reader.read(config.rover, config.body, *soils, config.tool)
     problems = [*reader.problems, *scenario_problems(config, bundle, document)]
     raster, digests = None, {}
     if config.terrain.file is not None:
@@ -165,8 +169,9 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
     if problems or bundle is None:
         raise ConfigError(problems)
     fields = bundle.fields()
-    if config.blind_drive:
-        fields["drive"] = bundle.drive.model_copy(update={"obstacles": None})
+    if config.blind_drive and bundle.driving is not None:
+        blind = bundle.drive.model_copy(update={"obstacles": None})
+        fields["driving"] = Driving(blind, bundle.steering)
     return LoadedScenario(
         **fields,
         name=Path(name).stem,

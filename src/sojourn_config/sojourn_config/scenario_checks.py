@@ -25,7 +25,9 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
     for index, step in enumerate(config.steps):
         path: KeyPath = ("steps", index, step.kind)
         action = step.action
-        if isinstance(action, DriveGoalStep):
+        if isinstance(action, DriveGoalStep | DriveRouteStep) and bundle is not None and bundle.driving is None:
+            yield document.problem(path, step.kind, f"the machine {config.rover} stands fast: it has no wheels")
+        elif isinstance(action, DriveGoalStep):
             places.append((path, action.x, action.y))
         elif isinstance(action, DriveRouteStep):
             places += [((*path, "points", i), point.x, point.y) for i, point in enumerate(action.points)]
@@ -34,6 +36,11 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
                 yield document.problem(path, step.kind, f"the rover {config.rover} has no arm")
             elif isinstance(action, ArmJointsStep):
                 yield from _arm_goal_problems(action, path, bundle.arm, bundle.urdf, document)
+    if bundle is not None and bundle.body.free_fall and bundle.rover.wheels:
+        allowed = (
+            f"is in free fall, where the wheels of {config.rover} do not press on the ground: allowed is a planet, "
+        )
+        yield document.problem(("body",), config.body, allowed + "a moon or an asteroid")
     if bundle is not None:
         yield from _fault_problems(config, bundle, document)
     for path, x, y in places:
@@ -96,5 +103,5 @@ def _arm_goal_problems(
     for index, (value, name) in enumerate(zip(action.positions, names, strict=True)):
         joint = urdf.joints[name]
         if not joint.lower <= value <= joint.upper:
-            allowed = f"allowed is {joint.lower:g} to {joint.upper:g} rad, the limits of {name}"
+            allowed = f"allowed is {joint.lower:g} to {joint.upper:g} {joint.unit}, the limits of {name}"
             yield document.problem((*path, "positions", index), value, allowed)

@@ -46,13 +46,24 @@ class UrdfJoint:
     effort: float
     axis: FloatArray
 
+    @property
+    def unit(self) -> str:
+        """Of its position."""
+        return "m" if self.kind == "prismatic" else "rad"
+
+    @property
+    def effort_unit(self) -> str:
+        """Of its effort."""
+        return "N" if self.kind == "prismatic" else "N m"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UrdfInertial:
-    """Mass [kg] and inertia of a link about its centre of mass, shape (3, 3) [kg m^2]."""
+    """Mass [kg], inertia of a link about its centre of mass, shape (3, 3) [kg m^2], and that centre in it, (3,) [m]."""
 
     mass: float
     inertia: FloatArray
+    centre: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,6 +90,22 @@ class UrdfSummary:
     def moving_joints(self) -> tuple[str, ...]:
         """Names of the joints that are not fixed."""
         return tuple(name for name, joint in self.joints.items() if joint.kind in MOVING)
+
+    @property
+    def root(self) -> str:
+        """The outermost link."""
+        children = {joint.child for joint in self.joints.values()}
+        return next(link for link in self.links if link not in children)
+
+    def below(self, link: str) -> tuple[str, ...]:
+        """A link and all that hang on it, in the order of the file."""
+        found, frontier = {link}, [link]
+        while frontier:
+            here = frontier.pop()
+            children = [joint.child for joint in self.joints.values() if joint.parent == here]
+            found.update(children)
+            frontier += children
+        return tuple(name for name in self.links if name in found)
 
     def position_in_link(self, joint: str, link: str) -> FloatArray:
         """Origin of a joint in the frame of a link above it, at zero pose: shape (3,) [m].
@@ -232,7 +259,8 @@ def _inertial(link: ElementTree.Element) -> tuple[str, UrdfInertial]:
             [value["ixz"], value["iyz"], value["izz"]],
         ]
     )
-    found = UrdfInertial(_number(mass, "value", f"link {name}"), matrix)
+    centre = _transform(link.find("inertial/origin"))[:3, 3]
+    found = UrdfInertial(_number(mass, "value", f"link {name}"), matrix, centre)
     if not (np.isfinite(found.mass) and np.all(np.isfinite(matrix))):
         raise ValueError(f"link {name}: mass and ixx, ixy, ixz, iyy, iyz, izz are all needed, and finite")
     return name, found

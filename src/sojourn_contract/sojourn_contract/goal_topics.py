@@ -49,7 +49,8 @@ GOAL_TOPICS: tuple[Topic, ...] = (
         ("arm",),
         0,
         10.0,
-        "place the arm's tip there; an orientation other than identity or zero asks for the direction of its z axis",
+        "place the arm's tip there; an orientation other than identity or zero asks for the direction of its tool, and "
+        "for the roll where config/arms says so",
         GOAL,
         frames=GOAL_FRAMES,
     ),

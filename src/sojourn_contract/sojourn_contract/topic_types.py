@@ -7,10 +7,11 @@ from enum import Enum
 INFINITY = float("inf")
 
 JOINT_SETS = {
-    "moving": "names every joint of the URDF that moves",
-    "measured": "names every drive, steer and arm joint, and no joint that the URDF does not have",
+    "moving": "names every joint of the URDF that moves, and that of the arm's tool",
+    "measured": "names every drive, steer, arm and tool joint, and no joint that the machine does not have",
     "wheels": "names drive and steer joints only",
     "arm": "names arm joints only",
+    "arm and tool": "names arm joints, and that of the tool, only",
 }
 """Sets of joints that a row may ask for, in words."""
 

@@ -275,7 +275,7 @@ TOPICS: tuple[Topic, ...] = (
         0.2,
         "position, velocity and feed-forward effort of the arm's joints",
         (ANGLE, replace(RATE, optional=True), replace(EFFORT, optional=True)),
-        joints="arm",
+        joints="arm and tool",
     ),
     Topic(
         "/arm/status",

@@ -14,6 +14,7 @@ from sojourn_contract.switches import check_switches, fraction_of
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
 from sojourn_mechanics.actuators import joint_drive
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT
 from sojourn_mechanics.plant.model import PlantModel
 from sojourn_mechanics.plant.state import PlantCommand, zeros_command
 
@@ -32,8 +33,13 @@ class CommandBuffer:
         kinds = dict(zip(model.joints.names, model.joints.kinds.tolist(), strict=True))
         self._index = {name: i for name, i in model.joint_index.items() if kinds[name] != joint_drive.PASSIVE}
         self._by_position = {name for name, kind in kinds.items() if kind == joint_drive.POSITION}
+        self._tool: int | None = None
+        """Column of the tool's actuator, after those of the joints."""
+        if model.tool is not None:
+            self._index[TOOL_JOINT] = self._tool = len(kinds)
+            self._by_position |= {TOOL_JOINT} if model.tool.params.joint.held else set()
         self._loads = {load.name: place for place, load in enumerate(model.bus.loads)}
-        command = zeros_command(len(model.joints.names), len(model.bus.loads))
+        command = zeros_command(len(kinds) + (self._tool is not None), len(model.bus.loads))
         self._reference = command.reference
         self._fractions = command.load_fractions
         self._stamps: dict[str, int] = {}
@@ -43,7 +49,7 @@ class CommandBuffer:
 
     def hold(self, angles: Any) -> None:
         """Hold these joint angles, (joints,) [rad], until a command comes."""
-        self._reference[POSITION] = angles
+        self._reference[POSITION, : len(angles)] = angles
 
     def check(self, row: Topic, message: Any) -> None:
         """Raise RefusedMessageError for a command that the machine cannot follow.
@@ -103,4 +109,5 @@ class CommandBuffer:
             reference[RATE, self._joints.get(name, [])] = 0.0
         # A position is the reference for the end of the period that it is stamped with;
         # between commands it moves on.
-        return PlantCommand(reference, np.array(self._fractions))
+        tool = None if self._tool is None else reference[:, self._tool].copy()
+        return PlantCommand(np.ascontiguousarray(reference[:, : self._tool]), np.array(self._fractions), tool=tool)

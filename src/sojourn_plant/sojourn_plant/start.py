@@ -26,6 +26,7 @@ def build_plant(scenario: LoadedScenario, terrain: HeightField | None = None) ->
         scenario.bus,
         scenario.simulation,
         scenario.terrain.memory_cell if scenario.terrain.memory else 0.0,
+        scenario.tool,
     )
     start = scenario.config.start
     return model, initial_state(

@@ -22,6 +22,8 @@ from sojourn_contract.messages import (
 )
 from sojourn_contract.topics import topic
 from sojourn_mechanics.actuators.joint_drive import MOTOR_RATE
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT
+from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.plant.model import PlantModel
 from sojourn_mechanics.plant.state import PlantOutput, PlantState
 
@@ -31,7 +33,7 @@ class TruthMessages:
 
     def __init__(self, model: PlantModel) -> None:
         self._model = model
-        self._joints = joint_state(model.joints.names)
+        self._joints = joint_state((*model.joints.names, *(() if model.tool is None else (TOOL_JOINT,))))
         self._with_play = np.flatnonzero(model.joints.rotors)
         self._motors = joint_state([model.joints.names[i] for i in self._with_play])
         self._contacts = contact_cloud()
@@ -84,12 +86,20 @@ class TruthMessages:
             )
         yield "/truth/odom", odometry
         yield "/truth/wrist_wrench", wrench_stamped(stamp, self._wrist_frame, output.wrist_wrench)
-        yield "/truth/joint_states", fill_joint_state(self._joints, stamp, state.joints[0], rates, output.efforts)
+        yield "/truth/joint_states", self._joint_message(stamp, state, rates, output.efforts)
         yield "/truth/motor_states", self._motor_message(stamp, state, output)
         yield "/clock", Clock(clock=time)
         yield "/truth/contacts", fill_contact_cloud(self._contacts, stamp, output.contacts)
         if seldom:
             yield "/truth/loads", self._load_message(stamp, state, output)
+
+    def _joint_message(self, stamp: int, state: PlantState, rates: FloatArray, efforts: FloatArray) -> Any:
+        message, tool = fill_joint_state(self._joints, stamp, state.joints[0], rates, efforts), state.tool
+        if tool is not None:
+            message.position.append(tool.position)
+            message.velocity.append(tool.rate)
+            message.effort.append(tool.effort)
+        return message
 
     def _motor_message(self, stamp: int, state: PlantState, output: PlantOutput) -> Any:
         joints, places = state.joints, self._with_play
@@ -101,4 +111,6 @@ class TruthMessages:
         values = {f"power {name}": f"{power:.6g}" for name, power in zip(self._loads, output.load_power, strict=True)}
         for name in state.energy.__dataclass_fields__:
             values[f"energy {name}"] = f"{getattr(state.energy, name):.9g}"
+        if state.tool is not None and state.tool.has_worked:
+            values |= {name: f"{value:.9g}" for name, value in state.tool.told().items()}
         return status_message(stamp, "loads", values)

@@ -27,7 +27,7 @@ def test_scara_is_a_ring_with_one_pointing() -> None:
     assert height[reached.any(axis=1)].max() - height[reached.any(axis=1)].min() == pytest.approx(0.195, abs=0.05)
     ring = math.radians(300) / 2 * (0.8**2 - inner**2) * 0.195
     assert found.volume == pytest.approx(ring, rel=0.15)
-    assert np.nanmax(found.pointing) == pytest.approx(1.0 / DIRECTIONS)  # straight down only
+    assert found.one_way and np.nanmean(found.pointing[:, across > inner + 0.1]) > 0.9  # straight down, turned any way
     assert found.payload is not None
     assert np.nanmax(found.payload) == pytest.approx(400 / 9.81 - 2.8, rel=1e-3)  # the quill's effort less its own mass
 
@@ -62,6 +62,26 @@ def test_map_values_are_those_of_the_best_posture_in_each_cell() -> None:
         assert found.manipulability[row, column] == pytest.approx(dexterity, rel=1e-9)
         assert found.payload[row, column] == pytest.approx(lift, rel=1e-9)
         assert found.force[row, column] == pytest.approx(worst, rel=1e-9)
+
+
+def test_an_arm_that_does_not_turn_its_tool_has_one_orientation() -> None:
+    found = workspace_map(load_arm("cartesian"), EARTH, postures=5_000, loaded_postures=500, cells=12)
+    assert found.one_way and np.nanmax(found.pointing) == pytest.approx(1.0 / DIRECTIONS)
+    assert len(found.height) - 1 == 6, "0.6 m high, 1.2 m wide: no row too many by rounding"
+
+
+def test_of_an_arm_that_cannot_hold_itself_the_force_is_without_weight() -> None:
+    """The map used to be empty for arms that fly."""
+    weighed = workspace_map(load_arm("srms"), EARTH, 4_000, 1_000, 12)
+    weightless = workspace_map(load_arm("srms"), np.zeros(3), 4_000, 1_000, 12)
+    assert weighed.weightless and not weightless.weightless
+    np.testing.assert_allclose(weighed.force, weightless.force)
+
+
+def test_every_cell_that_is_reached_is_asked_what_it_is_worth() -> None:
+    """The rim used to lack manipulability and force: few samples are there."""
+    found = workspace_map(load_arm("srms"), np.zeros(3), 40_000, 3_000, 20)
+    assert np.array_equal(np.isnan(found.pointing), np.isnan(found.manipulability))
 
 
 def test_no_weight_no_payload_figure() -> None:

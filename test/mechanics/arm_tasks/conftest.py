@@ -16,6 +16,8 @@ from sojourn_mechanics.arm.model import ArmModel, build_arm_model
 from sojourn_mechanics.arm.state import ArmInput, ArmOutput
 from sojourn_mechanics.arm.tasks import task_control
 from sojourn_mechanics.arm.tasks.requests import TaskRequest, parse_task
+from sojourn_mechanics.arm.tasks.task import ToolReading
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.plant.model import PlantModel
 from sojourn_mechanics.plant.state import PlantOutput, PlantState, zeros_command
@@ -54,9 +56,12 @@ class RoverArm:
         """One control period."""
         model, params = self.model, self.scenario.arm
         columns = model.reference_rows(list(params.joint_names))
+        efforts = np.zeros(len(model.joints.names)) if self.output is None else self.output.efforts
+        tool = self.plant.tool
+        of_tool = ([], []) if tool is None else ([tool.position], [tool.effort])
         truth = suite.SensorTruth(
-            self.plant.joints[0],
-            np.zeros(len(model.joints.names)) if self.output is None else self.output.efforts,
+            np.append(self.plant.joints[0], of_tool[0]),
+            np.append(efforts, of_tool[1]),
             np.zeros(3),
             np.array([0.0, 0.0, model.gravity]),
             np.array([28.0]),
@@ -72,6 +77,7 @@ class RoverArm:
             task,
             None if self.output is None else measured.wrist_wrench,
             measured.joint_effort[places],
+            self._reading(measured),
         )
         self.tasks, self.said, self.report = task_control.step(params, self.arm, self.tasks, inputs, DT)
         command = zeros_command(len(model.joints.names), len(model.bus.loads))
@@ -79,8 +85,18 @@ class RoverArm:
         drives = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
         command.reference[0, drives] = 0.0
         command.reference[:, columns] = np.array([self.said.positions, self.said.velocities, self.said.efforts])
+        if tool is not None:
+            command = replace(command, tool=np.array(self.tasks.tool_command))
         self.plant, self.output = step(model, self.plant, command)
         self.log.append(self._row())
+
+    def _reading(self, measured: suite.SensorMeasurements) -> ToolReading | None:
+        names = self.sensors.layout.joint_names
+        if TOOL_JOINT not in names:
+            return None
+        place = names.index(TOOL_JOINT)
+        columns = (measured.joint_position, measured.joint_velocity, measured.joint_effort)
+        return ToolReading(*(float(column[place]) for column in columns))
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / DT)):
@@ -136,6 +152,7 @@ class RoverArm:
         row = {"force": self.output.contacts[self.pad, 6:9].copy(), "tip": place}
         row["efforts"] = self.output.efforts[self.model.reference_rows(list(self.scenario.arm.joint_names))]
         row["speed"] = float(np.abs(self.plant.velocity).max())
+        row["phase"] = getattr(self.tasks.task, "phase", "")
         if self.report is not None:
             row["felt"] = self.report.doing.figures.get("contact_force_n", np.nan)
         return row
@@ -151,10 +168,11 @@ def _ready(overrides: tuple[str, ...], payload: float = 0.0) -> RoverArm:
     loaded = scenario.urdf.text if payload == 0.0 else scenario.urdf.text.replace('<link name="arm_tip_link"/>', mass)
     model, plant = build_plant(replace(scenario, urdf=replace(scenario.urdf, text=loaded)))
     still = np.array([0.0, 0.0, 0.0, 1.0])
-    sensors = suite.initial_state(
-        scenario.sensors, 3, model.joints.names, plant.joints[0], ("battery",), still, model.gravity
-    )
-    rover = RoverArm(scenario, model, arm, plant, sensors, task_control.initial_state(scenario.arm, arm))
+    names = (*model.joints.names, *(() if plant.tool is None else (TOOL_JOINT,)))
+    angles = np.append(plant.joints[0], () if plant.tool is None else plant.tool.position)
+    sensors = suite.initial_state(scenario.sensors, 3, names, angles, ("battery",), still, model.gravity)
+    tasks = task_control.initial_state(scenario.arm, arm, scenario.tool)
+    rover = RoverArm(scenario, model, arm, plant, sensors, tasks)
     rover.settle(np.array(scenario.arm.named_poses["unfold"]))
     return rover
 

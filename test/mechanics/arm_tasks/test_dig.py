@@ -23,7 +23,7 @@ def test_a_furrow_in_lunar_soil(rover_arm: Callable[..., Any]) -> None:
     dragging = np.flatnonzero((force[:, 2] > 5.0) & (tip[:, 0] < tip[:, 0].max() - 0.03))
     row = dragging[len(dragging) // 2]
     soil = rover.scenario.soils["lunar_nominal"]
-    scoop: ScoopParams = rover.scenario.rover.pads[-1].scoop
+    scoop: ScoopParams = rover.scenario.tool.cut
     cut = scoop.coefficients(soil, rover.model.gravity)
     area, depth = np.pi * 0.018**2, -tip[row, 2]
     friction = force[row, 2] * np.tan(np.radians(soil.friction_angle_deg)) + area * soil.cohesion

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sojourn_mechanics.contact.ground_memory import GREATEST, PAST_COLUMNS, settle_soil
 from sojourn_mechanics.contact.ground_memory import RUT as PAST_RUT
 from sojourn_mechanics.soil.params import SoilColumn
-from sojourn_mechanics.terrain.memory import RUT, SINKAGE, TILE, GroundMemory, MemoryBoard
+from sojourn_mechanics.terrain.memory import CHANNELS, RUT, SINKAGE, TILE, GroundMemory, MemoryBoard
 
 Maker = Callable[..., Any]
 RADIUS = 0.125
@@ -38,7 +38,7 @@ def with_rut(rig: Any, depth: float, begin: float, end: float) -> None:
     cell = rig.cell
     values = {}
     for column in range(int((begin + 10.0) / cell / TILE), int((end + 10.0) / cell / TILE) + 1):
-        tile = np.zeros((TILE, TILE, 3), dtype=np.float32)
+        tile = np.zeros((TILE, TILE, CHANNELS), dtype=np.float32)
         x = -10.0 + cell * (column * TILE + np.arange(TILE))
         there = (x >= begin) & (x <= end)
         tile[:, there, SINKAGE], tile[:, there, RUT] = 1.2 * depth, depth

@@ -1,5 +1,6 @@
 """Bodies against the published gravity, sunlight and days."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ BODIES = Path(__file__).parents[3] / "config" / "bodies"
 PUBLISHED_GRAVITY = {
     "moon": 1.624, "mars": 3.728, "mercury": 3.70, "venus": 8.87, "titan": 1.354, "ceres": 0.284, "io": 1.796,
     "europa": 1.315, "ganymede": 1.428, "callisto": 1.236,
-    "enceladus": 0.1133, "triton": 0.779, "pluto": 0.616,
+    "enceladus": 0.1133, "triton": 0.779, "pluto": 0.616, "earth": 9.82,
 }  # fmt: skip
 LOOSE_GRAVITY = {"phobos": 0.0058, "eros": 0.006, "itokawa": 8.7e-5}
 PUBLISHED_FLUX = {
@@ -51,6 +52,15 @@ def test_every_file_loads_and_has_the_name_of_its_file() -> None:
 @pytest.mark.parametrize(("name", "gravity"), PUBLISHED_GRAVITY.items())
 def test_gravity_is_the_published_one(name: str, gravity: float) -> None:
     assert load(name).surface_gravity == pytest.approx(gravity, rel=0.005)
+
+
+def test_in_orbit_nothing_has_weight_and_the_day_is_a_turn_round_the_earth() -> None:
+    orbit = load("low_earth_orbit")
+    assert orbit.surface_gravity == 0.0
+    turn = 2.0 * math.pi * math.sqrt(orbit.radius**3 / orbit.gravitational_parameter)  # Kepler's third law
+    assert orbit.solar_day == pytest.approx(turn, rel=1e-3)
+    with_weight = orbit.model_copy(update={"free_fall": False})
+    assert with_weight.surface_gravity == pytest.approx(8.67, rel=1e-3)  # it is not far from the Earth: it falls
 
 
 @pytest.mark.parametrize(("name", "gravity"), LOOSE_GRAVITY.items())

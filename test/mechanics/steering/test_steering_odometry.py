@@ -229,6 +229,15 @@ def test_random_errors_grow_with_the_root_of_the_distance(
     assert math.sqrt(state.covariance[2, 2] - 1e-8) == pytest.approx(params.gyro_random_walk * 10.0, rel=0.01)
 
 
+def test_a_turn_on_the_spot_leaves_the_position_uncertain(
+    params: OdometryParams, explorer: SteeringGeometryParams
+) -> None:
+    """The wheels scrub: a rover that has turned by 0.6 rad has moved by centimetres, which no wheel tells."""
+    assert params.turn_sigma > 0.0
+    end = drive(params, explorer.table(), initial_odometry(params), PlanarTwist(0.0, 0.0, 0.1), 6.0)
+    assert math.sqrt(end.covariance[1, 1]) == pytest.approx(params.turn_sigma * math.sqrt(0.6), rel=0.01)
+
+
 def test_covariance_follows_the_finite_differences_of_the_pose(
     params: OdometryParams, explorer: SteeringGeometryParams
 ) -> None:
@@ -239,6 +248,7 @@ def test_covariance_follows_the_finite_differences_of_the_pose(
             "slip_sigma": 1e-9,
             "side_slip_sigma": 1e-9,
             "travel_sigma": 1e-9,
+            "turn_sigma": 0.0,
             "gyro_random_walk": 1e-12,
             "gyro_bias_walk": 1e-12,
             "gyro_bias_sigma": 1e-12,

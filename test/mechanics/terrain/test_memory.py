@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sojourn_mechanics.terrain.memory import (
+    DUG,
     RUT,
     SPARE_PAGES,
     TILE,
@@ -52,8 +53,9 @@ def test_a_wheel_that_follows_meets_the_whole_rut(x: float, y: float, heading: f
     roll(board, x, y, heading, 1.5, 0.2, 0.01)
     middle = x + 0.7 * np.cos(heading), y + 0.7 * np.sin(heading)
     # a narrower wheel, wholly inside what was written
-    sinkage, rut, slope_x, slope_y = read(board, *middle, heading, 0.1, 0.2 - 3.0 * CELL)
+    sinkage, rut, dug, slope_x, slope_y = read(board, *middle, heading, 0.1, 0.2 - 3.0 * CELL)
     assert sinkage == pytest.approx(0.01, rel=1e-6) and rut == pytest.approx(0.009, rel=1e-6)
+    assert dug == 0.0
     assert slope_x == pytest.approx(0.0, abs=1e-6) and slope_y == pytest.approx(0.0, abs=1e-6)
     aside = middle[0] - 0.5 * np.sin(heading), middle[1] + 0.5 * np.cos(heading)
     assert not read(board, *aside, heading, 0.1, 0.2).any()
@@ -66,7 +68,7 @@ def test_slope_is_the_derivative_of_the_rut(x: float, y: float, heading: float) 
     roll(board, 0.0, 0.0, 0.4, 2.0, 0.15, 0.02)
     x, y = 0.2 * x, 0.2 * y
     step = 1e-7
-    _, _, slope_x, slope_y = read(board, x, y, heading, 0.12, 0.15)
+    _, _, _, slope_x, slope_y = read(board, x, y, heading, 0.12, 0.15)
     by_x = (read(board, x + step, y, heading, 0.12, 0.15) - read(board, x - step, y, heading, 0.12, 0.15))[1]
     by_y = (read(board, x, y + step, heading, 0.12, 0.15) - read(board, x, y - step, heading, 0.12, 0.15))[1]
     assert by_x / (2 * step) == pytest.approx(slope_x, abs=1e-6)
@@ -190,7 +192,7 @@ def test_grid_reads_what_sample_reads() -> None:
     memory = board.store()
     x, y = np.linspace(-1.0, 2.0, 31), np.linspace(-1.0, 2.0, 23)
     values = memory.grid(x, y)
-    assert values.shape == (23, 31, 3) and values[..., RUT].max() == pytest.approx(0.018, rel=1e-3)
+    assert values.shape == (23, 31, 4) and values[..., RUT].max() == pytest.approx(0.018, rel=1e-3)
     for i, j in ((4, 7), (11, 13), (15, 18)):
-        assert tuple(values[i, j]) == pytest.approx(memory.sample(x[j], y[i]), abs=1e-12)
+        assert tuple(values[i, j, :DUG]) == pytest.approx(memory.sample(x[j], y[i]), abs=1e-12)
     assert len(list(memory.touched())) == len(memory.tiles)

@@ -5,9 +5,12 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
+import numpy as np
+
 from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import LoadedScenario
 from sojourn_config.urdf import UrdfJoint, UrdfSummary
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT, ToolParams
 
 
 @dataclass(frozen=True)
@@ -15,7 +18,7 @@ class Machine:
     """A rover as seen from outside.
 
     Args:
-        name: of the robot. joints: those that move, by name. drive, steer, arm: names of the joints with a motor.
+        name: of the robot. joints: those that move, by name. drive, steer, arm, tool: names of the joints with a motor.
         held: joints held by position; the others with a motor by rate. loads: what the power manager may switch.
         poses: names of the arm's poses. contacts: wheels and pads.
     """
@@ -25,6 +28,7 @@ class Machine:
     drive: tuple[str, ...]
     steer: tuple[str, ...]
     arm: tuple[str, ...]
+    tool: tuple[str, ...]
     held: frozenset[str]
     loads: tuple[str, ...]
     poses: tuple[str, ...]
@@ -39,15 +43,19 @@ class Machine:
         arm_joints: Sequence[str],
         loads: Sequence[str],
         poses: Sequence[str],
+        tool: ToolParams | None = None,
     ) -> "Machine":
         """From a rover's parameter sets."""
+        of_tool = {} if tool is None else {TOOL_JOINT: _actuator(tool)}
+        held = {joint for drive in rover.drives if drive.servo.mode == "position" for joint in drive.joints}
         return cls(
             name=name,
-            joints={joint: urdf.joints[joint] for joint in urdf.moving_joints},
+            joints={joint: urdf.joints[joint] for joint in urdf.moving_joints} | of_tool,
             drive=tuple(wheel.joint for wheel in rover.wheels),
             steer=rover.steer_joints,
             arm=tuple(arm_joints),
-            held=frozenset(joint for drive in rover.drives if drive.servo.mode == "position" for joint in drive.joints),
+            tool=tuple(of_tool),
+            held=frozenset(held | (set(of_tool) if tool is not None and tool.joint.held else set())),
             loads=tuple(loads),
             poses=tuple(poses),
             contacts=len(rover.wheels) + len(rover.pads),
@@ -63,16 +71,17 @@ class Machine:
             scenario.arm_joints,
             [load.name for load in scenario.bus.loads],
             () if scenario.arm is None else tuple(scenario.arm.named_poses),
+            scenario.tool,
         )
 
     @property
     def motors(self) -> tuple[str, ...]:
         """Joints with a motor."""
-        return (*self.drive, *self.steer, *self.arm)
+        return (*self.drive, *self.steer, *self.arm, *self.tool)
 
     def as_data(self) -> dict[str, Any]:
         """As JSON values; joints without stops have none."""
-        group_of = {name: group for group in ("drive", "steer", "arm") for name in getattr(self, group)}
+        group_of = {name: group for group in ("drive", "steer", "arm", "tool") for name in getattr(self, group)}
         return {
             "name": self.name,
             "joints": {
@@ -93,9 +102,16 @@ class Machine:
 
     def known(self, joint_set: str) -> dict[str, UrdfJoint]:
         """Joints that a message of this set (see JOINT_SETS) may name."""
-        names = {"wheels": (*self.drive, *self.steer), "arm": self.arm}.get(joint_set, tuple(self.joints))
+        sets = {"wheels": (*self.drive, *self.steer), "arm": self.arm, "arm and tool": (*self.arm, *self.tool)}
+        names = sets.get(joint_set, tuple(self.joints))
         return {name: self.joints[name] for name in names}
 
     def needed(self, joint_set: str) -> tuple[str, ...]:
         """Joints that a message of this set must name."""
         return {"moving": tuple(self.joints), "measured": self.motors}.get(joint_set, ())
+
+
+def _actuator(tool: ToolParams) -> UrdfJoint:
+    """The tool's joint, as if the URDF had it."""
+    kind, lower, upper, velocity, _ = tool.joint
+    return UrdfJoint(TOOL_JOINT, kind, "", "", np.eye(4), lower, upper, velocity, float("inf"), np.eye(3)[2])

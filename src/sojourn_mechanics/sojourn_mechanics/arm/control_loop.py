@@ -26,6 +26,9 @@ from sojourn_mechanics.params import FloatArray
 
 _SLOPE_STEP = 1.0e-5
 _LARGEST_FACTOR = 1.0e3
+_LEAST_INERTIA = 1.0e-12
+_ANY_SPEED = 1.0
+"""Speed of a joint that has no limit [rad/s or m/s]."""
 
 
 class ControlTestError(MechanicsError):
@@ -62,6 +65,12 @@ class LoopResult:
 def settings_for(arm: SerialArm, posture: FloatArray) -> LoopSettings:
     """A bandwidth of 25 rad/s, or that at which an error of 10 mrad (mm) takes all the effort; ten samples a radian."""
     inertia = np.diag(mass_matrix(arm, posture))
+    least = float(np.linalg.eigvalsh(mass_matrix(arm, posture))[0])
+    if least < _LEAST_INERTIA * float(inertia.max()) or not inertia.max() > 0.0:
+        without = [name for name, value in zip(arm.joint_names, inertia, strict=True) if value <= least * 1.001]
+        raise ControlTestError(
+            f"{arm.name}: no inertia is moved by {', '.join(without) or 'some joints'}: a motion needs masses"
+        )
     bandwidth = float(min(25.0, np.min(np.sqrt(arm.max_effort / (0.01 * inertia)))))
     return LoopSettings(bandwidth, 0.1 / bandwidth, settle=12.5 / bandwidth)
 
@@ -77,11 +86,12 @@ def comparison_motion(arm: SerialArm, gravity: FloatArray, longest: float) -> Jo
     """
     span = np.minimum(arm.upper - arm.lower, 2.0 * np.pi)
     middle = 0.5 * (arm.upper + arm.lower)
-    share_of_span = min(0.3, longest / float(np.max(1.875 * span / (0.8 * arm.max_velocity))))
+    fastest = np.where(np.isfinite(arm.max_velocity), arm.max_velocity, _ANY_SPEED)
+    share_of_span = min(0.3, longest / float(np.max(1.875 * span / (0.8 * fastest))))
     start, goal = middle - 0.5 * share_of_span * span, middle + 0.5 * share_of_span * span
     slower = 1.0
     for _ in range(20):
-        speed = 0.8 * arm.max_velocity / slower
+        speed = 0.8 * fastest / slower
         motion = joint_motion("quintic", start, goal, speed, speed / (0.3 * slower))
         times = np.linspace(0.0, motion.duration, 60)
         share = 0.0

@@ -132,9 +132,10 @@ def _follow_permission(params: ArmParams, model: ArmModel, state: ArmState, inpu
         return replace(state, was_allowed=False) if state.was_allowed else state
     if not state.was_allowed:
         state = replace(state, was_allowed=True)
-        away = float(np.max(np.abs(inputs.positions - state.reference.position)))
-        if state.path is None and away > params.resync_error:
-            text = f"allowed again: holds where it is, {away:.3f} rad from where it stopped"
+        off = np.abs(inputs.positions - state.reference.position)
+        worst = int(np.argmax(off))
+        if state.path is None and off[worst] > params.resync_error:
+            text = f"allowed again: holds where it is, {off[worst]:.3f} {model.unit(worst)} from where it stopped"
             state = _hold(model, state, inputs.positions, "stopped", text)
     return state
 
@@ -263,7 +264,7 @@ def _yield(
 ) -> ArmState:
     """Give way: bring the reference back to the measured position."""
     reason = (
-        f"stopped: {model.joint_names[joint]} is {behind:.3f} rad from its reference "
+        f"stopped: {model.joint_names[joint]} is {behind:.3f} {model.unit(joint)} from its reference "
         f"(limit {params.following_error_limit:.3f}): something holds it"
     )
     stopped = _begin_stop(model, state, reason)
@@ -297,11 +298,12 @@ def _settle(
     if settled_for >= params.settle_time - 1e-9:
         return replace(state, settling=False, settled_for=settled_for, settling_for=settling_for, status="reached")
     if settling_for >= params.settle_timeout:
-        speed = float(np.max(np.abs(inputs.velocities)))
+        speeds = np.abs(inputs.velocities)
+        fastest = int(np.argmax(speeds))
         reason = (
             f"not settled {params.settle_timeout:.1f} s after the motion: {model.joint_names[worst]} is "
-            f"{float(off[worst]):.4f} rad off (tolerance {params.joint_tolerance:.4f}), "
-            f"fastest joint {speed:.3f} rad/s"
+            f"{float(off[worst]):.4f} {model.unit(worst)} off (tolerance {params.joint_tolerance:.4f}), "
+            f"fastest joint {speeds[fastest]:.3f} {model.unit(fastest)}/s"
         )
         return replace(state, settling=False, settling_for=settling_for, status="holding", reason=reason)
     return replace(state, settled_for=settled_for, settling_for=settling_for)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from sojourn_mechanics.params import FloatArray, Params
 
@@ -64,31 +64,38 @@ class DhLink(Params):
 class DhJoint(Params):
     """One row of the table."""
 
-    name: str = Field(..., min_length=1)
+    name: str = Field(default="", description="left out: joint_1, joint_2, ...")
     kind: Literal["revolute", "prismatic"] = "revolute"
     theta_deg: Degrees = Field(default=0.0, description="joint angle, or its offset [deg]")
     d: Length = Field(default=0.0, description="link offset, or its offset [m]")
     a: Length = Field(default=0.0, description="link length [m]: a_i (standard), a_i-1 (modified)")
     alpha_deg: Degrees = Field(default=0.0, description="link twist [deg]: alpha_i (standard), alpha_i-1 (modified)")
-    lower: float = Field(..., description="lowest position [deg, or m if prismatic]")
-    upper: float = Field(..., description="highest position [deg, or m if prismatic]")
-    velocity: float = Field(..., gt=0.0, description="largest speed [rad/s or m/s]")
-    effort: float = Field(..., gt=0.0, description="largest torque or force [N m or N]")
+    lower: float | None = Field(default=None, description="lowest position [deg, or m]; left out: -180 deg")
+    upper: float | None = Field(default=None, description="highest position [deg, or m]; left out: 180 deg")
+    velocity: float | None = Field(default=None, gt=0.0, description="largest speed [rad/s or m/s]; left out: any")
+    effort: float | None = Field(default=None, gt=0.0, description="largest torque [N m] or force [N]; left out: any")
     link: DhLink = DhLink()
     motor: DhMotor | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if not self.lower < self.upper:
+        if self.kind == "prismatic" and (self.lower is None or self.upper is None):
+            raise ValueError(f"{self.name}: lower and upper: a joint that slides needs both [m]")
+        if not self.limits[0] < self.limits[1]:
             raise ValueError(f"{self.name}: lower = {self.lower}, upper = {self.upper}: allowed is lower below upper")
         return self
 
     @property
     def limits(self) -> tuple[float, float]:
         """Lowest and highest position [rad or m]."""
-        if self.kind == "prismatic":
-            return self.lower, self.upper
-        return math.radians(self.lower), math.radians(self.upper)
+        low = -180.0 if self.lower is None else self.lower
+        high = 180.0 if self.upper is None else self.upper
+        return (low, high) if self.kind == "prismatic" else (math.radians(low), math.radians(high))
+
+
+def _named(rows: tuple[DhJoint, ...]) -> tuple[DhJoint, ...]:
+    """Rows with a name each."""
+    return tuple(row if row.name else row.model_copy(update={"name": f"joint_{i + 1}"}) for i, row in enumerate(rows))
 
 
 class DhTable(Params):
@@ -100,7 +107,7 @@ class DhTable(Params):
     base_rpy_deg: tuple[Degrees, Degrees, Degrees] = (0.0, 0.0, 0.0)
     tool_xyz: Vector = (0.0, 0.0, 0.0)
     tool_rpy_deg: tuple[Degrees, Degrees, Degrees] = (0.0, 0.0, 0.0)
-    joints: tuple[DhJoint, ...] = Field(..., min_length=1, max_length=20)
+    joints: Annotated[tuple[DhJoint, ...], AfterValidator(_named)] = Field(..., min_length=1, max_length=20)
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -80,7 +80,7 @@ def _link(row: DhJoint, transform_frame_to_link: FloatArray, length: float) -> l
 
 def _joint(row: DhJoint, parent: str, place: FloatArray) -> list[str]:
     lower, upper = row.limits
-    limit = {"lower": lower, "upper": upper, "effort": row.effort, "velocity": row.velocity}
+    limit = {"lower": lower, "upper": upper, "effort": row.effort or 0.0, "velocity": row.velocity or 0.0}
     lines = [
         f'  <joint name="{row.name}" type="{row.kind}">',
         f'    <parent link="{parent}"/><child link="{_link_name(row)}"/>',

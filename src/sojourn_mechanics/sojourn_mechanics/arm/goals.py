@@ -14,6 +14,7 @@ import numpy as np
 
 from sojourn_mechanics.arm.kinematics import direction_from_quaternion
 from sojourn_mechanics.arm.model import ArmModel
+from sojourn_mechanics.arm.orientation import from_quaternion
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.errors import InvalidValueError, MechanicsError
 from sojourn_mechanics.params import FloatArray
@@ -40,10 +41,13 @@ class NamedGoal:
 
 @dataclass(frozen=True, slots=True)
 class PoseGoal:
-    """Tip position in base_link [m] and, if wanted, the direction of the tool axis in base_link."""
+    """Tip position in base_link [m] and, if wanted, the direction of the tool axis in base_link or, instead, the whole
+    orientation of the tip frame, a quaternion x y z w.
+    """
 
     position: tuple[float, float, float]
     direction: tuple[float, float, float] | None = None
+    orientation: tuple[float, float, float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +79,8 @@ ArmGoal: TypeAlias = JointGoal | NamedGoal | PoseGoal | TrajectoryGoal | StopGoa
 
 
 def pose_goal(params: ArmParams, position: Sequence[float], quaternion_xyzw: Sequence[float]) -> PoseGoal:
-    """Goal from a pose of the tip frame in base_link; identity or all-zero orientation: pointing free.
+    """Goal from a pose of the tip frame in base_link; identity or all-zero orientation: pointing free. What the
+    orientation asks for otherwise is `params.goal_orientation`.
 
     Raises:
         GoalRefusedError: numbers not finite, or an orientation that is not a unit quaternion.
@@ -85,10 +90,13 @@ def pose_goal(params: ArmParams, position: Sequence[float], quaternion_xyzw: Seq
         direction = direction_from_quaternion(params, np.array(quaternion_xyzw, dtype=np.float64))
     except InvalidValueError as error:
         raise GoalRefusedError(f"goal {error}") from error
-    return PoseGoal(
-        (float(point[0]), float(point[1]), float(point[2])),
-        None if direction is None else (float(direction[0]), float(direction[1]), float(direction[2])),
-    )
+    place = (float(point[0]), float(point[1]), float(point[2]))
+    if direction is None:
+        return PoseGoal(place)
+    if params.goal_orientation == "full":
+        x, y, z, w = (float(value) for value in quaternion_xyzw)
+        return PoseGoal(place, orientation=(x, y, z, w))
+    return PoseGoal(place, (float(direction[0]), float(direction[1]), float(direction[2])))
 
 
 def joint_target(model: ArmModel, goal: JointGoal, present: FloatArray) -> FloatArray:
@@ -106,12 +114,19 @@ def joint_target(model: ArmModel, goal: JointGoal, present: FloatArray) -> Float
 
 
 def pose_target(goal: PoseGoal) -> tuple[FloatArray, FloatArray | None]:
-    """Tip position (3,) and unit direction (3,) or None.
+    """Tip position (3,), and unit direction (3,), rotation of the tip frame (3, 3) or None.
 
     Raises:
-        GoalRefusedError: numbers not finite, or a direction of no length.
+        GoalRefusedError: numbers not finite, or a direction or a quaternion of no length.
     """
     point = _finite("goal position", goal.position, 3)
+    if goal.orientation is not None:
+        quaternion = _finite("goal orientation", goal.orientation, 4)
+        if float(np.linalg.norm(quaternion)) < 1e-6:
+            raise GoalRefusedError(
+                f"goal orientation = {quaternion.tolist()}: allowed is a quaternion that has a length"
+            )
+        return point, from_quaternion(quaternion / np.linalg.norm(quaternion))
     if goal.direction is None:
         return point, None
     direction = _finite("goal direction", goal.direction, 3)
@@ -171,7 +186,7 @@ def check_position_limits(model: ArmModel, values: FloatArray, columns: list[int
         if not model.lower[column] - 1e-6 <= value <= model.upper[column] + 1e-6:
             raise GoalRefusedError(
                 f"{what}: {model.joint_names[column]} = {value:.4f} is out of its limits "
-                f"{model.lower[column]:.4f} to {model.upper[column]:.4f}"
+                f"{model.lower[column]:.4f} to {model.upper[column]:.4f} {model.unit(column)}"
             )
 
 

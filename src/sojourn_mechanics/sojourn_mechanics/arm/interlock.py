@@ -55,5 +55,5 @@ def why_not_to_drive(
         )
     fastest = int(np.argmax(np.abs(velocities)))
     if not driving and abs(velocities[fastest]) > interlock.still_speed:
-        return f"the arm moves: {names[fastest]} at {velocities[fastest]:.2f} rad/s"
+        return f"the arm moves: {names[fastest]} at {velocities[fastest]:.2f} rad/s (m/s where it slides)"
     return ""

@@ -5,10 +5,12 @@ the same ones: the same question has the same answer.
 
     solved        the pose is reached
     singular      it is reached, but in every posture found the arm has lost a direction of motion there
+    collision     it is reached, but every posture found makes the arm run into itself (only if that is looked at)
     limits        it would be reached with joints beyond their limits, which are named
     unreachable   it is not reached; the nearest approach is given
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -21,12 +23,14 @@ from sojourn_mechanics.arm.serial_arm import SerialArm
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 
-Status = Literal["solved", "singular", "limits", "unreachable"]
+Status = Literal["solved", "singular", "collision", "limits", "unreachable"]
+Obstruction = Callable[[FloatArray], str]
+"""Of joint positions (n,): what is in the way, in words; empty where nothing is."""
 
 STARTS = 100
 """Most starts of one search."""
 MORE_WHEN_SINGULAR = 10
-"""Starts that are tried after a singular answer."""
+"""Answers that are tried after a singular one, or one that collides."""
 TOLERANCE = 1.0e-6
 """Accepted error: of position in reaches of the arm, of angle in radians."""
 ANGLE_WEIGHT = 0.25
@@ -50,28 +54,38 @@ class InverseAnswer:
     @property
     def reached(self) -> bool:
         """Whether `positions` put the tip where it is wanted."""
-        return self.status in ("solved", "singular")
+        return self.status in ("solved", "singular", "collision")
 
 
 def pose_goal(
-    arm: SerialArm, position: FloatArray, rotation: FloatArray, start: FloatArray | None = None
+    arm: SerialArm,
+    position: FloatArray,
+    rotation: FloatArray,
+    start: FloatArray | None = None,
+    in_the_way: Obstruction | None = None,
 ) -> InverseAnswer:
     """Tip at `position` (3,) [m] with `rotation` (3, 3), both in the base; `start` (n,) is searched from first."""
-    return _solve(arm, POSE, position, rotation, start)
+    return _solve(arm, POSE, position, rotation, start, in_the_way)
 
 
 def pointing_goal(
-    arm: SerialArm, position: FloatArray, direction: FloatArray, start: FloatArray | None = None
+    arm: SerialArm,
+    position: FloatArray,
+    direction: FloatArray,
+    start: FloatArray | None = None,
+    in_the_way: Obstruction | None = None,
 ) -> InverseAnswer:
     """Tip at `position` (3,) [m], tool axis along the unit vector `direction` (3,): roll about it is free."""
     wanted = np.eye(3)
     wanted[:, 2] = direction
-    return _solve(arm, POINTING, position, wanted, start)
+    return _solve(arm, POINTING, position, wanted, start, in_the_way)
 
 
-def position_goal(arm: SerialArm, position: FloatArray, start: FloatArray | None = None) -> InverseAnswer:
+def position_goal(
+    arm: SerialArm, position: FloatArray, start: FloatArray | None = None, in_the_way: Obstruction | None = None
+) -> InverseAnswer:
     """Tip at `position` (3,) [m], turned any way."""
-    return _solve(arm, POSITION, position, np.eye(3), start)
+    return _solve(arm, POSITION, position, np.eye(3), start, in_the_way)
 
 
 def task_jacobian(arm: SerialArm, task: int, jacobian: FloatArray, tool_direction: FloatArray) -> FloatArray:
@@ -86,7 +100,12 @@ def task_jacobian(arm: SerialArm, task: int, jacobian: FloatArray, tool_directio
 
 
 def _solve(
-    arm: SerialArm, task: int, position: FloatArray, wanted: FloatArray, start: FloatArray | None
+    arm: SerialArm,
+    task: int,
+    position: FloatArray,
+    wanted: FloatArray,
+    start: FloatArray | None,
+    in_the_way: Obstruction | None,
 ) -> InverseAnswer:
     if not (np.all(np.isfinite(position)) and np.all(np.isfinite(wanted))):
         raise InvalidValueError("target", (position.tolist(), wanted.tolist()), "finite numbers")
@@ -99,15 +118,19 @@ def _solve(
     if index < 0:
         return _explain(question, starts, (q, distance, angle))
     best, best_value, seen = (q, distance, angle), _smallest(arm, task, q), index
+    blocked = in_the_way(q) if in_the_way is not None else ""
     for _ in range(MORE_WHEN_SINGULAR):
-        if best_value >= SINGULAR or seen + 1 >= len(starts):
+        if (best_value >= SINGULAR and not blocked) or seen + 1 >= len(starts):
             break
         q, distance, angle, index = question.search(starts[seen + 1 :], arm.lower, arm.upper)
         if index < 0:
             break
         seen, value = seen + 1 + index, _smallest(arm, task, q)
-        if value > best_value:
-            best, best_value = (q, distance, angle), value
+        why_not = in_the_way(q) if in_the_way is not None else ""
+        if (not why_not, value) > (not blocked, best_value):
+            best, best_value, blocked = (q, distance, angle), value, why_not
+    if blocked:
+        return InverseAnswer("collision", *best, best_value, f"reached only where the arm collides: {blocked}")
     if best_value < SINGULAR:
         message = f"reached in a singular posture only (smallest singular value {best_value:.1e})"
         return InverseAnswer("singular", *best, best_value, message)

@@ -2,8 +2,9 @@
 
 The direction of a goal is that of the tool axis (`ArmParams.tool_axis`, fixed in the tip frame). A goal
 given as a pose asks for the position of the tip and for the direction that its orientation gives to the
-tool axis; the roll about the tool axis is left free, so that a five-joint arm can answer. An identity or an
-all-zero quaternion stands for "pointing free".
+tool axis; the roll about the tool axis is left free, so that a five-joint arm can answer. An arm whose
+`goal_orientation` is full is asked for the roll, too: six joints and more reach any, fewer those that they can (a SCARA
+any turn about its quill). An identity or an all-zero quaternion stands for "pointing free".
 
 Inverse: damped least squares with limits (see inverse_search.py) from the present position, the named poses, then a
 low-discrepancy set of starts, always the same ones. Solutions are sorted by their distance from the present position.
@@ -21,7 +22,7 @@ from typing import Literal
 import numpy as np
 
 from sojourn_mechanics.arm.chain import tip_kinematics
-from sojourn_mechanics.arm.inverse_search import POINTING, POSITION, search, spread
+from sojourn_mechanics.arm.inverse_search import POINTING, POSE, POSITION, search, spread
 from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.serial_arm import SerialArm
@@ -96,7 +97,7 @@ def inverse_kinematics(
 
     Args:
         position: in base_link (3,) [m].
-        direction: unit vector in base_link (3,), or None for free pointing.
+        direction: unit vector in base_link (3,); rotation of the tip frame to base_link (3, 3); None for free pointing.
         start: joint positions (n,) that solutions are to be near to.
         explain: look for the reason if there is no solution; if false: 'unreachable', no message.
     """
@@ -152,7 +153,8 @@ def _explain(
         off += f" and {math.degrees(angle):.1f} deg"
         alone = inverse_kinematics(params, model, position, None, start, explain=False)
         if alone.status == "solved":
-            off += "; the position alone can be reached, not with this pointing"
+            asked = "pointing" if direction.ndim == 1 else "orientation"
+            off += f"; the position alone can be reached, not with this {asked}"
     settings = _settings(params)
     task, wanted = _task(direction)
     weight = params.inverse_kinematics.characteristic_length
@@ -169,7 +171,8 @@ def _explain(
             if float(np.max(excess)) < best_excess:
                 best_excess = float(np.max(excess))
                 best_text = ", ".join(
-                    f"{model.joint_names[i]} would be {q[i]:.3f} (limits {model.lower[i]:.3f} to {model.upper[i]:.3f})"
+                    f"{model.joint_names[i]} would be {q[i]:.3f} {model.unit(int(i))} (limits {model.lower[i]:.3f} to "
+                    f"{model.upper[i]:.3f})"
                     for i in np.flatnonzero(excess > 0.0)
                 )
     if best_text:
@@ -179,10 +182,12 @@ def _explain(
 
 
 def _task(direction: FloatArray | None) -> tuple[int, FloatArray]:
-    """Task of a search, and the matrix whose last column is the wanted direction."""
+    """Task of a search, and the wanted rotation, or the matrix whose last column is the wanted direction."""
     wanted = np.eye(3)
     if direction is None:
         return POSITION, wanted
+    if direction.ndim == 2:
+        return POSE, np.ascontiguousarray(direction)
     wanted[:, 2] = direction
     return POINTING, wanted
 

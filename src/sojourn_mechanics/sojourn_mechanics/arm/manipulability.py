@@ -11,6 +11,7 @@ torque limits, gravity included:  F_max = min over joints of (+-tau_max - tau_gr
 import numpy as np
 
 from sojourn_mechanics.arm.chain import tip_kinematics
+from sojourn_mechanics.arm.inverse_search import spread
 from sojourn_mechanics.arm.serial_arm import SerialArm
 from sojourn_mechanics.params import FloatArray
 
@@ -28,6 +29,20 @@ def tip_jacobian(arm: SerialArm, positions: FloatArray) -> FloatArray:
 def manipulability(jacobian: FloatArray) -> float:
     """Product of the singular values of a Jacobian (m, n); Yoshikawa's measure."""
     return float(np.prod(np.linalg.svd(jacobian, compute_uv=False)))
+
+
+def partial_manipulability(arm: SerialArm, jacobian: FloatArray, rows: slice) -> float:
+    """Yoshikawa's measure of some rows of a Jacobian (6, n), of the translation or the rotation alone.
+
+    What the arm cannot do in any posture is left out: of a planar arm it is that of its plane (l1 l2 |sin q2| for two
+    joints), of an arm that only slides it is 0 for the rotation.
+    """
+    rank = 0
+    for posture in spread(arm.joint_count, 8) * (arm.upper - arm.lower) + arm.lower:
+        there = np.linalg.svd(scaled_jacobian(arm, tip_jacobian(arm, posture))[rows], compute_uv=False)
+        rank = max(rank, int(np.count_nonzero(there > SINGULAR**2)))
+    values = np.linalg.svd(jacobian[rows], compute_uv=False)
+    return float(np.prod(values[:rank])) if rank else 0.0
 
 
 def scaled_jacobian(arm: SerialArm, jacobian: FloatArray) -> FloatArray:

@@ -20,6 +20,7 @@ import pinocchio
 from numpy.typing import NDArray
 
 from sojourn_mechanics.arm.chain import Chain
+from sojourn_mechanics.arm.collision_pairs import add_collision_pairs, link_name, rebase_shapes
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.serial_arm import chain_of, rebase
 from sojourn_mechanics.arm.urdf_chain import ArmModelError
@@ -56,6 +57,14 @@ class ArmModel:
         """Number of joints [-]."""
         return len(self.joint_names)
 
+    def unit(self, joint: int) -> str:
+        """Of a joint's position, for texts."""
+        return "rad" if self.chain.revolute[joint] > 0.5 else "m"
+
+    def effort_unit(self, joint: int) -> str:
+        """Of a joint's effort, for texts."""
+        return "N m" if self.chain.revolute[joint] > 0.5 else "N"
+
 
 def build_arm_model(urdf_xml: str, params: ArmParams) -> ArmModel:
     """Arm model from the text of a URDF.
@@ -83,12 +92,12 @@ def build_arm_model(urdf_xml: str, params: ArmParams) -> ArmModel:
         if not model.existFrame(link):
             raise ArmModelError(f"'{link}' is not a link of the URDF")
     _check_chain(model, params)
-    _rebase_shapes(model, shapes, params.base_link)
+    rebase_shapes(model, shapes, params.base_link)
     rebase(model, params.base_link)
     if params.reflected_inertia:
         model.armature = np.array(params.reflected_inertia)
     _check_links(model, params)
-    _add_pairs(model, shapes, params)
+    add_collision_pairs(model, shapes, {frozenset(pair) for pair in params.ignored_link_pairs})
     objects = shapes.geometryObjects
     reach = _reach(model, shapes)
     arm = ArmModel(
@@ -104,11 +113,14 @@ def build_arm_model(urdf_xml: str, params: ArmParams) -> ArmModel:
         data=model.createData(),
         geometry_model=shapes,
         geometry_data=shapes.createData(),
-        pairs=tuple((_link(model, objects[p.first]), _link(model, objects[p.second])) for p in shapes.collisionPairs),
+        pairs=tuple(
+            (link_name(model, objects[p.first].parentFrame), link_name(model, objects[p.second].parentFrame))
+            for p in shapes.collisionPairs
+        ),
         pair_shapes=np.array([(p.first, p.second) for p in shapes.collisionPairs], dtype=np.int64).reshape(-1, 2),
         shape_centres=np.array([g.placement.translation for g in objects]).reshape(-1, 3),
         shape_radii=np.array([_radius(g) for g in objects]),
-        arm_shapes=tuple((i, _link(model, g)) for i, g in enumerate(objects) if g.parentJoint > 0),
+        arm_shapes=tuple((i, link_name(model, g.parentFrame)) for i, g in enumerate(objects) if g.parentJoint > 0),
         pair_reach=_pair_reach(shapes, reach),
         shape_reach=np.array([reach[i] for i, g in enumerate(objects) if g.parentJoint > 0]).reshape(-1, len(reach.T)),
     )
@@ -162,36 +174,6 @@ def _check_limits(arm: ArmModel, params: ArmParams, urdf_velocity: FloatArray) -
                     values[i],
                     f"{arm.lower[i]:.4f} to {arm.upper[i]:.4f} (URDF)",
                 )
-
-
-def _rebase_shapes(model: Any, shapes: Any, base_link: str) -> None:
-    universe_to_base = model.frames[model.getFrameId(base_link)].placement.inverse()
-    for shape in shapes.geometryObjects:
-        if shape.parentJoint == 0:
-            shape.placement = universe_to_base * shape.placement
-
-
-def _link(model: Any, shape: Any) -> str:
-    return str(model.frames[shape.parentFrame].name)
-
-
-def _add_pairs(model: Any, shapes: Any, params: ArmParams) -> None:
-    ignored = {frozenset(pair) for pair in params.ignored_link_pairs}
-    root_frame = model.frames[model.getFrameId(params.joint_names[0])].parentFrame
-    mount = str(model.frames[root_frame].name)
-    objects = list(shapes.geometryObjects)
-    for i, moving in enumerate(objects):
-        if moving.parentJoint == 0:
-            continue
-        for j, other in enumerate(objects):
-            link, other_link = _link(model, moving), _link(model, other)
-            if other.parentJoint > 0 and (j < i or abs(int(moving.parentJoint) - int(other.parentJoint)) <= 1):
-                continue
-            adjacent_to_mount = moving.parentJoint == 1 and other_link == mount
-            if other.parentJoint == 0 and adjacent_to_mount:
-                continue
-            if frozenset((link, other_link)) not in ignored:
-                shapes.addCollisionPair(pinocchio.CollisionPair(i, j))
 
 
 def _radius(shape: Any) -> float:

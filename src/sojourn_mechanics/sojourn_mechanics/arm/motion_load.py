@@ -81,7 +81,8 @@ def peak(params: ArmParams, model: ArmModel, path: JointPath, gravity: FloatArra
     k, i = np.unravel_index(int(np.argmax(joints)), joints.shape)
     worst = LoadPeak(
         float(joints[k, i]),
-        f"{model.joint_names[i]} would need {abs(motor[k, i]):.1f} N m, {joints[k, i]:.2f} of what it can give",
+        f"{model.joint_names[i]} would need {abs(motor[k, i]):.1f} {model.effort_unit(int(i))}, "
+        f"{joints[k, i]:.2f} of what it can give",
     )
     drawn = power_drawn(params, motor, qd)
     largest = float(drawn.max())

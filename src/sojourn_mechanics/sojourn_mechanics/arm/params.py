@@ -10,7 +10,7 @@ along the chain.
 """
 
 import math
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -135,6 +135,11 @@ class ArmParams(Params):
     preferred_direction: Direction | None = Field(
         default=(0.0, 0.0, -1.0),
         description="direction in base_link tried first when a goal leaves it free [-]; null: none",
+    )
+    goal_orientation: Literal["direction", "full"] = Field(
+        default="direction",
+        description="what the orientation of a pose goal asks for: the direction of the tool axis, with any roll about "
+        "it (five joints cannot do more), or all of it",
     )
     approach_distance: float = Field(
         default=0.06,

@@ -206,9 +206,11 @@ def _approach(
     """Posture `approach_distance` short of the target on the same branch, or None."""
     if params.approach_distance <= 0.0:
         return None
-    along = forward_kinematics(model, solution).tool_direction if direction is None else direction
+    along = (
+        forward_kinematics(model, solution).tool_direction if direction is None or direction.ndim == 2 else direction
+    )
     point = position - params.approach_distance * along
-    posture = nearby_solution(params, model, point, along, solution)
+    posture = nearby_solution(params, model, point, along if direction is None else direction, solution)
     if posture is None and direction is None:
         posture = nearby_solution(params, model, point, None, solution)
     if posture is None or float(np.max(np.abs(posture - solution))) > 1.0:

@@ -3,7 +3,8 @@
 With J the Jacobian and J# its damped pseudo-inverse, every motion  (I - J# J) z  leaves the tip where it is
 (Liegeois, IEEE Trans. SMC 7(12), 1977). z is the gradient of the measure; each step is followed by a correction
 J# e that takes out the drift of the tip, and is made only if it betters the measure. Joint limits are kept: a joint
-at its limit takes no further part.
+at its limit takes no further part. J has the rows of the task: an arm of six joints has some to spare where only the
+place of its tip is asked for, or the direction of its tool as well.
 
 Measures to be made large: the joints' nearness to the middle of their range, Yoshikawa's manipulability, the
 clearance of the arm's links (as lines between joint origins) from spheres. Any function of q will do; its gradient is
@@ -15,7 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sojourn_mechanics.arm.inverse_search import POSE, search
+from sojourn_mechanics.arm.inverse import task_jacobian
+from sojourn_mechanics.arm.inverse_search import POINTING, POSE, search
 from sojourn_mechanics.arm.kinematics import TipPose, forward_kinematics
 from sojourn_mechanics.arm.manipulability import manipulability
 from sojourn_mechanics.arm.serial_arm import SerialArm
@@ -25,6 +27,7 @@ Measure = Callable[[FloatArray], float]
 """Of joint positions (n,); the larger the better."""
 _DIFFERENCE = 1.0e-5
 _SMALLEST_STEP = 1.0e-4
+_FLAT = 1.0e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,20 +63,26 @@ def clearance(arm: SerialArm, obstacles: tuple[Sphere, ...], link_radius: float 
     return measure
 
 
-def better_posture(arm: SerialArm, positions: FloatArray, measure: Measure, steps: int = 200) -> FloatArray:
-    """Joint positions (n,) with the same tip pose as `positions` and a larger measure.
+def better_posture(
+    arm: SerialArm, positions: FloatArray, measure: Measure, steps: int = 200, task: int = POSE
+) -> FloatArray:
+    """Joint positions (n,) that meet the same task as `positions`, with a larger measure.
 
     Args:
+        task: what is kept: POSE of the tip, its place and the tool's direction (POINTING), or its place (POSITION).
         steps: most steps; the search ends earlier where no step betters the measure.
     """
     goal = forward_kinematics(arm, positions)
     q, value, step = positions.copy(), measure(positions), 0.2
     for _ in range(steps):
-        direction = _null_motion(arm, q, _gradient(measure, q))
+        direction = _null_motion(arm, task, q, _gradient(measure, q))
         size = float(np.max(np.abs(direction)))
-        if size < 1e-12:
+        if size < _FLAT:  # at the bottom of a measure that is symmetric there, as in a singular posture: any way
+            direction = _null_motion(arm, task, q, np.cos(np.arange(arm.joint_count)))
+            size = float(np.max(np.abs(direction)))
+        if size < _FLAT:
             break
-        trial = _back_to_tip(arm, np.clip(q + direction * (step / size), arm.lower, arm.upper), goal)
+        trial = _back_to_tip(arm, task, np.clip(q + direction * (step / size), arm.lower, arm.upper), goal)
         new = measure(trial) if trial is not None else -np.inf
         if trial is not None and new > value:
             q, value, step = trial, new, min(1.5 * step, 0.5)
@@ -85,7 +94,7 @@ def better_posture(arm: SerialArm, positions: FloatArray, measure: Measure, step
 
 
 def joint_origins(arm: SerialArm, positions: FloatArray) -> FloatArray:
-    """Places of the base's origin, of each joint and of the tip, in the base (n + 2, 3) [m]."""
+    """Places of the base's origin, of each joint (one that slides: before and after) and of the tip, (m, 3) [m]."""
     rotation, position = np.eye(3), np.zeros(3)
     points = [position]
     for i in range(arm.joint_count):
@@ -98,14 +107,16 @@ def joint_origins(arm: SerialArm, positions: FloatArray) -> FloatArray:
             rotation = rotation @ (np.eye(3) + np.sin(positions[i]) * k + (1.0 - np.cos(positions[i])) * (k @ k))
         else:
             position = position + rotation @ axis * positions[i]
+            points.append(position)
     points.append(position + rotation @ arm.chain.tip_translation)
     return np.array(points)
 
 
-def _null_motion(arm: SerialArm, q: FloatArray, gradient: FloatArray) -> FloatArray:
+def _null_motion(arm: SerialArm, task: int, q: FloatArray, gradient: FloatArray) -> FloatArray:
     """Part of the gradient that leaves the tip at rest, with joints at their limits held."""
     free = np.ones(arm.joint_count, dtype=bool)
-    jacobian = forward_kinematics(arm, q).jacobian
+    tip = forward_kinematics(arm, q)
+    jacobian = tip.jacobian if task == POSE else task_jacobian(arm, task, tip.jacobian, tip.tool_direction)
     motion = np.zeros(arm.joint_count)
     for _ in range(arm.joint_count):
         part = jacobian[:, free]
@@ -118,12 +129,15 @@ def _null_motion(arm: SerialArm, q: FloatArray, gradient: FloatArray) -> FloatAr
     return motion
 
 
-def _back_to_tip(arm: SerialArm, q: FloatArray, goal: TipPose) -> FloatArray | None:
-    """The nearest posture with the wanted tip pose, or None."""
+def _back_to_tip(arm: SerialArm, task: int, q: FloatArray, goal: TipPose) -> FloatArray | None:
+    """The nearest posture that meets the task, or None."""
     reach = arm.reach
+    wanted = np.array(goal.rotation)
+    if task == POINTING:
+        wanted[:, 2] = goal.tool_direction
     settings = np.array([1e-9 * reach, 1e-9, 1e-12 * reach**2, 0.5, 20.0])
     found, distance, angle = search(
-        arm.chain, q, arm.lower, arm.upper, POSE, goal.position, goal.rotation, 0.25 * reach, settings
+        arm.chain, q, arm.lower, arm.upper, task, goal.position, wanted, 0.25 * reach, settings
     )
     return np.asarray(found) if distance < 1e-8 * reach and angle < 1e-8 else None
 

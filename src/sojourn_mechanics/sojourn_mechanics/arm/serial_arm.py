@@ -1,7 +1,8 @@
 """Any serial arm, cut out of a URDF: geometry in arrays, rigid bodies, limits, motors and friction.
 
 The arm is the line of joints from `base_link` to `tip_link`; every other joint of the machine is locked at zero. The
-model is re-based: its universe frame is `base_link`. A continuous joint gets limits of one turn to either side.
+model is re-based: its universe frame is `base_link`. A continuous joint gets limits of one turn to either side; speed
+and effort that are not given (or 0) are without limit.
 
 Motors: the inertia of a rotor is felt at the joint as J_m G^2 and added to the diagonal of the mass matrix
 (Corke & Armstrong-Helouvry, ICRA 1994); the gyroscopic torques of the rotors are left out, as usual for G >> 1.
@@ -10,6 +11,7 @@ Not thread-safe: `data` is scratch memory of Pinocchio that every call overwrite
 """
 
 import dataclasses
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,8 +19,9 @@ import numpy as np
 import pinocchio
 
 from sojourn_mechanics.arm.chain import Chain
+from sojourn_mechanics.arm.collision_pairs import add_collision_pairs, rebase_shapes
 from sojourn_mechanics.arm.friction import JointFriction
-from sojourn_mechanics.arm.urdf_chain import ArmModelError, read_chain
+from sojourn_mechanics.arm.urdf_chain import UNLIMITED, ArmModelError, read_chain
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 
@@ -40,6 +43,7 @@ class SerialArm:
     friction: JointFriction
     pinocchio_model: Any
     data: Any
+    shapes: Any  # Pinocchio geometry model of the primitive shapes, with the pairs that may collide
 
     @property
     def joint_count(self) -> int:
@@ -53,10 +57,10 @@ class SerialArm:
 
     @property
     def reach(self) -> float:
-        """Length of the chain stretched out, without what lies before its first joint [m]."""
+        """Length of the chain stretched out, without what lies before its first joint [m]; 1 where it has none."""
         links = np.linalg.norm(self.chain.translation[1:], axis=1).sum() + np.linalg.norm(self.chain.tip_translation)
         travel = np.maximum(np.abs(self.lower), np.abs(self.upper))[self.chain.revolute < 0.5].sum()
-        return float(links + travel)
+        return float(links + travel) or 1.0
 
 
 def build_serial_arm(
@@ -64,6 +68,7 @@ def build_serial_arm(
     base_link: str | None = None,
     tip_link: str | None = None,
     tool_axis: tuple[float, float, float] = (0.0, 0.0, 1.0),
+    ignored_pairs: Collection[frozenset[str]] = (),
 ) -> SerialArm:
     """The arm between two links of a URDF.
 
@@ -72,6 +77,7 @@ def build_serial_arm(
         base_link: link that carries the arm; the outermost one if left out.
         tip_link: link at the arm's end; if left out, the end of the longest line of joints.
         tool_axis: unit vector in the tip frame that points.
+        ignored_pairs: names of links that may overlap.
 
     Raises:
         ArmModelError: malformed XML, no such link, no moving joint between them.
@@ -79,10 +85,13 @@ def build_serial_arm(
     line = read_chain(urdf_xml, base_link, tip_link)
     try:
         full = pinocchio.buildModelFromXML(line.urdf_xml)
+        geometry = pinocchio.buildGeomFromUrdfString(full, line.urdf_xml, pinocchio.GeometryType.COLLISION)
     except (ValueError, RuntimeError) as error:
         raise ArmModelError(f"the URDF could not be read: {error}") from error
     locked = [i for i in range(1, full.njoints) if full.names[i] not in line.joint_names]
-    model = pinocchio.buildReducedModel(full, locked, pinocchio.neutral(full))
+    model, shapes = pinocchio.buildReducedModel(full, geometry, locked, pinocchio.neutral(full))
+    rebase_shapes(model, shapes, line.base_link)
+    add_collision_pairs(model, shapes, ignored_pairs)
     rebase(model, line.base_link)
     model.armature = np.array(line.motor_inertia)
     return SerialArm(
@@ -93,13 +102,19 @@ def build_serial_arm(
         chain=chain_of(model, line.tip_link, tool_axis),
         lower=np.array(model.lowerPositionLimit),
         upper=np.array(model.upperPositionLimit),
-        max_velocity=np.array(model.upperVelocityLimit),
-        max_effort=np.array(model.upperEffortLimit),
+        max_velocity=_unlimited(model.upperVelocityLimit),
+        max_effort=_unlimited(model.upperEffortLimit),
         motor_inertia=np.array(line.motor_inertia),
         friction=line.friction,
         pinocchio_model=model,
         data=model.createData(),
+        shapes=shapes,
     )
+
+
+def _unlimited(limits: FloatArray) -> FloatArray:
+    """Limits with what stands for none made infinite."""
+    return np.where(np.asarray(limits) < 0.5 * UNLIMITED, limits, np.inf)
 
 
 def with_payload(

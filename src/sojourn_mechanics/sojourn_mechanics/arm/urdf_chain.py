@@ -15,7 +15,10 @@ from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.params import FloatArray
 
 _MOVING = ("revolute", "prismatic", "continuous")
+_MANY = ("floating", "planar")
 _ONE_TURN = 2.0 * math.pi
+UNLIMITED = 1.0e30
+"""Stands for a limit of speed or effort that the URDF does not give: its parser knows no infinity."""
 
 
 class ArmModelError(MechanicsError):
@@ -27,7 +30,7 @@ class UrdfChain:
     """An arm's part of a URDF; lists in chain order."""
 
     name: str
-    urdf_xml: str  # continuous joints turned into revolute ones, meshes taken out
+    urdf_xml: str  # continuous joints turned into revolute ones; pictures and meshes taken out
     base_link: str
     tip_link: str
     joint_names: tuple[str, ...]  # of the moving joints
@@ -47,15 +50,17 @@ def read_chain(urdf_xml: str, base_link: str | None, tip_link: str | None) -> Ur
         raise ArmModelError(f"the URDF is not an XML document: {error}") from error
     if root.tag != "robot":
         raise ArmModelError(f"the outermost element is {root.tag!r}: allowed is robot")
-    for link in root.findall("link"):  # shapes are not looked at, and may be meshes
+    for link in root.findall("link"):
         for shape in [*link.findall("visual"), *link.findall("collision")]:
-            link.remove(shape)
+            if shape.tag == "visual" or shape.find("geometry/mesh") is not None:
+                link.remove(shape)
     above = {_link_of(joint, "child"): joint for joint in root.findall("joint")}
     links = [str(link.get("name")) for link in root.findall("link")]
     base = base_link if base_link is not None else _outermost(links, above)
     if base not in links:
         raise ArmModelError(f"{base!r} is not a link of the URDF; there are {', '.join(links)}")
-    tip = tip_link if tip_link is not None else _farthest(links, above, base)
+    gripping = _gripping(root)
+    tip = tip_link if tip_link is not None else _farthest(links, above, base, gripping)
     if tip not in links:
         raise ArmModelError(f"{tip!r} is not a link of the URDF; there are {', '.join(links)}")
     joints = _line(above, base, tip)
@@ -64,11 +69,19 @@ def read_chain(urdf_xml: str, base_link: str | None, tip_link: str | None) -> Ur
     moving = [joint for joint in joints if joint.get("type") in _MOVING]
     if not moving:
         raise ArmModelError(f"no joint moves between link {base!r} and link {tip!r}")
-    for joint in root.findall("joint"):
+    for joint in joints:
         if joint.find("mimic") is not None:
             raise ArmModelError(f"joint {joint.get('name')!r} mimics another: allowed are joints that move alone")
-        if joint.get("type") == "continuous":
-            _limit_to_one_turn(joint)
+        if joint.get("type") in _MANY:
+            raise ArmModelError(f"joint {joint.get('name')!r} is {joint.get('type')}: allowed are {', '.join(_MOVING)}")
+    for joint in moving:
+        _check_axis(joint)
+    for joint in root.findall("joint"):
+        mimic = joint.find("mimic")
+        if mimic is not None:  # of a gripper: it is locked
+            joint.remove(mimic)
+        if joint.get("type") in _MOVING:
+            _complete_limits(joint)
     return UrdfChain(
         name=str(root.get("name", "arm")),
         urdf_xml=ElementTree.tostring(root, encoding="unicode"),
@@ -87,12 +100,22 @@ def _outermost(links: list[str], above: dict[str, ElementTree.Element]) -> str:
     return free[0]
 
 
-def _farthest(links: list[str], above: dict[str, ElementTree.Element], base: str) -> str:
-    """The link at the end of the line with most moving joints; of equals, the line with most links."""
+def _gripping(root: ElementTree.Element) -> set[str]:
+    """Names of joints that mimic another, and of those that are mimicked: fingers of a gripper."""
+    found: set[str] = set()
+    for joint in root.findall("joint"):
+        mimic = joint.find("mimic")
+        if mimic is not None:
+            found |= {str(joint.get("name")), str(mimic.get("joint"))}
+    return found
+
+
+def _farthest(links: list[str], above: dict[str, ElementTree.Element], base: str, gripping: set[str]) -> str:
+    """The link at the end of the line with most moving joints, before any gripper; of equals, that with most links."""
     best, tip = (-1, -1), base
     for name in links:
         line = _line(above, base, name)
-        if line is not None:
+        if line is not None and not any(joint.get("name") in gripping for joint in line):
             length = (sum(joint.get("type") in _MOVING for joint in line), len(line))
             if length > best:
                 best, tip = length, name
@@ -117,13 +140,39 @@ def _link_of(joint: ElementTree.Element, tag: str) -> str:
     return str(child.get("link"))
 
 
-def _limit_to_one_turn(joint: ElementTree.Element) -> None:
-    joint.set("type", "revolute")
+def _check_axis(joint: ElementTree.Element) -> None:
+    element = joint.find("axis")
+    words = "1 0 0" if element is None else str(element.get("xyz", "1 0 0"))
+    try:
+        length = math.hypot(*(float(word) for word in words.split()))
+    except ValueError:
+        length = math.nan
+    if len(words.split()) != 3 or not length > 1e-9 or not math.isfinite(length):
+        raise ArmModelError(f"joint {joint.get('name')!r}: axis = {words!r}: allowed are three numbers, not all 0")
+
+
+def _complete_limits(joint: ElementTree.Element) -> None:
+    """Give a joint the limits that it lacks: one turn to either side, any speed and any effort.
+
+    What leaves no room at all (0, or lower = upper) counts as not given: exporters write it so.
+    """
+    owner = f"joint {joint.get('name')}"
     limit = joint.find("limit")
     if limit is None:
-        limit = ElementTree.SubElement(joint, "limit", {"effort": "0", "velocity": "0"})
-    limit.set("lower", str(-_ONE_TURN))
-    limit.set("upper", str(_ONE_TURN))
+        limit = ElementTree.SubElement(joint, "limit")
+    low, high = _value(limit, "lower", owner, 0.0), _value(limit, "upper", owner, 0.0)
+    if joint.get("type") == "continuous" or (joint.get("type") == "revolute" and low == high):
+        low, high = -_ONE_TURN, _ONE_TURN
+    if not low < high:
+        raise ArmModelError(f"{owner}: limits {low:g} to {high:g}: allowed is a lower one below the upper one")
+    joint.set("type", "revolute" if joint.get("type") == "continuous" else str(joint.get("type")))
+    limit.set("lower", repr(low))
+    limit.set("upper", repr(high))
+    for name in ("effort", "velocity"):
+        value = _value(limit, name, owner, 0.0)
+        if value < 0.0:
+            raise ArmModelError(f"{owner}: {name} = {value:g}: allowed is a number above 0")
+        limit.set(name, repr(value or UNLIMITED))
 
 
 def _motor_inertia(root: ElementTree.Element, names: list[str]) -> FloatArray:

@@ -5,9 +5,11 @@ every time. The map is a section: distance from the first joint's axis against h
 (the workspace is the section turned about the axis, within its range), else x against z of the base. In each cell:
 
     pointing    share of the sphere of tool directions that some posture has there, of `DIRECTIONS` equal patches:
-                dexterous where it is 1 (reachable and dexterous workspace: Kumar & Waldron, ASME J. Mech. Design 1981)
+                dexterous where it is 1 (reachable and dexterous workspace: Kumar & Waldron, ASME J. Mech. Design 1981).
+                Of an arm whose tool points one way whatever it does: share of the turns about the tool, of as many
     manipulability   largest of the postures there (Yoshikawa)
-    force       largest over the postures of the force that can be given in whichever of six directions is the worst [N]
+    force       largest over the postures of the force that can be given in the worst of six directions [N]; of an arm
+                that cannot hold itself under this gravity, what it could give without weight
     payload     largest mass that some posture there can hold at rest [kg]
 Collisions are not looked at. A map of samples: a cell without any may yet be reached near the rim.
 """
@@ -26,6 +28,9 @@ from sojourn_mechanics.params import FloatArray, IntArray
 BANDS, SECTORS = 6, 8
 DIRECTIONS = BANDS * SECTORS + 2
 """Patches of the sphere, of equal area: two caps, and bands of equal height between them, cut into sectors."""
+_HARDLY = 0.01
+"""Share of the postures below which an arm counts as one that cannot hold itself."""
+_ONE_WAY = 1.0e-6
 _CAP = 1.0 - 2.0 / DIRECTIONS
 """Height above which a direction is in a cap."""
 
@@ -38,8 +43,10 @@ class WorkspaceMap:
     height: FloatArray  # edges of the rows (rows + 1,) [m]
     about_axis: bool  # across is the distance from the first joint's axis, or else x
     pointing: FloatArray  # [-]
+    one_way: bool  # the tool points one way: pointing is of the turns about it
     manipulability: FloatArray
     force: FloatArray  # [N]
+    weightless: bool  # the force is without weight: the arm cannot hold itself
     payload: FloatArray | None  # [kg]; None without weight
     tips: FloatArray  # some tip positions in the base (m, 3) [m]
     reach_from_axis: float  # largest distance from the first axis, or largest x [m]
@@ -53,39 +60,47 @@ def workspace_map(
 
     Args:
         gravity: in the base (3,) [m/s2].
-        postures: that are asked where the tip is. loaded_postures: of them, that are asked what they can carry.
+        postures: that are asked where the tip is. loaded_postures: of them, that are asked what they can carry, as
+            many in each cell as in the others where there are so many.
         cells: along the longer side of the map.
     """
     positions = spread(arm.joint_count, postures) * (arm.upper - arm.lower) + arm.lower
-    tips, tools, _ = tip_samples(arm.chain, positions)
-    points, directions, about_axis = _in_section(arm, tips, tools)
+    tips, tools, sides = tip_samples(arm.chain, positions)
+    points, turn, about_axis = _section(arm, tips)
+    directions = _turned(tools, turn)
+    one_way = float(np.ptp(directions, axis=0).max()) < _ONE_WAY
     across, height = _edges(points, cells, about_axis)
     shape = (len(height) - 1, len(across) - 1)
     cell = _cell_of(points, across, height)
     seen = np.zeros((shape[0] * shape[1], DIRECTIONS), dtype=bool)
-    seen[cell, _patch_of(directions)] = True
+    seen[cell, _sector_of(directions[0], _turned(sides, turn)) if one_way else _patch_of(directions)] = True
     reached = np.any(seen, axis=1)
     pointing = np.where(reached, seen.mean(axis=1), np.nan)
 
-    few = np.ascontiguousarray(positions[:loaded_postures])
-    _, _, jacobians = tip_samples(arm.chain, few)
+    chosen = _evenly(cell, loaded_postures)
+    few, cells_of_few = np.ascontiguousarray(positions[chosen]), cell[chosen]
+    jacobians = jacobian_samples(arm.chain, few)
     holding = np.array([gravity_effort(arm, row, gravity) for row in few])
     values = np.linalg.svd(jacobians, compute_uv=False)
     weight = float(np.linalg.norm(gravity))
     payload = None
     if weight > 0.0:
         lift = _largest_forces(arm, jacobians, holding, -gravity / weight) / weight
-        payload = _largest_in(cell[: len(few)], lift, len(reached)).reshape(shape)
-    worst = np.min([_largest_forces(arm, jacobians, holding, side) for side in (*np.eye(3), *-np.eye(3))], axis=0)
+        payload = _largest_in(cells_of_few, lift, len(reached)).reshape(shape)
+    weightless = bool(np.mean(np.all(np.abs(holding) <= arm.max_effort, axis=1)) < _HARDLY)
+    bearing = np.zeros_like(holding) if weightless else holding
+    worst = np.min([_largest_forces(arm, jacobians, bearing, side) for side in (*np.eye(3), *-np.eye(3))], axis=0)
     return WorkspaceMap(
         across=across,
         height=height,
         about_axis=about_axis,
         pointing=pointing.reshape(shape),
-        manipulability=_largest_in(cell[: len(few)], np.prod(values, axis=1), len(reached)).reshape(shape),
-        force=_largest_in(cell[: len(few)], worst, len(reached)).reshape(shape),
+        one_way=one_way,
+        manipulability=_largest_in(cells_of_few, np.prod(values, axis=1), len(reached)).reshape(shape),
+        force=_largest_in(cells_of_few, worst, len(reached)).reshape(shape),
+        weightless=weightless,
         payload=payload,
-        tips=tips[:: max(1, len(tips) // 20_000)],
+        tips=tips[:20_000],  # the first points of the sequence are as evenly spread as all of them
         reach_from_axis=float(points[:, 0].max()),
         volume=_volume(arm, reached.reshape(shape), across, height) if about_axis else 0.0,
     )
@@ -93,18 +108,33 @@ def workspace_map(
 
 @njit(cache=True)
 def tip_samples(chain: Chain, positions: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Tip positions (m, 3) [m], tool directions (m, 3), Jacobians (m, 6, n) at joint positions (m, n)."""
+    """Tip positions (m, 3) [m], tool directions (m, 3), a direction across it (m, 3) at joint positions (m, n)."""
     count, n = positions.shape
-    tips, tools, jacobians = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 6, n))
-    rotation, position = np.empty((3, 3)), np.empty(3)
+    tips, tools, sides = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3))
+    rotation, position, jacobian = np.empty((3, 3)), np.empty(3), np.empty((6, n))
+    across = np.zeros(3)
+    across[np.argmin(np.abs(chain.tool_axis))] = 1.0
+    across -= np.sum(across * chain.tool_axis) * chain.tool_axis
+    across /= np.sqrt(np.sum(across**2))
     for i in range(count):
-        tip_kinematics(chain, positions[i], rotation, position, jacobians[i])
+        tip_kinematics(chain, positions[i], rotation, position, jacobian)
         for k in range(3):
             tips[i, k] = position[k]
-            tools[i, k] = 0.0
+            tools[i, k], sides[i, k] = 0.0, 0.0
             for m in range(3):
                 tools[i, k] += rotation[k, m] * chain.tool_axis[m]
-    return tips, tools, jacobians
+                sides[i, k] += rotation[k, m] * across[m]
+    return tips, tools, sides
+
+
+@njit(cache=True)
+def jacobian_samples(chain: Chain, positions: FloatArray) -> FloatArray:
+    """Jacobians (m, 6, n) at joint positions (m, n)."""
+    jacobians = np.empty((positions.shape[0], 6, positions.shape[1]))
+    rotation, position = np.empty((3, 3)), np.empty(3)
+    for i in range(positions.shape[0]):
+        tip_kinematics(chain, positions[i], rotation, position, jacobians[i])
+    return jacobians
 
 
 def first_axis(arm: SerialArm) -> tuple[FloatArray, FloatArray]:
@@ -112,10 +142,10 @@ def first_axis(arm: SerialArm) -> tuple[FloatArray, FloatArray]:
     return arm.chain.translation[0], arm.chain.rotation[0] @ arm.chain.axis[0]
 
 
-def _in_section(arm: SerialArm, tips: FloatArray, tools: FloatArray) -> tuple[FloatArray, FloatArray, bool]:
-    """Across and height (m, 2), and tool directions turned into the section with them (m, 3)."""
+def _section(arm: SerialArm, tips: FloatArray) -> tuple[FloatArray, FloatArray | None, bool]:
+    """Across and height (m, 2), the axes of the section through each tip (m, 3, 3), and whether it is about an axis."""
     if not arm.revolute[0]:
-        return tips[:, [0, 2]], tools, False
+        return tips[:, [0, 2]], None, False
     point, axis = first_axis(arm)
     if axis[2] < -0.5:  # height counts upward where there is an up
         axis = -axis
@@ -124,9 +154,31 @@ def _in_section(arm: SerialArm, tips: FloatArray, tools: FloatArray) -> tuple[Fl
     radial = out - height[:, None] * axis
     distance = np.linalg.norm(radial, axis=1)
     radial /= np.maximum(distance, 1e-12)[:, None]
-    sideways = np.sum(tools * np.cross(axis, radial), axis=1)
-    turned = np.stack([np.sum(tools * radial, axis=1), sideways, tools @ axis], axis=1)
-    return np.stack([distance, height + float(point @ axis)], axis=1), turned, True
+    axes = np.stack([radial, np.cross(axis, radial), np.broadcast_to(axis, radial.shape)], axis=1)
+    return np.stack([distance, height + float(point @ axis)], axis=1), axes, True
+
+
+def _turned(directions: FloatArray, axes: FloatArray | None) -> FloatArray:
+    """Directions (m, 3) in the axes of their sections."""
+    return directions if axes is None else np.asarray(np.einsum("mij,mj->mi", axes, directions))
+
+
+def _evenly(cell: IntArray, count: int) -> IntArray:
+    """Indices of at most `count` samples: the first of every cell, then the second of every cell, and so on."""
+    order = np.argsort(cell, kind="stable")
+    ordered = cell[order]
+    firsts = np.concatenate([[True], ordered[1:] != ordered[:-1]])
+    begin = np.maximum.accumulate(np.where(firsts, np.arange(len(cell)), 0))
+    rank = np.empty(len(cell), dtype=np.int64)
+    rank[order] = np.arange(len(cell)) - begin
+    return np.asarray(np.sort(np.argsort(rank, kind="stable")[:count]), dtype=np.int64)
+
+
+def _sector_of(tool: FloatArray, sides: FloatArray) -> IntArray:
+    """Sector, of `DIRECTIONS`, in which directions (m, 3) across a tool (3,) lie."""
+    first = sides[0] - (sides[0] @ tool) * tool
+    turn = np.arctan2(sides @ np.cross(tool, first), sides @ first) / (2.0 * np.pi) + 0.5
+    return np.asarray(np.clip((turn * DIRECTIONS).astype(np.int64), 0, DIRECTIONS - 1), dtype=np.int64)
 
 
 def _edges(points: FloatArray, cells: int, from_zero: bool) -> tuple[FloatArray, FloatArray]:
@@ -134,7 +186,7 @@ def _edges(points: FloatArray, cells: int, from_zero: bool) -> tuple[FloatArray,
     if from_zero:
         low[0] = 0.0
     size = float(np.max(high - low)) / cells
-    counts = np.maximum(np.ceil((high - low) / size - 1e-6).astype(int), 1)
+    counts = np.maximum(np.ceil((high - low) / size - 1e-3).astype(int), 1)
     return low[0] + size * np.arange(counts[0] + 1), low[1] + size * np.arange(counts[1] + 1)
 
 
@@ -169,6 +221,8 @@ def _largest_in(cell: IntArray, values: FloatArray, count: int) -> FloatArray:
 
 
 def _volume(arm: SerialArm, reached: FloatArray, across: FloatArray, height: FloatArray) -> float:
+    if len(height) == 2:
+        return 0.0  # the tip stays in a plane
     turn = min(float(arm.upper[0] - arm.lower[0]), 2.0 * np.pi)
     rings = 0.5 * turn * (across[1:] ** 2 - across[:-1] ** 2) * (height[1] - height[0])
     return float(np.sum(reached * rings[None, :]))

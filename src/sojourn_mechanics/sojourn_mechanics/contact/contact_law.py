@@ -96,7 +96,7 @@ class StateColumn(IntEnum):
     """Memory of a contact. The names are those of the rolling laws (see `shear_memory`)."""
 
     SHEAR_ALONG = 0
-    """u_x [m]; displacement in map of a pad on a body, three columns."""
+    """u_x [m]; displacement in map of a pad on a body, three columns, then what `pad_on_soil` keeps of a tool."""
     SHEAR_SIDE = 1
     """u_y [m]."""
     TRAVEL = 2

@@ -172,7 +172,7 @@ def contact_forces(
                 report[i, 2] = centre[2] - radius
         else:
             on_map &= pad_forces(
-                wheels[i], centre, point_velocity, heights, soil_index, grid, soils, dt, states[i], wrench,
+                wheels[i], centre, point_velocity, heights, soil_index, grid, soils, memory, dt, states[i], wrench,
                 report[i],
             )  # fmt: skip
         # moment about the map's origin

@@ -72,13 +72,13 @@ def look_ahead(
         depth: of that point below the ground as it was once [m]. past: (PAST_COLUMNS,), written.
 
     Returns:
-        depth of the rut [m] and its gradients by x and y [-].
+        how far the ground lies below what it was, by ruts and digging [m], and the gradients of that by x and y [-].
     """
     pool, slots, _, place = memory
     length = min(math.sqrt(2.0 * wheel[_RADIUS] * depth), wheel[_RADIUS])
     reach = length + place[2]
     ahead = travel * reach
-    greatest, rut, slope_x, slope_y = read_ground(
+    greatest, rut, dug, slope_x, slope_y = read_ground(
         pool, slots, place, x + ahead * forward[0], y + ahead * forward[1], forward[0], forward[1],
         2.0 * length, wheel[_WIDTH],
     )  # fmt: skip
@@ -87,7 +87,7 @@ def look_ahead(
     past[PLACE_X] = x
     past[PLACE_Y] = y
     past[REACH] = reach
-    return rut, slope_x, slope_y
+    return rut + dug, slope_x, slope_y
 
 
 @njit(cache=True)

@@ -9,8 +9,13 @@ after Bekker (1969), friction after Janosi & Hanamoto (1961). For a machine that
 side: the ground is that under the pad's centre.
 
 A pad that is the end of a scoop cuts the soil as deep as it has sunk: McKyes' force (`soil.digging`) for that depth
-goes onto the friction and is mobilised with it, against the way of the tool. Each cut meets fresh ground: no soil is
-taken.
+goes onto the friction and is mobilised with it, against the way of the tool; so does the surcharge of the soil that the
+scoop pushes ahead of it. Soil is taken away behind the cut, by the plant's tool (`plant.tools.scoop`), so that the cut
+meets the ground as it is ahead: the pad remembers the way D on which it is dragged, dD/dt = (v - |v| D)/a along the
+ground, and reads the ground's memory (`terrain/memory.py`) a lead of (a + 1.5 cells) D ahead of its centre.
+
+Only the end of a tool reads that memory, and carries a moment that the tool itself makes (a drill's); the bottom of the
+hole that a drill has made lies `TAKEN` below the ground. The tool writes these into the pad's row before each period.
 """
 
 import math
@@ -24,20 +29,32 @@ from sojourn_mechanics.contact.wheel_on_soil import pressure_modulus
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.soil.params import SoilColumn
 from sojourn_mechanics.terrain.height_field import HeightArray, SoilArray, sample_ground, sample_soil
+from sojourn_mechanics.terrain.memory import MemoryTables, read_lowered
 
-CUT_COLUMNS = 3
-"""Numbers for each soil in the row of a pad that cuts: the force is linear d + quadratic d² + cubic d³."""
+IS_TOOL, TAKEN, PILE, MOMENT, FIRST_CUT = (int(WheelColumn.OWN) + place for place in (0, 1, 2, 3, 6))
+"""Columns of a tool's pad: 1 for a tool; depth of the hole below it [m]; weight of the soil that it pushes ahead [N];
+moment that it makes on the body, (3,) in map [N m]; the cut in each soil."""
+CUT_COLUMNS = 5
+"""Numbers for each soil in the row of a pad that cuts: the force is linear d + quadratic d² + cubic d³, and a weight W
+pushed ahead adds W (of_pile + of_pile_by_depth d)."""
+DRAG_X, DRAG_Y = 3, 4
+"""Columns of a tool's state: D, along the map."""
 PAD_MEMORY = 4.0
 """Distance after which a sliding pad forgets where it stood, in shear moduli."""
 
 _RADIUS = int(WheelColumn.RADIUS)
 _WIDTH = int(WheelColumn.WIDTH)
-_OWN = int(WheelColumn.OWN)
 _DAMPING = int(SoilColumn.CONTACT_DAMPING)
 _N = int(SoilColumn.N)
 _COHESION = int(SoilColumn.COHESION)
 _TAN_PHI = int(SoilColumn.TAN_PHI)
 _K_X = int(SoilColumn.SHEAR_MODULUS_LONGITUDINAL)
+
+
+@njit(cache=True)
+def lead_length(radius: float, cell: float) -> float:
+    """How far ahead of a tool that is dragged the ground is read [m]: beyond what its cut has taken away."""
+    return radius + 1.5 * cell
 
 
 @njit(cache=True)
@@ -49,6 +66,7 @@ def pad_forces(
     soil_index: SoilArray,
     grid: FloatArray,
     soils: FloatArray,
+    memory: MemoryTables,
     dt: float,
     state: FloatArray,
     wrench: FloatArray,
@@ -58,8 +76,8 @@ def pad_forces(
 
     Args:
         pad: its row, (WHEEL_COLUMNS,): radius, and the coefficients of its cut in each soil. centre, velocity: in map,
-        (3,) [m], [m/s]. dt: [s]. heights, soil_index, grid, soils: as in `contact_forces`.
-        state: (STATE_COLUMNS,); its first three are the displacement against the ground in map [m].
+        (3,) [m], [m/s]. dt: [s]. heights, soil_index, grid, soils, memory: as in `contact_forces`.
+        state: (STATE_COLUMNS,); its first three are the displacement against the ground in map [m], then a tool's D.
         wrench: (6,), force and moment at the centre.
         report: (REPORT_COLUMNS,), see `contact_set`.
     """
@@ -68,6 +86,17 @@ def pad_forces(
     report[0:3] = centre
     height, slope_x, slope_y, inside = sample_ground(heights, grid, centre[0], centre[1])
     norm = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+    radius = float(pad[_RADIUS])
+    is_tool = pad[IS_TOOL] > 0.0
+    if is_tool:
+        for k in range(3):
+            wrench[3 + k] = pad[MOMENT + k]
+        height -= pad[TAKEN]
+        pool, slots, _, place = memory
+        if place[2] > 0.0:
+            lead = lead_length(radius, place[2])
+            ahead_x, ahead_y = centre[0] + lead * state[DRAG_X], centre[1] + lead * state[DRAG_Y]
+            height -= read_lowered(pool, slots, place, ahead_x, ahead_y)
     sinkage = (height - centre[2]) * norm
     if sinkage <= 0.0:
         state[:] = 0.0
@@ -75,7 +104,6 @@ def pad_forces(
     normal = np.array((-slope_x * norm, -slope_y * norm, norm))
     soil_number = sample_soil(soil_index, grid[0], grid[1], grid[2], centre[0], centre[1])
     soil = soils[soil_number]
-    radius = float(pad[_RADIUS])
     area = math.pi * radius * radius
     v_normal = velocity[0] * normal[0] + velocity[1] * normal[1] + velocity[2] * normal[2]
     load = area * pressure_modulus(soil, radius) * sinkage ** soil[_N]
@@ -89,21 +117,26 @@ def pad_forces(
     relaxed = 1.0 + dt * speed / (PAD_MEMORY * modulus)
     for k in range(3):
         state[k] = (state[k] - dt * slide[k]) / relaxed
-    lead = np.empty(3)
+    if is_tool:
+        forgotten = 1.0 + dt * math.sqrt(slide[0] ** 2 + slide[1] ** 2) / radius
+        state[DRAG_X] = (state[DRAG_X] + dt * slide[0] / radius) / forgotten
+        state[DRAG_Y] = (state[DRAG_Y] + dt * slide[1] / radius) / forgotten
+    towards = np.empty(3)
     lead_time = shear_lead(speed)
     out_of_plane = state[0] * normal[0] + state[1] * normal[1] + state[2] * normal[2]
     for k in range(3):
         state[k] -= out_of_plane * normal[k]
-        lead[k] = state[k] - lead_time * slide[k]
-    shear = math.sqrt(lead[0] ** 2 + lead[1] ** 2 + lead[2] ** 2)
+        towards[k] = state[k] - lead_time * slide[k]
+    shear = math.sqrt(towards[0] ** 2 + towards[1] ** 2 + towards[2] ** 2)
     cut = 0.0
     if pad[_WIDTH] > 0.0:
-        first = _OWN + CUT_COLUMNS * soil_number
+        first = FIRST_CUT + CUT_COLUMNS * soil_number
         cut = sinkage * (pad[first] + sinkage * (pad[first + 1] + sinkage * pad[first + 2]))
+        cut += pad[PILE] * (pad[first + 3] + pad[first + 4] * sinkage)
     gain = -math.expm1(-shear / modulus)
     friction = (soil[_COHESION] * area + load * soil[_TAN_PHI] + cut) * gain
     for k in range(3):
-        wrench[k] = load * normal[k] + (friction * lead[k] / shear if shear > 1e-12 else 0.0)
+        wrench[k] = load * normal[k] + (friction * towards[k] / shear if shear > 1e-12 else 0.0)
         report[6 + k] = wrench[k]
     report[3] = sinkage
     report[10] = soil_number

@@ -10,14 +10,14 @@ from pydantic import Field
 from sojourn_mechanics.contact.bekker_wheel import BekkerWheelParams
 from sojourn_mechanics.contact.brush import BrushParams
 from sojourn_mechanics.contact.compliant_wheel_on_soil import CompliantWheelOnSoilParams
-from sojourn_mechanics.contact.contact_law import OWN_COLUMNS, WHEEL_COLUMNS, WheelColumn
+from sojourn_mechanics.contact.contact_law import WHEEL_COLUMNS, WheelColumn
 from sojourn_mechanics.contact.firm_wheel_laws import (
     CompliantWheelOnRigidGroundParams,
     RigidWheelOnRigidGroundParams,
     WheelAndGroundInSeriesParams,
 )
 from sojourn_mechanics.contact.magic_formula import MagicFormulaParams
-from sojourn_mechanics.contact.pad_on_soil import CUT_COLUMNS
+from sojourn_mechanics.contact.pad_on_soil import CUT_COLUMNS, FIRST_CUT, IS_TOOL
 from sojourn_mechanics.contact.rigid_wheel_on_soil import RigidWheelOnSoilParams
 from sojourn_mechanics.contact.roller_wheel import RollerWheelParams
 from sojourn_mechanics.errors import InvalidValueError
@@ -69,7 +69,7 @@ class ScoopParams(Params):
         """Of the cut in a soil; zero in a rigid one, which is not cut."""
         friction = math.radians(soil.friction_angle_deg)
         if soil.kind == "rigid" or friction <= 0.0:
-            return CutCoefficients(0.0, 0.0, 0.0)
+            return CutCoefficients(0.0, 0.0, 0.0, 0.0, 0.0)
         on_tool = min(math.radians(self.tool_friction_deg), friction)
         seen = DiggingSoil(soil.density * gravity, soil.cohesion, friction, on_tool)
         return cut_coefficients(seen, self.width, math.radians(self.rake_deg))
@@ -83,6 +83,9 @@ class PadParams(Params):
     position: tuple[float, float, float] = Field(description="centre of the pad in the link's frame, shape (3,) [m]")
     radius: float = Field(gt=0.0, le=2.0, description="radius of the pad [m]")
     scoop: ScoopParams | None = Field(default=None, description="what it cuts the soil with when dragged, or nothing")
+    is_tool: bool = Field(
+        default=False, description="whether it is the end of the arm's tool: it meets what has been dug"
+    )
 
 
 def kernel_rows(wheels: Sequence[WheelParams], pads: Sequence[PadParams], gravity: float) -> FloatArray:
@@ -104,6 +107,7 @@ def kernel_rows(wheels: Sequence[WheelParams], pads: Sequence[PadParams], gravit
     for row, pad in zip(rows[len(wheels) :], pads, strict=True):
         row[WheelColumn.RADIUS] = pad.radius
         row[WheelColumn.WIDTH] = pad.scoop.width if pad.scoop is not None else 0.0
+        row[IS_TOOL] = float(pad.is_tool)
     return rows
 
 
@@ -113,12 +117,12 @@ def add_cuts(rows: FloatArray, pads: Sequence[PadParams], soils: Sequence[SoilPa
     Raises:
         InvalidValueError: more soils than a row has room for.
     """
-    room = OWN_COLUMNS // CUT_COLUMNS
+    room = (WHEEL_COLUMNS - FIRST_CUT) // CUT_COLUMNS
     for row, pad in zip(rows[len(rows) - len(pads) :], pads, strict=True):
         if pad.scoop is None:
             continue
         if len(soils) > room:
             raise InvalidValueError(f"soils under the scoop {pad.name}", len(soils), f"at most {room}")
         for number, soil in enumerate(soils):
-            first = WheelColumn.OWN + CUT_COLUMNS * number
+            first = FIRST_CUT + CUT_COLUMNS * number
             row[first : first + CUT_COLUMNS] = pad.scoop.coefficients(soil, gravity)

@@ -5,7 +5,8 @@ plane (see `ground_plane`) lies below the plane by  z = r cos γ - d,  with the 
 the ground and the distance d of the centre from the plane.
 
 A rut lowers and tilts the plane (see `ground_memory`). It is nowhere above the ground as it was once, but the plane
-through its edge is: so no wheel is deeper in a rut than it is below the ground as it was.
+through its edge is: so no wheel is deeper in a rut than it is below the ground as it was, or as a heap has made it,
+whose top is taken to be twice as high as its mean round the contact.
 """
 
 import math
@@ -21,6 +22,8 @@ from sojourn_mechanics.terrain.memory import MemoryTables
 
 MIN_COS_CAMBER = 1e-3
 """A wheel that lies flatter than this on its side has no lowest point."""
+HIGHEST_HEAP = 0.1
+"""A wheel whose lowest point is so far above the ground as it was once may still stand on a heap of soil [m]."""
 FRAME_VECTORS = 6
 
 _RADIUS = int(WheelColumn.RADIUS)
@@ -102,12 +105,14 @@ def find_contact(
         lowest_y = centre[1] + radius * slope_y * norm
         rise = centre[2] - pz - slope_x * (centre[0] - px) - slope_y * (centre[1] - py)
         depth = radius - rise * norm
-        deepest = max(depth, 0.0)
-        if depth > 0.0:
-            rut, rut_x, rut_y = look_ahead(memory, wheel, lowest_x, lowest_y, forward, travel, depth, past)
-            pz -= rut
-            slope_x -= rut_x
-            slope_y -= rut_y
+        if depth > -HIGHEST_HEAP:
+            lowered, lowered_x, lowered_y = look_ahead(
+                memory, wheel, lowest_x, lowest_y, forward, travel, max(depth, 0.0), past
+            )
+            pz -= lowered
+            slope_x -= lowered_x
+            slope_y -= lowered_y
+            deepest = max(depth + 2.0 * max(-lowered, 0.0), 0.0)
             norm = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     normal[0] = -slope_x * norm
     normal[1] = -slope_y * norm

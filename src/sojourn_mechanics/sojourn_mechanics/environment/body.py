@@ -3,6 +3,9 @@
     g = GM / R^2              (mean gravity of a sphere; the centrifugal part is left out, 0.2 % of g on Mars)
     S = S_1 / a^2             (inverse-square law; S_1 = 1361 W/m2 at 1 au: Kopp & Lean 2011)
 
+In orbit a machine falls with its station: nothing has weight. Left out are the tide, some 1e-6 m/s2 a metre off the
+station's centre of mass, and drag.
+
 Range: g is the mean over the body. For Phobos, Eros and Itokawa, which are far from round, it is good to a
 factor of about 1.5. S is at the mean distance; over an orbit of eccentricity e it goes from S / (1 + e)^2
 to S / (1 - e)^2.
@@ -20,7 +23,7 @@ SOLAR_FLUX_AT_1_AU = 1361.0
 
 
 class BodyParams(Params):
-    """One body. The field names are the keys of the files in `config/bodies`."""
+    """One body, or an orbit about one. The field names are the keys of the files in `config/bodies`."""
 
     name: str = Field(min_length=1, pattern=r"^[a-z][a-z0-9_]*$", description="name of the body, as its file")
     citation: str = Field(min_length=1, description="where the numbers are from")
@@ -36,6 +39,7 @@ class BodyParams(Params):
     solar_day_hours: float = Field(gt=0.0, description="noon to noon at the surface [h]")
     surface_pressure: float = Field(default=0.0, ge=0.0, description="atmospheric pressure, 0 for none [Pa]")
     surface_density: float = Field(default=0.0, ge=0.0, description="atmospheric density, 0 for none [kg/m3]")
+    free_fall: bool = Field(default=False, description="in orbit: nothing weighs anything; radius is the orbit's")
 
     @model_validator(mode="after")
     def _fields_agree(self) -> Self:
@@ -52,7 +56,9 @@ class BodyParams(Params):
 
     @property
     def surface_gravity(self) -> float:
-        """Acceleration of gravity at the surface, positive downwards [m/s2]."""
+        """Acceleration that weight comes from, positive downwards [m/s2]; zero in free fall."""
+        if self.free_fall:
+            return 0.0
         return self.gravitational_parameter / self.radius**2
 
     @property

@@ -8,6 +8,7 @@ Assumptions: a locked joint is as strong as its servo. A brake or a jammed gear 
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -55,4 +56,4 @@ class MotorFaults:
             held = float(angles[column]) if fault.angle_deg is None else float(np.radians(fault.angle_deg))
             reference[POSITION, column] = self._held.setdefault(column, held)
             reference[(RATE, EFFORT), column] = 0.0
-        return PlantCommand(reference, command.load_fractions, health)
+        return replace(command, reference=reference, motor_health=health)

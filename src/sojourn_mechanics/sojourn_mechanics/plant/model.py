@@ -9,6 +9,9 @@ between joints (rocker differential) are linear constraints on the rates, solved
 (Featherstone 2008, Rigid Body Dynamics Algorithms, ch. 8). The right side of the constraint brings both the
 rate and the drift of the closed loop back to zero. B holds the slopes of the joint torques (see
 `joint_drive`).
+
+A base that is fixed (an arm on a stand) has six more rows, A = [1 0] on its own six rates: -λ is then the wrench on
+the foundation, and the state of every machine has one form.
 """
 
 from collections.abc import Sequence
@@ -19,11 +22,13 @@ import pinocchio as pin
 
 from sojourn_mechanics.actuators import joint_drive
 from sojourn_mechanics.actuators.params import SeriesMotorParams
+from sojourn_mechanics.arm.tool_params import ToolParams
 from sojourn_mechanics.contact import contact_set, ground_plane
 from sojourn_mechanics.contact.params import add_cuts, kernel_rows
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray, IntArray
 from sojourn_mechanics.plant.params import MachineParams, SimulationParams
+from sojourn_mechanics.plant.tools.mounted_tool import MountedTool, with_tool
 from sojourn_mechanics.plant.wrist import WristLoad
 from sojourn_mechanics.power.battery import BatteryParams
 from sojourn_mechanics.power.loads import BusParams
@@ -32,6 +37,7 @@ from sojourn_mechanics.terrain.height_field import HeightField
 from sojourn_mechanics.terrain.memory import GroundMemory, MemoryBoard
 
 PLACEMENT_SIZE = 12
+BASE_RATES = 6
 STIFFEST_SPRING = 0.3
 """Largest angular frequency of a spring and what hangs on it, times the physics step [-]."""
 
@@ -75,10 +81,12 @@ class PlantModel:
         battery, bus: energy supply and its loads.
         simulation: steps.
         memory_cell: distance of the nodes at which the ground remembers wheels [m]; 0: it does not.
+        tool: at the end of the machine's arm, or none.
 
     Raises:
-        InvalidValueError: a joint or link that the URDF does not have, a drive whose load the bus does not
-            have, a soil that is missing or lacks what the contact model of a wheel needs.
+        InvalidValueError: a joint or link that the URDF does not have, a drive or tool whose load the bus does not
+            have, a tool whose pad the machine does not have, a soil that is missing or lacks what the contact model
+            of a wheel needs.
     """
 
     def __init__(
@@ -92,8 +100,9 @@ class PlantModel:
         bus: BusParams,
         simulation: SimulationParams | None = None,
         memory_cell: float = 0.0,
+        tool: ToolParams | None = None,
     ) -> None:
-        self.machine = machine
+        self.machine = machine = with_tool(machine, tool)
         self.terrain = terrain
         self.battery = battery
         self.bus = bus
@@ -121,6 +130,7 @@ class PlantModel:
         self.rim = np.stack([ground_plane.RIM_SIN, ground_plane.RIM_COS])
         self.untouched_ground = GroundMemory(memory_cell, terrain.origin_x, terrain.origin_y)
         self.memory = MemoryBoard(self.untouched_ground)
+        self.tool = None if tool is None else MountedTool(self, tool, ground)
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
         self._make_workspace()
         self._check_springs()
@@ -240,7 +250,7 @@ class PlantModel:
             bodies.append(frame.parentJoint)
             offsets.append(frame.placement.act(np.array(pad.position)))
         chains = [self._support(body) for body in bodies]
-        supports = np.full((len(bodies), max(map(len, chains)) + 1), -1, dtype=np.int64)
+        supports = np.full((len(bodies), max(map(len, chains), default=0) + 1), -1, dtype=np.int64)
         for i, chain in enumerate(chains):
             supports[i, : len(chain)] = chain
         names = (*(wheel.name for wheel in machine.wheels), *(pad.name for pad in machine.pads))
@@ -250,7 +260,7 @@ class PlantModel:
             kernel_rows(machine.wheels, machine.pads, self.gravity),
             np.array(bodies, dtype=np.int64),
             supports,
-            np.ascontiguousarray(offsets),
+            np.ascontiguousarray(np.reshape(offsets, (-1, 3))),
         )
 
     def _support(self, joint: int) -> list[int]:
@@ -263,9 +273,11 @@ class PlantModel:
         return chain
 
     def _coupling_rows(self, machine: MachineParams) -> FloatArray:
-        """A of the constraint A q̇ = 0, shape (couplings, nv)."""
-        rows = np.zeros((len(machine.couplings), self.multibody.nv))
-        for row, coupling in zip(rows, machine.couplings, strict=True):
+        """A of the constraint A q̇ = 0, shape (couplings, nv); of a fixed base (couplings + 6, nv)."""
+        rows = np.zeros((len(machine.couplings) + BASE_RATES * machine.fixed_base, self.multibody.nv))
+        if machine.fixed_base:
+            rows[-BASE_RATES:, :BASE_RATES] = np.eye(BASE_RATES)
+        for row, coupling in zip(rows, machine.couplings, strict=False):
             row[self.joints.columns[self._index_of(coupling.first)]] = 1.0
             row[self.joints.columns[self._index_of(coupling.second)]] = coupling.ratio
         return rows

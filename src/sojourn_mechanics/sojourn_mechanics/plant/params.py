@@ -29,15 +29,18 @@ class SuspensionParams(Params):
 
 
 class MachineParams(Params):
-    """A rover: wheels, pads, drives and couplings. Kinematics, masses, inertias and joint limits are in its
-    URDF.
+    """A rover: wheels, pads, drives and couplings; or an arm on a base that is fixed. Kinematics, masses, inertias
+    and joint limits are in its URDF.
 
     Joints that no drive names are passive: they have `passive_joint` friction.
     """
 
-    wheels: tuple[WheelParams, ...] = Field(min_length=1, description="wheels, in the order of all reports")
+    fixed_base: bool = Field(default=False, description="base_link stands fast: a stand, the wall of a station")
+    wheels: tuple[WheelParams, ...] = Field(
+        default=(), description="wheels, in the order of all reports; a fixed base has none, all others at least one"
+    )
     pads: tuple[PadParams, ...] = Field(default=(), description="other points that may touch the ground")
-    drives: tuple[DriveParams, ...] = Field(min_length=1, description="motor, gear and servo of groups of joints")
+    drives: tuple[DriveParams, ...] = Field(default=(), description="motor, gear and servo of groups of joints")
     passive_joint: JointFrictionParams
     suspensions: tuple[SuspensionParams, ...] = Field(default=(), description="springs and dampers on joints")
     wrench_sensor_link: str | None = Field(
@@ -54,6 +57,10 @@ class MachineParams(Params):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
+        if self.fixed_base and self.wheels:
+            raise ValueError(f"fixed_base with {len(self.wheels)} wheels: allowed is one or the other")
+        if not (self.fixed_base or self.wheels):
+            raise ValueError("wheels: allowed is one at least, or fixed_base = true")
         joints = [joint for drive in self.drives for joint in drive.joints]
         for joint in joints:
             if joints.count(joint) > 1:

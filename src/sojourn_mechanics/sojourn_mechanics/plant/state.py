@@ -9,6 +9,7 @@ import numpy as np
 
 from sojourn_mechanics.actuators.joint_drive import ANGLE, TWIST
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.plant.tools.tool_state import ToolState
 from sojourn_mechanics.power.battery import BatteryState
 from sojourn_mechanics.power.loads import BusState
 from sojourn_mechanics.terrain.memory import GroundMemory
@@ -71,6 +72,8 @@ class PlantState:
     """Has been tilted beyond the machine's limit since the start."""
     off_terrain: bool = False
     """A contact is, or has been, beyond the edge of the map."""
+    tool: ToolState | None = None
+    """Of the tool at the arm's end; None where there is none."""
 
     @property
     def motor_angles(self) -> FloatArray:
@@ -98,11 +101,13 @@ class PlantCommand:
         reference: (3, joints): position [rad], rate [rad/s], feed-forward torque [N m] of each joint.
         load_fractions: (loads,) 0 off to 1 on; a motor load's current is limited to that fraction.
         motor_health: (joints,) part of its current that each motor can take, 0 dead to 1; None: all are well.
+        tool: (3,) position, rate, effort of the tool's actuator; None: it stays where it is.
     """
 
     reference: FloatArray
     load_fractions: FloatArray
     motor_health: FloatArray | None = None
+    tool: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,8 @@ in the joints' stiff terms. For each physics step:
     4  acceleration, couplings, new velocity, energy             (`kernels.advance_velocity`)
     5  configuration on the group                                (Pinocchio)
 
-The battery and the bus take one step a control period, with the mean power of the motors; the bus voltage
-holds for the next period.
+The tool at the arm's end, the battery and the bus take one step a control period, these with the mean power of the
+motors; the bus voltage holds for the next period.
 """
 
 from dataclasses import replace
@@ -30,12 +30,14 @@ from sojourn_mechanics.plant.kernels import (
 )
 from sojourn_mechanics.plant.model import PlantModel
 from sojourn_mechanics.plant.state import EnergyAccount, PlantCommand, PlantOutput, PlantState, zeros_command
+from sojourn_mechanics.plant.tools.tool_state import ToolEnergy
 from sojourn_mechanics.power import battery, loads
 
 SETTLED_SPEED = 1e-6
 """The machine has settled when nothing moves faster [m/s], [rad/s]."""
 SETTLED_PERIODS = 25
 """For so many control periods: what swings in the play of a gear stands still at its turning points, too."""
+NO_ENERGY = ToolEnergy()
 PLACEMENT_TRIES = 5
 PLACEMENT_TOLERANCE = 1e-3
 """How near to where it was asked for the machine has to rest [m], [rad]."""
@@ -71,6 +73,8 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     if command.motor_health is not None:
         current_limits *= command.motor_health
     model.memory.load(state.ground)
+    if model.tool is not None and state.tool is not None:
+        model.tool.prepare(state.tool)
     ground = (terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim, model.memory.tables)
     contact_tables = (
         contacts.wheels, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count,
@@ -119,6 +123,8 @@ def _check_command(model: PlantModel, command: PlantCommand) -> None:
             (command.reference.shape, command.load_fractions.shape),
             f"{shape} and one a load",
         )
+    if command.tool is not None and not (command.tool.shape == (3,) and np.isfinite(command.tool).all()):
+        raise InvalidValueError("command of the tool", command.tool.tolist(), "3 finite numbers")
     if command.motor_health is not None and command.motor_health.shape != shape[1:]:
         raise InvalidValueError("shape of the motors' health", command.motor_health.shape, f"{shape[1:]}")
     if not (np.isfinite(command.reference).all() and np.isfinite(command.load_fractions).all()):
@@ -136,8 +142,17 @@ def _close_period(
     on_map: bool,
     wrist: FloatArray | None,
 ) -> tuple[PlantState, PlantOutput]:
-    """Supply, energy account and events of the period that has passed."""
+    """Tool, supply, energy account and events of the period that has passed."""
     period = model.simulation.control_period
+    mechanical = mechanical_energy(model, configuration, velocity, state.joints)
+    tool, drawn, gained = state.tool, NO_ENERGY, 0.0
+    if model.tool is not None and tool is not None:
+        supplied = float(command.load_fractions[model.tool.load] * state.served)
+        tool, drawn = model.tool.advance(model, tool, state.contacts, command.tool, supplied, state.bus_voltage)
+        load_energy[model.tool.load] += drawn.electrical
+        if state.tool is not None and tool.payload != state.tool.payload:
+            model.tool.prepare(tool)
+            gained = mechanical_energy(model, configuration, velocity, state.joints) - mechanical
     source, resistance = battery.thevenin(model.battery, state.battery)
     bus, supply = loads.step(
         model.bus, state.bus, source, resistance, command.load_fractions, load_energy / period, period
@@ -145,12 +160,12 @@ def _close_period(
     new_battery = battery.step(model.battery, state.battery, supply.current, period)
     old = state.energy
     energy = EnergyAccount(
-        electrical=old.electrical + float(sums[0]),
-        winding_heat=old.winding_heat + float(sums[1]),
-        friction_heat=old.friction_heat + float(sums[2]),
+        electrical=old.electrical + float(sums[0]) + drawn.electrical,
+        winding_heat=old.winding_heat + float(sums[1]) + drawn.winding_heat,
+        friction_heat=old.friction_heat + float(sums[2]) + drawn.friction_heat,
         stop_heat=old.stop_heat + float(sums[3]),
-        soil_work=old.soil_work + float(sums[SOIL_WORK]),
-        mechanical=mechanical_energy(model, configuration, velocity, state.joints),
+        soil_work=old.soil_work + float(sums[SOIL_WORK]) + drawn.soil_work - gained,
+        mechanical=mechanical + gained,
     )
     x, y = configuration[3], configuration[4]
     upright = 1.0 - 2.0 * (x * x + y * y)  # cosine between the base's z axis and up
@@ -168,6 +183,7 @@ def _close_period(
         energy=energy,
         rolled_over=state.rolled_over or bool(upright < model.roll_over_cosine),
         off_terrain=state.off_terrain or not on_map,
+        tool=tool,
     )
     output = PlantOutput(
         contacts=model.report.copy(),
@@ -195,7 +211,7 @@ def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: Fl
 def initial_state(
     model: PlantModel, x: float, y: float, yaw: float, soc: float, angles: dict[str, float] | None = None
 ) -> PlantState:
-    """The machine at rest on the ground, settled on its soil.
+    """The machine at rest on the ground, settled on its soil; a fixed base stands square on it, its arm settled.
 
     A machine put down on uneven ground slides a little until it rests; it is put down again with that offset
     taken off, until it rests where it was asked for.
@@ -258,6 +274,7 @@ def _settled(model: PlantModel, posture: FloatArray, command: PlantCommand, aim:
         bus=loads.BusState(),
         bus_voltage=source,
         served=1.0,
+        tool=None if model.tool is None else model.tool.first(),
     )
     quiet = 0
     for _ in range(round(model.simulation.settle_time / model.simulation.control_period)):
@@ -275,6 +292,7 @@ def _settled(model: PlantModel, posture: FloatArray, command: PlantCommand, aim:
         bus_voltage=start.bus_voltage,
         served=1.0,
         energy=EnergyAccount(mechanical=state.energy.mechanical),
+        tool=start.tool,
     )
 
 
@@ -285,14 +303,15 @@ def _ground(model: PlantModel, x: float, y: float) -> tuple[float, float, float]
 
 
 def _standing_height(model: PlantModel, configuration: FloatArray) -> float:
-    """Height of the base over the plane that its lowest wheel touches, base level [m]."""
+    """Height of the base over the plane that its lowest wheel touches, base level [m]; 0 of one without wheels."""
     level = configuration.copy()
     level[:7] = 0.0
     level[6] = 1.0
     pin.forwardKinematics(model.multibody, model.data, level)
     tables = model.contacts
     wheels = range(tables.wheel_count)
-    return max(
+    heights = (
         float(tables.wheels[i, WheelColumn.RADIUS] - model.data.oMi[int(tables.bodies[i])].translation[2])
         for i in wheels
     )
+    return max(heights, default=0.0)

@@ -19,6 +19,8 @@ roll and pitch, with the noise of a machine that has stood still for the alignme
 Kalman filter would start. Without an alignment the acceleration of a machine that drives off at once is taken for tilt.
 
 Covariances: roll and pitch from the balance of the filter, heading growing as ARW^2 t + (bias t)^2.
+Without gravity there is nothing to level by: the attitude starts level at the given heading and goes by the gyros.
+
 Range: rates well under 1/dt; mean acceleration small against gravity over 1/k seconds.
 """
 
@@ -125,12 +127,12 @@ def initial_state(params: ImuParams, seed: int, heading: float, gravity: float, 
     """Errors drawn from the stream of `name`; `heading` [rad], about the vertical from x of the world.
 
     Raises:
-        InvalidValueError: heading not finite, gravity [m/s^2] not positive and finite.
+        InvalidValueError: heading not finite, gravity [m/s^2] negative or not finite.
     """
     if not isfinite(heading):
         raise InvalidValueError("initial heading [rad]", heading, "a finite number")
-    if not (isfinite(gravity) and gravity > 0.0):
-        raise InvalidValueError("gravity [m/s^2]", gravity, "a finite number above 0")
+    if not (isfinite(gravity) and gravity >= 0.0):
+        raise InvalidValueError("gravity [m/s^2]", gravity, "a finite number, at least 0")
     _, row = draw(initial_stream(seed, f"{name}.reset", 24))
     return ImuState(
         gyro_matrix=_error_matrix(row[0:3] * params.gyro_scale_factor_ppm * 1e-6, row[3:9] * params.misalignment),
@@ -171,6 +173,8 @@ def step(
     if state.orientation is None:
         mean_sigma = params.accelerometer_random_walk / sqrt(max(params.alignment_time, dt))
         mean = measure(state.accelerometer_matrix, true_force, state.accelerometer_bias, mean_sigma, noise[3:])
+        if state.gravity == 0.0:
+            mean = np.zeros(3)
         orientation = attitude_from_specific_force(mean, state.heading)
     else:
         orientation = attitude_step(
@@ -213,11 +217,14 @@ def _gain(params: ImuParams, elapsed: float) -> float:
 def _attitude_variance(params: ImuParams, gravity: float, elapsed: float) -> tuple[float, float]:
     """Variances of tilt and of heading [rad^2]: a first-order filter of gain k, white inputs and biases."""
     gain = _gain(params, elapsed)
+    turned_for = elapsed - params.alignment_time
+    drift = params.gyro_random_walk**2 * turned_for + (params.gyro_bias * turned_for) ** 2
+    if gravity == 0.0:
+        return drift, drift
     tilt = (params.accelerometer_bias / gravity) ** 2 + (params.gyro_bias / gain) ** 2
     tilt += params.gyro_random_walk**2 / (2.0 * gain)
     tilt += (params.accelerometer_random_walk / gravity) ** 2 * gain
-    turned_for = elapsed - params.alignment_time
-    return tilt, params.gyro_random_walk**2 * turned_for + (params.gyro_bias * turned_for) ** 2
+    return tilt, drift
 
 
 def _error_matrix(scale: FloatArray, cross: FloatArray) -> FloatArray:

@@ -28,7 +28,7 @@ class SensorSuiteParams(Params):
     A joint that is in no group is not measured.
     """
 
-    joint_groups: dict[str, JointGroupParams] = Field(min_length=1, description="group name to its joints")
+    joint_groups: dict[str, JointGroupParams] = Field(default_factory=dict, description="group name to its joints")
     imu: ImuParams = Field(description="the inertial measurement unit")
     bus: BusTelemetryParams = Field(description="telemetry channels of every energy store")
     wrist: WrenchSensorParams | None = Field(

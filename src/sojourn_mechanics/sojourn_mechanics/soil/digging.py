@@ -179,7 +179,9 @@ def pressure_factor(angle: float, friction: float, tool_friction: float) -> floa
 
 
 class CutCoefficients(NamedTuple):
-    """Horizontal force of a cut as a polynomial of its depth: linear d + quadratic d² + cubic d³."""
+    """Horizontal force of a cut as a polynomial of its depth: linear d + quadratic d² + cubic d³, and what a weight W
+    of soil adds that lies on the wedge: W (of_pile + of_pile_by_depth d).
+    """
 
     linear: float
     """[N/m]"""
@@ -187,10 +189,18 @@ class CutCoefficients(NamedTuple):
     """[N/m2]"""
     cubic: float
     """[N/m3]"""
+    of_pile: float
+    """[-]"""
+    of_pile_by_depth: float
+    """[1/m]"""
 
 
 def cut_coefficients(soil: DiggingSoil, width: float, rake: float) -> CutCoefficients:
-    """McKyes' force with the crescents at the sides, without surcharge and speed, for a kernel. Raises as `mckyes`."""
+    """McKyes' force with the crescents at the sides, without speed, for a kernel. Raises as `mckyes`.
+
+    Soil that is pushed ahead is a surcharge on the wedge: its weight over the area w d (cot α + cot β) of the ground
+    that the wedge lifts (as Luengo, Singh & Cannon 1998, IEEE/RSJ IROS, take the soil that a bucket has swept up).
+    """
 
     def forward(depth: float) -> float:
         return mckyes(soil, width, depth, rake, sides=True).forward
@@ -199,7 +209,15 @@ def cut_coefficients(soil: DiggingSoil, width: float, rake: float) -> CutCoeffic
     one, two, three = forward(1.0), forward(2.0) / 2.0, forward(3.0) / 3.0
     cubic = 0.5 * (three - 2.0 * two + one)
     quadratic = two - one - 3.0 * cubic
-    return CutCoefficients(one - quadratic - cubic, quadratic, cubic)
+
+    def by_pile(depth: float) -> float:
+        bare = mckyes(soil, width, depth, rake, sides=True)
+        surcharge = 1.0 / (width * depth * (_cot(rake) + _cot(bare.wedge)))
+        return mckyes(soil, width, depth, rake, surcharge, sides=True).forward - bare.forward
+
+    of_pile_by_depth = by_pile(2.0) - by_pile(1.0)
+    of_pile = by_pile(1.0) - of_pile_by_depth
+    return CutCoefficients(one - quadratic - cubic, quadratic, cubic, of_pile, of_pile_by_depth)
 
 
 def balovnev(soil: DiggingSoil, bucket: Bucket, depth: float, rake: float, surcharge: float = 0.0) -> float:

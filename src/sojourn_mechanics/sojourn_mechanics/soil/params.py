@@ -183,6 +183,9 @@ class SoilParams(Params):
     bulldozing_failure: Literal["general", "local"] = Field(
         default="general", description="general shear failure (dense soil) or local (loose: 2/3 of c and tan phi)"
     )
+    specific_energy: float | None = Field(
+        default=None, gt=0.0, le=1e11, description="intrinsic specific energy of drilling [J/m3], see soil/drilling.py"
+    )
     bulldozing_modulus: float = Field(
         default=0.02, gt=0.0, le=1.0, description="displacement that mobilises the push on the side [m]"
     )

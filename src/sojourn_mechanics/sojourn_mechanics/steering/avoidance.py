@@ -21,6 +21,7 @@ from dataclasses import replace
 import numpy as np
 
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.attitude import rotation_of
 from sojourn_mechanics.steering.avoidance_types import Avoidance, AvoidanceState, Guidance
 from sojourn_mechanics.steering.detour import plan_detour
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome, Point
@@ -69,25 +70,12 @@ def see(
     if points is None:
         return replace(state, since_cloud=state.since_cloud + dt, fresh=False)
     position = np.array([odometry.x, odometry.y, odometry.z])
-    rotation = _rotation(odometry.roll, odometry.pitch, odometry.yaw)
+    rotation = rotation_of(odometry.roll, odometry.pitch, odometry.yaw)
     map_ = with_cloud(avoidance.params, state.map, points, avoidance.eye, position, rotation, odometry.distance)
     ground = judged(avoidance.params, map_)
     level = odometry.z + map_.lift - avoidance.params.outline.ride_height
     room = room_in(map_, ground.kinds)
     return replace(state, map=map_, ground=ground, room=room, level=level, since_cloud=0.0, fresh=True)
-
-
-def _rotation(roll: float, pitch: float, yaw: float) -> FloatArray:
-    """From base_link to odom."""
-    cr, sr, cp, sp = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
-    cy, sy = math.cos(yaw), math.sin(yaw)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
 
 
 def nearest_obstacle(avoidance: Avoidance, state: AvoidanceState, place: Point) -> Obstacle | None:

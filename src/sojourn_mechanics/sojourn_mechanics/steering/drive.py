@@ -20,15 +20,17 @@ from numba import njit
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering import key_frames
 from sojourn_mechanics.steering.arbiter import NO_MOTION, Arbiter
 from sojourn_mechanics.steering.avoidance import EXAMPLE_CLOUD, guide, initial_avoidance, see
 from sojourn_mechanics.steering.drive_slip import no_headway, step_slip
 from sojourn_mechanics.steering.drive_status import drive_status
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, DriveState
 from sojourn_mechanics.steering.driven_machine import DrivenMachine
+from sojourn_mechanics.steering.easing import eased
 from sojourn_mechanics.steering.goal import Goal
 from sojourn_mechanics.steering.goal_follower import FollowerLimits, follow, stop
-from sojourn_mechanics.steering.heading_fix import SunSighting, eased, fix_heading, mounting_variances
+from sojourn_mechanics.steering.heading_fix import SunSighting, fix_heading, mounting_variances
 from sojourn_mechanics.steering.kinematics import PlanarTwist, limited_twist
 from sojourn_mechanics.steering.motor_watch import MotorState, believable, commandable, shortcoming, watch_motors
 from sojourn_mechanics.steering.odometry import (
@@ -51,12 +53,24 @@ class DriveModel(DrivenMachine):
 
     def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
         """At rest at a pose in odom [m, rad]."""
-        odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting_variances(self.params.heading_fix))
+        mounting, terrain = mounting_variances(self.params.heading_fix), self.terrain
+        odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting, key_frames=terrain is not None)
         motors = MotorState.unsuspected(len(self.table))
         avoidance = initial_avoidance(self.avoidance, x, y) if self.avoidance is not None else None
         slip = None if self.slip is None else self.slip.initial_state()
         return DriveState(
-            "idle", odometry, None, None, None, math.inf, 0.0, motors, "idle", avoidance=avoidance, slip=slip
+            "idle",
+            odometry,
+            None,
+            None,
+            None,
+            math.inf,
+            0.0,
+            motors,
+            "idle",
+            avoidance=avoidance,
+            slip=slip,
+            terrain=None if terrain is None else key_frames.TerrainMatchState(),
         )
 
     def at_rest(self, state: DriveState) -> DriveOutput:
@@ -73,6 +87,8 @@ class DriveModel(DrivenMachine):
         """Have every compiled kernel ready, so that no later step waits for the compiler or its libraries."""
         wheels, dt = np.zeros(self.table.shape[0]), 0.02
         state = self.initial_state()
+        if self.terrain is not None:
+            key_frames.warm_up(self.terrain, state.odometry)
         for goal in (Goal.at(1.0, 1.0), None):
             turning = DriveInput(
                 wheels, wheels + 1.0, wheels, wheels, (0.0, 0.0, 0.1), (0.0, 0.0, 1.0), (0.0, 0.0), goal=goal
@@ -200,10 +216,12 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     if slipping is not None:
         measured = replace(measured, slip=slipping.shared, slip_sigma=slipping.sigma)
     odometry = step_odometry(params.odometry, believable(model.table, motors), state.odometry, measured, dt)
-    heading = state.heading
+    rolled, heading, terrain = odometry, state.heading, state.terrain
     if inputs.sun is not None and params.heading_fix is not None:
         odometry, heading = fix_heading(params.heading_fix, odometry, heading, inputs.sun)
-    published, heading = eased(odometry, heading, dt)
+    if model.terrain is not None and terrain is not None and inputs.cloud is not None and inputs.gyro is not None:
+        odometry, terrain = key_frames.match_ground(model.terrain, odometry, terrain, inputs.cloud)
+    published, behind = eased(rolled, odometry, state.behind, dt)
     if limiter is None:
         limiter = LimiterState.at_rest(measured.steer_angles)
 
@@ -218,7 +236,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     arbiter.watch_energy(model, inputs.supply, dt)
     wanted = arbiter.take_twist(model, inputs.twist, dt)
     reason = shortcoming(model.table, motors, model.geometry.names)
-    reason = reason or no_headway(model.slip, slipping, model.geometry.names)
+    reason = reason or no_headway(model.slip, slipping, odometry, model.geometry.names)
     if arbiter.follower is not None and reason:
         arbiter.end_goal(stop(arbiter.follower, reason))
     if arbiter.follower is not None:
@@ -259,6 +277,8 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         energy=arbiter.energy,
         slip=slipping,
         heading=heading,
+        terrain=terrain,
+        behind=behind,
         avoidance=arbiter.avoidance,
     )
     pose_covariance, twist_covariance = message_covariances(params.odometry, odometry, dt)

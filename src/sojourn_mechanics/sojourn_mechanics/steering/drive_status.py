@@ -7,6 +7,7 @@ import numpy as np
 from sojourn_mechanics.steering.drive_types import DriveState
 from sojourn_mechanics.steering.driven_machine import DrivenMachine
 from sojourn_mechanics.steering.energy_forecast import account_status
+from sojourn_mechanics.steering.key_frames import match_status
 from sojourn_mechanics.steering.motor_watch import failures
 from sojourn_mechanics.steering.slip_estimation import slip_status
 from sojourn_mechanics.steering.wheel_commands import WheelCommands
@@ -24,7 +25,7 @@ def drive_status(
     odometry, way, outcome, seen = state.odometry, state.follower, state.last_outcome, state.avoidance
     followed = way if way is not None else outcome
     return {
-        **slip_status(machine.slip, state.slip, wheels),
+        **slip_status(machine.slip, state.slip, wheels, odometry.slip_error),
         "mode": state.mode,
         "failed_motors": failures(state.motors, wheels),
         "text": state.text,
@@ -51,6 +52,7 @@ def drive_status(
         "sun_fixes": float(state.heading.fixes),
         "sun_rejected": float(state.heading.rejected),
         "sun_deviation_sigma": state.heading.deviation,
+        **match_status(state.terrain, odometry),
         "wheel_disagreement_m_s": odometry.residual,
         "yaw_rate_difference_rad_s": odometry.yaw_rate_difference,
         "encoder_jumps": float(odometry.encoder_jumps),

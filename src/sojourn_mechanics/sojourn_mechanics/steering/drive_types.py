@@ -11,10 +11,12 @@ from typing import Literal
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.avoidance_types import AvoidanceState
+from sojourn_mechanics.steering.easing import NOTHING, Behind
 from sojourn_mechanics.steering.energy_forecast import EnergyAccount, Supply
 from sojourn_mechanics.steering.goal import Goal, GoalOutcome
 from sojourn_mechanics.steering.goal_follower import FollowerState
 from sojourn_mechanics.steering.heading_fix import HeadingFixState, SunSighting
+from sojourn_mechanics.steering.key_frames import TerrainMatchState
 from sojourn_mechanics.steering.kinematics import PlanarTwist
 from sojourn_mechanics.steering.motor_watch import MotorState
 from sojourn_mechanics.steering.odometry import OdometryState
@@ -106,6 +108,10 @@ class DriveState:
     """Slip of the wheels, None where it is not estimated."""
     heading: HeadingFixState = field(default_factory=HeadingFixState)
     """What became of the sightings of the Sun."""
+    terrain: TerrainMatchState | None = None
+    """Key frame and matches of the hazard camera; None without one."""
+    behind: Behind = NOTHING
+    """Corrections that are not in the published odometry yet."""
     avoidance: AvoidanceState | None = None
     """Obstacles; None without obstacle handling."""
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.avoidance_types import Avoidance
+from sojourn_mechanics.steering.key_frames import TerrainMatcher
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
 from sojourn_mechanics.steering.slip_estimation import SlipModel
 from sojourn_mechanics.steering.stereo_eye import StereoEye
@@ -32,6 +33,8 @@ class DrivenMachine:
     avoidance: Avoidance | None = field(init=False)
     """Obstacle handling, where it is asked for and there is a camera."""
     slip: SlipModel | None = field(init=False)
+    terrain: TerrainMatcher | None = field(init=False)
+    """Odometry from the camera, where it is asked for and there is one."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "table", self.geometry.table(self.params.track_ratio))
@@ -45,3 +48,5 @@ class DrivenMachine:
         if self.params.obstacles is not None and self.eye is not None:
             avoidance = Avoidance(self.params.obstacles, self.params.follower, turning, self.eye, self.area)
         object.__setattr__(self, "avoidance", avoidance)
+        matched, eye = self.params.terrain_match, self.eye
+        object.__setattr__(self, "terrain", None if matched is None or eye is None else TerrainMatcher(matched, eye))

@@ -10,16 +10,13 @@ A mounting and a levelling that are off by a small rotation m of base_link, M = 
     v = e_yaw - M_z + (l_z / r^2) (M_x l_x + M_y l_y) + n,    r^2 = l_x^2 + l_y^2,    var n = noise^2 / r^2
 
 so m, three numbers that stay while the rover drives, belong to the state: the covariance is that of the odometry's
-errors [x, y, yaw, slip, side slip, gyro bias] and of m. Each sighting is a Kalman update of all nine, in Joseph's form:
+errors [x, y, yaw, slip, side slip, gyro bias] and of m. Each sighting is a Kalman update of them all, in Joseph's form:
 it turns the heading, moves the position by what it was correlated with the heading, corrects the gyro's bias, and
 learns m from a start whose heading is known. A filter without m would take a hundred sightings for independent ones.
 
 A sighting is refused if its elevation or its heading is off by more than `gate` standard deviations (Bar-Shalom,
 Li and Kirubarajan 2001, Estimation with Applications to Tracking and Navigation, sec. 5.4: NIS gate), or if the Sun
 stands too high to tell a heading; the state is then left as it was.
-
-What is published does not jump with a correction, for the frame odom is continuous (REP 105) and its twist is the
-change of its pose: `eased` lets the corrections into the published pose by and by.
 
 Sources: Trebi-Ollennu et al. 2001, "Design and analysis of a sun sensor for planetary rover absolute heading
 detection", IEEE Trans. Robotics and Automation 17:939; Ali et al. 2005, "Attitude and position estimation on the Mars
@@ -32,14 +29,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.steering.odometry import OdometryState, wrap_angle
+from sojourn_mechanics.steering.attitude import rotation_of
+from sojourn_mechanics.steering.odometry import MOUNTING, OdometryState, corrected, wrap_angle
 from sojourn_mechanics.steering.odometry_kernels import update_all
 from sojourn_mechanics.steering.params import HeadingFixParams
-
-CORRECTION_SPEED, CORRECTION_RATE = 0.005, 0.02
-"""How fast a correction is made [m/s], [rad/s]: hidden in what the twist of /odom is good for."""
-MOUNTING = 6
-"""Where m is in the covariance: places 6 to 8."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +59,6 @@ class HeadingFixState:
     """Heading of the Sun less that of the odometry, at the last sighting with a heading [rad]."""
     deviation: float = 0.0
     """The same in standard deviations."""
-    behind: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Corrections that are not in the published pose yet: x, y [m] and yaw [rad]."""
 
 
 def mounting_variances(params: HeadingFixParams | None) -> tuple[float, ...]:
@@ -82,7 +73,7 @@ def fix_heading(
     params: HeadingFixParams, odometry: OdometryState, heading: HeadingFixState, sighting: SunSighting
 ) -> tuple[OdometryState, HeadingFixState]:
     """Both states after a sighting. The covariance of `odometry` must hold the mounting, see `mounting_variances`."""
-    level = _levelled(odometry.roll, odometry.pitch)
+    level = rotation_of(odometry.roll, odometry.pitch)
     seen = level @ sighting.in_base
     length, expected = float(np.linalg.norm(seen)), sighting.in_odom
     if length < 0.5:
@@ -101,8 +92,8 @@ def fix_heading(
     row = np.zeros(odometry.covariance.shape[0])
     row[2] = 1.0
     high = seen[2] / across**2
-    row[MOUNTING:] = level.T @ np.array((high * seen[0], high * seen[1], -1.0))
-    innovation = wrap_angle(sun_heading - odometry.yaw - float(row[MOUNTING:] @ odometry.mounting))
+    row[MOUNTING : MOUNTING + 3] = level.T @ np.array((high * seen[0], high * seen[1], -1.0))
+    innovation = wrap_angle(sun_heading - odometry.yaw - float(row[MOUNTING : MOUNTING + 3] @ odometry.mounting))
     variance = float(row @ odometry.covariance @ row) + (params.noise_sigma / across) ** 2
     deviation = innovation / math.sqrt(variance)
     if abs(deviation) > params.gate:
@@ -111,39 +102,5 @@ def fix_heading(
         return odometry, replace(heading, rejected=rejected, text=text, innovation=innovation, deviation=deviation)
 
     change, covariance = update_all(odometry.covariance, row, (params.noise_sigma / across) ** 2, innovation)
-    corrected = replace(
-        odometry,
-        x=odometry.x + float(change[0]),
-        y=odometry.y + float(change[1]),
-        yaw=wrap_angle(odometry.yaw + float(change[2])),
-        gyro_bias=odometry.gyro_bias + float(change[5]),
-        mounting=odometry.mounting + change[MOUNTING:],
-        covariance=covariance,
-    )
-    x, y, turn = heading.behind
-    behind = (x + float(change[0]), y + float(change[1]), turn + float(change[2]))
-    fixes = heading.fixes + 1
-    return corrected, HeadingFixState(fixes, heading.rejected, "heading fixed", innovation, deviation, behind)
-
-
-def eased(odometry: OdometryState, heading: HeadingFixState, dt: float) -> tuple[OdometryState, HeadingFixState]:
-    """The odometry as it is published after a period `dt` [s], and the state with what is then still behind."""
-    x, y, turn = heading.behind
-    if x == y == turn == 0.0:
-        return odometry, heading
-    left = max(1.0 - CORRECTION_SPEED * dt / max(math.hypot(x, y), 1e-12), 0.0)
-    x, y, turn = left * x, left * y, turn - min(max(turn, -CORRECTION_RATE * dt), CORRECTION_RATE * dt)
-    published = replace(odometry, x=odometry.x - x, y=odometry.y - y, yaw=wrap_angle(odometry.yaw - turn))
-    return published, replace(heading, behind=(x, y, turn))
-
-
-def _levelled(roll: float, pitch: float) -> FloatArray:
-    """Ry(pitch) Rx(roll)."""
-    cos_roll, sin_roll, cos_pitch, sin_pitch = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
-    return np.array(
-        (
-            (cos_pitch, sin_pitch * sin_roll, sin_pitch * cos_roll),
-            (0.0, cos_roll, -sin_roll),
-            (-sin_pitch, cos_pitch * sin_roll, cos_pitch * cos_roll),
-        )
-    )
+    state = HeadingFixState(heading.fixes + 1, heading.rejected, "heading fixed", innovation, deviation)
+    return corrected(odometry, change, covariance), state

@@ -20,10 +20,12 @@ companion S in odom, the way d and the period's gyro gain g = dt cos roll / cos 
     e_x += -D_y (e_yaw - g e_bias / 2) - D_x e_slip + S_x e_side,   e_y likewise,   e_yaw += -g e_bias,
     e_slip *= exp(-d / slip_length),  e_side likewise,              P' = F P F^T + Q;
 
-Q: travel_sigma^2 per metre in x and y; gyro random walk per second (or wheel_yaw_sigma^2 per metre); the bias
-walks; slip and drift are renewed so that their variances stay slip_sigma^2 and side_slip_sigma^2.
+Q: travel_sigma^2 per metre and turn_sigma^2 per radian in x and y; gyro random walk per second (or wheel_yaw_sigma^2
+per metre); the bias walks; slip and drift are renewed so that their variances stay slip_sigma^2 and side_slip_sigma^2.
 
-The sun sensor corrects heading and bias in between, see `heading_fix`.
+The sun sensor corrects heading and bias in between, see `heading_fix`; a camera pose, slip and drift, see `key_frames`.
+What a measurement has told of e_slip and e_side is kept as slip_error and side_error, which fade like them, and is
+taken off the way: D (1 - slip_error), S side_error.
 
 Standing still (wheels, steering and gyro below thresholds for standing_time, and nothing commanded) freezes
 the pose and lets the gyro measure its own bias: a Kalman update of the bias alone (Schmidt gain, Joseph
@@ -60,6 +62,10 @@ from sojourn_mechanics.steering.params import OdometryParams
 
 SMALLEST_SLIP_SIGMA = 1e-3
 """So that the covariance stays positive definite [-]."""
+MOUNTING = 6
+"""Where the sun sensor's mounting is in the covariance: places 6 to 8."""
+LEAST_SLIP_ERROR, LARGEST_SLIP_ERROR = -1.0, 1.0
+"""What a correction of the slip may come to [-]."""
 LARGEST_PITCH = math.radians(80.0)
 """Beyond this pitch the Euler rate of yaw is not used [rad]."""
 
@@ -106,9 +112,17 @@ class OdometryState:
     distance: float
     """Distance travelled [m]."""
     covariance: FloatArray
-    """Of [x, y, yaw, slip, side slip, gyro bias], and of `mounting` where there is a sun sensor; (6, 6) or (9, 9)."""
+    """Of [x, y, yaw, slip, side slip, gyro bias], then of `mounting` where there is a sun sensor, then of `key` where
+    there is a camera; shape (6, 6) to (12, 12)."""
     mounting: FloatArray
     """Estimated error of mounting and levelling of the sun sensor about the axes of base_link, shape (3,) [rad]."""
+    key: FloatArray | None
+    """Pose of the key frame of the camera in odom: x, y [m] and yaw [rad], shape (3,); None without a camera."""
+    slip_error: float
+    side_error: float
+    """By how much of the way the rover slips more, and drifts to the left, than was believed of it [-]."""
+    slip_sigma: float
+    """Standard deviation of the slip as it was believed in the last period [-]."""
     gyro_bias: float
     """Estimated bias of the gyro's z axis [rad/s]."""
     standing_for: float
@@ -126,9 +140,18 @@ class OdometryState:
 
 
 def initial_odometry(
-    params: OdometryParams, x: float = 0.0, y: float = 0.0, yaw: float = 0.0, mounting: tuple[float, ...] = ()
+    params: OdometryParams,
+    x: float = 0.0,
+    y: float = 0.0,
+    yaw: float = 0.0,
+    mounting: tuple[float, ...] = (),
+    key_frames: bool = False,
 ) -> OdometryState:
-    """State at a known start pose in odom [m, rad]; `mounting`: variances of the sun sensor's mounting, if any."""
+    """State at a known start pose in odom [m, rad].
+
+    Args:
+        mounting: variances of the sun sensor's mounting, if any. key_frames: whether a camera makes any.
+    """
     variances = (
         START_POSITION_VARIANCE,
         START_POSITION_VARIANCE,
@@ -137,6 +160,7 @@ def initial_odometry(
         params.side_slip_sigma**2,
         params.gyro_bias_sigma**2,
         *mounting,
+        *((START_POSITION_VARIANCE, START_POSITION_VARIANCE, START_YAW_VARIANCE) if key_frames else ()),
     )
     return OdometryState(
         x=x,
@@ -151,6 +175,10 @@ def initial_odometry(
         distance=0.0,
         covariance=np.diag(np.array(variances)),
         mounting=np.zeros(3),
+        key=np.array((x, y, wrap_angle(yaw))) if key_frames else None,
+        slip_error=0.0,
+        side_error=0.0,
+        slip_sigma=params.slip_sigma,
         gyro_bias=0.0,
         standing_for=0.0,
         residual=0.0,
@@ -241,8 +269,9 @@ def step_odometry(
         slip_sigma = params.slip_sigma
     else:
         ground, slip_sigma = 1.0 - measured.slip, max(measured.slip_sigma, SMALLEST_SLIP_SIGMA)
-        before = rescaled(before, 3, slip_sigma)
-    drift = -params.side_slip_per_grade * math.sin(roll) * abs(v_x) * ground
+        before = rescaled(before, 3, slip_sigma / state.slip_sigma)
+    ground *= 1.0 - state.slip_error
+    drift = (state.side_error - params.side_slip_per_grade * math.sin(roll)) * abs(v_x) * ground
     v_x, v_y = v_x * ground, v_y * ground + drift
     pitch_rate = gyro[1] if gyro is not None else 0.0
     yaw_rate = body_rate if gyro is not None else wheel_yaw_rate
@@ -273,7 +302,7 @@ def step_odometry(
         kept,
         slip_sigma**2 * renewed,
         params.side_slip_sigma**2 * renewed,
-        params.travel_sigma**2 * travel,
+        params.travel_sigma**2 * travel + params.turn_sigma**2 * abs(yaw_rate) * dt,
         yaw_variance,
         params.gyro_bias_walk**2 * dt if gyro is not None else 0.0,
     )
@@ -290,6 +319,10 @@ def step_odometry(
         distance=state.distance + travel,
         covariance=covariance,
         mounting=state.mounting,
+        key=state.key,
+        slip_error=kept * state.slip_error,
+        side_error=kept * state.side_error,
+        slip_sigma=slip_sigma,
         gyro_bias=state.gyro_bias,
         standing_for=standing_for,
         residual=residual,
@@ -297,6 +330,29 @@ def step_odometry(
         wheel_positions=measured.wheel_positions,
         steer_angles=measured.steer_angles,
         encoder_jumps=state.encoder_jumps + jumps,
+    )
+
+
+def corrected(odometry: OdometryState, change: FloatArray, covariance: FloatArray) -> OdometryState:
+    """The state after a measurement that has changed all that the covariance is of, shapes (n,) and (n, n)."""
+    mounting, key, rest = odometry.mounting, odometry.key, len(change)
+    if key is not None:
+        rest -= 3
+        key = key + change[rest:]
+        key[2] = wrap_angle(float(key[2]))
+    if rest > MOUNTING:
+        mounting = mounting + change[MOUNTING:rest]
+    return replace(
+        odometry,
+        x=odometry.x + float(change[0]),
+        y=odometry.y + float(change[1]),
+        yaw=wrap_angle(odometry.yaw + float(change[2])),
+        slip_error=min(max(odometry.slip_error + float(change[3]), LEAST_SLIP_ERROR), LARGEST_SLIP_ERROR),
+        side_error=odometry.side_error + float(change[4]),
+        gyro_bias=odometry.gyro_bias + float(change[5]),
+        mounting=mounting,
+        key=key,
+        covariance=covariance,
     )
 
 

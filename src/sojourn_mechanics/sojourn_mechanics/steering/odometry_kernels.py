@@ -12,6 +12,8 @@ START_POSITION_VARIANCE = 1e-6
 """Variance of the start position [m^2]: zero by definition, but a covariance must be positive definite."""
 START_YAW_VARIANCE = 1e-8
 """Variance of the start heading [rad^2], for the same reason."""
+CLONED_YAW_VARIANCE = 1e-10
+"""Of the heading of a clone against the original [rad^2], for the same reason."""
 STANDING_RATE_VARIANCE = 1e-8
 """Variance of a velocity that is zero because the rover stands [m^2/s^2 or rad^2/s^2]."""
 
@@ -73,37 +75,21 @@ def propagate(
 
     States beyond the six of the odometry are constants.
     """
-    size = covariance.shape[0]
-    jacobian = np.eye(size)
+    result = covariance.copy()
+    # F differs from the identity in its first five rows only: F P row by row, and the same once more for the columns.
     # The bias turns the heading while the rover moves: half of the period's turn counts for its displacement.
-    jacobian[0, 2], jacobian[0, 3], jacobian[0, 4], jacobian[0, 5] = (
-        -move_y,
-        -move_x,
-        side_x,
-        0.5 * bias_gain * move_y,
-    )
-    jacobian[1, 2], jacobian[1, 3], jacobian[1, 4], jacobian[1, 5] = (
-        move_x,
-        -move_y,
-        side_y,
-        -0.5 * bias_gain * move_x,
-    )
-    jacobian[2, 5] = -bias_gain
-    jacobian[3, 3] = jacobian[4, 4] = slip_kept
-    half = np.zeros((size, size))
-    for i in range(size):
-        for k in range(size):
-            if jacobian[i, k] != 0.0:
-                for j in range(size):
-                    half[i, j] += jacobian[i, k] * covariance[k, j]
-    result = np.empty((size, size))
-    for i in range(size):
-        for j in range(i + 1):
-            value = 0.0
-            for k in range(size):
-                value += half[i, k] * jacobian[j, k]
-            result[i, j] = value
-            result[j, i] = value
+    for _ in range(2):
+        for j in range(covariance.shape[0]):
+            turned = result[2, j] - 0.5 * bias_gain * result[5, j]
+            result[0, j] += -move_y * turned - move_x * result[3, j] + side_x * result[4, j]
+            result[1, j] += move_x * turned - move_y * result[3, j] + side_y * result[4, j]
+            result[2, j] -= bias_gain * result[5, j]
+            result[3, j] *= slip_kept
+            result[4, j] *= slip_kept
+        result = result.T.copy()
+    for i in range(covariance.shape[0]):
+        for j in range(i):
+            result[i, j] = result[j, i]
     result[0, 0] += move_variance
     result[1, 1] += move_variance
     result[2, 2] += yaw_variance
@@ -114,12 +100,37 @@ def propagate(
 
 
 @njit(cache=True)
-def rescaled(covariance: FloatArray, place: int, sigma: float) -> FloatArray:
-    """The covariance with another standard deviation of one state, correlations as they are."""
-    ratio = sigma / math.sqrt(covariance[place, place])
+def rescaled(covariance: FloatArray, place: int, ratio: float) -> FloatArray:
+    """The covariance with the standard deviation of one state multiplied, correlations as they are."""
     result = covariance.copy()
     result[place] *= ratio
     result[:, place] *= ratio
+    return result
+
+
+@njit(cache=True)
+def cloned(covariance: FloatArray, variance: float) -> FloatArray:
+    """The covariance with its last three states made anew as copies of x, y, yaw, and more `variance` of x and y."""
+    size = covariance.shape[0]
+    result = covariance.copy()
+    for i in range(3):
+        result[size - 3 + i] = result[i]
+    for i in range(3):
+        result[:, size - 3 + i] = result[:, i]
+    result[size - 3, size - 3] += variance
+    result[size - 2, size - 2] += variance
+    result[size - 1, size - 1] += CLONED_YAW_VARIANCE
+    return result
+
+
+@njit(cache=True)
+def widened(covariance: FloatArray, way_x: float, way_y: float, sigma: float) -> FloatArray:
+    """The covariance with an unknown slip and side slip of standard deviation `sigma` over the way [m] so far."""
+    result = covariance.copy()
+    for place, x, y in ((3, -way_x, -way_y), (4, -way_y, way_x)):
+        part = np.zeros(covariance.shape[0])
+        part[0], part[1], part[place] = sigma * x, sigma * y, sigma
+        result += np.outer(part, part)
     return result
 
 

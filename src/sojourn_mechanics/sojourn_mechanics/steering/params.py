@@ -19,6 +19,7 @@ from sojourn_mechanics.params import FloatArray, Params
 from sojourn_mechanics.steering.energy_params import EnergyParams
 from sojourn_mechanics.steering.obstacle_params import ObstacleParams
 from sojourn_mechanics.steering.slip_params import SlipParams
+from sojourn_mechanics.steering.terrain_match_params import TerrainMatchParams
 from sojourn_mechanics.steering.wheel_table import wheel_table
 
 SMALLEST_BASE = 1e-3
@@ -255,6 +256,12 @@ class OdometryParams(Params):
     travel_sigma: float = Field(
         ..., gt=0.0, le=1.0, description="random error of travel, per square root of metre [m/m^0.5]"
     )
+    turn_sigma: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=1.0,
+        description="random error of the position in turning, per square root of radian [m/rad^0.5]",
+    )
     wheel_yaw_sigma: float = Field(
         ...,
         gt=0.0,
@@ -340,6 +347,9 @@ class DriveParams(Params):
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")
     heading_fix: HeadingFixParams | None = Field(None, description="trust in the sun sensor; none: it is not used")
     slip: SlipParams | None = Field(None, description="slip from torques; none: the expected one is taken")
+    terrain_match: TerrainMatchParams | None = Field(
+        None, description="odometry from the hazard camera; none: its clouds are for obstacles only"
+    )
     follower: GoalFollowerParams = Field(..., description="approach to goals")
     obstacles: ObstacleParams | None = Field(None, description="obstacle handling; left out: it avoids nothing")
     energy: EnergyParams | None = Field(None, description="what driving costs; none: no forecast")

@@ -41,6 +41,10 @@ def height_variances(eye: StereoEye, points: FloatArray, up: FloatArray) -> Floa
     Args:
         points: in base_link, shape (n, 3) [m]. up: the vertical in base_link, a unit vector of shape (3,).
     """
+    return np.asarray((along_rays(eye, points) @ up) ** 2)
+
+
+def along_rays(eye: StereoEye, points: FloatArray) -> FloatArray:
+    """By which each point is off for one standard deviation of its match, in base_link, shape (n, 3) [m]."""
     rays = points - eye.position
-    deviations = eye.depth_noise * np.abs(rays @ eye.axis) * np.abs(rays @ up)  # r^2 c u_z = (r c) (r u_z)
-    return np.asarray(deviations * deviations)
+    return np.asarray(eye.depth_noise * (rays @ eye.axis)[:, np.newaxis] * rays)

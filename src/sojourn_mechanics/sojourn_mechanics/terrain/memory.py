@@ -1,8 +1,9 @@
-"""Memory of the ground: what wheels have done to it, cell by cell.
+"""Memory of the ground: what wheels and tools have done to it, cell by cell.
 
-Each node of a fine square grid keeps three numbers: the greatest sinkage z_u that it has seen, the depth z_r of the rut
-that has stayed (`soil/repeated_loading.py`), both below the ground as it was, and the greatest shear displacement. All
-are maxima over time, so that the order of writing does not matter, and bilinear between nodes.
+Each node of a fine square grid keeps four numbers: the greatest sinkage z_u that it has seen, the depth z_r of the rut
+that has stayed (`soil/repeated_loading.py`), the greatest shear displacement, and how much of the ground has been dug
+away there (less than zero where soil was heaped up, see `earthwork`). Ruts lie below the ground as it was dug. The
+first three are maxima over time, so that the order of writing does not matter; all are bilinear between nodes.
 
 `GroundMemory` is the value that a plant's state holds: tiles of TILE x TILE nodes, only where a wheel has been. A
 tile is never written once it is in a value; a step makes new tiles of those that it changes and shares all others, so
@@ -32,8 +33,8 @@ MemoryTables: TypeAlias = tuple[Tile, IntArray, IntArray, FloatArray]
 
 TILE = 32
 """Nodes along the side of a tile."""
-SINKAGE, RUT, SHEAR = 0, 1, 2
-CHANNELS = 3
+SINKAGE, RUT, SHEAR, DUG = 0, 1, 2, 3
+CHANNELS = 4
 SPARE_PAGES = 128
 """Pages that a step may take; a wheel crosses into four tiles at once at most."""
 
@@ -57,7 +58,7 @@ class GroundMemory:
     Attributes:
         cell: distance of the nodes [m]; 0 is ground that remembers nothing.
         origin_x, origin_y: position of node (0, 0) in `map` [m].
-        tiles: by (column, row) of the tile; float32, shape (TILE, TILE, CHANNELS): sinkage, rut, shear [m].
+        tiles: by (column, row) of the tile; float32, shape (TILE, TILE, CHANNELS): sinkage, rut, shear, dug [m].
     """
 
     cell: float
@@ -69,6 +70,11 @@ class GroundMemory:
         """Greatest sinkage, rut depth and shear displacement at (x, y) in `map` [m]; zero where nobody has been."""
         values = self.grid(np.array([x]), np.array([y]))[0, 0]
         return float(values[SINKAGE]), float(values[RUT]), float(values[SHEAR])
+
+    def lowered(self, x: float, y: float) -> float:
+        """How far the ground at (x, y) in `map` lies below what it was, by ruts and digging [m]."""
+        values = self.grid(np.array([x]), np.array([y]))[0, 0]
+        return float(values[RUT] + values[DUG])
 
     def grid(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """All channels at the crossings of x, shape (nx,), and y, shape (ny,): shape (ny, nx, CHANNELS) [m]."""
@@ -195,6 +201,26 @@ def new_page(slots: IntArray, pages: IntArray, column: int, row: int) -> int:
 
 
 @njit(cache=True)
+def read_lowered(pool: Tile, slots: IntArray, place: FloatArray, x: float, y: float) -> float:
+    """How far the ground at (x, y) in map lies below what it was, by ruts and digging [m]; arguments as below."""
+    column = (x - place[0]) / place[2]
+    row = (y - place[1]) / place[2]
+    if not (column >= 0.0 and row >= 0.0 and column < 1e9 and row < 1e9):
+        return 0.0
+    first_column, first_row = int(column), int(row)
+    lowered = 0.0
+    for i in range(2):
+        for j in range(2):
+            page = find_page(slots, (first_column + j) // TILE, (first_row + i) // TILE)
+            if page > 0:
+                node = pool[page, (first_row + i) % TILE, (first_column + j) % TILE]
+                u = column - first_column if j else 1.0 - column + first_column
+                v = row - first_row if i else 1.0 - row + first_row
+                lowered += u * v * (node[1] + node[3])
+    return float(lowered)
+
+
+@njit(cache=True)
 def read_ground(
     pool: Tile,
     slots: IntArray,
@@ -205,7 +231,7 @@ def read_ground(
     ahead_y: float,
     length: float,
     width: float,
-) -> tuple[float, float, float, float]:
+) -> tuple[float, float, float, float, float]:
     """Weighted mean of the ground's memory over a rectangle: sum(w v)/sum(w) over its nodes.
 
     w = (1 - s^2)^2 (1 - t^2)^2 with s, t from -1 to 1 along and across it: a node comes and goes with no weight, so
@@ -217,7 +243,8 @@ def read_ground(
             at least two cells count.
 
     Returns:
-        greatest sinkage, depth of the rut [m] and its gradients by x and y [-].
+        greatest sinkage, depth of the rut, depth of what was dug away [m], and the gradients of the two depths together
+        by x and y [-].
     """
     cell = place[2]
     half = max(0.5 * length, cell)
@@ -227,20 +254,21 @@ def read_ground(
     reach_x = half * abs(ahead_x) + half_across * abs(ahead_y)
     reach_y = half * abs(ahead_y) + half_across * abs(ahead_x)
     if not (middle_x >= reach_x and middle_y >= reach_y and middle_x < 1e9 * cell and middle_y < 1e9 * cell):
-        return 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0
     first_column = math.ceil((middle_x - reach_x) / cell)
     last_column = math.floor((middle_x + reach_x) / cell)
     first_row = math.ceil((middle_y - reach_y) / cell)
     last_row = math.floor((middle_y + reach_y) / cell)
     if not _touched(slots, first_column, last_column, first_row, last_row):
-        return 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0
     weights = 0.0
     along_weights = 0.0
     across_weights = 0.0
     sinkage = 0.0
     rut = 0.0
-    along_rut = 0.0
-    across_rut = 0.0
+    dug = 0.0
+    along_depth = 0.0
+    across_depth = 0.0
     page = 0
     page_column = -1
     page_row = -1
@@ -268,16 +296,19 @@ def read_ground(
                 node = pool[page, row % TILE, column % TILE]
                 sinkage += weight * node[0]
                 rut += weight * node[1]
-                along_rut += by_along * node[1]
-                across_rut += by_across * node[1]
+                dug += weight * node[3]
+                depth = node[1] + node[3]
+                along_depth += by_along * depth
+                across_depth += by_across * depth
     if weights <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0
     rut /= weights
-    slope_along = (along_rut - rut * along_weights) / (weights * half)
-    slope_across = (across_rut - rut * across_weights) / (weights * half_across)
+    dug /= weights
+    slope_along = (along_depth - (rut + dug) * along_weights) / (weights * half)
+    slope_across = (across_depth - (rut + dug) * across_weights) / (weights * half_across)
     slope_x = slope_along * ahead_x - slope_across * ahead_y
     slope_y = slope_along * ahead_y + slope_across * ahead_x
-    return sinkage / weights, rut, slope_x, slope_y
+    return sinkage / weights, rut, dug, slope_x, slope_y
 
 
 @njit(cache=True)

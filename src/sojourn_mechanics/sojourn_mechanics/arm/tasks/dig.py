@@ -1,10 +1,12 @@
-"""Task: dig a furrow: touch the ground, push the tool in, drag it, and lift it out.
+"""Task: dig a furrow with a scoop: open it, touch the ground, push it in, drag it, shut it, and lift it out.
 
+    open    the lid, before anything moves
     touch   the guarded advance along the direction, down to a force of `TOUCH`
     sink    on along the direction until the tip is `depth` below the place of the touch
     drag    along the ground; along the direction the reference keeps the depth like a spring and a damper whose force
             is never above `most`: it gives way as  M a + D v + K (x - x0) = f - min(f, most)  (impedance control, see
             `force_control`), so that a stone is ridden over and not broken
+    shut    the lid, the tool standing in the ground
     lift    back out to where the advance began
 
 A tool that does not get to its depth with the force that it may use drags at the depth that it has got. Told: depth
@@ -17,18 +19,20 @@ from typing import Self
 import numpy as np
 
 from sojourn_mechanics.arm.force_control import impedance_velocity, pressing
-from sojourn_mechanics.arm.tasks.task import Doing, Look
+from sojourn_mechanics.arm.tasks.task import Doing, Look, ToolCommand, ToolReading
 from sojourn_mechanics.params import FloatArray
 
 TOUCH = 4.0
 """Pressing force at which the ground is found [N]."""
 MASS, DAMPING, STIFFNESS = 20.0, 6000.0, 3000.0
 """Of the reference that gives way while the tool is dragged [kg], [N s/m], [N/m]."""
+LID_TOLERANCE, LID_PATIENCE = 0.05, 10.0
+"""[rad], [s]"""
 
 
 @dataclass(frozen=True, slots=True)
 class DigTask:
-    """Phases touch, sink, drag, lift, done."""
+    """Phases open, touch, sink, drag, shut, lift, done."""
 
     direction: FloatArray
     along: FloatArray
@@ -43,7 +47,11 @@ class DigTask:
     """Tip where the ground was felt; before that as `first`."""
     begun: FloatArray
     """Tip where the drag begins; before that as `first`."""
-    phase: str = "touch"
+    lid: float
+    """Opening of the scoop's lid [rad]."""
+    phase: str = "open"
+    waited: float = 0.0
+    """For the lid [s]."""
     yielded: float = 0.0
     """Speed of the reference out of the ground [m/s]."""
     offset: float = 0.0
@@ -63,6 +71,8 @@ class DigTask:
         task = self._account(tip, look.force, force)
         if task.failed or task.phase == "done":
             return task, task._told(np.zeros(3), force, 1.0)
+        if task.phase in ("open", "shut"):
+            return task._wait_for_lid(look.tool, force, dt)
         if task.phase == "touch":
             return task._touch(tip, force)
         if task.phase == "sink":
@@ -76,7 +86,7 @@ class DigTask:
 
     def _account(self, tip: FloatArray, force: FloatArray, down: float) -> Self:
         """Largest forces, depth and work so far."""
-        if self.phase == "touch":
+        if self.phase in ("open", "touch"):
             return replace(self, last=tip)
         across = force + down * self.direction
         step = np.zeros(3) if self.last is None else tip - self.last
@@ -88,6 +98,17 @@ class DigTask:
             deepest=max(self.deepest, float(self.direction @ (tip - self.touched))),
             work=self.work - float(force @ step),
         )
+
+    def _wait_for_lid(self, tool: ToolReading | None, force: float, dt: float) -> tuple[Self, Doing]:
+        wanted = self.lid if self.phase == "open" else 0.0
+        task = replace(self, waited=self.waited + dt)
+        if tool is not None and abs(tool.position - wanted) < LID_TOLERANCE:
+            task = replace(task, phase="touch" if self.phase == "open" else "lift", waited=0.0)
+        elif task.waited > LID_PATIENCE:
+            stands = "does not tell its place" if tool is None else f"stands at {tool.position:.2f} rad"
+            task = replace(task, failed=f"the lid {stands} after {LID_PATIENCE:g} s: told was {wanted:.2f} rad")
+        doing = task._told(np.zeros(3), force, 0.0 if self.phase == "open" else 0.9)
+        return task, replace(doing, tool=ToolCommand(wanted))
 
     def _touch(self, tip: FloatArray, force: float) -> tuple[Self, Doing]:
         if force >= TOUCH:
@@ -108,8 +129,8 @@ class DigTask:
     def _drag(self, tip: FloatArray, force: float, dt: float) -> tuple[Self, Doing]:
         gone = float(self.along @ (tip - self.begun))
         if gone >= self.length:
-            task = replace(self, phase="lift")
-            return task, task._told(-self.speed * self.direction, force, 0.9)
+            task = replace(self, phase="shut")
+            return task, task._told(np.zeros(3), force, 0.9)
         excess = max(force - self.most, 0.0)
         out = impedance_velocity(MASS, DAMPING, STIFFNESS, self.offset, self.yielded, excess, dt)
         if self.offset + out * dt < 0.0:

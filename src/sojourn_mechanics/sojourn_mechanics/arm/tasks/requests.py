@@ -105,6 +105,13 @@ class Dig(TaskRequest):
     distance: float = Field(default=0.1, ge=0.005, le=0.5, description="within which the ground must be found [m]")
 
 
+class Dump(TaskRequest):
+    """Open the scoop where it is, let what is in it fall, and shut it."""
+
+    task: ClassVar[str] = "dump"
+    seconds: float = Field(default=1.0, ge=0.1, le=60.0, description="for which it stays open [s]")
+
+
 class Weigh(TaskRequest):
     """Weigh what is carried at the tip, from the joint torques in several postures."""
 
@@ -125,11 +132,20 @@ class Resume(TaskRequest):
 
 
 class Drill(TaskRequest):
-    """Press a turning drill into the ground."""
+    """Drill a hole: touch, spin up, press with a force down to a depth, come out."""
 
     task: ClassVar[str] = "drill"
-    depth: float = Field(default=0.02, gt=0.0, le=0.5, description="of the hole [m]")
-    force: float = Field(default=20.0, ge=2.0, le=70.0, description="thrust [N]")
+    direction: Vector | None = Field(
+        default=None, description="into the ground, in base_link; that of the tool if left out"
+    )
+    depth: float = Field(default=0.02, gt=0.0, le=0.5, description="of the hole below the place of the touch [m]")
+    force: float = Field(default=30.0, ge=2.0, le=70.0, description="weight on the bit [N]")
+    rate: float | None = Field(
+        default=None, gt=0.0, le=500.0, description="of the spindle; the drill's own if left out"
+    )
+    speed: float = Field(default=0.01, ge=0.001, le=0.05, description="of the tip until it touches, and out [m/s]")
+    patience: float = Field(default=20.0, ge=1.0, le=3600.0, description="without progress, after which it ends [s]")
+    distance: float = Field(default=0.1, ge=0.005, le=0.5, description="within which the ground must be found [m]")
 
 
 class Pick(TaskRequest):
@@ -141,7 +157,7 @@ class Pick(TaskRequest):
 
 
 KINDS: tuple[type[TaskRequest], ...] = (
-    Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Weigh, Pause, Resume, Drill, Pick
+    Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Dump, Weigh, Pause, Resume, Drill, Pick
 )  # fmt: skip
 TASKS: dict[str, type[TaskRequest]] = {kind.task: kind for kind in KINDS}
 """Every task by name."""

@@ -1,6 +1,7 @@
 """From a request to a task under way: the directions and lines that it asks for, checked before anything moves."""
 
 import math
+from typing import TypeVar, get_args
 
 import numpy as np
 
@@ -10,12 +11,15 @@ from sojourn_mechanics.arm.kinematics import forward_kinematics, nearby_solution
 from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.tasks.dig import DigTask
+from sojourn_mechanics.arm.tasks.drill import DrillTask
+from sojourn_mechanics.arm.tasks.dump import DumpTask
 from sojourn_mechanics.arm.tasks.go import Go
 from sojourn_mechanics.arm.tasks.guarded_move import GuardedMoveTask
 from sojourn_mechanics.arm.tasks.hold_force import HoldForceTask
 from sojourn_mechanics.arm.tasks.requests import (
     Dig,
     Drill,
+    Dump,
     GuardedMove,
     HoldForce,
     Pick,
@@ -29,8 +33,10 @@ from sojourn_mechanics.arm.tasks.requests import (
 from sojourn_mechanics.arm.tasks.tare import TareTask
 from sojourn_mechanics.arm.tasks.task import Task
 from sojourn_mechanics.arm.tasks.weigh import TURN, WeighTask
+from sojourn_mechanics.arm.tool_params import DrillToolParams, ScoopToolParams, ToolParams
 from sojourn_mechanics.params import FloatArray
 
+Tool = TypeVar("Tool", bound=ToolParams)
 _STEP = 0.01
 """Distance of the places of a line that are looked at [m]."""
 
@@ -42,12 +48,14 @@ def start_task(
     posture: FloatArray,
     feels: bool,
     ground: GroundPlane | None = None,
+    tool: ToolParams | None = None,
 ) -> Task:
     """The task that a request asks for.
 
     Args:
         posture: joint positions (n,) from which it starts. feels: whether the wrist's sensor tells its wrench.
         ground: plane in base_link that all but the tool keeps above, or None.
+        tool: at the arm's end.
 
     Raises:
         GoalRefusedError: a task that needs what this arm has not, or a line that it cannot follow.
@@ -59,8 +67,12 @@ def start_task(
             return Go(PoseGoal(request.position, request.direction))
         case Weigh():
             return WeighTask(model, _weighing_postures(model, posture), request.seconds)
+        case Dump():
+            return DumpTask(_tool(request, tool, ScoopToolParams).lid.opening, request.seconds)
+        case Dig():
+            _tool(request, tool, ScoopToolParams)
         case Drill():
-            raise GoalRefusedError("drill: this arm has no drill")
+            _tool(request, tool, DrillToolParams)
         case Pick():
             raise GoalRefusedError("pick: this arm has no gripper")
     if not feels:
@@ -81,6 +93,7 @@ def start_task(
                 check_line(params, model, posture, direction, request.distance, ground)
             return HoldForceTask(direction, start, request.force, request.seconds, request.tolerance, request.distance)
         case Dig():
+            lid = _tool(request, tool, ScoopToolParams).lid
             direction = _direction(model, request.direction, posture)
             along = _across(direction, np.array(request.along or (-1.0, 0.0, 0.0)))
             into = request.depth
@@ -99,8 +112,41 @@ def start_task(
                 first=start,
                 touched=start,
                 begun=start,
+                lid=lid.opening,
+            )
+        case Drill():
+            drill = _tool(request, tool, DrillToolParams)
+            rate = drill.rate if request.rate is None else request.rate
+            if rate > drill.rate:
+                raise GoalRefusedError(
+                    f"drill: rate = {rate:g} rad/s: allowed is at most {drill.rate:g}, the drill's own"
+                )
+            direction = _direction(model, request.direction, posture)
+            into = request.depth
+            check_line(params, model, posture, direction, request.distance + into, ground, into)
+            return DrillTask(
+                drill,
+                direction,
+                request.depth,
+                request.force,
+                rate,
+                request.speed,
+                request.patience,
+                request.distance,
+                first=start,
+                touched=start,
+                temperature=drill.heat.ambient,
             )
     raise GoalRefusedError(f"{request.task}: this arm has no law for it")
+
+
+def _tool(request: TaskRequest, tool: ToolParams | None, needed: type[Tool]) -> Tool:
+    """The tool, if it is of the kind that a task needs."""
+    if isinstance(tool, needed):
+        return tool
+    kind = needed.model_fields["kind"].annotation
+    has = "carries no tool" if tool is None else f"carries a {tool.kind}"
+    raise GoalRefusedError(f"{request.task}: this arm {has}: allowed is a {' or '.join(get_args(kind))}")
 
 
 def _across(direction: FloatArray, wanted: FloatArray) -> FloatArray:

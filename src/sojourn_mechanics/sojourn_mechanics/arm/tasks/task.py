@@ -1,13 +1,31 @@
 """What a task is: a value that looks at the arm at every period, and says what is to be done and how it stands."""
 
 from dataclasses import dataclass, field
-from typing import Protocol, Self
+from typing import NamedTuple, Protocol, Self
 
 from sojourn_mechanics.arm.force_control import ForceControlParams
 from sojourn_mechanics.arm.goals import ArmGoal
 from sojourn_mechanics.arm.kinematics import TipPose
 from sojourn_mechanics.arm.state import ArmStatus
 from sojourn_mechanics.params import FloatArray
+
+
+class ToolReading(NamedTuple):
+    """The tool's actuator as measured."""
+
+    position: float
+    """[rad or m]"""
+    rate: float
+    effort: float
+    """[N m or N]"""
+
+
+class ToolCommand(NamedTuple):
+    """What the tool's actuator is told: by position or by rate, as it is made, with the effort that it may use."""
+
+    position: float = 0.0
+    rate: float = 0.0
+    effort: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +50,8 @@ class Look:
     """What has become of the last goal that was given to the arm."""
     reason: str
     control: ForceControlParams
+    tool: ToolReading | None = None
+    """None where there is no tool, or nobody tells it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +73,8 @@ class Doing:
     """What the operator is told besides, by name with its unit."""
     bias: FloatArray | None = None
     """New bias of the wrist's sensor (6,), where the task has found one."""
+    tool: ToolCommand | None = None
+    """For the tool's actuator; None: it goes on with what it was told last."""
 
 
 class Task(Protocol):

@@ -26,8 +26,9 @@ from sojourn_mechanics.arm.tasks.contact_sense import ContactSense, check_wrench
 from sojourn_mechanics.arm.tasks.ended import Ended, Released
 from sojourn_mechanics.arm.tasks.requests import Pause, Resume, TaskRequest
 from sojourn_mechanics.arm.tasks.start import start_task
-from sojourn_mechanics.arm.tasks.task import Doing, Look, Task
+from sojourn_mechanics.arm.tasks.task import Doing, Look, Task, ToolCommand, ToolReading
 from sojourn_mechanics.arm.tasks.tip_motion import CannotFollowError, TipMotion, begin, move
+from sojourn_mechanics.arm.tool_params import ToolParams
 from sojourn_mechanics.params import FloatArray
 
 _PAUSED = "paused; the task resume goes on"
@@ -43,6 +44,8 @@ class TaskInput:
     """On the wrist's sensor in its frame (6,) [N], [N m]; None where it is not measured."""
     efforts: FloatArray | None = None
     """Of the joints as measured (n,) [N m]; None where nobody tells them."""
+    tool: ToolReading | None = None
+    """Of the tool's actuator; None where there is no tool, or nobody tells it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +54,10 @@ class TaskState:
 
     arm: ArmState
     sense: ContactSense
+    tool: ToolParams | None = None
+    """At the arm's end."""
+    tool_command: ToolCommand = field(default_factory=ToolCommand)
+    """For its actuator."""
     name: str = ""
     task: Task | None = None
     doing: Doing = field(default_factory=Doing)
@@ -70,9 +77,9 @@ class TaskReport:
     doing: Doing
 
 
-def initial_state(params: ArmParams, model: ArmModel) -> TaskState:
-    """State before the first step."""
-    return TaskState(controller.initial_state(params), contact_sense(model))
+def initial_state(params: ArmParams, model: ArmModel, tool: ToolParams | None = None) -> TaskState:
+    """State before the first step, of an arm with a tool or without."""
+    return TaskState(controller.initial_state(params), contact_sense(model), tool)
 
 
 def warm_up(params: ArmParams, model: ArmModel) -> None:
@@ -149,7 +156,8 @@ def _take_task(params: ArmParams, model: ArmModel, state: TaskState, inputs: Tas
         if under_way and not request.preempt:
             raise GoalRefusedError(f"{request.task}: {under_way} is under way (preempt: true would replace it)")
         posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
-        task = start_task(params, model, request, posture, inputs.wrench is not None, inputs.arm.ground)
+        feels, ground = inputs.wrench is not None, inputs.arm.ground
+        task = start_task(params, model, request, posture, feels, ground, state.tool)
     except GoalRefusedError as error:
         return replace(state, refused=state.refused + 1), str(error)
     return replace(state, name=request.task, task=task, doing=Doing(), accepted=state.accepted + 1, paused=False), ""
@@ -170,7 +178,7 @@ def _work(
         return state, None
     look = _look(params, model, state, inputs)
     if state.doing.state == "moving":
-        state = _guard(params, state, inputs, look)
+        state = _guard(params, model, state, inputs, look)
     if state.paused and state.motion is not None and not isinstance(state.task, Ended | Released):
         still = move(model, state.motion, np.zeros(3), params.force_control.tip_acceleration, dt)
         return replace(state, motion=still), None
@@ -178,7 +186,7 @@ def _work(
         return state, None
     task, doing = state.task.advance(look, dt) if state.task is not None else (None, Doing())
     sense = state.sense if doing.bias is None else replace(state.sense, bias=state.sense.bias + doing.bias)
-    state = replace(state, task=task, sense=sense, doing=doing)
+    state = replace(state, task=task, sense=sense, doing=doing, tool_command=doing.tool or state.tool_command)
     if doing.velocity is None:
         stop = StopGoal() if state.motion is not None and doing.goal is None else None
         return replace(state, motion=None), doing.goal or stop
@@ -190,7 +198,7 @@ def _work(
     return replace(state, motion=moved), None
 
 
-def _guard(params: ArmParams, state: TaskState, inputs: TaskInput, look: Look) -> TaskState:
+def _guard(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, look: Look) -> TaskState:
     """Give up a task under way where the arm may not go on."""
     if not inputs.arm.allowed:
         return replace(state, task=Ended(f"not allowed to move: {inputs.arm.not_allowed_reason}"))
@@ -204,7 +212,8 @@ def _guard(params: ArmParams, state: TaskState, inputs: TaskInput, look: Look) -
     worst = int(np.argmax(behind))
     if behind[worst] > params.following_error_limit:
         name = params.joint_names[worst]
-        return replace(state, task=Ended(f"{name} is {behind[worst]:.3f} rad from its reference: something holds it"))
+        off = f"{behind[worst]:.3f} {model.unit(worst)}"
+        return replace(state, task=Ended(f"{name} is {off} from its reference: something holds it"))
     return state
 
 
@@ -230,4 +239,5 @@ def _look(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInpu
         status=state.arm.status,
         reason=state.arm.reason,
         control=params.force_control,
+        tool=inputs.tool,
     )

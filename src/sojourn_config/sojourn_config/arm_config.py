@@ -1,0 +1,42 @@
+"""Schema of `config/arms/NAME.yaml`: how an arm may be moved, and what it brings along to a machine that carries it."""
+
+from pydantic import Field
+
+from sojourn_mechanics.actuators.params import DriveParams
+from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.contact.params import PadParams
+from sojourn_mechanics.power.loads import LoadParams
+from sojourn_mechanics.sensors.params import JointGroupParams
+from sojourn_mechanics.sensors.wrench import WrenchSensorParams
+
+
+class ArmConfig(ArmParams):
+    """One arm. Names of joints and links are those of its own URDF; on a machine they get the prefix of its mount."""
+
+    urdf: str | None = Field(
+        default=None, min_length=1, description="file in urdf/ of an arm that a machine may carry on a mount"
+    )
+    of_rover: str | None = Field(
+        default=None,
+        min_length=1,
+        description="rover in whose URDF the arm is: on a mount elsewhere it comes with that rover's drives, encoders, "
+        "pads, load and wrist sensor of the arm",
+    )
+    urdf_root: str | None = Field(
+        default=None, min_length=1, description="link with which the arm begins in that file; left out: the outermost"
+    )
+    inertias_as_published: tuple[str, ...] = Field(
+        default=(),
+        description="links whose inertia is kept as published, though no body can have it: without a mass, or with "
+        "moments that do not fit together",
+    )
+    drives: tuple[DriveParams, ...] = Field(default=(), description="motor, gear and servo of groups of its joints")
+    joint_groups: dict[str, JointGroupParams] = Field(default_factory=dict, description="encoders by group of joints")
+    load: LoadParams | None = Field(
+        default=None, description="what its motors draw from the bus, for a machine whose bus has no load of that name"
+    )
+    pads: tuple[PadParams, ...] = Field(default=(), description="points of the arm that may touch the ground")
+    wrench_sensor_link: str | None = Field(
+        default=None, min_length=1, description="link of the arm that hangs on a force/torque sensor"
+    )
+    wrist: WrenchSensorParams | None = Field(default=None, description="that force/torque sensor")

@@ -1,0 +1,97 @@
+"""Checks of a machine that carries an arm on a mount: balance, what its joints hold, the voltage of its bus."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from sojourn_config.arm_config import ArmConfig
+from sojourn_config.errors import Problem
+from sojourn_config.mechanism_checks import BASE_LINK
+from sojourn_config.rover import RoverConfig
+from sojourn_config.still_machine import StillMachine
+from sojourn_config.urdf import UrdfSummary
+from sojourn_config.yaml_file import YamlDocument
+from sojourn_mechanics.actuators.params import MotorParams
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.power.battery import BatteryParams
+
+
+def carrying_problems(
+    rover: RoverConfig,
+    urdf: UrdfSummary,
+    arm: ArmConfig | None,
+    gravity: float,
+    battery: BatteryParams,
+    documents: Mapping[str, YamlDocument],
+) -> Iterator[Problem]:
+    """All that does not fit of an arm that is mounted on a machine; nothing of one that is in the machine's own URDF.
+
+    Args:
+        urdf: of both in one. arm: with the names on the machine. documents: files by role (`rover`, `arm`).
+    """
+    if arm is None or rover.arm_mount is None:
+        return
+    document = documents["arm"]
+    yield from _voltage_problems(arm, battery, document)
+    for pose, positions in arm.named_poses.items():
+        still = StillMachine(urdf, dict(zip(arm.joint_names, positions, strict=True)))
+        yield from _holding_problems(arm, urdf, still, pose, gravity, document)
+        if not rover.fixed_base:
+            yield from _balance_problems(rover, urdf, still, pose, documents["rover"])
+
+
+def _voltage_problems(arm: ArmConfig, battery: BatteryParams, document: YamlDocument) -> Iterator[Problem]:
+    """A motor at its largest speed, against friction: V = k N w + R (F_0 + b w)/(N k n), from an empty battery."""
+    lowest = battery.cells_series * battery.ocv_points[0]
+    for index, name in enumerate(arm.joint_names):
+        drive = next((drive for drive in arm.drives if name in drive.joints), None)
+        if drive is None or not isinstance(drive.motor, MotorParams):
+            continue
+        gain, rate = drive.motor.torque_constant * drive.gear.ratio, arm.max_velocity[index]
+        effort = (drive.friction_torque + drive.viscous_friction * rate) / drive.gear.efficiency
+        needed = gain * rate + drive.motor.resistance * effort / gain
+        if needed > lowest:
+            allowed = f"needs {needed:.3g} V from the bus, but an empty {battery.name} gives {lowest:.3g} V: "
+            allowed += f"allowed is some {rate * lowest / needed:.2g} at most"
+            yield document.problem(("max_velocity", index), rate, allowed)
+
+
+def _holding_problems(
+    arm: ArmConfig, urdf: UrdfSummary, still: StillMachine, pose: str, gravity: float, document: YamlDocument
+) -> Iterator[Problem]:
+    for drive in arm.drives:
+        for name in drive.joints:
+            held = abs(still.held_by(name, gravity))
+            if held > drive.motor_effort:
+                unit = urdf.joints[name].effort_unit
+                allowed = f"{name} would hold {held:.4g} {unit} at {gravity:.3g} m/s2: "
+                allowed += f"allowed is {drive.motor_effort:.4g} {unit} at most, what its drive can give"
+                yield document.problem(("named_poses", pose), list(arm.named_poses[pose]), allowed)
+
+
+def _balance_problems(
+    rover: RoverConfig, urdf: UrdfSummary, still: StillMachine, pose: str, document: YamlDocument
+) -> Iterator[Problem]:
+    """On level ground the machine stands on its wheels as long as its centre of mass is above the area between them."""
+    in_base = np.linalg.inv(still.place(BASE_LINK))
+    _, centre = still.weight_of(urdf.links)
+    centre = (in_base @ np.append(centre, 1.0))[:2]
+    feet = np.array([(in_base @ still.place(urdf.joints[wheel.joint].child))[:2, 3] for wheel in rover.wheels])
+    outside = _distance_outside(feet, centre)
+    if outside > 0.0:
+        where = f"x {centre[0]:.2f}, y {centre[1]:.2f} m, {outside:.2f} m outside the wheels"
+        allowed = f"tips the machine over in pose {pose!r}, its centre of mass at {where}: "
+        allowed += "allowed is a lighter arm or another place for it"
+        yield document.problem(("arm_mount",), rover.arm, allowed)
+
+
+def _distance_outside(feet: FloatArray, point: FloatArray) -> float:
+    """How far a point is outside the convex outline of others, (k, 2) [m]; negative inside.
+
+    The largest distance beyond a line that has all others on one side: of wheels in one line the distance from it.
+    """
+    worst = -np.inf
+    for angle in np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False):
+        normal = np.array([np.cos(angle), np.sin(angle)])
+        worst = max(worst, float(normal @ point - (feet @ normal).max()))
+    return worst

@@ -1,0 +1,52 @@
+"""Schema of `config/tools/NAME.yaml`: the tool at an arm's end, and the sensor of its actuator."""
+
+from pydantic import Field
+
+from sojourn_config.errors import MISSING, Problem, names_text
+from sojourn_config.rover import RoverConfig
+from sojourn_config.yaml_file import YamlDocument
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT, ToolParams
+from sojourn_mechanics.params import Params
+from sojourn_mechanics.sensors.encoder import EncoderParams
+from sojourn_mechanics.sensors.params import JointGroupParams, SensorSuiteParams
+from sojourn_mechanics.soil.params import SoilParams
+
+GROUP = "tool"
+
+
+class ToolSet(Params):
+    """One tool."""
+
+    description: str = Field(min_length=1, description="what tool this is")
+    tool: ToolParams
+    encoder: EncoderParams = Field(description="on its actuator")
+    effort_resolution: float = Field(gt=0.0, le=1e3, description="step of the measured effort [N m or N]")
+    effort_noise: float = Field(ge=0.0, le=1e3, description="standard deviation of the measured effort [N m or N]")
+
+
+def pad_problem(rover: RoverConfig, tool: ToolSet, document: YamlDocument) -> Problem | None:
+    """Why the tool does not fit onto the machine, if it does not."""
+    pads = [pad.name for pad in rover.pads]
+    if tool.tool.pad in pads:
+        return None
+    return document.problem(
+        ("tool", "pad"), tool.tool.pad, "is no pad of the rover: " + names_text(tool.tool.pad, pads)
+    )
+
+
+def tool_ground_problems(tool: ToolSet | None, soil: SoilParams, document: YamlDocument) -> list[Problem]:
+    """What the tool needs of a soil and its file does not give."""
+    if tool is None or tool.tool.kind != "drill" or soil.specific_energy is not None:
+        return []
+    return [document.problem(("specific_energy",), MISSING, "the key is missing: needed by the drill")]
+
+
+def with_tool(sensors: SensorSuiteParams, tool: ToolSet) -> SensorSuiteParams:
+    """The sensors with that of the tool."""
+    group = JointGroupParams(
+        joints=(TOOL_JOINT,),
+        encoder=tool.encoder,
+        effort_resolution=tool.effort_resolution,
+        effort_noise=tool.effort_noise,
+    )
+    return sensors.model_copy(update={"joint_groups": {**sensors.joint_groups, GROUP: group}})

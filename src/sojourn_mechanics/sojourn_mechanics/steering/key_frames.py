@@ -1,0 +1,312 @@
+"""Terrain-relative odometry: each cloud is matched with the ground of a key frame, and the odometry corrected by it.
+
+Key frames. The last few clouds, placed by the odometry, make the surface of a key frame: that of the newest of them.
+Later clouds are matched with it (`terrain_match`), until the rover has gone or turned too far from it, or its ground is
+hardly in view any more; then the last clouds make the next. Clouds that come while the rover stands are not matched:
+they would tell the same again.
+
+Filter. The pose of the key frame (x, y, yaw in odom) is cloned into the state of the odometry's filter when the key
+frame is made, with its correlations, and with the variance of reference_sigma added in x and y: the error that its
+surface has as a whole, and that all matches with it share. A match that finds base_link at z in the key frame's axes is
+then, with D = R(yaw_k) z and the errors e of the state,
+
+    D - (x - x_k) = e_x - e_x,k + D_y e_yaw,k + n,    D' likewise in y with -D_x,     cov n = R information^-1 R^T
+
+one Kalman update along each eigenvector of the information. It moves the pose, and by the cross-covariances slip, side
+slip, gyro bias and the key frame itself; nothing is counted twice but what the points of two matches share.
+
+Gate. A match with few points, with too many off the surface or with residuals above their deviations is not used. One
+that fits the ground but not the believed slip (the squared innovation over its covariance beyond gate^2) is first taken
+for ground that slips otherwise: the covariance is widened by a slip and a drift of lost_slip on the way since the last
+match, as a motor that has died or a soil that has changed makes them. It is used if it fits then, else rejected.
+
+Sources: Roumeliotis & Burdick (2002), IEEE ICRA, p. 1788 (stochastic cloning); Bar-Shalom, Li & Kirubarajan (2001),
+Estimation with Applications to Tracking and Navigation, sec. 5.4 (gate); Maimone, Cheng & Matthies (2007), J. Field
+Robotics 24:169 (visual odometry of the Mars Exploration Rovers, which drove like this on slopes and in loose soil).
+Assumptions: a gyro carries the heading from one look to the next; the ground does not change.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering.attitude import rotation_of
+from sojourn_mechanics.steering.ground_surface import GroundSurface, surface_through
+from sojourn_mechanics.steering.odometry import OdometryState, corrected, wrap_angle
+from sojourn_mechanics.steering.odometry_kernels import cloned, update_all, widened
+from sojourn_mechanics.steering.stereo_eye import StereoEye, along_rays
+from sojourn_mechanics.steering.terrain_match import Match, match
+from sojourn_mechanics.steering.terrain_match_params import TerrainMatchParams
+
+LEAST_STEEPNESS = 0.05
+"""Added to the share of a ray's error that is height: the slope of the ground that it meets is not known yet [-]."""
+LEAST_VARIANCE = 1e-6
+"""Of a point's height: points are rounded to a millimetre [m^2]."""
+MOST_OUTLIERS = 0.25
+"""Part of the points beyond which a match is not used [-]."""
+LEAST_OVERLAP = 0.5
+"""Part of a cloud on the key frame's surface below which there is a new one [-]."""
+LARGEST_SIGMA = 0.03
+"""A direction in which a match is worse tells nothing [m]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Look:
+    """A cloud with its place; arrays in level axes along the heading it was seen with, shape (n, 3) [m]."""
+
+    points: FloatArray
+    """About base_link."""
+    errors: FloatArray
+    """By which a point is off for one standard deviation of its match."""
+    place: tuple[float, float, float, float]
+    """base_link: x, y in odom, height in the chain of the matches [m]; yaw [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class TerrainMatchState:
+    """The key frame, the last clouds, and what became of the matches."""
+
+    surface: GroundSurface | None = None
+    """Of the key frame, in its axes; None before there is one."""
+    level: float = 0.0
+    """Height of base_link at the key frame [m]."""
+    looks: tuple[Look, ...] = ()
+    """The last clouds, the newest at the end."""
+    at: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    """x, y, height of the odometry and yaw at the last cloud that was taken."""
+    matched_at: tuple[float, float] = (0.0, 0.0)
+    """x, y at the last match that was used, or at the key frame [m]."""
+    key_frames: int = 0
+    matches: int = 0
+    """That were used."""
+    rejected: int = 0
+    """That were not."""
+    text: str = "no cloud yet"
+    """What became of the last cloud, in words."""
+    points: int = 0
+    """Of the last match."""
+    deviation: float = 0.0
+    """Of the last innovation, in standard deviations [-]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class TerrainMatcher:
+    """What matching needs to know of a machine."""
+
+    params: TerrainMatchParams
+    eye: StereoEye
+
+
+def match_ground(
+    matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState, cloud: FloatArray
+) -> tuple[OdometryState, TerrainMatchState]:
+    """Both states after a cloud in base_link, shape (n, 3) [m].
+
+    Args:
+        odometry: of this period, made for key frames, see `initial_odometry`.
+
+    Raises:
+        InvalidValueError: the odometry is not made for key frames.
+    """
+    key = odometry.key
+    if key is None:
+        raise InvalidValueError("key", key, "the pose of a key frame: initial_odometry(..., key_frames=True)")
+    params = matcher.params
+    look = _look_of(matcher, odometry, state, cloud)
+    if len(look.points) < params.least_points:
+        return odometry, replace(state, text=f"only {len(look.points)} points of the ground in view", points=0)
+    moved = math.hypot(odometry.x - state.at[0], odometry.y - state.at[1])
+    turned = abs(wrap_angle(odometry.yaw - state.at[3]))
+    if state.surface is not None and max(moved, turned) < params.least_step:
+        if len(state.looks) >= params.clouds or state.matches:
+            return odometry, replace(state, text="standing, no match")
+        return _with_key_frame(matcher, odometry, _taken(params, state, look, odometry))
+    if state.surface is None:
+        return _with_key_frame(matcher, odometry, _taken(params, state, look, odometry))
+
+    turn = wrap_angle(odometry.yaw - float(key[2]))
+    ahead, left = _turned(odometry.x - float(key[0]), odometry.y - float(key[1]), -float(key[2]))
+    to_key = rotation_of(0.0, 0.0, turn)
+    guess = np.array((ahead, left, look.place[2] - state.level))
+    heading = math.sqrt(max(_relative_heading_variance(odometry), 1e-10))
+    found = match(
+        state.surface,
+        look.points @ to_key.T,
+        look.errors @ to_key.T,
+        guess,
+        params.sharing,
+        (params.tilt_sigma, heading),
+    )
+    overlap = found.points / len(look.points)
+    flaw = _flaw(params, found)
+    if not flaw and not _tells(found):
+        state = replace(state, text="the ground is too even to tell", points=found.points)
+    elif flaw:
+        state = replace(state, rejected=state.rejected + 1, text=f"rejected: {flaw}", points=found.points)
+    else:
+        look = replace(look, place=(*look.place[:2], state.level + float(guess[2] + found.shift[2]), look.place[3]))
+        odometry, state = _updated(params, odometry, key, state, found, guess[:2])
+        look = replace(look, place=(odometry.x, odometry.y, look.place[2], odometry.yaw))
+    state = _taken(params, state, look, odometry)
+    gone = math.hypot(float(guess[0] + found.shift[0]), float(guess[1] + found.shift[1]))
+    if gone > params.spacing or abs(turn) > params.turn or overlap < LEAST_OVERLAP:
+        return _with_key_frame(matcher, odometry, state)
+    return odometry, state
+
+
+def warm_up(matcher: TerrainMatcher, odometry: OdometryState) -> None:
+    """Have every kernel compiled: looks at a wavy ground from two places; `odometry` is left as it is."""
+    params, eye = matcher.params, matcher.eye
+    ahead, left = np.meshgrid(np.linspace(0.5, 2.0, 31), np.linspace(-0.8, 0.8, 33))
+    ground = np.stack([ahead, left, 0.05 * np.sin(4.0 * ahead) * np.cos(4.0 * left) - eye.position[2] - 0.5], axis=-1)
+    first, state = match_ground(matcher, odometry, TerrainMatchState(), ground.reshape(-1, 3))
+    second = replace(first, x=first.x + params.least_step, y=first.y + params.least_step)
+    match_ground(matcher, second, state, ground.reshape(-1, 3))
+    widened(first.covariance, 0.1, 0.1, params.lost_slip)
+
+
+def match_status(state: TerrainMatchState | None, odometry: OdometryState) -> dict[str, str | float]:
+    """Fields of /drive/status; none without a camera."""
+    if state is None:
+        return {}
+    return {
+        "terrain_match": state.text,
+        "terrain_matches": float(state.matches),
+        "terrain_rejected": float(state.rejected),
+        "terrain_key_frames": float(state.key_frames),
+        "terrain_points": float(state.points),
+        "terrain_deviation_sigma": state.deviation,
+        "terrain_slip_correction": odometry.slip_error,
+    }
+
+
+def _look_of(matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState, cloud: FloatArray) -> Look:
+    """The near points of a cloud in level axes."""
+    rays = cloud - matcher.eye.position
+    near = (rays * rays).sum(axis=1) <= matcher.params.range**2
+    level = rotation_of(odometry.roll, odometry.pitch)
+    height = odometry.z
+    if state.looks:
+        height = state.looks[-1].place[2] + odometry.z - state.at[2]
+    return Look(
+        np.ascontiguousarray(cloud[near] @ level.T),
+        np.ascontiguousarray(along_rays(matcher.eye, cloud[near]) @ level.T),
+        (odometry.x, odometry.y, height, odometry.yaw),
+    )
+
+
+def _taken(
+    params: TerrainMatchParams, state: TerrainMatchState, look: Look, odometry: OdometryState
+) -> TerrainMatchState:
+    at = (odometry.x, odometry.y, odometry.z, odometry.yaw)
+    return replace(state, looks=(*state.looks, look)[-params.clouds :], at=at)
+
+
+def _flaw(params: TerrainMatchParams, found: Match) -> str:
+    """Why a match cannot be used; empty where it can."""
+    if found.points < params.least_points:
+        return f"only {found.points} points on known ground"
+    if not found.converged and _tells(found):
+        return "no place fits"
+    if found.outliers > MOST_OUTLIERS * found.points:
+        return f"{found.outliers} of {found.points} points off the ground"
+    if found.misfit > params.misfit:
+        return f"points off the ground by {math.sqrt(found.misfit):.1f} sigma"
+    return ""
+
+
+def _tells(found: Match) -> bool:
+    """Whether the ground has relief enough for a direction."""
+    return float(np.linalg.eigvalsh(found.information)[1]) > LARGEST_SIGMA**-2
+
+
+def _updated(
+    params: TerrainMatchParams,
+    odometry: OdometryState,
+    key: FloatArray,
+    state: TerrainMatchState,
+    found: Match,
+    guess: FloatArray,
+) -> tuple[OdometryState, TerrainMatchState]:
+    """The filter's update with a match: see the head of this module."""
+    values, axes = np.linalg.eigh(found.information)
+    told = values > LARGEST_SIGMA**-2
+    to_odom = rotation_of(0.0, 0.0, float(key[2]))[:2, :2]
+    way = to_odom @ (guess + found.shift[:2])
+    size = len(odometry.covariance)
+    rows = np.zeros((2, size))
+    rows[0, 0] = rows[1, 1] = 1.0
+    rows[0, size - 3] = rows[1, size - 2] = -1.0
+    rows[0, size - 1], rows[1, size - 1] = way[1], -way[0]
+    across = (to_odom @ axes[:, told]).T
+    rows = across @ rows
+    innovation = across @ (way - np.array((odometry.x - key[0], odometry.y - key[1])))
+    noise = 1.0 / values[told]
+
+    covariance, text = odometry.covariance, "matched"
+    deviation = _deviation(covariance, rows, innovation, noise)
+    if deviation > params.gate:
+        since = odometry.x - state.matched_at[0], odometry.y - state.matched_at[1]
+        covariance, text = widened(covariance, *since, params.lost_slip), "matched: the ground slips otherwise"
+        wide = _deviation(covariance, rows, innovation, noise)
+        if wide > params.gate:
+            text = f"rejected: off by {1e3 * float(np.linalg.norm(innovation)):.0f} mm, {deviation:.1f} sigma"
+            rejected = state.rejected + 1
+            return odometry, replace(state, rejected=rejected, text=text, points=found.points, deviation=deviation)
+    change = np.zeros(size)
+    for row, off, variance in zip(rows, innovation, noise, strict=True):
+        more, covariance = update_all(covariance, row, float(variance), float(off - row @ change))
+        change += more
+    odometry = corrected(odometry, change, covariance)
+    return odometry, replace(
+        state,
+        matches=state.matches + 1,
+        matched_at=(odometry.x, odometry.y),
+        text=text,
+        points=found.points,
+        deviation=deviation,
+    )
+
+
+def _deviation(covariance: FloatArray, rows: FloatArray, innovation: FloatArray, noise: FloatArray) -> float:
+    """Length of the innovation in its standard deviations."""
+    spread = rows @ covariance @ rows.T + np.diag(noise)
+    return math.sqrt(float(innovation @ np.linalg.solve(spread, innovation)))
+
+
+def _with_key_frame(
+    matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState
+) -> tuple[OdometryState, TerrainMatchState]:
+    """A key frame at the newest look, through the last ones."""
+    params, eye = matcher.params, matcher.eye
+    x, y, level, yaw = state.looks[-1].place
+    points, variances = [], []
+    for look in state.looks:
+        ahead, left = _turned(look.place[0] - x, look.place[1] - y, -yaw)
+        turned = rotation_of(0.0, 0.0, wrap_angle(look.place[3] - yaw))
+        points.append(look.points @ turned.T + np.array((ahead, left, look.place[2] - level)))
+        length = np.sqrt((look.errors * look.errors).sum(axis=1))
+        variances.append((np.abs(look.errors[:, 2]) + LEAST_STEEPNESS * length) ** 2 + LEAST_VARIANCE)
+    reach = params.range + math.hypot(eye.position[0], eye.position[1])
+    surface = surface_through(np.concatenate(points), np.concatenate(variances), params.cell, params.radius, reach)
+    odometry = replace(
+        odometry,
+        key=np.array((odometry.x, odometry.y, odometry.yaw)),
+        covariance=cloned(odometry.covariance, params.reference_sigma**2),
+    )
+    return odometry, replace(
+        state, surface=surface, level=level, matched_at=(odometry.x, odometry.y), key_frames=state.key_frames + 1
+    )
+
+
+def _relative_heading_variance(odometry: OdometryState) -> float:
+    covariance, key = odometry.covariance, len(odometry.covariance) - 1
+    return float(covariance[2, 2] + covariance[key, key] - 2.0 * covariance[2, key])
+
+
+def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return cosine * x - sine * y, sine * x + cosine * y

@@ -1,0 +1,128 @@
+"""Soil that a scoop takes away: mass balance, what it weighs, what a second dig meets, what the lid keeps."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sojourn_mechanics.arm.tasks.requests import parse_task
+from sojourn_mechanics.terrain.memory import DUG
+
+FINE = ("terrain.memory_cell=0.01",)
+
+
+def missing(rover: Any) -> float:
+    """Volume that lacks in the ground [m3], in double precision from what is stored."""
+    ground = rover.plant.ground
+    return math.fsum(float(tile[..., DUG].astype(np.float64).sum()) for tile in ground.tiles.values()) * ground.cell**2
+
+
+def test_dig_weigh_and_dump(rover_arm: Callable[..., Any]) -> None:
+    rover = rover_arm("soil=lunar_nominal", *FINE)
+    assert rover.task("tare", 5.0).doing.state == "reached"
+    rover.over_ground(1.2, 0.0, 0.02)
+    begun = len(rover.log)
+    report = rover.task("dig", 60.0, depth=0.02, length=0.08)
+    assert report.doing.state == "reached", report
+    own, soil = rover.plant.tool.own, rover.scenario.soils["lunar_nominal"]
+    depth, width = report.doing.figures["depth_m"], rover.scenario.tool.cut.width
+    assert own.carried.volume == pytest.approx(0.08 * depth * width, rel=0.2)
+    assert missing(rover) == pytest.approx(own.carried.volume + own.pushed.volume, rel=1e-9)
+    assert own.carried.mass == pytest.approx(soil.density * own.carried.volume, rel=1e-9)
+    assert own.pushed.volume < 1e-9 and own.carried.volume < rover.scenario.tool.capacity
+    tips = rover.since("tip", begun)
+    trench = 0.5 * (tips[:, 0].max() + tips[:, 0].min()), float(tips[-1, 1])
+    floor = rover.plant.ground.lowered(*trench)
+    assert floor == pytest.approx(-tips[:, 2].min(), abs=0.004)
+    # it hangs on the arm: the wrist feels it, and the joints' torques tell it
+    rover.over_ground(1.2, 0.0, 0.3)
+    weighed = rover.task("weigh", 60.0)
+    assert weighed.doing.state == "reached", weighed
+    assert weighed.doing.figures["payload_by_wrist_kg"] == pytest.approx(own.carried.mass, abs=0.03)
+    assert weighed.doing.figures["payload_kg"] == pytest.approx(own.carried.mass, abs=0.03)
+    # beside the trench it falls out as a heap
+    rover.over_ground(1.2, 0.2, 0.1)
+    assert rover.task("dump", 30.0).doing.state == "reached"
+    left = rover.plant.tool.own.carried.volume
+    assert 0.0 <= left < 1e-9 and rover.plant.tool.position == pytest.approx(0.0, abs=0.05)
+    assert missing(rover) == pytest.approx(left, abs=1e-9 * own.carried.volume)  # and of what it pushed
+    place = rover.log[-1]["tip"][:2]
+    radius = (3.0 * own.carried.volume / (math.pi * math.tan(soil.friction_angle))) ** (1.0 / 3.0)
+    assert -rover.plant.ground.lowered(*place) == pytest.approx(radius * math.tan(soil.friction_angle), rel=0.25)
+    # where it dug, the ground is lower: it touches later by the depth of the trench
+    rover.over_ground(1.2, 0.0, 0.02)
+    second = len(rover.log)
+    report = rover.task("dig", 60.0, depth=0.01, length=0.05)
+    assert report.doing.state == "reached", report
+    assert rover.since("tip", second)[:, 2].min() < -0.025
+
+
+def test_a_full_scoop_pushes_the_rest_and_feels_it(rover_arm: Callable[..., Any]) -> None:
+    rover = rover_arm("soil=lunar_nominal", *FINE)
+    rover.over_ground(1.25, 0.0, 0.01)
+    tool = rover.model.tool
+    tool._law.params = rover.scenario.tool.model_copy(update={"capacity": 3e-5})
+    pushed = []
+    try:
+        rover.period(task=None)
+        rover.period(task=parse_task("dig", {"depth": 0.02, "length": 0.1, "speed": 0.02}))
+        while rover.report.doing.state == "moving":
+            rover.period()
+            pushed.append(rover.plant.tool.own.pushed.volume)
+            assert missing(rover) == pytest.approx(
+                rover.plant.tool.own.carried.volume + rover.plant.tool.own.pushed.volume, rel=1e-9, abs=1e-18
+            )
+            assert rover.plant.tool.pile == pytest.approx(
+                rover.plant.tool.own.pushed.mass * rover.model.gravity, rel=1e-12
+            )
+    finally:
+        tool._law.params = rover.scenario.tool
+    assert rover.report.doing.state == "reached", rover.report
+    own = rover.plant.tool.own
+    assert own.carried.volume == pytest.approx(3e-5) and max(pushed) > 2e-5
+    assert own.pushed.volume < 1e-9, "it stays as a heap when the scoop leaves the ground"
+
+
+def test_a_scoop_that_is_lifted_open_keeps_nothing(rover_arm: Callable[..., Any]) -> None:
+    rover = rover_arm("soil=lunar_nominal", *FINE)
+    rover.over_ground(1.2, 0.0, 0.02)
+    assert rover.task("dig", 60.0, depth=0.02, length=0.04).doing.state == "reached"
+    energy, carried = rover.plant.energy, rover.plant.tool.own.carried
+    assert carried.volume > 1e-5
+    rover.tasks = replace(rover.tasks, task=None, tool_command=rover.tasks.tool_command._replace(position=1.2))
+    rover.run(2.0)
+    assert rover.plant.tool.own.carried.volume < 1e-9
+    assert missing(rover) == pytest.approx(0.0, abs=1e-9 * carried.volume)
+    assert rover.plant.energy.electrical > energy.electrical
+
+
+def test_energy_is_accounted_for_while_soil_comes_onto_the_arm(rover_arm: Callable[..., Any]) -> None:
+    rover = rover_arm("soil=lunar_nominal", *FINE)
+    rover.over_ground(1.2, 0.0, 0.02)
+    start = rover.plant.energy
+    assert rover.task("dig", 60.0, depth=0.02, length=0.06).doing.state == "reached"
+    assert rover.plant.energy.balance_error(start) < 2e-3
+
+
+def test_two_branches_do_not_share_their_load(rover_arm: Callable[..., Any]) -> None:
+    """The load hangs on a model that the branches share: each of them has to put its own there."""
+    rover = rover_arm("soil=lunar_nominal", *FINE)
+    empty = replace(rover, plant=rover.plant.copy(), log=[])
+    rover.over_ground(1.2, 0.0, 0.02)
+    assert rover.task("dig", 60.0, depth=0.02, length=0.04).doing.state == "reached"
+    empty.run(1.0)
+    twin = rover_arm("soil=lunar_nominal", *FINE)
+    twin.run(1.0)
+    assert np.array_equal(empty.plant.velocity, twin.plant.velocity)
+    assert np.array_equal(empty.output.wrist_wrench, twin.output.wrist_wrench)
+
+
+@pytest.mark.parametrize("name", ["drill", "pick"])
+def test_what_a_scoop_cannot_do_is_refused(rover_arm: Callable[..., Any], name: str) -> None:
+    rover = rover_arm("soil=lunar_nominal", *FINE)
+    numbers = {"position": "1.2 0 -0.4"} if name == "pick" else {}
+    rover.period(task=parse_task(name, numbers))
+    assert rover.report is None and rover.said.goals_refused == 1 and "this arm" in rover.said.reason
