@@ -1,4 +1,4 @@
-"""Picking with the plant in the loop: a tube is lifted, weighed and put down; what cannot be is said with the numbers."""
+"""Picking with the plant in the loop: a tube is lifted, weighed and put down; what cannot be is told."""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,7 +9,7 @@ import pytest
 
 from sojourn_mechanics.arm.tasks.requests import parse_task
 
-TUBE = "{name: tube, x: 1.1, y: 0.2, mass: 0.3, width: 0.03, height: 0.03, friction: 0.4}"
+TUBE = "{name: tube, x: 0.1, y: 0.2, mass: 0.3, width: 0.03, height: 0.03, friction: 0.4}"
 WITH_TUBE = ("tool=gripper", "body=mars", "soil=mars", f"objects=[{TUBE}]")
 
 

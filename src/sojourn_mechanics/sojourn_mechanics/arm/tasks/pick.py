@@ -77,10 +77,8 @@ class PickTask:
             return self._down(look, tool)
         if self.phase == "close":
             return self._close(look, tool, dt)
-        height = -float(
-            self.direction @ (look.tip.position - (self.position if self.grasped is None else self.grasped))
-        )
-        if height < self.lift:
+        begun = self.position if self.grasped is None else self.grasped
+        if float(self.direction @ (begun - look.tip.position)) < self.lift:
             return self, self._told(tool, -self.speed * self.direction)
         if not self._holds(tool):
             return self._fail(f"it has slipped out: the fingers are {tool.position * 1e3:.1f} mm apart", tool)

@@ -12,8 +12,8 @@ the object would turn, so that the weaker one asks for μ n_2 >= F_t/2 and the s
     n_1 >= F_t/(2 μ) + F_u
 
 This is the round cone of `arm.grasp` for two opposite fingers and a load through their middle (Murray, Li & Sastry
-1994, ch. 5). An object that needs more slips out at once and falls to the ground below; a is that of the tip, from its places
-at the ends of three periods.
+1994, ch. 5). An object that needs more slips out at once and falls to the ground below; a is that of the tip, from its
+places at the ends of three periods.
 
 Assumptions: objects are small and rigid, centre themselves between the fingers and hang on the arm from the moment when
 they are grasped; the fingers do not push those that they miss, and nothing else meets them.
