@@ -86,7 +86,13 @@ class Gripper:
             grasp = min(own.grasp + closing, limit) if wanted < width else own.grasp - closing
             working = grasp != own.grasp
             opening = width if grasp > 0.0 else opening
+        slips = own.slips
         own = self._carry(own, held if grasp > 0.0 else None, grasp, around)
+        if own.slips > slips:
+            if wanted < opening:
+                opening -= step  # the fingers close behind it
+            else:
+                own = replace(own, slips=slips)  # they were told to open
         energy = self.params.power * around.dt if working and step > 0.0 else 0.0
         after = replace(
             state,
