@@ -1,7 +1,5 @@
 """Fixtures of the start-up tests: a ROS domain of each test's own, on this machine only."""
 
-import itertools
-import os
 import signal
 import sys
 from collections.abc import Iterator
@@ -9,22 +7,20 @@ from pathlib import Path
 
 import pytest
 
+from domains import own_domain
 from sojourn_bringup.environment import ros_variables
 
 sys.path[:0] = [str(Path(__file__).parents[1] / folder) for folder in ("contract", "bags")]
 
-FIRST_DOMAIN, DOMAINS = 60, 50
-_number = itertools.count()
-
 
 @pytest.fixture(autouse=True)
-def domain(monkeypatch: pytest.MonkeyPatch) -> int:
+def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     """A domain that no other test uses at the same time, and the field checks of rclpy."""
-    number = FIRST_DOMAIN + (os.getpid() * 7 + next(_number)) % DOMAINS
-    for name, value in ros_variables(number).items():
-        monkeypatch.setenv(name, value)
     monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", "1")
-    return number
+    with own_domain() as number:
+        for name, value in ros_variables(number).items():
+            monkeypatch.setenv(name, value)
+        yield number
 
 
 @pytest.fixture(autouse=True)

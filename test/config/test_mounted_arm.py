@@ -86,7 +86,15 @@ def test_drives_and_encoders_fit_motors_and_gears_of_the_urdf(name: str) -> None
             ["arm_mount.link = 'deck'", "is no link of urdf/skid.urdf", "base_link"],
         ),
         (["rover=skid", "rover.arm=puma560"], ["config/rovers/skid.yaml: arm_mount", "where puma560 stands"]),
-        (["rover=skid", "rover.arm=explorer_arm", "rover.arm_mount={}"], ["arm_mount", "explorer_arm has no URDF"]),
+        (
+            ["rover=explorer_arm", "arm.of_rover=null"],
+            ["config/rovers/explorer_arm.yaml", "arm_mount", "explorer_arm has no URDF of its own"],
+        ),
+        (["rover=explorer_arm", "arm.of_rover=explorr"], ["of_rover = 'explorr'", "did you mean explorer?"]),
+        (
+            ["rover=explorer_arm", "arm.urdf_root=arm_link"],
+            ["urdf_root = 'arm_link'", "is no link of urdf/explorer.urdf"],
+        ),
         ([*ON_SKID, "rover.arm_mount.prefix=Arm"], ["arm_mount.prefix = 'Arm'", "lower case, ends with _"]),
         ([*ON_SKID, "rover.arm_mount.xyz=[0, 0]"], ["arm_mount.xyz", "[m]"]),
         (
@@ -125,6 +133,23 @@ def test_what_does_not_fit_is_refused(overrides: list[str], words: list[str]) ->
         load_scenario("flat_drive", overrides)
     for word in words:
         assert word in str(caught.value)
+
+
+def test_the_explorers_arm_comes_with_what_the_explorer_has_of_it() -> None:
+    stand, explorer = load_scenario("explorer_arm_course"), load_scenario("flat_drive")
+    assert stand.arm_joints == stand.urdf.moving_joints == explorer.arm_joints  # its mount has no prefix
+    own = {joint: drive for drive in explorer.rover.drives for joint in drive.joints}
+    assert {joint: drive for drive in stand.rover.drives for joint in drive.joints} == {
+        joint: own[joint] for joint in stand.arm_joints
+    }
+    for group in ("arm", "wrist"):
+        assert stand.sensors.joint_groups[group] == explorer.sensors.joint_groups[group]
+    assert stand.sensors.wrist == explorer.sensors.wrist
+    assert stand.rover.wrench_sensor_link == explorer.rover.wrench_sensor_link
+    assert [pad.name for pad in stand.rover.pads] == ["arm_tip"] and stand.tool == explorer.tool
+    mass = sum(inertial.mass for name, inertial in stand.urdf.inertials.items() if name != "base_link")
+    links = explorer.urdf.below("arm_mount_link")
+    assert mass == pytest.approx(sum(i.mass for name, i in explorer.urdf.inertials.items() if name in links))
 
 
 def test_who_carries_it_well_is_let_be() -> None:

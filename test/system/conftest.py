@@ -6,15 +6,18 @@ from pathlib import Path
 
 import pytest
 
+from domains import own_domain
+
 sys.path.insert(0, str(Path(__file__).parent))
 
-from programs import Program, next_domain
+from programs import Program
 
 
 @pytest.fixture
-def domain() -> int:
+def domain() -> Iterator[int]:
     """A domain of this test's own."""
-    return next_domain()
+    with own_domain() as number:
+        yield number
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """Programs as users start them, each with what it prints, what it starts, and what it must not leave behind."""
 
-import itertools
 import os
 import re
 import signal
@@ -8,27 +7,22 @@ import subprocess
 import sys
 import time
 import uuid
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
+from domains import own_domain
+
 HERE = Path(__file__).parent
 SHORT_RUN = HERE / "short_run.yaml"
-FIRST_DOMAIN = 180
-DOMAINS = 50
 LONGEST_S = 200.0
 """Wall time after which a test gives up. Generous, as PATIENT is: these tests may run on a machine that is busy."""
 PATIENT = ("--start-timeout", "120", "--lockstep-timeout", "50")
 """Options of start.py that let a busy machine be slow."""
 MARK = "SOJOURN_TEST_MARK"
 """Variable by which a program's descendants are found, whatever group or parent they have."""
-_domains = itertools.count()
-
-
-def next_domain() -> int:
-    """A ROS domain that no other test of this session uses, and hardly one of another session."""
-    return FIRST_DOMAIN + (os.getpid() * 11 + next(_domains)) % DOMAINS
 
 
 def environment(mark: str) -> dict[str, str]:
@@ -115,6 +109,27 @@ class Program:
             except subprocess.TimeoutExpired:
                 self.process.kill()
                 self.process.wait()
+
+
+def demos(options: Mapping[str, Sequence[str]], folder: Path) -> dict[str, tuple[int, str, Path]]:
+    """Run demos in processes of their own, two at once: one alone leaves cores idle.
+
+    Args:
+        options: of each demo, by name. folder: of all; each has its name in it.
+
+    Returns:
+        for each its exit status, the end of what it said, and its folder.
+    """
+
+    def demo(name: str) -> tuple[int, str, Path]:
+        with own_domain() as domain:
+            place = ["--run-dir", str(folder / name), "--domain", str(domain)]
+            command = [sys.executable, "-m", "sojourn_bringup.demo", *options[name], *place]
+            done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
+        return done.returncode, done.stdout[-2000:] + done.stderr[-2000:], folder / name
+
+    with ThreadPoolExecutor(2) as pool:
+        return dict(zip(options, pool.map(demo, options), strict=True))
 
 
 def shared_memory_files() -> set[str]:

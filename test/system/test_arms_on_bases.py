@@ -1,17 +1,14 @@
 """Arms other than the explorer's, in lock-step over the topics: each reaches joint positions and poses in truth."""
 
 import json
-import subprocess
-import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import demos
 
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag, read_bag
-from sojourn_bringup.environment import HIGHEST_DOMAIN
 from sojourn_config.scenario import load_scenario
 from sojourn_config.steps import ArmJointsStep, ArmPoseStep
 from sojourn_mechanics.arm.kinematics import forward_kinematics
@@ -28,30 +25,17 @@ COURSES: dict[str, tuple[str, tuple[str, ...]]] = {
     "cylindrical": ("cylindrical_course", ()),  # two of four joints slide
 }
 """Scenario and overrides."""
-AT_ONCE = 2
-FIRST_DOMAIN = HIGHEST_DOMAIN - 45
 DISTANCE_M, ANGLE_RAD = 0.002, 0.0087
 """What the turret of the explorer is asked for, too: 2 mm and half a degree."""
 
 
-def run(course: str, folder: Path, domain: int) -> tuple[int, str]:
-    """A course in a process of its own. Returns its exit status and what it said."""
-    scenario, overrides = COURSES[course]
-    command = [sys.executable, "-m", "sojourn_bringup.demo", "--scenario", scenario]
-    for text in overrides:
-        command += ["--set", text]
-    command += ["--run-dir", str(folder / course), "--domain", str(domain)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-    return done.returncode, done.stdout[-2000:] + done.stderr[-2000:]
-
-
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str, Path]]:
-    folder = tmp_path_factory.mktemp("arms")
-    with ThreadPoolExecutor(AT_ONCE) as pool:
-        domains = range(FIRST_DOMAIN, FIRST_DOMAIN + len(COURSES))
-        results = list(pool.map(run, COURSES, [folder] * len(COURSES), domains))
-    return {course: (*result, folder / course) for course, result in zip(COURSES, results, strict=True)}
+    options = {
+        course: ["--scenario", scenario, *(word for text in overrides for word in ("--set", text))]
+        for course, (scenario, overrides) in COURSES.items()
+    }
+    return demos(options, tmp_path_factory.mktemp("arms"))
 
 
 def true_joints_at(bag: Bag, names: tuple[str, ...], time_s: float) -> FloatArray:

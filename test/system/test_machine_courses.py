@@ -1,18 +1,15 @@
 """Every rover drives its course in lock-step, with its bag: a square, a step of 0.1 m if it can, 10 degrees."""
 
 import json
-import subprocess
-import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import demos
 
 from sojourn_bags.machine import euler_angles, poses_of
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bringup.demo import scenario_of
-from sojourn_bringup.environment import HIGHEST_DOMAIN
 from sojourn_config.load import load_params
 from sojourn_config.paths import available
 from sojourn_config.rover import RoverConfig
@@ -20,26 +17,11 @@ from sojourn_config.scenario import load_scenario
 
 ROVERS = [name for name in available("rovers") if not load_params("rovers", name, RoverConfig).fixed_base]
 SLOPE_DEG = 10.0
-AT_ONCE = 2
-FIRST_DOMAIN = HIGHEST_DOMAIN - 32
-
-
-def drive(rover: str, folder: Path, domain: int) -> tuple[int, str]:
-    """Run the course of a rover in a process of its own. Returns its exit status and what it said."""
-    command = [sys.executable, "-m", "sojourn_bringup.demo", "--rover", rover]
-    command += ["--run-dir", str(folder / rover), "--domain", str(domain)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
-    return done.returncode, done.stdout[-2000:] + done.stderr[-2000:]
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str, Path]]:
-    """All courses, some of them at once: one alone leaves cores idle."""
-    folder = tmp_path_factory.mktemp("courses")
-    with ThreadPoolExecutor(AT_ONCE) as pool:
-        domains = range(FIRST_DOMAIN, FIRST_DOMAIN + len(ROVERS))
-        results = list(pool.map(drive, ROVERS, [folder] * len(ROVERS), domains))
-    return {rover: (*result, folder / rover) for rover, result in zip(ROVERS, results, strict=True)}
+    return demos({rover: ["--rover", rover] for rover in ROVERS}, tmp_path_factory.mktemp("courses"))
 
 
 def track(bag: Bag) -> tuple[np.ndarray, np.ndarray]:

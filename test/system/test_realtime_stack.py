@@ -10,11 +10,12 @@ from pathlib import Path
 
 import pytest
 import rclpy
-from programs import PATIENT, SHORT_RUN, Program, next_domain
+from programs import PATIENT, SHORT_RUN, Program
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 
+from domains import domain_to_keep
 from sojourn_bags.reading import read_bag
 from sojourn_config.paths import config_folder
 
@@ -29,7 +30,7 @@ class Stack:
     """A running stack: its program, its domain and its folder."""
 
     def __init__(self, base: Path) -> None:
-        self.domain = next_domain()
+        self.domain = domain_to_keep()
         self.run_dir = base / "run"
         options = [
             *PATIENT,

@@ -8,8 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from programs import Program, next_domain
+from programs import Program
 
+from domains import domain_to_keep
 from sojourn_bags.candidate import NodeCandidate
 from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.comparison_words import comparison_lines
@@ -72,7 +73,7 @@ def program_file(folder: Path, text: str) -> str:
 def run_here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of this machine: the reference may be of another one, that rounds in another way."""
     folder = tmp_path_factory.mktemp("replayed")
-    arguments = [str(BAG.parent / "short_goals.yaml"), "--composed", "--domain", str(next_domain())]
+    arguments = [str(BAG.parent / "short_goals.yaml"), "--composed", "--domain", str(domain_to_keep())]
     arguments += ["--set", "steps=[{drive_to: {x: 0.1, y: 0.0}, timeout_s: 1.5}]", "--run-dir", str(folder / "run")]
     program = Program("start", arguments, folder / "log.txt")
     try:

@@ -21,6 +21,7 @@ from sojourn_contract.topics import topic
 from sojourn_drive.clouds import eye_of
 from sojourn_drive.measurements import WheelMeasurements
 from sojourn_drive.sun import SunSightings
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.plant.faults import MotorFaults
 from sojourn_mechanics.plant.state import PlantOutput
@@ -70,8 +71,8 @@ class ClosedLoop:
         self._sensors = suite.initial_state(
             scenario.sensors,
             scenario.config.seed,
-            self.plant.joints.names,
-            self.truth.joints[0],
+            (*self.plant.joints.names, *(() if self.plant.tool is None else (TOOL_JOINT,))),
+            self._with_tool(self.truth.joints[0], 0),
             (STORE,),
             self._motion.orientation_imu_in_map(quaternion(self._odometry.pose.pose.orientation)),
             scenario.gravity,
@@ -121,8 +122,8 @@ class ClosedLoop:
         motion = self._motion.update(self._odometry, stamps.CONTROL_PERIOD_S)
         efforts = self.plant.efforts if self.told is None else self.told.efforts
         truth = suite.SensorTruth(
-            joint_position=self.truth.joints[0],
-            joint_effort=efforts,
+            joint_position=self._with_tool(self.truth.joints[0], 0),
+            joint_effort=self._with_tool(efforts, 1),
             angular_velocity_imu_in_imu=motion.angular_velocity,
             specific_force_imu_in_imu=motion.specific_force,
             bus_voltage=np.array([28.0]),
@@ -142,6 +143,11 @@ class ClosedLoop:
             cloud = self._view.look(self._odometry).astype(np.float64)
             measured = replace(measured, cloud=cloud)
         return measured
+
+    def _with_tool(self, of_joints: FloatArray, place: int) -> FloatArray:
+        """What the sensors measure of the joints and, at the end, of the tool: position (0) or effort (1)."""
+        tool = self.truth.tool
+        return of_joints if tool is None else np.append(of_joints, (tool.position, tool.effort)[place])
 
     def _tell_odometry(self) -> None:
         set_xyz(self._odometry.pose.pose.position, self.truth.configuration[:3])

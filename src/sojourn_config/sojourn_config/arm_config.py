@@ -4,8 +4,10 @@ from pydantic import Field
 
 from sojourn_mechanics.actuators.params import DriveParams
 from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.contact.params import PadParams
 from sojourn_mechanics.power.loads import LoadParams
 from sojourn_mechanics.sensors.params import JointGroupParams
+from sojourn_mechanics.sensors.wrench import WrenchSensorParams
 
 
 class ArmConfig(ArmParams):
@@ -13,6 +15,12 @@ class ArmConfig(ArmParams):
 
     urdf: str | None = Field(
         default=None, min_length=1, description="file in urdf/ of an arm that a machine may carry on a mount"
+    )
+    of_rover: str | None = Field(
+        default=None,
+        min_length=1,
+        description="rover in whose URDF the arm is: on a mount elsewhere it comes with that rover's drives, encoders, "
+        "pads, load and wrist sensor of the arm",
     )
     urdf_root: str | None = Field(
         default=None, min_length=1, description="link with which the arm begins in that file; left out: the outermost"
@@ -27,6 +35,8 @@ class ArmConfig(ArmParams):
     load: LoadParams | None = Field(
         default=None, description="what its motors draw from the bus, for a machine whose bus has no load of that name"
     )
+    pads: tuple[PadParams, ...] = Field(default=(), description="points of the arm that may touch the ground")
     wrench_sensor_link: str | None = Field(
         default=None, min_length=1, description="link of the arm that hangs on a force/torque sensor"
     )
+    wrist: WrenchSensorParams | None = Field(default=None, description="that force/torque sensor")

@@ -110,7 +110,7 @@ def _arm_on_rover(name: str, base_link: str | None, tip_link: str | None) -> Ser
     params: ArmParams = config_of_arm
     for rover in available("rovers"):
         config = load_params("rovers", rover, RoverConfig)
-        if config.arm != name:
+        if config.arm != name or config.arm_mount is not None:
             continue
         params = with_drive_data(params, config)
         asked = (f"config/rovers/{rover}{SUFFIX}", "urdf")

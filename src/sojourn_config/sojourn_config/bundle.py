@@ -13,7 +13,7 @@ from sojourn_config.carrying_checks import carrying_problems
 from sojourn_config.errors import MISSING, ConfigError, Problem, single
 from sojourn_config.load import validate
 from sojourn_config.machine_checks import ground_problems, machine_problems, steering_geometry, with_drive_data
-from sojourn_config.mounting import Machine, join, mount_problems
+from sojourn_config.mounting import Machine, join, lent, mount_problems
 from sojourn_config.overrides import override_document
 from sojourn_config.paths import resolve, resolve_urdf
 from sojourn_config.rover import RoverConfig
@@ -197,6 +197,8 @@ class BundleReader:
         found = machine_problems(
             machine.rover, urdf, machine.urdf, machine.bus, machine.sensors, machine.arm, drive and drive[0], documents
         )
+        misplaced = tool and pad_problem(machine.rover, *tool[:2])
+        found += [misplaced] if misplaced else []
         found = found or list(
             carrying_problems(
                 machine.rover, machine.urdf, machine.arm, found_body.surface_gravity, battery[0], documents
@@ -224,9 +226,15 @@ class BundleReader:
 
     def _with_arm(self, machine: Machine, documents: Mapping[str, YamlDocument], arm_path: Path) -> Machine | None:
         """The machine joined with its arm; None with the reason in `problems`."""
-        arm_urdf = None
-        if machine.arm is not None and machine.arm.urdf is not None and machine.rover.arm_mount is not None:
-            arm_urdf = self._urdf(machine.arm.urdf, documents["arm"], arm_path)
+        arm, arm_urdf = machine.arm, None
+        if arm is not None and machine.rover.arm_mount is not None and (arm.urdf or arm.of_rover):
+            asked = (documents["arm"], arm_path)
+            lender = None if arm.of_rover is None else self._lender(arm.of_rover, asked)
+            if lender is not None:
+                machine = dataclasses.replace(machine, arm=lent(arm, lender))
+                arm_urdf = lender.urdf
+            if arm.urdf is not None:
+                arm_urdf = self._urdf(arm.urdf, *asked)
             if arm_urdf is None:
                 return None
         problems = list(mount_problems(machine, arm_urdf, documents))
@@ -238,6 +246,21 @@ class BundleReader:
         except ConfigError as error:
             self.problems += error.problems
             return None
+
+    def _lender(self, rover: str, asked: tuple[YamlDocument, Path]) -> Machine | None:
+        """A rover whose arm is put on another machine; None with the reason in `problems`."""
+        found = self._load("rovers", rover, "of_rover", RoverConfig, asked)
+        if found is None:
+            return None
+        config, document, path = found
+        there = (document, path)
+        urdf = self._urdf(config.urdf, document, path)
+        bus = self._load("power", config.loads, "of_rover.loads", BusParams, there)
+        law = self._load("power", config.power_manager, "of_rover.power_manager", PowerLawParams, there)
+        sensors = self._load("sensors", config.sensors, "of_rover.sensors", SensorSuiteParams, there)
+        if urdf is None or bus is None or law is None or sensors is None:
+            return None
+        return Machine(config, urdf, bus[0], law[0], sensors[0], None)
 
     def _arm(
         self, rover: str, name: str | None, asked: tuple[YamlDocument, Path]
@@ -265,12 +288,7 @@ class BundleReader:
         if config.arm is None:
             self.problems.append(asked[0].problem(("tool",), name, f"the machine {config.urdf} has no arm"))
             return None
-        found = self._load("tools", name, "tool", ToolSet, asked)
-        problem = found and pad_problem(config, found[0], found[1])
-        if problem:
-            self.problems.append(problem)
-            return None
-        return found
+        return self._load("tools", name, "tool", ToolSet, asked)
 
     def _driving(
         self, rover: str, name: str | None, asked: tuple[YamlDocument, Path]

@@ -27,6 +27,31 @@ class Machine:
     arm: ArmConfig | None
 
 
+def lent(arm: ArmConfig, lender: Machine) -> ArmConfig:
+    """The arm's set with what the rover that it belongs to has of it.
+
+    Args:
+        lender: that rover; its URDF has the arm.
+    """
+    rover, links = lender.rover, lender.urdf.below(arm.urdf_root or lender.urdf.root)
+    joints = set(arm.joint_names)
+    drives = tuple(drive for drive in rover.drives if joints.issuperset(drive.joints))
+    sensed = rover.wrench_sensor_link if rover.wrench_sensor_link in links else None
+    return arm.model_copy(
+        update={
+            "drives": drives,
+            "joint_groups": {
+                name: group for name, group in lender.sensors.joint_groups.items() if joints.issuperset(group.joints)
+            },
+            "pads": tuple(pad for pad in rover.pads if pad.link in links),
+            "load": next((load for load in lender.bus.loads if load.name in {drive.load for drive in drives}), None),
+            "wrench_sensor_link": sensed,
+            "wrist": lender.sensors.wrist if sensed else None,
+            "ignored_link_pairs": tuple(pair for pair in arm.ignored_link_pairs if set(pair) <= set(links)),
+        }
+    )
+
+
 def on_machine(arm: ArmConfig, mount: ArmMountParams, root: str, first_joint_child: str) -> ArmConfig:
     """The arm's set with the names that its joints and links have on the machine; goals are in base_link there.
 
@@ -58,6 +83,7 @@ def on_machine(arm: ArmConfig, mount: ArmMountParams, root: str, first_joint_chi
                 name(group): params.model_copy(update={"joints": tuple(map(name, params.joints))})
                 for group, params in arm.joint_groups.items()
             },
+            "pads": tuple(pad.model_copy(update={"name": name(pad.name), "link": name(pad.link)}) for pad in arm.pads),
             "wrench_sensor_link": None if arm.wrench_sensor_link is None else name(arm.wrench_sensor_link),
         }
     )
@@ -80,7 +106,7 @@ def mount_problems(
             yield documents["rover"].problem(("arm_mount",), MISSING, allowed)
         return
     if arm_urdf is None:
-        allowed = f"{name} has no URDF of its own: allowed is an arm whose file in config/arms names one"
+        allowed = f"{name} has no URDF of its own: allowed is an arm with urdf or of_rover in its file in config/arms"
         yield documents["rover"].problem(("arm_mount",), MISSING, allowed)
         return
     if mount.link not in machine.urdf.links:
@@ -123,12 +149,13 @@ def join(machine: Machine, arm_urdf: UrdfSummary | None) -> Machine:
         rover=rover.model_copy(
             update={
                 "drives": (*rover.drives, *arm.drives),
+                "pads": (*rover.pads, *arm.pads),
                 "wrench_sensor_link": rover.wrench_sensor_link or arm.wrench_sensor_link,
             }
         ),
         urdf=urdf,
         bus=bus,
         law=law,
-        sensors=sensors.model_copy(update={"joint_groups": joined}),
+        sensors=sensors.model_copy(update={"joint_groups": joined, "wrist": sensors.wrist or arm.wrist}),
         arm=arm,
     )

@@ -14,7 +14,14 @@ from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering import speed_filter
 from sojourn_mechanics.steering.params import SteeringGeometryParams
-from sojourn_mechanics.steering.slip_estimation import SlipInput, SlipModel, SlipState, estimate_slip, trouble
+from sojourn_mechanics.steering.slip_estimation import (
+    SlipInput,
+    SlipModel,
+    SlipState,
+    estimate_slip,
+    further_slip,
+    trouble,
+)
 from sojourn_mechanics.steering.slip_params import SlipParams
 from sojourn_mechanics.steering.traction import believed_slip, coefficient, in_rut, slope
 from sojourn_mechanics.steering.wheel_load_map import wheel_load_map
@@ -243,3 +250,12 @@ def test_a_machine_that_spins_on_the_spot_is_stuck_within_two_seconds(model: Sli
         state = estimate_slip(model, state, still, DT)
     assert trouble(model.params, state, tuple("abcdef")).startswith("spinning without headway")
     assert trouble(model.params, state, tuple("abcdef")).endswith("a, b, c, d, e, f")
+
+
+@pytest.mark.parametrize("slip", [-0.5, 0.0, 0.3, 0.9])
+@pytest.mark.parametrize("error", [-0.4, 0.0, 0.6])
+def test_further_slip_is_that_of_the_shorter_way(slip: float, error: float) -> None:
+    """Against the definition: a rim of 1 m/s or, of a wheel that drags, ground of 1 m/s."""
+    rim, ground = (1.0, 1.0 - slip) if slip >= 0.0 else (1.0 + slip, 1.0)
+    ground *= 1.0 - error
+    assert further_slip(slip, error) == pytest.approx((rim - ground) / max(rim, ground))

@@ -236,7 +236,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     arbiter.watch_energy(model, inputs.supply, dt)
     wanted = arbiter.take_twist(model, inputs.twist, dt)
     reason = shortcoming(model.table, motors, model.geometry.names)
-    reason = reason or no_headway(model.slip, slipping, model.geometry.names)
+    reason = reason or no_headway(model.slip, slipping, odometry, model.geometry.names)
     if arbiter.follower is not None and reason:
         arbiter.end_goal(stop(arbiter.follower, reason))
     if arbiter.follower is not None:

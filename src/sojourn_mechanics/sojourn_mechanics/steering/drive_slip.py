@@ -4,8 +4,16 @@ import numpy as np
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.steering.drive_types import DriveInput, DriveState
-from sojourn_mechanics.steering.odometry import OdometryInput
-from sojourn_mechanics.steering.slip_estimation import SlipInput, SlipModel, SlipState, estimate_slip, is_stuck, trouble
+from sojourn_mechanics.steering.odometry import OdometryInput, OdometryState
+from sojourn_mechanics.steering.slip_estimation import (
+    SlipInput,
+    SlipModel,
+    SlipState,
+    estimate_slip,
+    further_slip,
+    is_stuck,
+    trouble,
+)
 
 
 def step_slip(
@@ -35,8 +43,13 @@ def step_slip(
     return estimate_slip(model, state.slip, seen, dt)
 
 
-def no_headway(model: SlipModel | None, slip: SlipState | None, names: tuple[str, ...]) -> str:
-    """Why a goal cannot be pursued any longer, in words; empty where it can."""
+def no_headway(model: SlipModel | None, slip: SlipState | None, odometry: OdometryState, names: tuple[str, ...]) -> str:
+    """Why a goal cannot be pursued any longer, in words; empty where it can.
+
+    A wheel that spins does not end it while the machine gets on, as one with a dead motor does with much slip.
+    """
     if model is None or slip is None or not is_stuck(model.params, slip):
+        return ""
+    if further_slip(slip.shared, odometry.slip_error) < model.params.stuck_slip:
         return ""
     return trouble(model.params, slip, names)

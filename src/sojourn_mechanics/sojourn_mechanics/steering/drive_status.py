@@ -25,7 +25,7 @@ def drive_status(
     odometry, way, outcome, seen = state.odometry, state.follower, state.last_outcome, state.avoidance
     followed = way if way is not None else outcome
     return {
-        **slip_status(machine.slip, state.slip, wheels),
+        **slip_status(machine.slip, state.slip, wheels, odometry.slip_error),
         "mode": state.mode,
         "failed_motors": failures(state.motors, wheels),
         "text": state.text,

@@ -214,16 +214,30 @@ def trouble(params: SlipParams, state: SlipState, names: tuple[str, ...]) -> str
 
 
 def is_stuck(params: SlipParams, state: SlipState) -> bool:
-    """Whether the machine as a whole makes no headway."""
+    """Whether a wheel spins without headway."""
     return bool((state.stuck_for >= params.stuck_time).any())
 
 
-def slip_status(model: SlipModel | None, state: SlipState | None, names: tuple[str, ...]) -> dict[str, str | float]:
-    """Fields of /drive/status; none where slip is not estimated."""
+def further_slip(slip: float, error: float) -> float:
+    """The slip of a wheel that gets over ground less than was thought by a part `error` of its way."""
+    ground = (1.0 - slip if slip >= 0.0 else 1.0 / max(1.0 + slip, 1e-6)) * (1.0 - error)
+    return 1.0 - ground if ground <= 1.0 else 1.0 / ground - 1.0
+
+
+def slip_status(
+    model: SlipModel | None, state: SlipState | None, names: tuple[str, ...], error: float = 0.0
+) -> dict[str, str | float]:
+    """Fields of /drive/status; none where slip is not estimated.
+
+    Args:
+        error: what the camera has found the way to be shorter than that of the estimate, over it [-].
+    """
     if model is None or state is None:
         return {}
-    status: dict[str, str | float] = {f"slip_{name}": float(slip) for name, slip in zip(names, state.slip, strict=True)}
-    status["slip"], status["slip_sigma"] = state.shared, state.sigma
+    status: dict[str, str | float] = {
+        f"slip_{name}": further_slip(float(slip), error) for name, slip in zip(names, state.slip, strict=True)
+    }
+    status["slip"], status["slip_sigma"] = further_slip(state.shared, error), state.sigma
     status["soil_factor"] = float(state.states[FACTOR])
     status["soil_factor_sigma"] = math.sqrt(state.covariance[FACTOR, FACTOR])
     status["wheels_in_trouble"] = trouble(model.params, state, names)
