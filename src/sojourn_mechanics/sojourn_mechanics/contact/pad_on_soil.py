@@ -62,6 +62,14 @@ def lead_length(radius: float, cell: float) -> float:
 
 
 @njit(cache=True)
+def is_clear(pad: FloatArray, centre: FloatArray, heights: HeightArray, grid: FloatArray) -> bool:
+    """Whether a pad is above the ground and does nothing there; a tool, which may do more, never is."""
+    height, _, _, _ = sample_ground(heights, grid, centre[0], centre[1])
+    clear: bool = pad[IS_TOOL] <= 0.0 and height <= centre[2]
+    return clear
+
+
+@njit(cache=True)
 def pad_forces(
     pad: FloatArray,
     centre: FloatArray,
