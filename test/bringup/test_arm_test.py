@@ -188,6 +188,37 @@ def test_a_pose_that_is_reached_only_in_collision_is_told_apart(capsys: pytest.C
     assert "inverse kinematics: collision" in capsys.readouterr().out
 
 
+def test_motions_on_one_way_are_compared(capsys: pytest.CaptureFixture[str]) -> None:
+    """The fastest is that under torque; power makes it slower; a trapezoid is as fast where torque is ample."""
+    start, goal = ["--q", "0.1", "0.6", "-2.6", "0.3", "0.9", "0.2"], ["1", "0.9", "-2", "0", "-0.5", "1"]
+    rows = _json(capsys, "puma560", *start, "--move-to", *goal, "--power", "60")["motions"]
+    assert {"trapezoid", "cubic", "quintic", "cycloidal", "seven_segments"} < set(rows)
+    fastest = rows["time_optimal"]
+    for name, row in rows.items():
+        assert row["duration_s"] >= fastest["duration_s"] * 0.999, name
+        assert row["largest_share_of_speed"] <= 1.001 and row["largest_share_of_effort"] <= 1.001
+    assert rows["trapezoid"]["duration_s"] == pytest.approx(fastest["duration_s"], rel=1e-3)
+    limited = rows["time_optimal_power"]
+    assert limited["largest_power_w"] <= 60.5 < fastest["largest_power_w"]
+    assert limited["duration_s"] > fastest["duration_s"]
+    assert main(["puma560", *start, "--move-to", *goal]) == 0
+    assert "seven_segments" in capsys.readouterr().out
+
+
+def test_the_tip_moves_on_a_line_or_says_why_not(capsys: pytest.CaptureFixture[str]) -> None:
+    start = ["--q", ".3", ".4", ".2", ".9", ".5", "1.2", ".2", "--gravity", "0"]
+    found = _json(capsys, "ssrms", *start, "--line-to", "5", "3", "4")
+    arrived = _json(capsys, "ssrms", "--q", *(str(q) for q in found["to"]))
+    np.testing.assert_allclose(arrived["tip_position_m"], [5.0, 3.0, 4.0], atol=1e-4)
+    assert found["motions"]["time_optimal"]["largest_share_of_effort"] <= 1.001
+    far = _json(capsys, "puma560", "--line-to", "5", "5", "5")
+    assert "% of the path the arm stays" in far["refused"]
+    with pytest.raises(UsageError, match="--power goes with"):
+        main(["puma560", "--power", "5"])
+    with pytest.raises(UsageError, match="--move-to has 2 values: puma560 has 6 joints"):
+        main(["puma560", "--move-to", "5", "5"])
+
+
 def test_the_workspace_is_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     picture = tmp_path / "ws.png"
     found = _json(capsys, "explorer_arm", "--workspace", str(picture), "--gravity", "3.71")

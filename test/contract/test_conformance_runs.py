@@ -1,5 +1,6 @@
 """Rules on a whole run: stamps, answers, heartbeats, counters, rates. Each test breaks one thing in a clean run."""
 
+import math
 from typing import Any
 
 import pytest
@@ -181,6 +182,23 @@ def test_rates_that_do_not_agree_with_their_positions() -> None:
         for entry in run.of(name):
             edit(entry.message)
         assert kinds(run.judge()) == {("rate of change", name, field)}, name
+
+
+def swinging(window: int, sign: float = 1.0) -> CleanRun:
+    """A joint that swings at 5 Hz, its rate taken from the change of position over a window of periods."""
+    run = CleanRun()
+    for number, entry in enumerate(run.of("/joint_states")):
+        angles = [0.01 * math.sin(2.0 * math.pi * 0.1 * n) for n in (number, number - window)]
+        entry.message.position = [angles[0]] * len(entry.message.name)
+        entry.message.velocity = [sign * (angles[0] - angles[1]) / (window * 0.02)] * len(entry.message.name)
+    return run
+
+
+def test_rates_may_be_taken_over_a_window_of_periods() -> None:
+    """An encoder's rate over five periods lags by two and a half: at the edge of a rut that was told as a violation."""
+    for window in (1, 2, 5):
+        assert not list(swinging(window).judge().lines()), window
+    assert kinds(swinging(1, sign=-1.0).judge()) == {("rate of change", "/joint_states", "velocity")}
 
 
 def test_roles_that_are_not_judged_are_listened_to() -> None:

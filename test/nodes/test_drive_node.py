@@ -71,6 +71,17 @@ def send_event(bench: Bench, node: DriveNode, name: str, message: Any) -> None:
     bench.until(lambda: node.events.received.get(name, 0) > before, f"{name} has arrived")
 
 
+def test_odometry_tells_the_rates_of_roll_and_pitch(bench: Bench, drive: DriveNode) -> None:
+    """As the gyro measures them: they were always zero."""
+    step(bench, 1)
+    rocking = imu(2)
+    rocking.angular_velocity.x, rocking.angular_velocity.y = 0.02, -0.03
+    bench.send("/joint_states", joints(2))
+    bench.send("/imu/data", rocking)
+    told = bench.answer("/odom", 2).twist.twist.angular
+    assert (told.x, told.y) == pytest.approx((0.02, -0.03), abs=1e-12)
+
+
 def test_a_goal_makes_it_move(bench: Bench, drive: DriveNode) -> None:
     command = step(bench, 1)
     assert set(command.name) == set((*WHEELS, *STEERS)) and rates(command) == [0.0] * 6

@@ -15,6 +15,7 @@ import numpy as np
 from sojourn_bringup import options
 from sojourn_bringup.arm_control import compare_laws, print_comparison
 from sojourn_bringup.arm_inverse import PREFERENCES, Wish, inverse_figures, print_inverse
+from sojourn_bringup.arm_motion import line_figures, moves_figures, print_motions
 from sojourn_bringup.arm_report import KEYS, dh_figures, figures_of, print_dh, print_figures
 from sojourn_bringup.errors import UsageError
 from sojourn_config.arms import arm_names, load_arm
@@ -99,6 +100,9 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--control", action="store_true", help="compare control laws on one motion instead, in a simulated loop"
     )
+    result.add_argument("--move-to", nargs="+", metavar="Q", help="compare motions from --q to these positions instead")
+    result.add_argument("--line-to", nargs="+", metavar="M", help="move the tip from --q straight to x y z [m] instead")
+    result.add_argument("--power", metavar="W", help="with these two: also time-optimal under this power [W]")
     result.add_argument(
         "--mass-error",
         default="0.2",
@@ -127,6 +131,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _draw(arm, gravity, given)
     if given.control:
         return _compare(arm, gravity, given)
+    if given.move_to is not None or given.line_to is not None:
+        return _move(arm, gravity, given)
+    if given.power is not None:
+        raise UsageError("arm_test: --power goes with --move-to or --line-to")
     q, qd, qdd = (_joints(arm, given, name) for name in ("q", "qd", "qdd"))
     try:
         figures = figures_of(arm, q, qd, qdd, gravity, posture(arm, q, qd, qdd, gravity))
@@ -197,6 +205,24 @@ def _compare(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> 
     return 0
 
 
+def _move(arm: SerialArm, gravity: FloatArray, given: argparse.Namespace) -> int:
+    if given.move_to is not None and given.line_to is not None:
+        raise UsageError("arm_test: --move-to and --line-to: allowed is one of the two")
+    power = None if given.power is None else _numbers(given.power, "--power", 1)[0]
+    if power is not None and power <= 0.0:
+        raise UsageError(f"arm_test: --power {power:g}: allowed is a number above 0 W")
+    start = _joints(arm, given, "q")
+    if given.move_to is not None:
+        figures = moves_figures(arm, start, _joints(arm, given, "move_to"), gravity, power)
+    else:
+        figures = line_figures(arm, start, np.array(_numbers(given.line_to, "--line-to", 3)), gravity, power)
+    if given.json:
+        print(json.dumps(figures, indent=2))
+    else:
+        print_motions(figures)
+    return 0
+
+
 def _inverse(arm: SerialArm, given: argparse.Namespace, start: FloatArray | None) -> dict[str, object]:
     turns = [name for name in ("pointing", *_TURNS) if getattr(given, name) is not None]
     if len(turns) > 1:
@@ -256,14 +282,14 @@ def _gravity(texts: list[str] | None) -> FloatArray:
 
 
 def _joints(arm: SerialArm, given: argparse.Namespace, name: str) -> FloatArray:
-    """Values of --q, --qd or --qdd (n,) [rad or m, per s, per s2]."""
+    """Values of --q, --qd, --qdd or --move-to (n,) [rad or m, per s, per s2]."""
     texts = getattr(given, name)
     if texts is None:
         return np.zeros(arm.joint_count)
-    values = np.array(_numbers(texts, f"--{name}", None))
+    values = np.array(_numbers(texts, _option(name), None))
     if len(values) != arm.joint_count:
         raise UsageError(
-            f"arm_test: --{name} has {len(values)} values: {arm.name} has {arm.joint_count} joints "
+            f"arm_test: {_option(name)} has {len(values)} values: {arm.name} has {arm.joint_count} joints "
             f"({', '.join(arm.joint_names)})"
         )
     return np.where(arm.revolute, np.radians(values), values) if given.degrees else values

@@ -1,6 +1,7 @@
 """Measures how far off the odometry is, over seeds of ground, soil and sensors; no seed knows of another.
 
     scripts/lib/python -m sojourn_bringup.measure_odometry --seeds 20
+    scripts/lib/python -m sojourn_bringup.measure_odometry --rover omni --set soil=rigid_rock --seeds 4
 
 Each seed drives the first route of a scenario in plant, sensors and drive (see `closed_loop`). Its ground, rocks and
 all noise are those of the seed; its soil is the scenario's with parameters off by SPREAD, while the drive believes what
@@ -85,6 +86,9 @@ def drive(name: str, overrides: Sequence[str], seed: int) -> Result:
         output = loop.step()
         now = loop.true_pose
         distance, before = distance + math.dist(now[:2], before[:2]), now
+    if distance == 0.0:
+        said = output.outcomes[0].reason if output.outcomes else f"not done in {LONGEST_S:.0f} s"
+        raise UsageError(f"scenario {name}, seed {seed}: {said}; allowed is a route that this rover can drive")
     estimate, truth = output.odometry, loop.true_pose
     off = np.array((estimate.x - truth[0], estimate.y - truth[1]))
     return Result(
@@ -103,13 +107,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print; status 1 where a bound is not kept."""
     parser = options.Parser(prog="measure_odometry", description="Error of /odom over seeds of ground and soil.")
     parser.add_argument("--scenario", default="lunar_sample", help="whose first route (default: %(default)s)")
+    options.add_rover(parser)
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
     parser.add_argument("--seeds", type=int, default=20, metavar="N", help="1 to N (default: %(default)s)")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="at a time (default: %(default)s)")
     given = parser.parse_args(arguments)
+    overrides = [*given.set, *([] if given.rover is None else [f"rover={given.rover}"])]
     results = []
     with ProcessPoolExecutor(given.jobs) as pool:
-        for result in pool.map(partial(drive, given.scenario, given.set), range(1, given.seeds + 1)):
+        for result in pool.map(partial(drive, given.scenario, overrides), range(1, given.seeds + 1)):
             results.append(result)
             print(
                 f"seed {result.seed:3d}: {result.outcome}, {result.distance:5.2f} m, error {result.error:.3f} m "

@@ -103,6 +103,7 @@ def _field(rule: FieldRule) -> dict[str, Any]:
         "optional": rule.optional,
         "rate_of": rule.rate_of,
         "rate_tolerance": _finite(rule.rate_tolerance),
+        "rate_window": rule.rate_window,
     }
 
 

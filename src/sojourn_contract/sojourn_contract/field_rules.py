@@ -6,7 +6,7 @@ from sojourn_contract.topic_types import FieldRule
 
 RATE = FieldRule("velocity", "rad/s", low=-200.0, high=200.0)
 MEASURED_RATE = replace(RATE, rate_of="position", rate_tolerance=0.05)
-ENCODER_RATE = replace(MEASURED_RATE, rate_tolerance=0.2)  # lags by half a window, and a count in a period is 0.08
+ENCODER_RATE = replace(MEASURED_RATE, rate_tolerance=0.08, rate_window=5)  # a count of 12 bits in a period
 ANGLE = FieldRule("position", "rad", low=-1e6, high=1e6)
 TORQUE_TOLERANCE = 1e-7
 """Of torques [N m], which are some hundred times larger than the angles that they follow from."""

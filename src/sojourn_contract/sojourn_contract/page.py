@@ -164,7 +164,9 @@ def field_note(type_name: str, rule: Mapping[str, Any]) -> str:
     if rule["optional"]:
         notes.append("may be empty" if type_name == "sensor_msgs/JointState" else "may be NaN")
     if rule["rate_of"]:
-        notes.append(f"change of {rule['rate_of']}, within {rule['rate_tolerance']:g} {rule['unit']}")
+        window = rule.get("rate_window", 1)
+        over = f" over at most {window} periods" if window > 1 else ""
+        notes.append(f"change of {rule['rate_of']}{over}, within {rule['rate_tolerance']:g} {rule['unit']}")
     return "; ".join(notes)
 
 

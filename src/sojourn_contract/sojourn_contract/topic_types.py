@@ -37,7 +37,8 @@ class FieldRule:
             field without a rule has no tolerance at all; see `tolerance.py`.
         optional: a number may be NaN where it is not measured; an array may be empty.
         rate_of: field whose change over time this one is, "" for none.
-        rate_tolerance: by how much it may differ from the change of that field over one period.
+        rate_tolerance: by how much it may differ from the change of that field.
+        rate_window: over how many periods that change may be taken at most.
     """
 
     path: str
@@ -49,6 +50,7 @@ class FieldRule:
     optional: bool = False
     rate_of: str = ""
     rate_tolerance: float = INFINITY
+    rate_window: int = 1
 
 
 @dataclass(frozen=True)

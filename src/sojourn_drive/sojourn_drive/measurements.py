@@ -39,6 +39,8 @@ class WheelMeasurements:
         self._steer_places = JointPlaces("/joint_states", [joint for joint in turned_by if joint is not None])
         self._message = joint_state([*self._drive_joints, *self._steer_joints])
         self._imu_to_base, self._imu_lever = mounting(urdf_xml, IMU_LINK)
+        self.tilt_rates = (0.0, 0.0)
+        """Angular velocity of base_link about its x and y axes, as last measured [rad/s]."""
 
     def drive_input(
         self,
@@ -57,6 +59,7 @@ class WheelMeasurements:
         gyro = self._imu_to_base @ xyz(imu.angular_velocity)
         centripetal = gyro * float(gyro @ self._imu_lever) - self._imu_lever * float(gyro @ gyro)
         force = self._imu_to_base @ xyz(imu.linear_acceleration) - centripetal
+        self.tilt_rates = (float(gyro[0]), float(gyro[1]))
         return DriveInput(
             wheel_positions=position[drive],
             wheel_rates=numbers(joints.velocity)[drive],

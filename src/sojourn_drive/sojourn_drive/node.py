@@ -74,7 +74,7 @@ class DriveNode(ContractNode):
         output = self._step(stamp, inputs)
         self._goals.note(output.outcomes)
         self.publish("/wheel_command", self._measurements.command(stamp, output))  # first: the plant waits for it
-        self.publish("/odom", self._odometry.message(stamp, output))
+        self.publish("/odom", self._odometry.message(stamp, output, self._measurements.tilt_rates))
         if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
             self.publish("/drive/status", drive_report(stamp, self._goals.status(self.state), output))
 

@@ -22,14 +22,14 @@ class OdometryReport:
         self._message = Odometry(child_frame_id="base_link")
         self._message.header.frame_id = "odom"
 
-    def message(self, stamp: int, output: DriveOutput) -> Odometry:
-        """The estimate at a stamp [ns]."""
+    def message(self, stamp: int, output: DriveOutput, tilt_rates: tuple[float, float]) -> Odometry:
+        """The estimate at a stamp [ns]; `tilt_rates` about x and y of base_link, as the gyro measures them [rad/s]."""
         message, estimate = self._message, output.odometry
         message.header.stamp = stamps.to_message(stamp)
         set_xyz(message.pose.pose.position, (estimate.x, estimate.y, estimate.z))
         set_quaternion(message.pose.pose.orientation, orientation(estimate))
         set_xyz(message.twist.twist.linear, (estimate.v_x, estimate.v_y, 0.0))
-        set_xyz(message.twist.twist.angular, (0.0, 0.0, estimate.yaw_rate))
+        set_xyz(message.twist.twist.angular, (*tilt_rates, estimate.yaw_rate))
         message.pose.covariance = output.pose_covariance.ravel()
         message.twist.covariance = output.twist_covariance.ravel()
         return message

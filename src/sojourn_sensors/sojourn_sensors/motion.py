@@ -1,8 +1,9 @@
-"""True motion of the IMU from the truth of the base: differences of velocity over a period, and the lever
-arm.
+"""True motion of the IMU from the truth of the base: differences of attitude and velocity over a period, and the
+lever arm.
 """
 
 from dataclasses import dataclass
+from math import atan2, sqrt
 from typing import Any
 
 import numpy as np
@@ -26,8 +27,9 @@ class Motion:
 class ImuMotion:
     """What an ideal IMU on the machine feels.
 
-    Velocity of the IMU  v = R (v_base + ω × r);  specific force = R_imuᵀ (Δv/Δt - g), the mean over the
-    period, as an integrating accelerometer gives it.
+    Velocity of the IMU  v = R (v_base + ω × r);  specific force = R_imuᵀ (Δv/Δt - g);  angular velocity = rotation
+    vector of R_beforeᵀ R over Δt. Both are means over the period, as an IMU gives them that integrates (Titterton and
+    Weston 2004, sec. 11.2): a machine that shakes within a period would else seem to turn.
 
     Args:
         urdf_xml: the machine, with a link `imu_link`. gravity: [m/s^2].
@@ -37,6 +39,7 @@ class ImuMotion:
         self._rotation_imu_to_base, self._lever = mounting(urdf_xml, IMU_LINK)
         self._gravity = np.array([0.0, 0.0, -gravity])
         self._velocity: FloatArray | None = None
+        self._orientation: FloatArray | None = None
 
     def orientation_imu_in_map(self, orientation_base_in_map: FloatArray) -> FloatArray:
         """Quaternion x y z w of the IMU from that of the base."""
@@ -46,18 +49,33 @@ class ImuMotion:
 
     def update(self, odometry: Any, dt: float) -> Motion:
         """Motion at the end of a period of `dt` [s], from the base's true odometry."""
-        rotation = rotation_matrix(quaternion(odometry.pose.pose.orientation))
+        orientation = quaternion(odometry.pose.pose.orientation)
+        rotation = rotation_matrix(orientation)
         angular = xyz(odometry.twist.twist.angular)
         velocity = rotation @ (xyz(odometry.twist.twist.linear) + _cross(angular, self._lever))
         before = velocity if self._velocity is None else self._velocity
         self._velocity = velocity
         specific = rotation.T @ ((velocity - before) / dt - self._gravity)
-        return Motion(self._rotation_imu_to_base.T @ angular, self._rotation_imu_to_base.T @ specific)
+        mean = angular if self._orientation is None else rotation_vector(self._orientation, orientation) / dt
+        self._orientation = orientation
+        return Motion(self._rotation_imu_to_base.T @ mean, self._rotation_imu_to_base.T @ specific)
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     # numpy's own is made for large arrays and takes twenty times as long for one pair
     return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
+
+
+def rotation_vector(before: FloatArray, now: FloatArray) -> FloatArray:
+    """Of the turn between two unit quaternions x y z w, in the body, the shorter way: shape (3,) [rad]."""
+    a, b, c, d = before.tolist()
+    e, f, g, h = now.tolist()
+    x, y, z = d * e - a * h - b * g + c * f, d * f + a * g - b * h - c * e, d * g - a * f + b * e - c * h
+    w = d * h + a * e + b * f + c * g
+    sine = sqrt(x * x + y * y + z * z)
+    angle_over_sine = 2.0 * atan2(sine, abs(w)) / sine if sine > 1e-12 else 2.0
+    scale = angle_over_sine if w >= 0.0 else -angle_over_sine
+    return np.array((scale * x, scale * y, scale * z))
 
 
 def rotation_matrix(orientation: FloatArray) -> FloatArray:

@@ -1,5 +1,6 @@
 """Paths of the tip: geometry, and joints that follow it on one branch."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -7,13 +8,17 @@ import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
 from sojourn_config.arms import load_arm
-from sojourn_mechanics.arm.cartesian_path import CartesianPathError, arc, joints_along, line
-from sojourn_mechanics.arm.inverse import pose_goal
+from sojourn_mechanics.arm.cartesian_path import arc, line
+from sojourn_mechanics.arm.inverse import pointing_goal, pose_goal, position_goal
+from sojourn_mechanics.arm.inverse_search import POSE, POSITION
 from sojourn_mechanics.arm.kinematics import forward_kinematics
+from sojourn_mechanics.arm.serial_arm import SerialArm
 from sojourn_mechanics.arm.time_optimal import MotionLimits, fastest_timing
+from sojourn_mechanics.arm.tip_following import CartesianPathError, joints_along
 from sojourn_mechanics.errors import InvalidValueError
 
 PUMA, EXPLORER = load_arm("puma560"), load_arm("explorer_arm")
+ZERO = np.zeros(3)
 BENT = np.array([0.1, 0.6, -2.6, 0.3, 0.9, 0.2])
 
 
@@ -51,10 +56,10 @@ def test_the_joints_keep_the_tip_on_the_path() -> None:
     turned = Rotation.from_rotvec([0.2, -0.3, 0.4]).as_matrix() @ tip.rotation
     path = line(tip.position, tip.position + np.array([-0.1, 0.3, 0.1]), tip.rotation, turned)
     joints = joints_along(PUMA, path, BENT)
-    np.testing.assert_allclose(joints.at(0.0)[0], BENT, atol=1e-6)
-    for s in np.linspace(0.0, 1.0, 57):
-        place, rotation = path.pose(float(s))
-        reached = forward_kinematics(PUMA, joints.at(float(s))[0])
+    np.testing.assert_allclose(joints.joints.at(0.0)[0], BENT, atol=1e-6)
+    for u in np.linspace(0.0, joints.joints.end, 57):
+        place, rotation = path.pose(joints.share(float(u)))
+        reached = forward_kinematics(PUMA, joints.joints.at(float(u))[0])
         np.testing.assert_allclose(reached.position, place, atol=1.2e-4)
         assert Rotation.from_matrix(reached.rotation @ rotation.T).magnitude() < 1.2e-4
 
@@ -64,9 +69,9 @@ def test_five_joints_follow_place_and_pointing() -> None:
     tip = forward_kinematics(EXPLORER, start)
     path = line(tip.position, tip.position + np.array([0.1, 0.15, -0.1]), tip.rotation, tip.rotation)
     joints = joints_along(EXPLORER, path, start)
-    for s in np.linspace(0.0, 1.0, 23):
-        reached = forward_kinematics(EXPLORER, joints.at(float(s))[0])
-        np.testing.assert_allclose(reached.position, path.pose(float(s))[0], atol=1.2e-4)
+    for u in np.linspace(0.0, joints.joints.end, 23):
+        reached = forward_kinematics(EXPLORER, joints.joints.at(float(u))[0])
+        np.testing.assert_allclose(reached.position, path.pose(joints.share(float(u)))[0], atol=1.2e-4)
         np.testing.assert_allclose(reached.tool_direction, tip.tool_direction, atol=1.2e-4)
 
 
@@ -80,7 +85,7 @@ def test_near_a_singularity_the_tip_is_slowed_down_and_the_limits_hold() -> None
     joints = joints_along(PUMA, line(start, end, tip.rotation, tip.rotation), posture)
     acceleration = np.full(6, 20.0)
     limits = MotionLimits(np.full(6, 0.4), acceleration, np.full(6, 1e4))
-    motion = fastest_timing(PUMA, joints, limits, np.array([0.0, 0.0, -9.81]), intervals=400)
+    motion = fastest_timing(PUMA, joints.joints, limits, np.array([0.0, 0.0, -9.81]), intervals=400)
     speeds, wrist = [], []
     for time in np.linspace(0.05, motion.duration - 0.05, 300):
         q, qd, qdd = motion.sample(float(time))
@@ -89,6 +94,62 @@ def test_near_a_singularity_the_tip_is_slowed_down_and_the_limits_hold() -> None
         wrist.append(abs(q[4]))
     assert min(wrist) < 0.08
     assert speeds[int(np.argmin(wrist))] < 0.3 * max(speeds)
+
+
+FREE = dataclasses.replace(PUMA, lower=np.full(6, -9.0), upper=np.full(6, 9.0))
+"""A PUMA whose limits do not end the turn that the wrist has to make."""
+SINGULAR = {
+    "wrist stretched": (FREE, [0.1, 0.6, -2.6, 0.4, 0.0, 0.2]),
+    "wrist at right angles": (load_arm("ssrms"), [0.3, 0.4, 0.2, 0.9, 0.5, 0.5 * math.pi, 0.2]),
+    "nothing": (load_arm("cylindrical"), [0.3, 0.4, 0.3, 0.2]),
+}
+
+
+@pytest.mark.parametrize("beside", [0.0, 1e-6, 1e-4, 1e-3, 1e-2])
+@pytest.mark.parametrize("arm,posture", SINGULAR.values(), ids=SINGULAR.keys())
+def test_lines_through_and_beside_singular_postures(arm: SerialArm, posture: list[float], beside: float) -> None:
+    """They were refused: a joint would have to jump. Now all are followed, and every sample keeps the joints' rates."""
+    generator = np.random.default_rng(3)
+    tip = forward_kinematics(arm, np.array(posture))
+    task = POSE if arm.joint_count > 5 else POSITION
+    for _ in range(2):
+        along = generator.normal(size=3)
+        along *= 0.1 * arm.reach / np.linalg.norm(along)
+        aside = np.cross(along, generator.normal(size=3))
+        middle = tip.position + beside * arm.reach * aside / np.linalg.norm(aside)
+        turned = tip.rotation @ Rotation.from_rotvec(beside * generator.normal(size=3)).as_matrix()
+        path = line(middle - along, middle + along, turned, turned)
+        start = _solved(arm, task, middle - along, turned, np.array(posture))
+        followed = joints_along(arm, path, start, task)
+        speed = np.minimum(arm.max_velocity, 1.0)
+        motion = fastest_timing(
+            arm, followed.joints, MotionLimits(speed, 2.0 * speed, np.full(len(posture), 1e6)), ZERO
+        )
+        positions, rates, _ = motion.samples(np.linspace(0.0, motion.duration, 800))
+        assert np.all(np.abs(rates) <= speed * 1.002)
+        away = np.cross(np.array([forward_kinematics(arm, q).position for q in positions]) - path.start, along)
+        assert np.max(np.linalg.norm(away, axis=1)) / np.linalg.norm(along) < 1.5e-4
+
+
+def _solved(arm: SerialArm, task: int, place: np.ndarray, rotation: np.ndarray, near: np.ndarray) -> np.ndarray:
+    answer = pose_goal(arm, place, rotation, near) if task == POSE else position_goal(arm, place, near)
+    assert answer.reached
+    return answer.positions
+
+
+def test_a_line_just_inside_the_reach_stretches_the_elbow_and_goes_on() -> None:
+    stretched = np.array([0.2, -0.4, 0.0, 0.6, 0.3])
+    tip = forward_kinematics(EXPLORER, stretched)
+    across = np.cross([math.cos(0.2), math.sin(0.2), 0.0], tip.tool_direction)
+    across *= 0.15 / np.linalg.norm(across)
+    middle = tip.position - 0.03 * np.array([math.cos(0.2), math.sin(0.2), 0.0])
+    start = pointing_goal(EXPLORER, middle - across, tip.tool_direction, stretched)
+    assert start.reached
+    path = line(middle - across, middle + across, tip.rotation, tip.rotation)
+    followed = joints_along(EXPLORER, path, start.positions)
+    limits = MotionLimits(EXPLORER.max_velocity, EXPLORER.max_velocity, EXPLORER.max_effort)
+    motion = fastest_timing(EXPLORER, followed.joints, limits, np.array([0.0, 0.0, -1.62]))
+    assert np.all(np.abs(motion.samples(np.linspace(0, motion.duration, 800))[1]) <= EXPLORER.max_velocity * 1.002)
 
 
 def test_a_path_out_of_reach_is_refused_with_the_place() -> None:

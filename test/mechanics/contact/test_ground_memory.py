@@ -184,6 +184,21 @@ def test_finite_on_any_ground_that_wheels_have_torn_up(rig: Maker, path: list[tu
         assert np.isfinite(tile).all() and (tile >= 0.0).all() and (tile[..., RUT] <= tile[..., SINKAGE]).all()
 
 
+def test_a_wheel_that_comes_down_on_the_edge_of_a_rut_is_pressed_up_gently(rig: Maker) -> None:
+    """The tilted plane through a steep edge reaches above the ground as it was: a wheel that bounced there met more
+    than a centimetre of soil at once, four times its load, and the chassis chattered within the control period."""
+    wheel = rig("lunar_nominal", cell=0.025)
+    with_rut(wheel, 0.012, -1.0, 0.5)
+    pressed = []
+    for depth in np.arange(-0.001, 0.002, 2e-5):
+        wheel.state[:] = 0.0
+        force, _ = wheel.push(np.array([0.51, 0.0, RADIUS - depth]), LEVEL, np.zeros(3), np.zeros(3))
+        assert wheel.report[0, 3] <= max(depth, 0.0) + 1e-12
+        pressed.append(force[2])
+    assert pressed[0] == 0.0 and pressed[-1] > 1.0
+    assert np.abs(np.diff(pressed)).max() < 2.0, "newton in a fiftieth of a millimetre"
+
+
 def test_rock_keeps_no_rut(rig: Maker) -> None:
     wheel = rig("rigid_rock", cell=0.025)
     roll(wheel, 0.0, 0.5, 0.0005)

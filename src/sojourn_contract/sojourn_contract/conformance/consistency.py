@@ -5,10 +5,12 @@ rounding and what happens within the period; so it must be within
 
     [min(v_0, v_1) - slack, max(v_0, v_1) + slack],   slack = tolerance + |v_1 - v_0| / 2
 
-with the tolerance of the table. Degrees for radians, a flipped sign, a rate in the wrong frame and a joint in
-another's place show here as soon as the rover moves.
+with the tolerance of the table. A rate that may be taken over a window of several periods (an encoder's counts) lies
+between the least and the greatest of the mean rates of the periods in it, within the tolerance alone. Degrees for
+radians, a flipped sign, a rate in the wrong frame and a joint in another's place show here as soon as the rover moves.
 """
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from math import atan2, sqrt
 from operator import attrgetter
@@ -22,6 +24,7 @@ from sojourn_contract.topic_types import FieldRule, Topic
 LONGEST_PERIODS = 5
 """Messages further apart than this are not compared."""
 
+AXES = ["x", "y", "z"]
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
@@ -41,6 +44,7 @@ class RateRule:
         make = _Joints if row.type == "sensor_msgs/JointState" else _rate_of_body
         self._pairs = [(rule, make(rule)) for rule in rules]
         self._last: tuple[int, list[tuple[Sequence[Any], Sequence[float]]]] | None = None
+        self._means: list[deque[Sequence[float]]] = [deque(maxlen=rule.rate_window) for rule in rules]
         self._names: list[str] = []
 
     @staticmethod
@@ -52,22 +56,40 @@ class RateRule:
         """Rates that do not agree with the change of their positions."""
         message = seen.message
         last = self._last
-        names = list(message.name) if hasattr(message, "name") else ["x", "y", "z"]
+        names = list(message.name) if hasattr(message, "name") else AXES
         now = [pair.read(message) for _, pair in self._pairs]
         self._last = (seen.stamp, now)
         same, self._names = names == self._names, names
         if last is None or not same or not 0 < seen.stamp - last[0] <= LONGEST_PERIODS * CONTROL_PERIOD_NS:
+            for means in self._means:
+                means.clear()
             return []
         dt = (seen.stamp - last[0]) / NANOSECONDS
         found = []
-        for (rule, pair), (x_0, v_0), (x_1, v_1) in zip(self._pairs, last[1], now, strict=True):
-            for name, mean, a, b in zip(names, pair.mean(x_0, x_1, dt), v_0, v_1, strict=False):
+        for (rule, pair), means, before, after in zip(self._pairs, self._means, last[1], now, strict=True):
+            means.append(pair.mean(before[0], after[0], dt))
+            if len(means) == rule.rate_window:
+                found += self._compare(rule, means, before[1], after[1])
+        return found
+
+    def _compare(
+        self, rule: FieldRule, means: Sequence[Sequence[float]], v_0: Sequence[float], v_1: Sequence[float]
+    ) -> list[Finding]:
+        """Rates at both ends of a period against the mean rates of the periods of the window, the last one last."""
+        found = []
+        for place, (name, a, b) in enumerate(zip(self._names, v_0, v_1, strict=False)):
+            if rule.rate_window == 1:
+                mean = means[-1][place]
                 slack = rule.rate_tolerance + 0.5 * abs(b - a)
-                low, high = (a, b) if a < b else (b, a)
-                if mean < low - slack or mean > high + slack:
-                    allowed = f"{mean:.4g} {rule.unit}, the change of {rule.rate_of}, within {rule.rate_tolerance:g}"
-                    path = f"{rule.path}[{name}]" if hasattr(message, "name") else f"{rule.path}.{name}"
-                    found.append(Finding(path, b, allowed, max(low - mean, mean - high)))
+                off = max(min(a, b) - mean, mean - max(a, b)) - slack
+                change = f"{mean:.4g} {rule.unit}, the change of {rule.rate_of}"
+            else:
+                low, high = (limit(mean[place] for mean in means) for limit in (min, max))
+                off = max(low - b, b - high) - rule.rate_tolerance
+                change = f"{low:.4g} to {high:.4g} {rule.unit}, the change of {rule.rate_of} in {len(means)} periods"
+            if off > 0.0:
+                path = f"{rule.path}.{name}" if self._names == AXES else f"{rule.path}[{name}]"
+                found.append(Finding(path, b, f"{change}, within {rule.rate_tolerance:g}", off + rule.rate_tolerance))
         return found
 
 

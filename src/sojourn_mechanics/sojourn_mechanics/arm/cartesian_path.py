@@ -1,14 +1,10 @@
-"""Paths of the tip in space: straight line, arc, turning at an even rate; and the joints that follow them.
+"""Paths of the tip in space: straight line, arc, turning at an even rate.
 
 Place: on a line, or on the circle through three points. Turn: from the first orientation to the last about one axis
 (spherical linear interpolation; Shoemake, SIGGRAPH 1985), in step with the place. The path parameter s runs from 0 to 1
 in even steps of length.
 
-Joints: the inverse kinematics at even steps of s, each from the last posture, so that the arm stays on one branch; then
-a cubic spline through the postures, whose distance from the path is measured between them and refined until it is
-within the tolerance. Where a posture cannot be found, or a joint would have to jump (a singularity that the path leads
-through), the path is refused with the place. Near a singularity the joints run far for a short way: the timing
-(time_optimal.py) then slows the tip down.
+The joints that follow such a path: tip_following.py.
 """
 
 import math
@@ -17,20 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from sojourn_mechanics.arm.inverse_search import POINTING, POSE, POSITION, search
-from sojourn_mechanics.arm.kinematics import forward_kinematics
-from sojourn_mechanics.arm.serial_arm import SerialArm
-from sojourn_mechanics.arm.spline_path import SplinePath, spline_through
-from sojourn_mechanics.errors import InvalidValueError, MechanicsError
+from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
-
-_STEPS = (32, 64, 128, 256, 512)
-_LARGEST_JUMP = 0.6
-"""More than this between two steps of the finest division is a jump [rad, or reaches]."""
-
-
-class CartesianPathError(MechanicsError):
-    """The arm cannot follow the path; the message says where and why."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,86 +68,6 @@ def arc(
     out, last = start - centre, end - centre
     angle = math.atan2(float(np.cross(out, last) @ axis), float(out @ last)) % (2.0 * math.pi)
     return TipPath(start, end, start_rotation, _turn(start_rotation, end_rotation), centre, angle * axis)
-
-
-def joints_along(
-    arm: SerialArm, path: TipPath, start: FloatArray, task: int | None = None, tolerance: float = 1.0e-4
-) -> SplinePath:
-    """The joints that follow a path of the tip.
-
-    Args:
-        start: joint positions (n,) near those at its beginning: they choose the branch.
-        task: POSE, POINTING or POSITION; if left out, POINTING for five joints, else POSE.
-        tolerance: allowed distance of the tip from the path between the postures [m], and angle [rad].
-
-    Raises:
-        CartesianPathError: a place of the path cannot be reached from the one before it.
-    """
-    task = (POINTING if arm.joint_count == 5 else POSE) if task is None else task
-    reason = ""
-    for steps in _STEPS:
-        try:
-            postures = _postures(arm, path, start, task, np.linspace(0.0, 1.0, steps + 1), steps == _STEPS[-1])
-        except CartesianPathError as error:
-            reason = str(error)
-            if steps == _STEPS[-1]:
-                raise
-            continue
-        spline = spline_through(postures, np.linspace(0.0, 1.0, steps + 1))
-        worst = _deviation(arm, path, task, spline, (np.arange(steps) + 0.5) / steps)
-        if worst <= tolerance:
-            return spline
-        reason = f"the joints' spline leaves the path by {worst:.2g} m or rad"
-    raise CartesianPathError(f"no spline of {_STEPS[-1]} pieces is near enough: {reason}")
-
-
-def _postures(
-    arm: SerialArm, path: TipPath, start: FloatArray, task: int, places: FloatArray, finest: bool
-) -> FloatArray:
-    reach = arm.reach
-    settings = np.array([1e-8 * reach, 1e-8, 1e-12 * reach**2, 0.5, 60.0])
-    q = start
-    rows: list[FloatArray] = []
-    for s in places:
-        position, wanted = path.pose(float(s))
-        wanted = _wanted(arm, task, wanted)
-        found, distance, angle = search(
-            arm.chain, q, arm.lower, arm.upper, task, position, wanted, 0.25 * reach, settings
-        )
-        if distance > 1e-6 * reach or angle > 1e-6:
-            off = f"{distance:.2g} m and {angle:.2g} rad off"
-            held = np.flatnonzero((found <= arm.lower) | (found >= arm.upper))
-            at_limit = ", ".join(arm.joint_names[i] for i in held)
-            why = f" with {at_limit} at the limit" if at_limit else ""
-            raise CartesianPathError(f"at {100.0 * s:.0f} % of the path the arm stays {off}{why}")
-        jump = np.abs(found - q) / np.where(arm.chain.revolute > 0.5, 1.0, reach)
-        if rows and finest and float(np.max(jump)) > _LARGEST_JUMP:
-            joint = arm.joint_names[int(np.argmax(jump))]
-            raise CartesianPathError(f"at {100.0 * s:.0f} % of the path {joint} would have to jump: a singularity")
-        q = found
-        rows.append(found)
-    return np.array(rows)
-
-
-def _wanted(arm: SerialArm, task: int, rotation: FloatArray) -> FloatArray:
-    """What the search takes for a rotation of the tip: for POINTING its last column is the tool direction."""
-    wanted = np.array(rotation)
-    if task == POINTING:
-        wanted[:, 2] = rotation @ arm.chain.tool_axis
-    return wanted
-
-
-def _deviation(arm: SerialArm, path: TipPath, task: int, spline: SplinePath, places: FloatArray) -> float:
-    worst = 0.0
-    for s in places:
-        position, rotation = path.pose(float(s))
-        tip = forward_kinematics(arm, spline.at(float(s))[0])
-        worst = max(worst, float(np.linalg.norm(tip.position - position)))
-        if task == POSE:
-            worst = max(worst, float(Rotation.from_matrix(tip.rotation @ rotation.T).magnitude()))
-        elif task != POSITION:
-            worst = max(worst, float(np.linalg.norm(tip.tool_direction - rotation @ arm.chain.tool_axis)))
-    return worst
 
 
 def _turn(start: FloatArray, end: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@ interval of the grid; then the motion is sampled between and, should a limit be 
 The acceleration jumps between intervals: jerk is not limited.
 """
 
+import contextlib
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,7 +26,9 @@ from sojourn_mechanics.params import FloatArray
 
 _MARGINS = (1.0, 0.997, 0.99, 0.97, 0.94, 0.9)
 _ROUNDING = 1.0e-6
-_CHECKS = 2
+_GRIDS = (1, 2, 4, 8, 16)
+"""Times as many intervals that are tried, where a sharp turn of the path is too much for a coarse grid."""
+_CHECKS = 3
 """Samples within each interval of the grid that are checked in the end."""
 
 
@@ -83,7 +86,7 @@ def fastest_timing(
 
     Args:
         gravity: in the base (3,) [m/s2].
-        intervals: of the grid, evenly spread over s.
+        intervals: of the grid, evenly spread over s; up to 16 times as many where that is too coarse.
 
     Raises:
         TimingError: the arm cannot even hold itself somewhere on the path, or cannot leave it at rest.
@@ -91,6 +94,18 @@ def fastest_timing(
     for name in ("speed", "acceleration", "effort", "power", "efficiency"):
         if not np.all(np.asarray(getattr(limits, name)) > 0.0):
             raise InvalidValueError(f"{name} limit", getattr(limits, name), "above 0")
+    for finer in _GRIDS[:-1]:
+        with contextlib.suppress(TimingError):
+            return _timed(arm, path, limits, gravity, finer * intervals)
+    return _timed(arm, path, limits, gravity, _GRIDS[-1] * intervals)
+
+
+def _timed(arm: SerialArm, path: SplinePath, limits: MotionLimits, gravity: FloatArray, intervals: int) -> TimedSpline:
+    """The fastest motion on one grid.
+
+    Raises:
+        TimingError: as `fastest_timing`, or a limit would be passed by between the places of the grid.
+    """
     places = np.linspace(0.0, path.end, intervals + 1)
     coefficients = _coefficients(arm, path, places, gravity)
     for margin in _MARGINS:

@@ -17,7 +17,7 @@ from sojourn_mechanics.contact.contact_law import (
 )
 from sojourn_mechanics.contact.dispatch import apply_law
 from sojourn_mechanics.contact.ground_memory import PAST_COLUMNS, leave_rut
-from sojourn_mechanics.contact.pad_on_soil import pad_forces
+from sojourn_mechanics.contact.pad_on_soil import is_clear, pad_forces
 from sojourn_mechanics.contact.wheel_contact import FRAME_VECTORS, find_contact
 from sojourn_mechanics.params import FloatArray, IntArray
 from sojourn_mechanics.terrain.height_field import HeightArray, SoilArray
@@ -137,6 +137,11 @@ def contact_forces(
             for j in range(3):
                 centre[k] += body[3 * j + k] * offsets[i, j]
             axle[k] = body[3 + k]
+        if i >= wheel_count and is_clear(wheels[i], centre, heights, grid):  # nearly all pads, nearly always
+            states[i, :] = 0.0
+            report[i, :] = 0.0
+            report[i, 0:3] = centre
+            continue
         twist[:] = 0.0
         for column in supports[i]:
             if column < 0:

@@ -39,6 +39,10 @@ CUT_COLUMNS = 5
 pushed ahead adds W (of_pile + of_pile_by_depth d)."""
 DRAG_X, DRAG_Y = 3, 4
 """Columns of a tool's state: D, along the map."""
+TOOL_LEAD = 0.002
+"""Longest time by which a tool's rate leads its displacement [s]: an arm's last link is light, and the lead that damps
+a parked rover would be a damper stiffer than the step can follow; this one damps its swing on rock by half of critical.
+"""
 PAD_MEMORY = 4.0
 """Distance after which a sliding pad forgets where it stood, in shear moduli."""
 
@@ -55,6 +59,14 @@ _K_X = int(SoilColumn.SHEAR_MODULUS_LONGITUDINAL)
 def lead_length(radius: float, cell: float) -> float:
     """How far ahead of a tool that is dragged the ground is read [m]: beyond what its cut has taken away."""
     return radius + 1.5 * cell
+
+
+@njit(cache=True)
+def is_clear(pad: FloatArray, centre: FloatArray, heights: HeightArray, grid: FloatArray) -> bool:
+    """Whether a pad is above the ground and does nothing there; a tool, which may do more, never is."""
+    height, _, _, _ = sample_ground(heights, grid, centre[0], centre[1])
+    clear: bool = pad[IS_TOOL] <= 0.0 and height <= centre[2]
+    return clear
 
 
 @njit(cache=True)
@@ -123,6 +135,8 @@ def pad_forces(
         state[DRAG_Y] = (state[DRAG_Y] + dt * slide[1] / radius) / forgotten
     towards = np.empty(3)
     lead_time = shear_lead(speed)
+    if is_tool:
+        lead_time = min(lead_time, TOOL_LEAD)
     out_of_plane = state[0] * normal[0] + state[1] * normal[1] + state[2] * normal[2]
     for k in range(3):
         state[k] -= out_of_plane * normal[k]

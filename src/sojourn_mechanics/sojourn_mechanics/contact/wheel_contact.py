@@ -3,6 +3,10 @@
 The rim is a circle of the wheel's radius in the plane across the axle. Its lowest point against the contact
 plane (see `ground_plane`) lies below the plane by  z = r cos γ - d,  with the camber γ of the axle against
 the ground and the distance d of the centre from the plane.
+
+A rut lowers and tilts the plane (see `ground_memory`). It is nowhere above the ground as it was once, but the plane
+through its edge is: so no wheel is deeper in a rut than it is below the ground as it was, or as a heap has made it,
+whose top is taken to be twice as high as its mean round the contact.
 """
 
 import math
@@ -94,6 +98,7 @@ def find_contact(
     norm = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     remembers = memory[3][2] > 0.0
     past[RUT] = 0.0
+    deepest = math.inf
     if remembers:
         # lowest point and depth against the ground as it was once
         lowest_x = centre[0] + radius * slope_x * norm
@@ -107,6 +112,7 @@ def find_contact(
             pz -= lowered
             slope_x -= lowered_x
             slope_y -= lowered_y
+            deepest = max(depth + 2.0 * max(-lowered, 0.0), 0.0)
             norm = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     normal[0] = -slope_x * norm
     normal[1] = -slope_y * norm
@@ -118,7 +124,7 @@ def find_contact(
         side[k] = axle[k] - camber * normal[k]
     cos_camber = math.sqrt(in_plane[0] ** 2 + in_plane[1] ** 2 + in_plane[2] ** 2)
     distance = normal[0] * (centre[0] - px) + normal[1] * (centre[1] - py) + normal[2] * (centre[2] - pz)
-    penetration = radius * cos_camber - distance
+    penetration = min(radius * cos_camber - distance, deepest)
     if penetration <= 0.0 or cos_camber < MIN_COS_CAMBER:
         return False, 0, on_map
     for k in range(3):

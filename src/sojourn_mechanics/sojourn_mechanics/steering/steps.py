@@ -35,6 +35,11 @@ MOST = 1000
 """Points of a cell beyond which its extremes are taken for those of so many [-]."""
 BEYOND = 3
 """Cells in line that tell the slope on a side of a step."""
+GENTLE = 0.05
+"""A slope against the step counts from here on [-]: below it is mostly noise, or the begin of another slope."""
+STRAIGHT = 0.015
+"""Root of the sum of squares by which they may miss a line, to be taken for a slope against the step [m]: another edge
+among them would make the step seem higher."""
 
 
 def _tables() -> tuple[FloatArray, FloatArray]:
@@ -89,43 +94,54 @@ def step_at(
                 beside = cell * math.sqrt(float(down * down + right * right))
                 if max(up, off) + 2.0 * beside * max_slope > max(rise, fall):  # it may be the greatest
                     slope = (layers[MEAN, i, j] - layers[MEAN, row, column]) / (far * beside)
-                    before = -_slope(layers, row, column, -down, -right, beside)
-                    behind = _slope(layers, i, j, down, right, beside)
+                    before, bent = _slope(layers, row, column, -down, -right, beside)
+                    behind, bent_behind = _slope(layers, i, j, down, right, beside)
+                    known = not (math.isnan(before) or math.isnan(behind))
+                    straight = known and max(bent, bent_behind) < STRAIGHT
                     rough = 0.5 * cell * ((1.0 if high > low else 0.0) + (1.0 if highs[i, j] > lows[i, j] else 0.0))
-                    rise = max(rise, up - _explained(slope, before, behind, far * beside, rough, max_slope))
-                    fall = max(fall, off - _explained(-slope, -before, -behind, far * beside, rough, max_slope))
+                    rising = max(-before, behind) if known else slope
+                    falling = max(before, -behind) if known else -slope
+                    rise = max(rise, up - _explained(rising, straight, far * beside, rough, max_slope))
+                    fall = max(fall, off - _explained(falling, straight, far * beside, rough, max_slope))
                 break
     return rise, fall
 
 
 @njit(cache=True)
-def _explained(slope: float, before: float, behind: float, way: float, rough: float, max_slope: float) -> float:
-    """Rise that the slopes before and behind two cells explain, NaN where unknown [m]; `slope`: from mean to mean.
+def _explained(slope: float, may_oppose: bool, way: float, rough: float, max_slope: float) -> float:
+    """Rise that a slope explains; less than none where it is against the step, if it `may_oppose` [m].
 
     Args:
         way: from mean to mean. rough: from means to extremes; with a slope against the step they are that much nearer.
     """
-    known = not (math.isnan(before) or math.isnan(behind))
-    likely = min(max(before, behind, -max_slope) if known else max(slope, 0.0), max_slope)
+    against = min(max(-slope - GENTLE, 0.0), max_slope) if may_oppose else 0.0
+    likely = min(max(slope, 0.0), max_slope) - against
     return likely * max(way + (rough if likely > 0.0 else -rough), 0.0)
 
 
 @njit(cache=True)
-def _slope(layers: FloatArray, row: int, column: int, down: int, right: int, beside: float) -> float:
-    """Slope along a direction of the ground beyond a cell [-]; NaN where fewer than two cells of it are known."""
+def _slope(layers: FloatArray, row: int, column: int, down: int, right: int, beside: float) -> tuple[float, float]:
+    """Slope along a direction of the ground beyond a cell [-], and how far its cells are from lying in a line [m].
+
+    The slope is not a number where fewer than two cells are known, the other is infinite with fewer than three.
+    """
     size = layers.shape[1]
-    n = sx = sz = sxx = sxz = 0.0
+    n = sx = sz = sxx = sxz = szz = 0.0
     for far in range(1, BEYOND + 1):
         i, j = row + far * down, column + far * right
         if not (0 <= i < size and 0 <= j < size):
             break
         if layers[COUNT, i, j] > 0.0:
-            x, z = far * beside, layers[MEAN, i, j]
+            x, z = far * beside, layers[MEAN, i, j] - layers[MEAN, row, column]
             n += 1.0
             sx += x
             sz += z
             sxx += x * x
             sxz += x * z
+            szz += z * z
     if n < 2.0:
-        return math.nan
-    return (n * sxz - sx * sz) / (n * sxx - sx * sx)
+        return math.nan, math.inf
+    slope = (n * sxz - sx * sz) / (n * sxx - sx * sx)
+    if n < 3.0:
+        return slope, math.inf
+    return slope, math.sqrt(max(szz - sz * sz / n - slope * (sxz - sx * sz / n), 0.0))
