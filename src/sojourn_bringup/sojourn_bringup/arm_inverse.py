@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from sojourn_bringup.arm_report import row_text
 from sojourn_bringup.screen import wide_console
@@ -15,19 +15,16 @@ from sojourn_mechanics.arm.closed_form import (
 from sojourn_mechanics.arm.inverse import InverseAnswer, pointing_goal, pose_goal, position_goal
 from sojourn_mechanics.arm.inverse_search import POINTING, POSE, POSITION
 from sojourn_mechanics.arm.redundancy import (
-    Measure,
+    SecondaryTask,
     Sphere,
     better_posture,
-    clearance,
-    joint_centring,
-    manipulability_measure,
+    measure_of,
 )
 from sojourn_mechanics.arm.self_collision import SelfCollision
 from sojourn_mechanics.arm.serial_arm import SerialArm
 from sojourn_mechanics.params import FloatArray
 
-PREFERENCES = ("centred", "manipulability", "clear")
-"""Secondary tasks: joints near the middle of their ranges, manipulability, distance from obstacles."""
+PREFERENCES = get_args(SecondaryTask)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +34,7 @@ class Wish:
     position: FloatArray  # (3,) [m]
     rotation: FloatArray | None = None  # (3, 3)
     direction: FloatArray | None = None  # unit (3,)
-    prefer: str | None = None  # one of PREFERENCES
+    prefer: SecondaryTask | None = None
     obstacles: tuple[Sphere, ...] = ()
 
 
@@ -68,12 +65,12 @@ def inverse_figures(arm: SerialArm, wish: Wish, start: FloatArray | None) -> dic
             for branch in branches
         ]
     if wish.prefer is not None:
-        result["secondary"] = _preferred(arm, task, answer, wish) if answer.reached else None
+        result["secondary"] = _preferred(arm, task, answer, wish, wish.prefer) if answer.reached else None
     return result
 
 
-def _preferred(arm: SerialArm, task: int, answer: InverseAnswer, wish: Wish) -> dict[str, Any]:
-    measure = _measure(arm, wish)
+def _preferred(arm: SerialArm, task: int, answer: InverseAnswer, wish: Wish, prefer: SecondaryTask) -> dict[str, Any]:
+    measure = measure_of(arm, prefer, wish.obstacles)
     better = better_posture(arm, answer.positions, measure, task=task)
     return {
         "prefer": wish.prefer,
@@ -81,14 +78,6 @@ def _preferred(arm: SerialArm, task: int, answer: InverseAnswer, wish: Wish) -> 
         "measure": measure(better),
         "measure_of_first": measure(answer.positions),
     }
-
-
-def _measure(arm: SerialArm, wish: Wish) -> Measure:
-    if wish.prefer == "centred":
-        return joint_centring(arm)
-    if wish.prefer == "manipulability":
-        return manipulability_measure(arm)
-    return clearance(arm, wish.obstacles)
 
 
 def print_inverse(found: dict[str, Any]) -> None:

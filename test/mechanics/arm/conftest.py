@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from numpy.typing import NDArray
 
+from sojourn_config.arm_config import ArmConfig
 from sojourn_config.arms import load_arm
+from sojourn_config.load import load_params
 from sojourn_mechanics.arm.model import ArmModel, build_arm_model
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.serial_arm import SerialArm
@@ -131,9 +132,8 @@ def small() -> Arm:
 @pytest.fixture(scope="session")
 def explorer() -> Arm:
     """The explorer's arm as it is delivered."""
-    values = yaml.safe_load((ROOT / "config" / "arms" / "explorer_arm.yaml").read_text(encoding="utf-8"))
     urdf = (ROOT / "urdf" / "explorer.urdf").read_text(encoding="utf-8")
-    params = ArmParams(**values)
+    params = load_params("arms", "explorer_arm", ArmConfig)
     return Arm(params, build_arm_model(urdf, params), urdf)
 
 

@@ -26,7 +26,7 @@ def test_it_drives_at_its_driving_poses_alone() -> None:
 def test_an_arm_that_moves_keeps_it_from_starting_but_one_that_shakes_does_not_stop_it() -> None:
     params = InterlockParams(still_speed=0.03)
     assert why(params, (1.5, 0.0), rate=0.02) == ""
-    assert why(params, (1.5, 0.0), rate=-0.1) == "the arm moves: elbow at -0.10 rad/s"
+    assert why(params, (1.5, 0.0), rate=-0.1) == "the arm moves: elbow at -0.10 rad/s (m/s where it slides)"
     assert why(params, (1.5, 0.0), rate=-0.1, driving=True) == ""
 
 

@@ -1,10 +1,18 @@
 """The seventh joint of the SSRMS: the tip stays while joints, manipulability or clearance get better."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
+from sojourn_config.arm_config import ArmConfig
 from sojourn_config.arms import load_arm
+from sojourn_config.load import load_params
+from sojourn_config.paths import urdf_folder
 from sojourn_mechanics.arm.kinematics import forward_kinematics
+from sojourn_mechanics.arm.model import ArmModel, build_arm_model
+from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.arm.planning import solve_pose
 from sojourn_mechanics.arm.redundancy import (
     Measure,
     Sphere,
@@ -13,6 +21,7 @@ from sojourn_mechanics.arm.redundancy import (
     joint_centring,
     joint_origins,
     manipulability_measure,
+    measure_of,
 )
 
 ARM = load_arm("ssrms")
@@ -62,3 +71,31 @@ def test_an_arm_with_nothing_to_spare_stays() -> None:
     puma = load_arm("puma560")
     posture = np.array([0.2, 0.7, -2.4, 0.3, 0.6, 0.4])
     np.testing.assert_allclose(better_posture(puma, posture, joint_centring(puma)), posture, atol=1e-6)
+
+
+def _flown(**changes: Any) -> tuple[ArmParams, ArmModel]:
+    """The SSRMS as its node has it."""
+    params = load_params("arms", "ssrms", ArmConfig).model_copy(update=changes)
+    return params, build_arm_model((urdf_folder() / "ssrms.urdf").read_text(encoding="utf-8"), params)
+
+
+@pytest.mark.parametrize("task", ["centred", "manipulability", "clear"])
+def test_a_pose_goal_of_the_node_is_met_as_the_secondary_task_prefers(task: Any) -> None:
+    obstacles = ((4.0, 1.0, 2.0, 0.5),) if task == "clear" else ()
+    plain, model = _flown()
+    params, _ = _flown(secondary_task=task, obstacles=obstacles)
+    start = np.array(params.named_poses["unfold"])
+    tip = forward_kinematics(model, start + 0.2)
+    first = solve_pose(plain, model, tip.position, tip.rotation, start).solutions[0]
+    better = solve_pose(params, model, tip.position, tip.rotation, start).solutions[0]
+    measure = measure_of(model, task, tuple(Sphere(np.array(ball[:3]), ball[3]) for ball in obstacles))
+    assert measure(better) > measure(first)
+    reached = forward_kinematics(model, better)
+    np.testing.assert_allclose(reached.position, tip.position, atol=1e-4)
+    np.testing.assert_allclose(reached.rotation, tip.rotation, atol=2e-4)
+
+
+def test_keeping_clear_needs_something_to_keep_clear_of() -> None:
+    params = load_params("arms", "ssrms", ArmConfig)
+    with pytest.raises(ValueError, match="obstacles are needed"):
+        ArmConfig.model_validate(params.model_dump() | {"secondary_task": "clear"})

@@ -9,7 +9,7 @@ equation 3.30).
 Valid for chains of revolute and prismatic joints of one degree of freedom; no loops.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numba import njit
@@ -27,6 +27,37 @@ class Chain(NamedTuple):
     tip_rotation: FloatArray  # (3, 3) of the tip frame in the last link
     tip_translation: FloatArray  # (3,) [m]
     tool_axis: FloatArray  # (3,) unit vector in the tip frame
+
+
+class ChainArm(Protocol):
+    """What every arm has, however it was read: SerialArm, ArmModel."""
+
+    @property
+    def chain(self) -> Chain:
+        """Its geometry."""
+
+    @property
+    def lower(self) -> FloatArray:
+        """Lowest position of each joint (n,) [rad or m]."""
+
+    @property
+    def upper(self) -> FloatArray:
+        """Highest position of each joint (n,) [rad or m]."""
+
+    @property
+    def joint_count(self) -> int:
+        """Number of joints [-]."""
+
+    @property
+    def reach(self) -> float:
+        """Length of the chain stretched out, without what lies before its first joint [m]; 1 where it has none."""
+
+
+def stretched_length(chain: Chain, lower: FloatArray, upper: FloatArray) -> float:
+    """`reach` of an arm."""
+    links = np.linalg.norm(chain.translation[1:], axis=1).sum() + np.linalg.norm(chain.tip_translation)
+    travel = np.maximum(np.abs(lower), np.abs(upper))[chain.revolute < 0.5].sum()
+    return float(links + travel) or 1.0
 
 
 @njit(cache=True)

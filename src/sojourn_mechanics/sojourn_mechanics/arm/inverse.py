@@ -16,6 +16,7 @@ from typing import Literal
 
 import numpy as np
 
+from sojourn_mechanics.arm.chain import ChainArm
 from sojourn_mechanics.arm.inverse_search import POINTING, POSE, POSITION, search_from_many, spread, turn_into_limits
 from sojourn_mechanics.arm.kinematics import forward_kinematics
 from sojourn_mechanics.arm.manipulability import SINGULAR, scaled_jacobian
@@ -88,7 +89,7 @@ def position_goal(
     return _solve(arm, POSITION, position, np.eye(3), start, in_the_way)
 
 
-def task_jacobian(arm: SerialArm, task: int, jacobian: FloatArray, tool_direction: FloatArray) -> FloatArray:
+def task_jacobian(arm: ChainArm, task: int, jacobian: FloatArray, tool_direction: FloatArray) -> FloatArray:
     """Rows of the scaled Jacobian (6, n) that a task asks for."""
     scaled = scaled_jacobian(arm, jacobian)
     if task == POSITION:

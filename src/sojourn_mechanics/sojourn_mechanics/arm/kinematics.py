@@ -21,11 +21,10 @@ from typing import Literal
 
 import numpy as np
 
-from sojourn_mechanics.arm.chain import tip_kinematics
+from sojourn_mechanics.arm.chain import ChainArm, tip_kinematics
 from sojourn_mechanics.arm.inverse_search import POINTING, POSE, POSITION, search, spread
 from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.params import ArmParams
-from sojourn_mechanics.arm.serial_arm import SerialArm
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 
@@ -53,7 +52,7 @@ class InverseResult:
     message: str  # empty when solved
 
 
-def forward_kinematics(model: ArmModel | SerialArm, positions: FloatArray) -> TipPose:
+def forward_kinematics(model: ChainArm, positions: FloatArray) -> TipPose:
     """Tip pose at joint `positions` (n,) [rad or m]."""
     rotation, position, jacobian = np.empty((3, 3)), np.empty(3), np.empty((6, model.joint_count))
     tip_kinematics(model.chain, positions, rotation, position, jacobian)

@@ -10,7 +10,7 @@ torque limits, gravity included:  F_max = min over joints of (+-tau_max - tau_gr
 
 import numpy as np
 
-from sojourn_mechanics.arm.chain import tip_kinematics
+from sojourn_mechanics.arm.chain import ChainArm, tip_kinematics
 from sojourn_mechanics.arm.inverse_search import spread
 from sojourn_mechanics.arm.serial_arm import SerialArm
 from sojourn_mechanics.params import FloatArray
@@ -45,7 +45,7 @@ def partial_manipulability(arm: SerialArm, jacobian: FloatArray, rows: slice) ->
     return float(np.prod(values[:rank])) if rank else 0.0
 
 
-def scaled_jacobian(arm: SerialArm, jacobian: FloatArray) -> FloatArray:
+def scaled_jacobian(arm: ChainArm, jacobian: FloatArray) -> FloatArray:
     """Jacobian (6, n) with lengths counted in reaches of the arm."""
     scaled = jacobian.copy()
     scaled[:3] /= arm.reach

@@ -19,7 +19,7 @@ import numpy as np
 import pinocchio
 from numpy.typing import NDArray
 
-from sojourn_mechanics.arm.chain import Chain
+from sojourn_mechanics.arm.chain import Chain, stretched_length
 from sojourn_mechanics.arm.collision_pairs import add_collision_pairs, link_name, rebase_shapes
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.serial_arm import chain_of, rebase
@@ -56,6 +56,11 @@ class ArmModel:
     def joint_count(self) -> int:
         """Number of joints [-]."""
         return len(self.joint_names)
+
+    @property
+    def reach(self) -> float:
+        """Length of the chain stretched out, without what lies before its first joint [m]; 1 where it has none."""
+        return stretched_length(self.chain, self.lower, self.upper)
 
     def unit(self, joint: int) -> str:
         """Of a joint's position, for texts."""

@@ -141,6 +141,14 @@ class ArmParams(Params):
         description="what the orientation of a pose goal asks for: the direction of the tool axis, with any roll about "
         "it (five joints cannot do more), or all of it",
     )
+    secondary_task: Literal["none", "centred", "manipulability", "clear"] = Field(
+        default="none",
+        description="what joints to spare are used for at the target of a pose goal: joints near the middle of their "
+        "ranges, manipulability, distance from `obstacles`",
+    )
+    obstacles: tuple[tuple[float, float, float, float], ...] = Field(
+        default=(), description="spheres to keep clear of with secondary_task clear: x y z radius in base_link [m]"
+    )
     approach_distance: float = Field(
         default=0.06,
         ge=0.0,
@@ -250,6 +258,8 @@ class ArmParams(Params):
             for name in names:
                 if name not in self.named_poses:
                     raise ValueError(f"{key}: '{name}' is not a named pose; there are {sorted(self.named_poses)}")
+        if self.secondary_task == "clear" and not self.obstacles:
+            raise ValueError("secondary_task = 'clear': obstacles are needed to keep clear of")
         for name, axis in (("tool_axis", self.tool_axis), ("preferred_direction", self.preferred_direction)):
             if axis is not None and abs(math.hypot(*axis) - 1.0) > 1.0e-6:
                 raise ValueError(f"{name} = {axis} has length {math.hypot(*axis):.6g}: allowed is a unit vector")

@@ -33,6 +33,7 @@ from sojourn_mechanics.arm.goals import (
     pose_target,
     trajectory_target,
 )
+from sojourn_mechanics.arm.inverse_search import POINTING, POSE, POSITION
 from sojourn_mechanics.arm.joint_path import JointPath, join
 from sojourn_mechanics.arm.kinematics import (
     InverseResult,
@@ -43,6 +44,7 @@ from sojourn_mechanics.arm.kinematics import (
 from sojourn_mechanics.arm.model import ArmModel
 from sojourn_mechanics.arm.motion_load import peak, slower
 from sojourn_mechanics.arm.params import ArmParams
+from sojourn_mechanics.arm.redundancy import Sphere, better_posture, measure_of
 from sojourn_mechanics.arm.trajectory import (
     JointReference,
     TrajectoryError,
@@ -54,6 +56,7 @@ from sojourn_mechanics.arm.trajectory import (
 from sojourn_mechanics.params import FloatArray
 
 _SLOWER_TRIES = 6
+_SECONDARY_STEPS = 60
 _SLOWEST_STEP = 0.4
 """The largest step down in speed from one try to the next."""
 
@@ -90,7 +93,7 @@ def solve_pose(
         return found
     free: list[FloatArray] = []
     first: Collision | None = None
-    for solution in found.solutions:
+    for solution in (*_with_spare_joints(params, model, direction, found.solutions), *found.solutions):
         collision = check_posture(params, model, solution, ground)
         if collision is None:
             free.append(solution)
@@ -98,6 +101,18 @@ def solve_pose(
     if not free and first is not None:
         return replace(found, status="collision", solutions=(), message=f"at the target: {first.text()}")
     return replace(found, solutions=tuple(free))
+
+
+def _with_spare_joints(
+    params: ArmParams, model: ArmModel, direction: FloatArray | None, solutions: tuple[FloatArray, ...]
+) -> list[FloatArray]:
+    """What the nearest solution becomes by the secondary task, if there is one."""
+    if params.secondary_task == "none" or not solutions:
+        return []
+    spheres = tuple(Sphere(np.array(ball[:3]), ball[3]) for ball in params.obstacles)
+    task = POSITION if direction is None else POSE if direction.ndim == 2 else POINTING
+    measure = measure_of(model, params.secondary_task, spheres)
+    return [better_posture(model, solutions[0], measure, _SECONDARY_STEPS, task)]
 
 
 def plan_goal(

@@ -13,14 +13,15 @@ taken by central differences.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
+from sojourn_mechanics.arm.chain import ChainArm
 from sojourn_mechanics.arm.inverse import task_jacobian
 from sojourn_mechanics.arm.inverse_search import POINTING, POSE, search
 from sojourn_mechanics.arm.kinematics import TipPose, forward_kinematics
 from sojourn_mechanics.arm.manipulability import manipulability
-from sojourn_mechanics.arm.serial_arm import SerialArm
 from sojourn_mechanics.params import FloatArray
 
 Measure = Callable[[FloatArray], float]
@@ -28,6 +29,10 @@ Measure = Callable[[FloatArray], float]
 _DIFFERENCE = 1.0e-5
 _SMALLEST_STEP = 1.0e-4
 _FLAT = 1.0e-9
+
+
+SecondaryTask = Literal["centred", "manipulability", "clear"]
+"""Joints near the middle of their ranges; manipulability; distance from obstacles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,18 +43,18 @@ class Sphere:
     radius: float  # [m]
 
 
-def joint_centring(arm: SerialArm) -> Measure:
+def joint_centring(arm: ChainArm) -> Measure:
     """Minus the mean square of the joints' distance from mid-range, in half ranges: 0 in the middle, -1 at limits."""
     middle, half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
     return lambda q: -float(np.mean(((q - middle) / half) ** 2))
 
 
-def manipulability_measure(arm: SerialArm) -> Measure:
+def manipulability_measure(arm: ChainArm) -> Measure:
     """Yoshikawa's measure of the whole Jacobian."""
     return lambda q: manipulability(forward_kinematics(arm, q).jacobian)
 
 
-def clearance(arm: SerialArm, obstacles: tuple[Sphere, ...], link_radius: float = 0.0) -> Measure:
+def clearance(arm: ChainArm, obstacles: tuple[Sphere, ...], link_radius: float = 0.0) -> Measure:
     """Least distance of the arm from the obstacles [m]; its links are lines of a thickness `link_radius` [m]."""
 
     def measure(q: FloatArray) -> float:
@@ -63,8 +68,15 @@ def clearance(arm: SerialArm, obstacles: tuple[Sphere, ...], link_radius: float 
     return measure
 
 
+def measure_of(arm: ChainArm, task: SecondaryTask, obstacles: tuple[Sphere, ...] = ()) -> Measure:
+    """The measure of a secondary task; `clear` needs obstacles."""
+    if task == "centred":
+        return joint_centring(arm)
+    return manipulability_measure(arm) if task == "manipulability" else clearance(arm, obstacles)
+
+
 def better_posture(
-    arm: SerialArm, positions: FloatArray, measure: Measure, steps: int = 200, task: int = POSE
+    arm: ChainArm, positions: FloatArray, measure: Measure, steps: int = 200, task: int = POSE
 ) -> FloatArray:
     """Joint positions (n,) that meet the same task as `positions`, with a larger measure.
 
@@ -93,7 +105,7 @@ def better_posture(
     return q
 
 
-def joint_origins(arm: SerialArm, positions: FloatArray) -> FloatArray:
+def joint_origins(arm: ChainArm, positions: FloatArray) -> FloatArray:
     """Places of the base's origin, of each joint (one that slides: before and after) and of the tip, (m, 3) [m]."""
     rotation, position = np.eye(3), np.zeros(3)
     points = [position]
@@ -112,7 +124,7 @@ def joint_origins(arm: SerialArm, positions: FloatArray) -> FloatArray:
     return np.array(points)
 
 
-def _null_motion(arm: SerialArm, task: int, q: FloatArray, gradient: FloatArray) -> FloatArray:
+def _null_motion(arm: ChainArm, task: int, q: FloatArray, gradient: FloatArray) -> FloatArray:
     """Part of the gradient that leaves the tip at rest, with joints at their limits held."""
     free = np.ones(arm.joint_count, dtype=bool)
     tip = forward_kinematics(arm, q)
@@ -129,7 +141,7 @@ def _null_motion(arm: SerialArm, task: int, q: FloatArray, gradient: FloatArray)
     return motion
 
 
-def _back_to_tip(arm: SerialArm, task: int, q: FloatArray, goal: TipPose) -> FloatArray | None:
+def _back_to_tip(arm: ChainArm, task: int, q: FloatArray, goal: TipPose) -> FloatArray | None:
     """The nearest posture that meets the task, or None."""
     reach = arm.reach
     wanted = np.array(goal.rotation)

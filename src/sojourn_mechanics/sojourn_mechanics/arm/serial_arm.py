@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import pinocchio
 
-from sojourn_mechanics.arm.chain import Chain
+from sojourn_mechanics.arm.chain import Chain, stretched_length
 from sojourn_mechanics.arm.collision_pairs import add_collision_pairs, rebase_shapes
 from sojourn_mechanics.arm.friction import JointFriction
 from sojourn_mechanics.arm.urdf_chain import UNLIMITED, ArmModelError, read_chain
@@ -58,9 +58,7 @@ class SerialArm:
     @property
     def reach(self) -> float:
         """Length of the chain stretched out, without what lies before its first joint [m]; 1 where it has none."""
-        links = np.linalg.norm(self.chain.translation[1:], axis=1).sum() + np.linalg.norm(self.chain.tip_translation)
-        travel = np.maximum(np.abs(self.lower), np.abs(self.upper))[self.chain.revolute < 0.5].sum()
-        return float(links + travel) or 1.0
+        return stretched_length(self.chain, self.lower, self.upper)
 
 
 def build_serial_arm(
