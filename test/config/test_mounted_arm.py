@@ -152,6 +152,17 @@ def test_the_explorers_arm_comes_with_what_the_explorer_has_of_it() -> None:
     assert mass == pytest.approx(sum(i.mass for name, i in explorer.urdf.inertials.items() if name in links))
 
 
+def test_a_denavit_hartenberg_table_stands_for_its_urdf() -> None:
+    drawn, tabled = load_scenario("puma560_course"), load_scenario("puma560_course", ["arm.urdf=dh/puma560.yaml"])
+    assert "config/arms/dh/puma560.yaml" in tabled.files and "urdf/puma560.urdf" not in tabled.files
+    one, other = (build_arm_model(each.urdf_xml, each.carried_arm()) for each in (drawn, tabled))
+    for positions in np.random.default_rng(4).uniform(one.lower, one.upper, (5, 6)):
+        here, there = forward_kinematics(one, positions), forward_kinematics(other, positions)
+        np.testing.assert_allclose(here.position, there.position, atol=1e-12)
+    with pytest.raises(ConfigError, match=r"config/arms/dh/explorer\.yaml|not in urdf/"):
+        load_scenario("puma560_course", ["arm.urdf=dh/explorer.yaml"])
+
+
 def test_who_carries_it_well_is_let_be() -> None:
     load_scenario("flat_drive", [*CYLINDRICAL, "rover.arm_mount={link: base_link, xyz: [0.1, 0, 0]}"])
 

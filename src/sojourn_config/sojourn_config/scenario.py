@@ -16,6 +16,7 @@ from sojourn_config.paths import resolve
 from sojourn_config.scenario_checks import scenario_problems
 from sojourn_config.steps import FARTHEST, LONGEST, StepConfig
 from sojourn_config.yaml_file import read_yaml
+from sojourn_mechanics.arm.tool_params import ObjectParams
 from sojourn_mechanics.environment.sun import SunParams, sun_direction
 from sojourn_mechanics.errors import MechanicsError
 from sojourn_mechanics.params import FloatArray, Params
@@ -70,6 +71,7 @@ class ScenarioConfig(Params):
         default=False, description="the drive avoids no obstacle: it goes where the operator says, as over a step"
     )
     faults: tuple[FaultParams, ...] = Field(default=(), description="motors that fail during the run")
+    objects: tuple[ObjectParams, ...] = Field(default=(), description="what lies on the ground and may be picked")
     steps: tuple[StepConfig, ...] = Field(default=(), description="what the operator sends, in order")
 
 

@@ -43,6 +43,11 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
         yield document.problem(("body",), config.body, allowed + "a moon or an asteroid")
     if bundle is not None:
         yield from _fault_problems(config, bundle, document)
+    for index, thing in enumerate(config.objects):
+        path = ("objects", index)
+        places.append((path, thing.x, thing.y))
+        if any(other.name == thing.name for other in config.objects[:index]):
+            yield document.problem((*path, "name"), thing.name, "is there above already: allowed is each name once")
     for path, x, y in places:
         yield from _place_problems(config.terrain, path, x, y, document)
 

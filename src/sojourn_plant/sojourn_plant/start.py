@@ -27,6 +27,7 @@ def build_plant(scenario: LoadedScenario, terrain: HeightField | None = None) ->
         scenario.simulation,
         scenario.terrain.memory_cell if scenario.terrain.memory else 0.0,
         scenario.tool,
+        scenario.config.objects,
     )
     start = scenario.config.start
     return model, initial_state(

@@ -59,3 +59,14 @@ def test_hold_force_on_rock_and_soil(rover_arm: Callable[..., Any]) -> None:
         held = len(rover.log)
         rover.run(4.0)
         assert rover.since("force", held)[:, 2] == pytest.approx(15.0, abs=1.5)
+
+
+def test_a_tool_that_presses_hard_on_rock_does_not_chatter(rover_arm: Callable[..., Any]) -> None:
+    """The lead that damps a parked rover made the turret swing at 500 Hz, by 0.2 rad/s, from some 20 N on."""
+    rover = rover_arm("soil=rigid_rock")
+    rover.over_ground(1.1, 0.3, 0.004)
+    report = rover.task("hold_force", 30.0, force=40.0)
+    assert report.doing.state == "reached", report
+    held = len(rover.log)
+    rover.run(0.5)
+    assert rover.since("speed", held).max() < 2e-3

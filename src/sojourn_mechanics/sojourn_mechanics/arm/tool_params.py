@@ -114,7 +114,41 @@ class DrillToolParams(_ToolParams):
         return ToolJoint("continuous", -math.inf, math.inf, self.rate, False)
 
 
-ToolParams: TypeAlias = Annotated[ScoopToolParams | DrillToolParams, Field(discriminator="kind")]
+class GripperToolParams(_ToolParams):
+    """A parallel gripper with two soft fingers, on a screw that holds without power."""
+
+    kind: Literal["gripper"]
+    radius: float = Field(gt=0.0, le=0.5, description="of its end, as a plate that is pressed [m]")
+    stroke: float = Field(gt=0.0, le=1.0, description="largest opening [m]")
+    speed: float = Field(gt=0.0, le=1.0, description="at which the opening changes [m/s]")
+    force: float = Field(gt=0.0, le=1e4, description="largest grasp force of a finger [N]")
+    stiffness: float = Field(gt=0.0, le=1e8, description="of the fingers: force by which it closes on an object [N/m]")
+    finger_length: float = Field(gt=0.0, le=0.5, description="from the tip back, over which it can grasp [m]")
+    power: float = Field(ge=0.0, le=1000.0, description="from the bus while the fingers move [W]")
+
+    def end(self) -> tuple[float, ScoopParams | None]:
+        """See `_ToolParams`."""
+        return self.radius, None
+
+    @property
+    def joint(self) -> ToolJoint:
+        """The opening between the fingers."""
+        return ToolJoint("prismatic", 0.0, self.stroke, self.speed, True)
+
+
+class ObjectParams(Params):
+    """A thing that lies on the ground, small enough to be picked."""
+
+    name: str = Field(min_length=1, description="name of the object")
+    x: float = Field(ge=-1e6, le=1e6, description="position in map [m]")
+    y: float = Field(ge=-1e6, le=1e6, description="position in map [m]")
+    mass: float = Field(gt=0.0, le=1000.0, description="[kg]")
+    width: float = Field(gt=0.0, le=1.0, description="between the fingers [m]")
+    height: float = Field(gt=0.0, le=1.0, description="over the ground [m]")
+    friction: float = Field(gt=0.0, le=5.0, description="against the fingers [-]")
+
+
+ToolParams: TypeAlias = Annotated[ScoopToolParams | DrillToolParams | GripperToolParams, Field(discriminator="kind")]
 """A tool; the key `kind` says which."""
 
 

@@ -39,6 +39,10 @@ CUT_COLUMNS = 5
 pushed ahead adds W (of_pile + of_pile_by_depth d)."""
 DRAG_X, DRAG_Y = 3, 4
 """Columns of a tool's state: D, along the map."""
+TOOL_LEAD = 0.002
+"""Longest time by which a tool's rate leads its displacement [s]: an arm's last link is light, and the lead that damps
+a parked rover would be a damper stiffer than the step can follow; this one damps its swing on rock by half of critical.
+"""
 PAD_MEMORY = 4.0
 """Distance after which a sliding pad forgets where it stood, in shear moduli."""
 
@@ -131,6 +135,8 @@ def pad_forces(
         state[DRAG_Y] = (state[DRAG_Y] + dt * slide[1] / radius) / forgotten
     towards = np.empty(3)
     lead_time = shear_lead(speed)
+    if is_tool:
+        lead_time = min(lead_time, TOOL_LEAD)
     out_of_plane = state[0] * normal[0] + state[1] * normal[1] + state[2] * normal[2]
     for k in range(3):
         state[k] -= out_of_plane * normal[k]

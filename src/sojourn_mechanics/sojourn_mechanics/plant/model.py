@@ -22,7 +22,7 @@ import pinocchio as pin
 
 from sojourn_mechanics.actuators import joint_drive
 from sojourn_mechanics.actuators.params import SeriesMotorParams
-from sojourn_mechanics.arm.tool_params import ToolParams
+from sojourn_mechanics.arm.tool_params import ObjectParams, ToolParams
 from sojourn_mechanics.contact import contact_set, ground_plane
 from sojourn_mechanics.contact.params import add_cuts, kernel_rows
 from sojourn_mechanics.errors import InvalidValueError
@@ -81,7 +81,7 @@ class PlantModel:
         battery, bus: energy supply and its loads.
         simulation: steps.
         memory_cell: distance of the nodes at which the ground remembers wheels [m]; 0: it does not.
-        tool: at the end of the machine's arm, or none.
+        tool: at the end of the machine's arm, or none. objects: that lie about, for a gripper.
 
     Raises:
         InvalidValueError: a joint or link that the URDF does not have, a drive or tool whose load the bus does not
@@ -101,6 +101,7 @@ class PlantModel:
         simulation: SimulationParams | None = None,
         memory_cell: float = 0.0,
         tool: ToolParams | None = None,
+        objects: Sequence[ObjectParams] = (),
     ) -> None:
         self.machine = machine = with_tool(machine, tool)
         self.terrain = terrain
@@ -130,7 +131,7 @@ class PlantModel:
         self.rim = np.stack([ground_plane.RIM_SIN, ground_plane.RIM_COS])
         self.untouched_ground = GroundMemory(memory_cell, terrain.origin_x, terrain.origin_y)
         self.memory = MemoryBoard(self.untouched_ground)
-        self.tool = None if tool is None else MountedTool(self, tool, ground)
+        self.tool = None if tool is None else MountedTool(self, tool, ground, objects)
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
         self._make_workspace()
         self._check_springs()

@@ -15,6 +15,9 @@ then, with D = R(yaw_k) z and the errors e of the state,
 one Kalman update along each eigenvector of the information. It moves the pose, and by the cross-covariances slip, side
 slip, gyro bias and the key frame itself; nothing is counted twice but what the points of two matches share.
 
+Slip. What the torques say of it is off by an amount that changes with the ground: at each match the covariance of
+slip and drift is widened by slip_walk^2 times the way since the last one.
+
 Gate. A match with few points, with too many off the surface or with residuals above their deviations is not used. One
 that fits the ground but not the believed slip (the squared innovation over its covariance beyond gate^2) is first taken
 for ground that slips otherwise: the covariance is widened by a slip and a drift of lost_slip on the way since the last
@@ -246,10 +249,11 @@ def _updated(
     innovation = across @ (way - np.array((odometry.x - key[0], odometry.y - key[1])))
     noise = 1.0 / values[told]
 
-    covariance, text = odometry.covariance, "matched"
+    since = odometry.x - state.matched_at[0], odometry.y - state.matched_at[1]
+    changed = params.slip_walk * math.sqrt(math.hypot(*since))
+    covariance, text = widened(odometry.covariance, *since, changed), "matched"
     deviation = _deviation(covariance, rows, innovation, noise)
     if deviation > params.gate:
-        since = odometry.x - state.matched_at[0], odometry.y - state.matched_at[1]
         covariance, text = widened(covariance, *since, params.lost_slip), "matched: the ground slips otherwise"
         wide = _deviation(covariance, rows, innovation, noise)
         if wide > params.gate:

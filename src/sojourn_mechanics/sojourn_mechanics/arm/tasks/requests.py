@@ -149,15 +149,28 @@ class Drill(TaskRequest):
 
 
 class Pick(TaskRequest):
-    """Take an object with a gripper."""
+    """Take an object with the gripper: open, come from above, close, lift."""
 
     task: ClassVar[str] = "pick"
-    position: Vector = Field(description="of the object in base_link [m]")
-    force: float = Field(default=10.0, gt=0.0, le=500.0, description="grasp force [N]")
+    position: Vector = Field(description="of the object's middle in base_link [m]")
+    direction: Vector = Field(default=(0.0, 0.0, -1.0), description="of the approach, in base_link")
+    force: float = Field(default=10.0, gt=0.0, le=1e4, description="grasp force of a finger [N]")
+    lift: float = Field(default=0.1, ge=0.01, le=0.5, description="height by which it is lifted [m]")
+    speed: float = Field(default=0.02, ge=0.001, le=0.05, description="of the tip on the last way, and up [m/s]")
+    mass: float | None = Field(
+        default=None, gt=0.0, le=1000.0, description="of the object; with its friction the force is checked before [kg]"
+    )
+    friction: float | None = Field(default=None, gt=0.0, le=5.0, description="of the object against the fingers [-]")
+
+
+class Release(TaskRequest):
+    """Open the gripper where it is."""
+
+    task: ClassVar[str] = "release"
 
 
 KINDS: tuple[type[TaskRequest], ...] = (
-    Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Dump, Weigh, Pause, Resume, Drill, Pick
+    Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Dump, Weigh, Pause, Resume, Drill, Pick, Release
 )  # fmt: skip
 TASKS: dict[str, type[TaskRequest]] = {kind.task: kind for kind in KINDS}
 """Every task by name."""

@@ -16,6 +16,7 @@ from sojourn_mechanics.arm.tasks.dump import DumpTask
 from sojourn_mechanics.arm.tasks.go import Go
 from sojourn_mechanics.arm.tasks.guarded_move import GuardedMoveTask
 from sojourn_mechanics.arm.tasks.hold_force import HoldForceTask
+from sojourn_mechanics.arm.tasks.pick import PickTask, ReleaseTask, grasp_needed
 from sojourn_mechanics.arm.tasks.requests import (
     Dig,
     Drill,
@@ -24,6 +25,7 @@ from sojourn_mechanics.arm.tasks.requests import (
     HoldForce,
     Pick,
     Place,
+    Release,
     Stow,
     Tare,
     TaskRequest,
@@ -33,7 +35,7 @@ from sojourn_mechanics.arm.tasks.requests import (
 from sojourn_mechanics.arm.tasks.tare import TareTask
 from sojourn_mechanics.arm.tasks.task import Task
 from sojourn_mechanics.arm.tasks.weigh import TURN, WeighTask
-from sojourn_mechanics.arm.tool_params import DrillToolParams, ScoopToolParams, ToolParams
+from sojourn_mechanics.arm.tool_params import DrillToolParams, GripperToolParams, ScoopToolParams, ToolParams
 from sojourn_mechanics.params import FloatArray
 
 Tool = TypeVar("Tool", bound=ToolParams)
@@ -49,13 +51,14 @@ def start_task(
     feels: bool,
     ground: GroundPlane | None = None,
     tool: ToolParams | None = None,
+    gravity: float = 0.0,
 ) -> Task:
     """The task that a request asks for.
 
     Args:
         posture: joint positions (n,) from which it starts. feels: whether the wrist's sensor tells its wrench.
         ground: plane in base_link that all but the tool keeps above, or None.
-        tool: at the arm's end.
+        tool: at the arm's end. gravity: where the arm is [m/s2].
 
     Raises:
         GoalRefusedError: a task that needs what this arm has not, or a line that it cannot follow.
@@ -73,8 +76,10 @@ def start_task(
             _tool(request, tool, ScoopToolParams)
         case Drill():
             _tool(request, tool, DrillToolParams)
+        case Release():
+            return ReleaseTask(_tool(request, tool, GripperToolParams).stroke)
         case Pick():
-            raise GoalRefusedError("pick: this arm has no gripper")
+            return _pick(request, _tool(request, tool, GripperToolParams), params, gravity)
     if not feels:
         raise GoalRefusedError(f"{request.task}: this arm feels no forces: its wrist's sensor says nothing")
     start = forward_kinematics(model, posture).position
@@ -147,6 +152,26 @@ def _tool(request: TaskRequest, tool: ToolParams | None, needed: type[Tool]) -> 
     kind = needed.model_fields["kind"].annotation
     has = "carries no tool" if tool is None else f"carries a {tool.kind}"
     raise GoalRefusedError(f"{request.task}: this arm {has}: allowed is a {' or '.join(get_args(kind))}")
+
+
+def _pick(request: Pick, gripper: GripperToolParams, params: ArmParams, gravity: float) -> PickTask:
+    """The task, if the grasp force is one that the gripper has, and that holds the object."""
+    if request.force > gripper.force:
+        raise GoalRefusedError(f"pick: force = {request.force:g} N: allowed is at most {gripper.force:g} N")
+    if request.mass is not None and request.friction is not None:
+        acceleration = gravity + params.force_control.tip_acceleration
+        needed = grasp_needed(0.5 * gripper.stroke, request.mass, request.friction, acceleration)
+        if needed > request.force:
+            holds = f"{request.mass:g} kg with a friction of {request.friction:g}"
+            raise GoalRefusedError(f"pick: force = {request.force:g} N: {holds} needs {needed:.1f} N or more")
+    return PickTask(
+        gripper,
+        np.array(request.position),
+        np.array(request.direction),
+        request.force,
+        request.lift,
+        request.speed,
+    )
 
 
 def _across(direction: FloatArray, wanted: FloatArray) -> FloatArray:

@@ -157,7 +157,8 @@ def _take_task(params: ArmParams, model: ArmModel, state: TaskState, inputs: Tas
             raise GoalRefusedError(f"{request.task}: {under_way} is under way (preempt: true would replace it)")
         posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
         feels, ground = inputs.wrench is not None, inputs.arm.ground
-        task = start_task(params, model, request, posture, feels, ground, state.tool)
+        gravity = float(np.linalg.norm(inputs.arm.gravity_in_base))
+        task = start_task(params, model, request, posture, feels, ground, state.tool, gravity)
     except GoalRefusedError as error:
         return replace(state, refused=state.refused + 1), str(error)
     return replace(state, name=request.task, task=task, doing=Doing(), accepted=state.accepted + 1, paused=False), ""

@@ -11,15 +11,23 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 import pinocchio as pin
 
-from sojourn_mechanics.arm.tool_params import DrillToolParams, ScoopToolParams, ToolParams
+from sojourn_mechanics.arm.tool_params import (
+    DrillToolParams,
+    GripperToolParams,
+    ObjectParams,
+    ScoopToolParams,
+    ToolParams,
+)
 from sojourn_mechanics.contact.pad_on_soil import DRAG_X, DRAG_Y, MOMENT, PILE, TAKEN
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.plant.params import MachineParams
 from sojourn_mechanics.plant.tools.drill import Drill
+from sojourn_mechanics.plant.tools.gripper import Gripper
 from sojourn_mechanics.plant.tools.scoop import Scoop
 from sojourn_mechanics.plant.tools.tool_state import Surroundings, ToolEnergy, ToolState
 from sojourn_mechanics.soil.params import SoilParams
+from sojourn_mechanics.terrain.height_field import HeightField
 
 if TYPE_CHECKING:
     from sojourn_mechanics.plant.model import PlantModel
@@ -43,19 +51,26 @@ class MountedTool:
 
     Args:
         model: the plant, with its contacts. soils: of the ground, in the order of the kernels.
+        objects: that may be picked.
 
     Raises:
         InvalidValueError: a load that the bus does not have, a soil that lacks what the tool needs.
     """
 
-    def __init__(self, model: "PlantModel", params: ToolParams, soils: Sequence[SoilParams]) -> None:
+    def __init__(
+        self,
+        model: "PlantModel",
+        params: ToolParams,
+        soils: Sequence[SoilParams],
+        objects: Sequence[ObjectParams] = (),
+    ) -> None:
         loads = [load.name for load in model.bus.loads]
         if params.load not in loads:
             raise InvalidValueError("load of the tool", params.load, "one of " + ", ".join(loads))
         self.params = params
         self.pad = model.contacts.names.index(params.pad)
         self.load = loads.index(params.load)
-        self._law = _law_of(params, soils)
+        self._law = _law_of(params, soils, objects, model.terrain)
         self._row = model.contacts.wheels[self.pad]
         self._multibody = model.multibody
         self._joint = int(model.contacts.bodies[self.pad])
@@ -64,6 +79,8 @@ class MountedTool:
         frame = model.multibody.frames[model.multibody.getFrameId(pad.link)]
         self._axis = np.array(frame.placement.rotation[:, 2])
         """Out of the tool, in the frame of the joint that carries it."""
+        self._across = np.array(frame.placement.rotation[:, 1])
+        """From finger to finger of a gripper."""
         self._centre: FloatArray = model.contacts.offsets[self.pad] - params.load_distance * self._axis
         self._hangs = 0.0
 
@@ -96,6 +113,7 @@ class MountedTool:
             supply: part of its power that it can have. voltage: of the bus [V].
         """
         wanted = np.array([state.position, 0.0, 0.0]) if reference is None else reference
+        to_map = model.placements[self._joint, :9].reshape(3, 3)
         around = Surroundings(
             board=model.memory,
             terrain=model.terrain,
@@ -107,7 +125,8 @@ class MountedTool:
             supply=supply,
             report=model.report[self.pad],
             drag=contacts[self.pad, DRAG_X : DRAG_Y + 1],
-            axis=self._axis @ model.placements[self._joint, :9].reshape(3, 3),
+            axis=self._axis @ to_map,
+            across=self._across @ to_map,
             voltage=voltage,
         )
         return self._law.advance(state, around)
@@ -120,12 +139,16 @@ class MountedTool:
         self._hangs = mass
 
 
-def _law_of(params: ToolParams, soils: Sequence[SoilParams]) -> ToolLaw:
+def _law_of(
+    params: ToolParams, soils: Sequence[SoilParams], objects: Sequence[ObjectParams], terrain: HeightField
+) -> ToolLaw:
     match params:
         case ScoopToolParams():
             return Scoop(params, tuple(soil.kind == "soil" for soil in soils))
         case DrillToolParams():
             return Drill(params, list(soils))
+        case GripperToolParams():
+            return Gripper(params, objects, terrain)
 
 
 def with_tool(machine: MachineParams, tool: ToolParams | None) -> MachineParams:

@@ -92,7 +92,40 @@ class DrillState:
         }
 
 
-OwnState: TypeAlias = ScoopState | DrillState
+@dataclass(frozen=True, slots=True)
+class GripperState:
+    """What a gripper holds, and where the objects are."""
+
+    places: tuple[tuple[float, float, float], ...]
+    """Of each object's centre in map [m]; of one that is held where it was taken from."""
+    held: int | None = None
+    """Number of the object between the fingers."""
+    grasp: float = 0.0
+    """Force of a finger on it [N]."""
+    needed: float = 0.0
+    """Force that its weight and acceleration ask for now [N]."""
+    taken_at: float = 0.0
+    """Height of the tip when it took what it holds [m]."""
+    slips: int = 0
+    """How often an object has slipped out since the start."""
+    before: tuple[tuple[float, float, float], ...] = ()
+    """Tip at the ends of the last two periods in map [m], while it holds something."""
+    has_worked: bool = False
+
+    def told(self) -> dict[str, float]:
+        """See `ToolState`."""
+        told = {
+            "tool held": 0.0 if self.held is None else 1.0 + self.held,
+            "tool grasp_n": self.grasp,
+            "tool needed_n": self.needed,
+            "tool slips": float(self.slips),
+        }
+        for number, place in enumerate(self.places):
+            told |= {f"object {number} {axis}": value for axis, value in zip("xyz", place, strict=True)}
+        return told
+
+
+OwnState: TypeAlias = ScoopState | DrillState | GripperState
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,5 +189,7 @@ class Surroundings:
     """Way on which its end is dragged, D of `pad_on_soil`, (2,)."""
     axis: FloatArray
     """Out of the tool, in map (3,)."""
+    across: FloatArray
+    """Along which a gripper's fingers close, in map (3,)."""
     voltage: float
     """Of the bus [V]."""
