@@ -59,6 +59,7 @@ def machine_problems(
         measured = {joint for group in sensors.joint_groups.values() for joint in group.joints}
         problems += _arm_problems(arm, rover, urdf, measured, documents["arm"])
         problems += _drive_problems(arm.drives, urdf, bus, documents["arm"])
+        problems += _shaft_problems(arm, rover, sensors, documents["sensors"])
         prefix = rover.arm_mount.prefix if rover.arm_mount else ""
         named_in_file = {name.removeprefix(prefix): group for name, group in arm.joint_groups.items()}
         problems += _group_problems(named_in_file, urdf, documents["arm"])
@@ -230,6 +231,24 @@ def _group_problems(
             problem = _joint_problem(document, ("joint_groups", group, "joints", number), name, urdf)
             if problem is not None:
                 yield problem
+
+
+def _shaft_problems(
+    arm: ArmConfig, rover: RoverConfig, sensors: SensorSuiteParams, document: YamlDocument
+) -> Iterator[Problem]:
+    """Servo and encoder of an arm's joint must be on the same shaft where its gear has play: the arm's law makes up for
+    what the gear gives in both, or in neither."""
+    drives = {joint: drive for drive in rover.drives for joint in drive.joints}
+    for group, params in sensors.joint_groups.items():
+        for name in params.joints:
+            drive = drives.get(name)
+            if name not in arm.joint_names or drive is None or drive.play is None:
+                continue
+            wanted = "motor" if drive.servo.encoder == "motor" else "output"
+            if params.encoder.side != wanted:
+                closed = f"the servo of {name} is closed on its {drive.servo.encoder}"
+                why = f"{closed} and its gear has play: allowed is {wanted}"
+                yield document.problem(("joint_groups", group, "encoder", "side"), params.encoder.side, why)
 
 
 def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
