@@ -29,6 +29,11 @@ def test_slip_of_each_wheel_up_a_slope_of_twelve_degrees() -> None:
     late = np.array(errors)[50:]
     assert np.all(np.median(np.abs(late), axis=0) < 0.05)
     assert np.mean(np.abs(deviations[50:]) < 2.0) > 0.9, "the stated deviation holds"
+    assert loop.told is not None
+    wheels = loop.drive.geometry.names
+    told, true = np.array([loop.output.status[f"slip_{name}"] for name in wheels]), loop.told.contacts[: len(wheels), 4]
+    np.testing.assert_allclose(told, true, atol=0.1)  # the same slip as in /truth/contacts, on the rim
+    np.testing.assert_allclose(told - true, late[-1] / (1.0 - loop.drive.params.slip.free_slip), atol=2e-3)
     odometry = loop.drive_state.odometry
     error = odometry.x - loop.true_pose[0]
     assert abs(error) < 2.0 * np.sqrt(odometry.covariance[0, 0])

@@ -95,6 +95,12 @@ def test_drives_and_encoders_fit_motors_and_gears_of_the_urdf(name: str) -> None
             ["rover=explorer_arm", "arm.urdf_root=arm_link"],
             ["urdf_root = 'arm_link'", "is no link of urdf/explorer.urdf"],
         ),
+        (["rover=puma560", "arm.joint_groups={}"], ["joint_names[0] = 'arm_waist_joint'", "has no encoder"]),
+        (["rover=puma560", "arm.drives=[]"], ["joint_names[5] = 'arm_flange_joint'", "has no drive"]),
+        (
+            ["rover=puma560", "arm.tip_link=waist_link"],
+            ["joint_names", "towards arm_waist_link, which hangs on"],
+        ),
         ([*ON_SKID, "rover.arm_mount.prefix=Arm"], ["arm_mount.prefix = 'Arm'", "lower case, ends with _"]),
         ([*ON_SKID, "rover.arm_mount.xyz=[0, 0]"], ["arm_mount.xyz", "[m]"]),
         (
@@ -150,6 +156,17 @@ def test_the_explorers_arm_comes_with_what_the_explorer_has_of_it() -> None:
     mass = sum(inertial.mass for name, inertial in stand.urdf.inertials.items() if name != "base_link")
     links = explorer.urdf.below("arm_mount_link")
     assert mass == pytest.approx(sum(i.mass for name, i in explorer.urdf.inertials.items() if name in links))
+
+
+def test_a_denavit_hartenberg_table_stands_for_its_urdf() -> None:
+    drawn, tabled = load_scenario("puma560_course"), load_scenario("puma560_course", ["arm.urdf=dh/puma560.yaml"])
+    assert "config/arms/dh/puma560.yaml" in tabled.files and "urdf/puma560.urdf" not in tabled.files
+    one, other = (build_arm_model(each.urdf_xml, each.carried_arm()) for each in (drawn, tabled))
+    for positions in np.random.default_rng(4).uniform(one.lower, one.upper, (5, 6)):
+        here, there = forward_kinematics(one, positions), forward_kinematics(other, positions)
+        np.testing.assert_allclose(here.position, there.position, atol=1e-12)
+    with pytest.raises(ConfigError, match=r"config/arms/dh/explorer\.yaml|not in urdf/"):
+        load_scenario("puma560_course", ["arm.urdf=dh/explorer.yaml"])
 
 
 def test_who_carries_it_well_is_let_be() -> None:

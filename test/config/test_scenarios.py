@@ -285,6 +285,10 @@ BODY = "config/bodies/moon.yaml"
             ["joint_groups.suspension.joints[0]", "did you mean rocker_left_joint?"],
         ),
         (
+            "config/sensors/explorer_sensors.yaml", "side: motor, gear_ratio: 1500.0", "side: output",
+            ["joint_groups.wrist.encoder.side = 'output'", "arm_wrist_joint is closed on its motor", "has play"],
+        ),
+        (
             "config/nodes/drive.yaml", "max_wheel_rate: 1.0", "max_wheel_rate: 2.0",
             ["limits.max_wheel_rate = 2.0", "at most 1 rad/s", "urdf/explorer.urdf"],
         ),

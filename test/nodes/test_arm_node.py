@@ -364,15 +364,17 @@ def test_a_pause_ends_as_reached_and_resuming_carries_the_motion_on(arm: ArmBenc
     assert [arm.angles[name] for name in ARM] == pytest.approx(arm.node.params.named_poses["stow"], abs=1e-3)
 
 
-def test_with_a_share_of_its_power_the_arm_plans_slower(arm: ArmBench) -> None:
-    """0.02 of the 80 W of the load: 1.6 W. It used to plan as if all of its power were there."""
+def test_a_share_of_its_power_limits_what_the_arm_plans(arm: ArmBench) -> None:
+    """The load has 80 W, and the plant gives each motor that share of its current. It used to count as all of it."""
     arm.step(6, switch="0.02")
     status = arm.goal("/arm/joint_goal", joint_goal((), [], "stow"))
-    limited, path = status["reason"], arm.node.state.arm.path
-    assert "its limit is 1.6 W" in limited and path is not None
-    arm.step(10, switch="on")
-    arm.goal("/arm/stop", Header())
-    while arm.status()["state"] == "moving":
-        pass
-    arm.goal("/arm/joint_goal", joint_goal((), [], "unfold"))
-    assert "its limit" not in arm.status()["reason"]
+    assert status["state"] == "refused" and "of what it can give, however slowly it moves" in status["reason"]
+    arm.step(10, switch="0.25")
+    arm.goal("/arm/joint_goal", joint_goal((), [], "stow"))
+    granted = arm.node.state.arm
+    assert (granted.granted_power, granted.granted_current) == (None, 1.0), "the bench switches it on again"
+    arm.step(1, switch="0.25")
+    arm.step(10, switch="0.25")
+    granted = arm.node.state.arm
+    assert (granted.granted_power, granted.granted_current) == (20.0, 0.25)
+    assert granted.pace == 1.0 and granted.status == "moving"

@@ -56,8 +56,8 @@ class ArmNode(ContractNode):
         self._goals = GoalDesk(self.params, self._rover)
         self._powered = True
         self._rated_power = next((load.power_w for load in scenario.bus.loads if load.name == ARM_LOAD), 0.0)
-        self._granted: float | None = None
-        """What the power manager lets the arm draw [W]; None: all that it may."""
+        self._granted = 1.0
+        """Share of its power, and of each motor's current, that the power manager lets the arm draw."""
         self._pending: ArmGoal | TaskRequest | None = None
         """A goal that waits for the first period whose measurements can be used."""
         self._output: ArmOutput | None = None
@@ -70,7 +70,7 @@ class ArmNode(ContractNode):
         if switches is not None:
             fraction = fraction_of(status_values(switches).get(ARM_LOAD, "on"))
             self._powered = fraction != 0.0
-            self._granted = None if fraction is None or fraction == 1.0 else fraction * self._rated_power
+            self._granted = 1.0 if fraction is None else fraction
         self._rover.hear(inputs)
         self._take_goals(goals)
         self._step(inputs["/joint_states"], inputs["/imu/data"], inputs.get("/wrist/wrench"))
@@ -104,7 +104,8 @@ class ArmNode(ContractNode):
             allowed=not why_not,
             not_allowed_reason=why_not,
             ground=self._ground.plane,
-            granted_power=self._granted,
+            granted_power=None if self._granted == 1.0 else self._granted * self._rated_power,
+            granted_current=self._granted,
         )
         tasks = task_control.TaskInput(request, task, measured.wrench, measured.efforts, measured.tool)
         self.state, self._output, report = task_control.step(

@@ -14,6 +14,7 @@ from sojourn_bags.reading import Bag
 from sojourn_bags.writer import Attachment
 from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import LoadedScenario, ScenarioConfig
+from sojourn_config.urdf import parse_urdf
 from sojourn_mechanics.arm.tool_params import ToolParams, read_tool
 from sojourn_mechanics.terrain.generate import generate
 from sojourn_mechanics.terrain.height_field import HeightField
@@ -120,6 +121,12 @@ class Run:
         """Tool on the arm, None where there is none."""
         tool = self.resolved.get("tool")
         return None if tool is None else read_tool(json.dumps(tool))
+
+    @property
+    def sliding_joints(self) -> frozenset[str]:
+        """Joints whose positions are metres, not radians."""
+        joints = parse_urdf(self.urdf, f"URDF of {self.name}").joints
+        return frozenset(name for name, joint in joints.items() if joint.kind == "prismatic")
 
     def terrain(self) -> HeightField:
         """The ground of the run, made again from its parameters and seed."""

@@ -19,6 +19,7 @@ from sojourn_bringup.cut_off import unless_cut_off
 from sojourn_bringup.errors import UsageError
 from sojourn_bringup.process_table import check_roles
 from sojourn_bringup.references import default_reference
+from sojourn_bringup.scenario_steps import course_of
 from sojourn_bringup.screen import wide_console
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.conformance.findings import Report
@@ -147,7 +148,9 @@ def _machine(given: argparse.Namespace) -> Machine | None:
     """The rover that --scenario or --rover names; None where neither is given."""
     if given.scenario is None and given.rover is None:
         return None
-    return _machine_of(given.scenario or ROVER_SCENARIO, () if given.rover is None else (f"rover={given.rover}",))
+    if given.rover is None:
+        return _machine_of(given.scenario)
+    return _machine_of(given.scenario or course_of(given.rover, ROVER_SCENARIO), (f"rover={given.rover}",))
 
 
 def _machine_of(scenario: str, overrides: Sequence[str] = ()) -> Machine:

@@ -2,7 +2,6 @@
 
 import argparse
 from collections.abc import Sequence
-from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
@@ -13,8 +12,8 @@ from sojourn_bringup.errors import BringupError
 from sojourn_bringup.health import Health, Progress
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome
 from sojourn_bringup.plan import RunPlan
+from sojourn_bringup.scenario_steps import course_of
 from sojourn_bringup.screen import PlainScreen, Screen
-from sojourn_config.paths import available
 
 DEFAULT_SCENARIO = "lunar_sample"
 MACHINE_SCENARIO = "machine_course"
@@ -99,8 +98,7 @@ def scenario_of(scenario: str | None, rover: str | None) -> str:
     """The scenario that was named, or that which shows a rover, or the default."""
     if scenario is not None or rover is None:
         return scenario or DEFAULT_SCENARIO
-    own = f"{Path(rover).stem}_course"
-    return own if own in available("scenarios") else MACHINE_SCENARIO
+    return course_of(rover, MACHINE_SCENARIO)
 
 
 def start_arguments(given: argparse.Namespace) -> list[str]:

@@ -1,12 +1,13 @@
 """Measures in the plant what driving costs: the figures of `energy:` in config/nodes/drive.yaml.
 
-    scripts/lib/python -m sojourn_bringup.measure_energy --scenario flat_drive
+    scripts/lib/python -m sojourn_bringup.measure_energy --rover explorer
 
 Plant, sensors and drive run in one loop without ROS (closed_loop). The machine goes straight to a goal on planes of the
 scenario's soil, up and down; energy and time for each metre of way are those between the first 1.5 m, after which rear
 wheels run in the ruts of the front ones, and the last half metre. Energy is that of the loads `drive` and `steer` at
 the bus: motors, gears, soil and grade together. The cost of a stop is what the whole drive takes more than its metres.
-A turn on the spot is measured twice: what a larger angle takes more is the cost of a radian, the rest that of a turn.
+A turn on the spot is measured twice: what a larger angle takes more is the cost of a radian, the rest that of a turn;
+a machine that does not turn on the spot has none. A fast one needs more way to speed up and to brake.
 """
 
 import math
@@ -22,7 +23,7 @@ from sojourn_mechanics.steering.drive_types import DriveOutput
 from sojourn_mechanics.steering.goal import Goal
 
 GRADES_DEG = (-8.0, -4.0, 0.0, 4.0, 8.0)
-WAY, FIRST, LAST = 6.0, 1.5, 0.5
+FIRST, MEASURED, LAST = 1.5, 4.0, 0.5
 TURNS = (0.25 * math.pi, 0.75 * math.pi)
 MOTION = ("drive", "steer")
 
@@ -75,11 +76,13 @@ class MeteredLoop(ClosedLoop):
 def on_grade(scenario: str, overrides: Sequence[str], grade_deg: float) -> tuple[Spent, Spent]:
     """For a metre of way on a grade, and for starting and stopping once."""
     loop = MeteredLoop(on_plane(scenario, overrides, abs(grade_deg), 0.0 if grade_deg > 0.0 else 180.0))
-    output, origin = loop.tick(Goal.at(WAY, 0.0)), loop.truth.configuration[:3]
-    while loop.to_go() > WAY - FIRST:
+    limits = loop.scenario.drive.limits
+    first, last = max(FIRST, limits.max_speed**2 / limits.max_acceleration), max(LAST, limits.max_speed**2)
+    output, origin = loop.tick(Goal.at(first + MEASURED + last, 0.0)), loop.truth.configuration[:3]
+    while loop.to_go() > MEASURED + last:
         output = loop.tick()
     begin, start = loop.spent, loop.truth.configuration[:3]
-    while loop.to_go() > LAST:
+    while loop.to_go() > last:
         output = loop.tick()
     part = loop.spent.since(begin)
     way = math.dist(loop.truth.configuration[:3], start)
@@ -94,6 +97,8 @@ def turning(scenario: str, overrides: Sequence[str]) -> tuple[Spent, Spent]:
     found = []
     for angle in TURNS:
         loop = MeteredLoop(on_plane(scenario, overrides, 0.0, 0.0))
+        if not loop.drive.turning.on_the_spot:
+            return Spent(), Spent()
         loop.reach(loop.tick(Goal.at(0.0, 0.0, angle)))
         found.append(loop.spent)
     radian = Spent(*(value / (TURNS[1] - TURNS[0]) for value in found[1].since(found[0])))
@@ -104,16 +109,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print, as config/nodes/drive.yaml has it."""
     parser = options.Parser(prog="measure_energy", description="Measure what driving costs.")
     parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
+    options.add_rover(parser)
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
     given = parser.parse_args(arguments)
-    grades = {grade: on_grade(given.scenario, given.set, grade) for grade in GRADES_DEG}
+    overrides = [*given.set, *([] if given.rover is None else [f"rover={given.rover}"])]
+    grades = {grade: on_grade(given.scenario, overrides, grade) for grade in GRADES_DEG}
     print(f"grades_deg: {list(GRADES_DEG)}")
     print(f"energy_per_metre: {[round(metre.motion, 1) for metre, _ in grades.values()]}")
     print(f"time_per_metre: {[round(metre.seconds, 2) for metre, _ in grades.values()]}")
     metre, stop = grades[0.0]
     print(f"stop_energy: {stop.motion:.1f}\nstop_time: {stop.seconds:.1f}")
     print(f"house_power: {metre.house / metre.seconds:.1f}")
-    radian, turn = turning(given.scenario, given.set)
+    radian, turn = turning(given.scenario, overrides)
     print(f"turn_energy: {turn.motion:.1f}\nturn_time: {turn.seconds:.1f}")
     print(f"energy_per_radian: {radian.motion:.1f}\ntime_per_radian: {radian.seconds:.2f}")
     return 0

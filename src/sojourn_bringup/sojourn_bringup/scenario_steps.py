@@ -15,7 +15,7 @@ from sojourn_bringup.operator_script import (
     Wait,
     receiver_of,
 )
-from sojourn_config.paths import resolve
+from sojourn_config.paths import available, resolve
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.steps import (
     ArmGroundStep,
@@ -60,6 +60,12 @@ def needed_roles(scenario: LoadedScenario) -> tuple[str, ...]:
     """Roles that carry out the steps of a scenario."""
     roles = {receiver_of(action) for action, _ in script_steps(scenario)}
     return tuple(role for role in ("drive", "arm") if role in roles)
+
+
+def course_of(rover: str, otherwise: str) -> str:
+    """The scenario made for a rover, ROVER_course, if there is one."""
+    own = f"{Path(rover).stem}_course"
+    return own if own in available("scenarios") else otherwise
 
 
 def absent_roles(scenario: LoadedScenario) -> dict[str, str]:

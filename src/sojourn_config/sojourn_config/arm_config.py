@@ -14,7 +14,9 @@ class ArmConfig(ArmParams):
     """One arm. Names of joints and links are those of its own URDF; on a machine they get the prefix of its mount."""
 
     urdf: str | None = Field(
-        default=None, min_length=1, description="file in urdf/ of an arm that a machine may carry on a mount"
+        default=None,
+        min_length=1,
+        description="of an arm that a machine may carry on a mount: file in urdf/, or a table such as dh/puma560.yaml",
     )
     of_rover: str | None = Field(
         default=None,

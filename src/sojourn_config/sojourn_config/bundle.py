@@ -15,11 +15,13 @@ from sojourn_config.load import validate
 from sojourn_config.machine_checks import ground_problems, machine_problems, steering_geometry, with_drive_data
 from sojourn_config.mounting import Machine, join, lent, mount_problems
 from sojourn_config.overrides import override_document
-from sojourn_config.paths import resolve, resolve_urdf
+from sojourn_config.paths import SUFFIX, resolve, resolve_urdf
 from sojourn_config.rover import RoverConfig
 from sojourn_config.tool_config import ToolSet, pad_problem, tool_ground_problems, with_tool
-from sojourn_config.urdf import UrdfSummary, read_urdf
+from sojourn_config.urdf import UrdfSummary, parse_urdf, read_urdf
 from sojourn_config.yaml_file import YamlDocument, dotted, read_yaml
+from sojourn_mechanics.arm.dh import DhTable
+from sojourn_mechanics.arm.dh_urdf import urdf_from_dh
 from sojourn_mechanics.arm.tool_params import ToolParams
 from sojourn_mechanics.environment.body import BodyParams
 from sojourn_mechanics.power.battery import BatteryParams
@@ -335,12 +337,20 @@ class BundleReader:
     def _urdf(self, name: str, document: YamlDocument, path: Path) -> UrdfSummary | None:
         try:
             urdf_path = resolve_urdf(name, (document.file, "urdf"), path.parent)
+            if urdf_path.suffix == SUFFIX:
+                return self._urdf_of_table(urdf_path)
             urdf = read_urdf(urdf_path)
         except ConfigError as error:
             self.problems += _with_line(error.problems, document, "urdf")
             return None
         self.files[urdf.file] = urdf.text
         return urdf
+
+    def _urdf_of_table(self, path: Path) -> UrdfSummary:
+        """The URDF that a Denavit-Hartenberg table comes to. Raises ConfigError."""
+        table = read_yaml(path)
+        self.files[table.file] = path.read_text(encoding="utf-8")
+        return parse_urdf(urdf_from_dh(validate(table, DhTable), table.file), table.file)
 
 
 def read_machine(rover: str, body: str, soil: str) -> Bundle:

@@ -1,7 +1,7 @@
 """Checks of a rover across its files: URDF, wheels, drives, loads, sensors, arm, drive node."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 from sojourn_config.arm_config import ArmConfig
@@ -56,8 +56,10 @@ def machine_problems(
         *_group_problems(own_groups, urdf, documents["sensors"]),
     ]
     if arm is not None:
-        problems += _arm_problems(arm, rover, urdf, documents["arm"])
+        measured = {joint for group in sensors.joint_groups.values() for joint in group.joints}
+        problems += _arm_problems(arm, rover, urdf, measured, documents["arm"])
         problems += _drive_problems(arm.drives, urdf, bus, documents["arm"])
+        problems += _shaft_problems(arm, rover, sensors, documents["sensors"])
         prefix = rover.arm_mount.prefix if rover.arm_mount else ""
         named_in_file = {name.removeprefix(prefix): group for name, group in arm.joint_groups.items()}
         problems += _group_problems(named_in_file, urdf, documents["arm"])
@@ -231,6 +233,24 @@ def _group_problems(
                 yield problem
 
 
+def _shaft_problems(
+    arm: ArmConfig, rover: RoverConfig, sensors: SensorSuiteParams, document: YamlDocument
+) -> Iterator[Problem]:
+    """Servo and encoder of an arm's joint must be on the same shaft where its gear has play: the arm's law makes up for
+    what the gear gives in both, or in neither."""
+    drives = {joint: drive for drive in rover.drives for joint in drive.joints}
+    for group, params in sensors.joint_groups.items():
+        for name in params.joints:
+            drive = drives.get(name)
+            if name not in arm.joint_names or drive is None or drive.play is None:
+                continue
+            wanted = "motor" if drive.servo.encoder == "motor" else "output"
+            if params.encoder.side != wanted:
+                closed = f"the servo of {name} is closed on its {drive.servo.encoder}"
+                why = f"{closed} and its gear has play: allowed is {wanted}"
+                yield document.problem(("joint_groups", group, "encoder", "side"), params.encoder.side, why)
+
+
 def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
     if sensors.sun is not None and sensors.sun.link not in urdf.links:
         allowed = f"is no link of {urdf.file}: " + names_text(sensors.sun.link, urdf.links)
@@ -240,7 +260,9 @@ def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: Ya
         yield document.problem(("hazcam", "link"), sensors.hazcam.link, allowed)
 
 
-def _arm_problems(arm: ArmConfig, rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+def _arm_problems(
+    arm: ArmConfig, rover: RoverConfig, urdf: UrdfSummary, measured: Collection[str], document: YamlDocument
+) -> Iterator[Problem]:
     driven = {joint for drive in rover.drives for joint in drive.joints}
     for index, name in enumerate(arm.joint_names):
         problem = _joint_problem(document, ("joint_names", index), name, urdf)
@@ -249,6 +271,8 @@ def _arm_problems(arm: ArmConfig, rover: RoverConfig, urdf: UrdfSummary, documen
             continue
         if name not in driven:
             yield document.problem(("joint_names", index), name, "has no drive in the rover's drives")
+        if name not in measured:
+            yield document.problem(("joint_names", index), name, "has no encoder: name it in joint_groups")
         joint = urdf.joints[name]
         if arm.max_velocity[index] > joint.velocity:
             allowed = f"allowed is at most {joint.velocity:g} {joint.unit}/s, the velocity of {name} in {urdf.file}"
@@ -263,6 +287,11 @@ def _arm_problems(arm: ArmConfig, rover: RoverConfig, urdf: UrdfSummary, documen
         if link not in urdf.links:
             allowed = f"is not a link of {urdf.file}: " + names_text(link, urdf.links)
             yield document.problem(key, link, allowed)
+    if arm.tip_link in urdf.links:
+        line = [name for name in urdf.joints_above(arm.tip_link) if name in arm.joint_names]
+        if line != list(arm.joint_names) and all(name in urdf.moving_joints for name in arm.joint_names):
+            allowed = f"allowed is their order towards {arm.tip_link}, which hangs on " + ", ".join(line)
+            yield document.problem(("joint_names",), list(arm.joint_names), allowed)
 
 
 def _limit_problems(

@@ -32,6 +32,7 @@ class Follower:
         self.state: ArmState = initial_state(PARAMS)
         self.joints = np.array(PARAMS.named_poses["unfold"])
         self.granted: float | None = None
+        self.current = 1.0
         self.samples: list[JointReference] = []
         self.power: list[float] = []
         self.out: ArmOutput | None = None
@@ -39,7 +40,7 @@ class Follower:
 
     def period(self, goal: Any = None) -> ArmOutput:
         """One period; the limits of speed and acceleration hold in it."""
-        asked = ArmInput(self.joints, np.zeros(5), MARS, goal, granted_power=self.granted)
+        asked = ArmInput(self.joints, np.zeros(5), MARS, goal, granted_power=self.granted, granted_current=self.current)
         self.state, self.out = controller.step(PARAMS, MODEL, self.state, asked, DT)
         self.joints = self.state.reference.position
         reference = self.state.reference
@@ -167,12 +168,25 @@ def test_where_not_even_holding_is_granted_it_waits() -> None:
         arm.period()
     arm.granted = 1e-6
     arm.period()
-    assert "to hold the arm takes" in arm.state.reason and arm.state.pace == 0.0
+    assert "to hold the arm the arm would draw" in arm.state.reason and arm.state.pace == 0.0
     for _ in range(200):
         arm.period()
     assert not np.any(arm.samples[-1].velocity) and arm.out is not None and arm.out.status == "moving"
     arm.granted = 50.0
     assert arm.until(lambda out: out.status != "moving").status == "reached"
+
+
+def test_with_a_share_of_its_current_a_motor_has_a_share_of_its_torque() -> None:
+    """A plan that needs more is slower or refused; it used to be planned with all of it, and the arm fell behind."""
+    arm = Follower()
+    arm.granted, arm.current = 2.5, 2.5 / 80.0
+    out = arm.period(NamedGoal("stow"))
+    assert out.status == "refused" and "of what it can give, however slowly it moves" in out.reason
+    arm.granted, arm.current = 40.0, 0.5
+    assert arm.period(NamedGoal("stow")).status == "moving"
+    arm.granted, arm.current = 2.5, 2.5 / 80.0
+    arm.period()
+    assert arm.state.pace == 0.0 and "waits: 2.5 W are granted, and to hold the arm arm_" in arm.state.reason
 
 
 def test_a_state_that_was_saved_in_a_pause_goes_on_the_same_way() -> None:

@@ -4,9 +4,12 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from sojourn_config.scenario import load_scenario
 from sojourn_mechanics.steering.drive import DriveModel
+from sojourn_mechanics.steering.drive_types import DriveInput
 from sojourn_mechanics.steering.energy_forecast import (
     EnergyAccount,
     Forecast,
@@ -146,3 +149,22 @@ def test_what_the_goal_takes_is_counted_until_it_ends(model: DriveModel, machine
 def test_tables_that_do_not_fit_are_refused(changes: dict, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         EnergyParams.model_validate(COSTS.model_dump() | changes)
+
+
+@pytest.mark.parametrize("rover", ["articulated", "explorer", "lrv", "lunokhod", "micro", "omni", "skid"])
+def test_every_rover_knows_what_a_way_will_cost_and_refuses_one_beyond_its_charge(rover: str) -> None:
+    scenario = load_scenario("flat_drive", [f"rover={rover}", "steps=[]"])
+    model = DriveModel(scenario.drive, scenario.steering)
+    wheels = np.zeros(len(scenario.steering.wheels))
+    for left, kind in ((1e9, None), (10.0, "refused")):
+        supply = Supply(left, 0.5, 0.2, 50.0)
+        goal = Goal.at(6.0, 0.0)
+        inputs = DriveInput(
+            wheels, wheels, wheels, gyro=(0.0, 0.0, 0.0), roll_pitch=(0.0, 0.0), goal=goal, supply=supply
+        )
+        state, output = model.step(model.initial_state(), inputs, 0.02)
+        assert [outcome.kind for outcome in output.outcomes] == ([] if kind is None else [kind])
+        if kind is None:
+            assert state.energy.forecast is not None and state.energy.forecast.total > 10.0
+        else:
+            assert "Wh" in output.outcomes[0].reason

@@ -108,24 +108,34 @@ def arm(story: Story) -> Section:
         return Section("arm", "Arm", paragraph(text))
     command = story.find("/arm_command", JOINTS)
     wanted = command.joints() if command else None
-    angle_curves, error_curves = [], []
+    sliding = story.run.sliding_joints if story.run else frozenset()
+    turning: list[Curve] = []
+    travels: list[Curve] = []
+    error_curves = []
     for number, joint in enumerate(names):
         color, place = COLORS[number % len(COLORS)], joints.index(joint)
-        angle_curves.append(Curve(times, np.degrees(joints.position[:, place]), short_name(joint), color))
+        curves, scale = (travels, 1000.0) if joint in sliding else (turning, 180.0 / np.pi)
+        curves.append(Curve(times, scale * joints.position[:, place], short_name(joint), color))
         if command is not None and wanted is not None and joint in wanted.names:
-            target = np.degrees(wanted.position[:, wanted.index(joint)])
-            angle_curves.append(Curve(story.times(command), target, f"{short_name(joint)}, commanded", color, 1))
+            target = scale * wanted.position[:, wanted.index(joint)]
+            curves.append(Curve(story.times(command), target, f"{short_name(joint)}, commanded", color, 1))
             error_curves.append(_error(story, source, joints, command, wanted, joint, color))
     parts = [
-        figure(f"Joint angles, {name} and commanded", chart(story.axis, angle_curves, "angle [degree]", height=240.0))
-    ]
+        figure(f"{what}, {name} and commanded", chart(story.axis, curves, unit, height=240.0))
+        for what, curves, unit in (
+            ("Joint angles", turning, "angle [degree]"), ("Joints that slide", travels, "position [mm]")
+        )
+        if curves
+    ]  # fmt: skip
     if error_curves:
         title = f"Commanded less {name} angle, at the same stamp"
-        parts.append(figure(title, chart(story.axis, error_curves, "error [mrad]")))
+        unit = "error [mrad], [mm]" if travels else "error [mrad]"
+        parts.append(figure(title, chart(story.axis, error_curves, unit)))
     efforts = joints.effort[:, [joints.index(joint) for joint in names]]
     if np.isfinite(efforts).any():
         curves = wheel_curves(times, efforts, [short_name(joint) for joint in names])
-        parts.append(figure("Torque of the arm joints", chart(story.axis, curves, "torque [N m]")))
+        unit = "torque [N m], force [N]" if travels else "torque [N m]"
+        parts.append(figure("Torque of the arm joints", chart(story.axis, curves, unit)))
     parts += wrist_figures(story)
     return Section("arm", "Arm", "".join(parts))
 

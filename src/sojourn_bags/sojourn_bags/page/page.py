@@ -24,13 +24,17 @@ SECTIONS = (
     record.provenance,
 )
 
+OF_WHEELS = (motion.wheels, motion.attitude)
+"""Left out for a machine that stands fast."""
+
 
 def write_page(bag: Bag, path: Path, judged: bool = True) -> Story:
     """Write the page of a bag, with its messages judged by the contract or without. Returns what it tells."""
     story = Story(bag)
     if judged:
         story.judge()
-    sections = [make(story) for make in SECTIONS]
+    stands_fast = story.run is not None and story.run.rover.fixed_base
+    sections = [make(story) for make in SECTIONS if not (stands_fast and make in OF_WHEELS)]
     name = story.run.name if story.run else bag.path.name
     script = POINTER % (LEFT, RIGHT, story.axis.begin, story.axis.end)
     path.write_text(document(f"Run report: {name}", _headline(story), sections, script), encoding="utf-8")

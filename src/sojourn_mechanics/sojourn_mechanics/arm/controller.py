@@ -34,7 +34,14 @@ from sojourn_mechanics.arm.goals import GoalRefusedError, PauseGoal, PoseGoal, R
 from sojourn_mechanics.arm.joint_path import JointPath
 from sojourn_mechanics.arm.kinematics import forward_kinematics
 from sojourn_mechanics.arm.model import ArmModel
-from sojourn_mechanics.arm.pace import follow_granted_power, go_on_at_rate, pause, resume, with_granted_power
+from sojourn_mechanics.arm.pace import (
+    follow_granted_power,
+    go_on_at_rate,
+    is_granted_as_before,
+    pause,
+    resume,
+    with_granted_power,
+)
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.arm.planning import Plan, plan_goal
 from sojourn_mechanics.arm.state import ArmInput, ArmOutput, ArmState, ArmStatus, initial_state
@@ -72,7 +79,7 @@ def step(
     state = _follow_permission(params, model, state, inputs)
     if inputs.goal is not None:
         state = _take_goal(params, model, state, inputs)
-    if inputs.granted_power != state.granted_power:
+    if not is_granted_as_before(state, inputs):
         state = follow_granted_power(params, model, state, inputs)
     if inputs.guide is not None and (inputs.goal is None or state.path is None):
         state = _follow(model, state, inputs.guide)
@@ -187,7 +194,7 @@ def _take_goal(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmI
         if isinstance(inputs.goal, ResumeGoal):
             return resume(state)
         retreat, gravity = _present_retreat(state), inputs.gravity_in_base
-        granted = with_granted_power(params, inputs.granted_power)
+        granted = with_granted_power(params, inputs)
         plan = plan_goal(granted, model, inputs.goal, state.reference, state.target, retreat, inputs.ground, gravity)
     except GoalRefusedError as error:
         busy = state.path is not None or state.settling
@@ -198,7 +205,7 @@ def _take_goal(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmI
             reason=f"new goal refused: {error}" if busy else str(error),
             goals_refused=state.goals_refused + 1,
         )
-    return _start(replace(state, granted_power=inputs.granted_power), plan)
+    return _start(replace(state, granted_power=inputs.granted_power, granted_current=inputs.granted_current), plan)
 
 
 def _start(state: ArmState, plan: Plan) -> ArmState:

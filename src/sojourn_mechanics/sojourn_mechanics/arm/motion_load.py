@@ -33,7 +33,7 @@ MOST_SAMPLES = 400
 _AT_REST = 1e-9
 _BISECTIONS = 10
 _MARGIN = 0.97
-"""Share of the power that a slowed motion may take: changing its rate takes some, too."""
+"""Share of the limits that a slowed motion may take: changing its rate takes some, too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,12 @@ def peak(params: ArmParams, model: ArmModel, path: JointPath, gravity: FloatArra
     times = np.linspace(0.0, path.duration, count)
     q, qd, qdd = (np.array(column) for column in zip(*(path.sample(t) for t in times), strict=True))
     rigid = np.array([rigid_effort(model, *row, gravity) for row in zip(q, qd, qdd, strict=True)])
-    motor = motor_efforts(params, rigid, qd)
+    return _largest(params, model, rigid, qd)
+
+
+def _largest(params: ArmParams, model: ArmModel, rigid: FloatArray, velocities: FloatArray) -> LoadPeak:
+    """The largest share of a limit among samples of rigid-body efforts and velocities, (k, n) each."""
+    motor = motor_efforts(params, rigid, velocities)
     joints = np.abs(rigid) / model.max_effort
     if params.motor_effort:
         joints = np.maximum(joints, np.abs(motor) / np.array(params.motor_effort))
@@ -84,7 +89,7 @@ def peak(params: ArmParams, model: ArmModel, path: JointPath, gravity: FloatArra
         f"{model.joint_names[i]} would need {abs(motor[k, i]):.1f} {model.effort_unit(int(i))}, "
         f"{joints[k, i]:.2f} of what it can give",
     )
-    drawn = power_drawn(params, motor, qd)
+    drawn = power_drawn(params, motor, velocities)
     largest = float(drawn.max())
     if params.power_limit is not None and largest / params.power_limit > worst.share:
         text = f"the arm would draw {largest:.1f} W, its limit is {params.power_limit:.1f} W"
@@ -93,9 +98,9 @@ def peak(params: ArmParams, model: ArmModel, path: JointPath, gravity: FloatArra
 
 
 def rate_within(
-    params: ArmParams, model: ArmModel, path: JointPath, start: float, gravity: FloatArray, power: float
-) -> tuple[float, float]:
-    """How fast the rest of a path may be run so that it draws at most `power` [W].
+    params: ArmParams, model: ArmModel, path: JointPath, start: float, gravity: FloatArray
+) -> tuple[float, LoadPeak]:
+    """How fast the rest of a path may be run within the motors' torques and the power that the parameters allow.
 
     At the rate r (path_clock.py) velocities are r times, inertial efforts r^2 times those of the plan; what gravity
     asks for stays.
@@ -104,7 +109,7 @@ def rate_within(
         start: from this time on the path [s].
 
     Returns:
-        the rate, 0 to 1 (0: holding alone draws more), and the power drawn in holding [W].
+        the rate, 0 to 1 (0: holding alone asks for more), and what holding asks for.
     """
     count = int(min(max(np.ceil((path.duration - start) / SAMPLE_TIME), 2), MOST_SAMPLES)) + 1
     q, qd, qdd = (
@@ -115,17 +120,16 @@ def rate_within(
     held = np.array([rigid_effort(model, row, zero, zero, gravity) for row in q])
     moving = np.array([rigid_effort(model, *row, gravity) for row in zip(q, qd, qdd, strict=True)]) - held
 
-    def drawn(rate: float) -> float:
-        motor = motor_efforts(params, held + rate**2 * moving, rate * qd)
-        return float(power_drawn(params, motor, rate * qd).max())
+    def asked(rate: float) -> LoadPeak:
+        return _largest(params, model, held + rate**2 * moving, rate * qd)
 
-    holding = drawn(0.0)
-    if drawn(1.0) <= power:
+    holding = asked(0.0)
+    if asked(1.0).share <= 1.0:
         return 1.0, holding
     slow, fast = 0.0, 1.0
     for _ in range(_BISECTIONS):
         middle = 0.5 * (slow + fast)
-        if drawn(middle) <= _MARGIN * power:
+        if asked(middle).share <= _MARGIN:
             slow = middle
         else:
             fast = middle

@@ -24,27 +24,36 @@ _LEAST = 1.0e-6
 """Of an acceleration's limit, for joints that the motion leaves alone [rad/s2 or m/s2]."""
 
 
-def with_granted_power(params: ArmParams, granted: float | None) -> ArmParams:
-    """The parameters with the smaller of the arm's own power limit and what is granted [W]."""
-    if granted is None or (params.power_limit is not None and params.power_limit <= granted):
-        return params
-    return params.model_copy(update={"power_limit": granted})
+def with_granted_power(params: ArmParams, inputs: ArmInput) -> ArmParams:
+    """The parameters with the smaller of the arm's own limits and what is granted: power, and torque by the current."""
+    granted = inputs.granted_power
+    update: dict[str, float | tuple[float, ...]] = {}
+    if granted is not None and (params.power_limit is None or params.power_limit > granted):
+        update["power_limit"] = granted
+    if inputs.granted_current < 1.0 and params.motor_effort:
+        update["motor_effort"] = tuple(inputs.granted_current * effort for effort in params.motor_effort)
+    return params.model_copy(update=update) if update else params
+
+
+def is_granted_as_before(state: ArmState, inputs: ArmInput) -> bool:
+    """Whether nothing has changed in what the arm may draw."""
+    return (inputs.granted_power, inputs.granted_current) == (state.granted_power, state.granted_current)
 
 
 def follow_granted_power(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:
-    """Set the pace of the motion under way to the power that is granted from now on."""
-    granted = inputs.granted_power
-    state = replace(state, granted_power=granted)
+    """Set the pace of the motion under way to what is granted from now on."""
+    state = replace(state, granted_power=inputs.granted_power, granted_current=inputs.granted_current)
     if state.path is None or state.stopping:
         return replace(state, pace=1.0)
-    if granted is None:
+    pace, holding = 1.0, None
+    if inputs.granted_power is not None:
+        allowed = with_granted_power(params, inputs)
+        pace, holding = rate_within(allowed, model, state.path, state.path_time, inputs.gravity_in_base)
+    if pace == 1.0 or holding is None:
         return replace(state, pace=1.0, reason="" if state.pace < 1.0 else state.reason)
-    pace, holding = rate_within(params, model, state.path, state.path_time, inputs.gravity_in_base, granted)
-    if pace == 1.0:
-        return replace(state, pace=1.0, reason="" if state.pace < 1.0 else state.reason)
-    reason = f"slower, at {100.0 * pace:.0f} % of the speed planned: {granted:.1f} W are granted"
+    reason = f"slower, at {100.0 * pace:.0f} % of the speed planned: {inputs.granted_power:.1f} W are granted"
     if pace == 0.0:
-        reason = f"waits: {granted:.1f} W are granted, to hold the arm takes {holding:.1f} W"
+        reason = f"waits: {inputs.granted_power:.1f} W are granted, and to hold the arm {holding.text}"
     return replace(state, pace=pace, reason=reason)
 
 

@@ -28,6 +28,7 @@ class ArmInput:
     not_allowed_reason: str = ""
     ground: GroundPlane | None = None
     granted_power: float | None = None  # what the arm may draw now [W], if that is less than its own limit
+    granted_current: float = 1.0  # share of its largest current that each motor may draw, and so of its torque
     guide: TipMotion | None = None  # reference that a task gives for this period, in place of a planned motion
 
 
@@ -61,6 +62,7 @@ class ArmState:
     pace: float = 1.0  # the rate that the granted power allows
     paused: bool = False  # the operator has asked for a pause
     granted_power: float | None = None  # of the last period [W]
+    granted_current: float = 1.0  # of the last period [-]
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,6 +42,7 @@ from sojourn_mechanics.steering.odometry import (
 )
 from sojourn_mechanics.steering.rate_limiter import LimiterState
 from sojourn_mechanics.steering.wheel_commands import command_wheels, expected_slip
+from sojourn_mechanics.steering.wheel_spin import rim_speed, step_spin
 from sojourn_mechanics.vehicle.clothoid import Pose
 
 LONGEST_PERIOD = 1.0
@@ -215,6 +216,13 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     slipping = step_slip(model.slip, state, inputs, measured, dt)
     if slipping is not None:
         measured = replace(measured, slip=slipping.shared, slip_sigma=slipping.sigma)
+    spin = state.spin
+    if params.spin is not None and inputs.specific_force is not None and inputs.roll_pitch is not None:
+        rim, pitch = rim_speed(table, measured.wheel_rates, measured.steer_angles), inputs.roll_pitch[1]
+        usual = expected_slip(params.odometry, pitch, rim)
+        spin, slip_now = step_spin(params.spin, spin, rim, usual, inputs.specific_force, pitch, dt)
+        if slip_now is not None:
+            measured = replace(measured, slip=slip_now, slip_sigma=params.odometry.slip_sigma)
     odometry = step_odometry(params.odometry, believable(model.table, motors), state.odometry, measured, dt)
     rolled, heading, terrain = odometry, state.heading, state.terrain
     if inputs.sun is not None and params.heading_fix is not None:
@@ -276,6 +284,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         text=arbiter.text,
         energy=arbiter.energy,
         slip=slipping,
+        spin=spin,
         heading=heading,
         terrain=terrain,
         behind=behind,

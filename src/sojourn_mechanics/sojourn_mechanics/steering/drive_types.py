@@ -22,6 +22,7 @@ from sojourn_mechanics.steering.motor_watch import MotorState
 from sojourn_mechanics.steering.odometry import OdometryState
 from sojourn_mechanics.steering.rate_limiter import LimiterState
 from sojourn_mechanics.steering.slip_estimation import SlipState
+from sojourn_mechanics.steering.wheel_spin import WheelSpinState
 
 Mode = Literal["idle", "goal", "waypoints", "cmd_vel"]
 
@@ -106,6 +107,8 @@ class DriveState:
     """Of the goal on its way, or of the last one."""
     slip: SlipState | None = None
     """Slip of the wheels, None where it is not estimated."""
+    spin: WheelSpinState = field(default_factory=WheelSpinState)
+    """Speed by the accelerometer, of a machine that asks it."""
     heading: HeadingFixState = field(default_factory=HeadingFixState)
     """What became of the sightings of the Sun."""
     terrain: TerrainMatchState | None = None

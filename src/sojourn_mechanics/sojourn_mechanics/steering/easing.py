@@ -11,7 +11,9 @@ from dataclasses import replace
 from sojourn_mechanics.steering.odometry import OdometryState, wrap_angle
 
 CORRECTION_SPEED, CORRECTION_RATE = 0.005, 0.02
-"""How fast a correction is made [m/s], [rad/s]."""
+"""How fast a correction is made at least [m/s], [rad/s]."""
+CORRECTION_TIME = 4.0
+"""In about so long a large correction of the position is made, so that what is published does not lag for long [s]."""
 
 Behind = tuple[float, float, float]
 """Corrections that are not in the published pose yet: x, y [m] and yaw [rad]."""
@@ -29,6 +31,7 @@ def eased(rolled: OdometryState, fixed: OdometryState, behind: Behind, dt: float
         x, y, turn = x + fixed.x - rolled.x, y + fixed.y - rolled.y, turn + wrap_angle(fixed.yaw - rolled.yaw)
     if x == y == turn == 0.0:
         return fixed, NOTHING
-    left = max(1.0 - CORRECTION_SPEED * dt / max(math.hypot(x, y), 1e-12), 0.0)
+    size = max(math.hypot(x, y), 1e-12)
+    left = max(1.0 - max(CORRECTION_SPEED / size, 1.0 / CORRECTION_TIME) * dt, 0.0)
     x, y, turn = left * x, left * y, turn - min(max(turn, -CORRECTION_RATE * dt), CORRECTION_RATE * dt)
     return replace(fixed, x=fixed.x - x, y=fixed.y - y, yaw=wrap_angle(fixed.yaw - turn)), (x, y, turn)

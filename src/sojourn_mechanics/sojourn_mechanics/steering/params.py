@@ -20,6 +20,7 @@ from sojourn_mechanics.steering.energy_params import EnergyParams
 from sojourn_mechanics.steering.obstacle_params import ObstacleParams
 from sojourn_mechanics.steering.slip_params import SlipParams
 from sojourn_mechanics.steering.terrain_match_params import TerrainMatchParams
+from sojourn_mechanics.steering.wheel_spin import WheelSpinParams
 from sojourn_mechanics.steering.wheel_table import wheel_table
 
 SMALLEST_BASE = 1e-3
@@ -347,6 +348,7 @@ class DriveParams(Params):
     odometry: OdometryParams = Field(..., description="trust in wheels and gyro")
     heading_fix: HeadingFixParams | None = Field(None, description="trust in the sun sensor; none: it is not used")
     slip: SlipParams | None = Field(None, description="slip from torques; none: the expected one is taken")
+    spin: WheelSpinParams | None = Field(None, description="when wheels spin; none: the accelerometer is not asked")
     terrain_match: TerrainMatchParams | None = Field(
         None, description="odometry from the hazard camera; none: its clouds are for obstacles only"
     )

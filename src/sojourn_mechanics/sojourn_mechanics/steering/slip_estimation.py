@@ -7,8 +7,9 @@ that agree may all spin. That level comes from two sides:
 - acceleration: after a stop the IMU knows the speed for some seconds, which sets the soil's factor (`speed_filter`).
 
 The slip of a wheel is then s = (r w - v) / max(|r w|, |v|), with v what the motion of the body gives at the wheel
-along its rolling direction, and r the radius on which the soil shears, that of the grouser tips. (The plant tells slip
-on the rim: 1 - s = (1 - s_rim) r_rim / r.)
+along its rolling direction, and r the radius on which the soil shears, that of the grouser tips. What is told outside
+(`slip_status`) is counted on the rim, 1 - s_rim = (1 - s) r / r_rim, as the plant does and the field: Wong and Reece
+(1967) define it with the wheel's radius, and zero is then a wheel that rolls freely.
 
 Trouble, told in words: wheels that spin without headway (slip above a limit for a time); a wheel that turns without its
 load (off the ground, in a hole, or a broken shaft); a wheel that stands while others roll (blocked). Sources: Ojeda et
@@ -227,17 +228,19 @@ def further_slip(slip: float, error: float) -> float:
 def slip_status(
     model: SlipModel | None, state: SlipState | None, names: tuple[str, ...], error: float = 0.0
 ) -> dict[str, str | float]:
-    """Fields of /drive/status; none where slip is not estimated.
+    """Fields of /drive/status, slips counted on the rim; none where slip is not estimated.
 
     Args:
         error: what the camera has found the way to be shorter than that of the estimate, over it [-].
     """
     if model is None or state is None:
         return {}
+    tips_over_rim = 1.0 / (1.0 - model.params.free_slip)
+    further = 1.0 - (1.0 - error) * tips_over_rim
     status: dict[str, str | float] = {
-        f"slip_{name}": further_slip(float(slip), error) for name, slip in zip(names, state.slip, strict=True)
+        f"slip_{name}": further_slip(float(slip), further) for name, slip in zip(names, state.slip, strict=True)
     }
-    status["slip"], status["slip_sigma"] = further_slip(state.shared, error), state.sigma
+    status["slip"], status["slip_sigma"] = further_slip(state.shared, further), state.sigma * tips_over_rim
     status["soil_factor"] = float(state.states[FACTOR])
     status["soil_factor_sigma"] = math.sqrt(state.covariance[FACTOR, FACTOR])
     status["wheels_in_trouble"] = trouble(model.params, state, names)

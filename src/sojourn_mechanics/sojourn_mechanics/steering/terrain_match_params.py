@@ -25,6 +25,9 @@ class TerrainMatchParams(Params):
         gt=1.0, le=100.0, description="mean square of the residuals, over their variance, at most [-]"
     )
     gate: float = Field(gt=1.0, le=10.0, description="standard deviations beyond which the slip is not as believed [-]")
+    slip_walk: float = Field(
+        ge=0.0, le=1.0, description="change of the believed slip's error, per square root of metre [1/m^0.5]"
+    )
     lost_slip: float = Field(gt=0.0, le=2.0, description="slip and drift that are then thought possible, sigma [-]")
 
     @model_validator(mode="after")
