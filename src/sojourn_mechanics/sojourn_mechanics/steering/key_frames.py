@@ -5,28 +5,12 @@ Later clouds are matched with it (`terrain_match`), until the rover has gone or 
 hardly in view any more; then the last clouds make the next. Clouds that come while the rover stands are not matched:
 they would tell the same again.
 
-Filter. The pose of the key frame (x, y, yaw in odom) is cloned into the state of the odometry's filter when the key
-frame is made, with its correlations, and with the variance of reference_sigma added in x and y: the error that its
-surface has as a whole, and that all matches with it share. A match that finds base_link at z in the key frame's axes is
-then, with D = R(yaw_k) z and the errors e of the state,
+What a match tells goes into the odometry's filter by `relative_fix`. A match with few points, with too many off the
+surface or with residuals above their deviations is not used, nor one that does not fit there.
 
-    D - (x - x_k) = e_x - e_x,k + D_y e_yaw,k + n,    D' likewise in y with -D_x,     cov n = R information^-1 R^T
-
-one Kalman update along each eigenvector of the information. It moves the pose, and by the cross-covariances slip, side
-slip, gyro bias and the key frame itself; nothing is counted twice but what the points of two matches share.
-
-Slip. What the torques say of it is off by an amount that changes with the ground: at each match the covariance of
-slip and drift is widened by slip_walk^2 times the way since the last one.
-
-Gate. A match with few points, with too many off the surface or with residuals above their deviations is not used. One
-that fits the ground but not the believed slip (the squared innovation over its covariance beyond gate^2) is first taken
-for ground that slips otherwise: the covariance is widened by a slip and a drift of lost_slip on the way since the last
-match, as a motor that has died or a soil that has changed makes them. It is used if it fits then, else rejected.
-
-Sources: Roumeliotis & Burdick (2002), IEEE ICRA, p. 1788 (stochastic cloning); Bar-Shalom, Li & Kirubarajan (2001),
-Estimation with Applications to Tracking and Navigation, sec. 5.4 (gate); Maimone, Cheng & Matthies (2007), J. Field
-Robotics 24:169 (visual odometry of the Mars Exploration Rovers, which drove like this on slopes and in loose soil).
-Assumptions: a gyro carries the heading from one look to the next; the ground does not change.
+Source: Maimone, Cheng & Matthies (2007), J. Field Robotics 24:169 (visual odometry of the Mars Exploration Rovers, with
+which they drove on slopes and in loose soil). Assumptions: a gyro carries the heading from one look to the next; the
+ground does not change.
 """
 
 import math
@@ -38,8 +22,9 @@ from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.steering.attitude import rotation_of
 from sojourn_mechanics.steering.ground_surface import GroundSurface, surface_through
-from sojourn_mechanics.steering.odometry import OdometryState, corrected, wrap_angle
-from sojourn_mechanics.steering.odometry_kernels import cloned, update_all, widened
+from sojourn_mechanics.steering.odometry import OdometryState, wrap_angle
+from sojourn_mechanics.steering.odometry_kernels import cloned, widened
+from sojourn_mechanics.steering.relative_fix import fix_way, tells
 from sojourn_mechanics.steering.stereo_eye import StereoEye, along_rays
 from sojourn_mechanics.steering.terrain_match import Match, match
 from sojourn_mechanics.steering.terrain_match_params import TerrainMatchParams
@@ -52,8 +37,6 @@ MOST_OUTLIERS = 0.25
 """Part of the points beyond which a match is not used [-]."""
 LEAST_OVERLAP = 0.5
 """Part of a cloud on the key frame's surface below which there is a new one [-]."""
-LARGEST_SIGMA = 0.03
-"""A direction in which a match is worse tells nothing [m]."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -151,7 +134,7 @@ def match_ground(
         state = replace(state, rejected=state.rejected + 1, text=f"rejected: {flaw}", points=found.points)
     else:
         look = replace(look, place=(*look.place[:2], state.level + float(guess[2] + found.shift[2]), look.place[3]))
-        odometry, state = _updated(params, odometry, key, state, found, guess[:2])
+        odometry, state = _updated(params, odometry, state, found, guess[:2])
         look = replace(look, place=(odometry.x, odometry.y, look.place[2], odometry.yaw))
     state = _taken(params, state, look, odometry)
     gone = math.hypot(float(guess[0] + found.shift[0]), float(guess[1] + found.shift[1]))
@@ -223,62 +206,22 @@ def _flaw(params: TerrainMatchParams, found: Match) -> str:
 
 def _tells(found: Match) -> bool:
     """Whether the ground has relief enough for a direction."""
-    return float(np.linalg.eigvalsh(found.information)[1]) > LARGEST_SIGMA**-2
+    return bool(tells(np.linalg.eigh(found.information)[0]).any())
 
 
 def _updated(
-    params: TerrainMatchParams,
-    odometry: OdometryState,
-    key: FloatArray,
-    state: TerrainMatchState,
-    found: Match,
-    guess: FloatArray,
+    params: TerrainMatchParams, odometry: OdometryState, state: TerrainMatchState, found: Match, guess: FloatArray
 ) -> tuple[OdometryState, TerrainMatchState]:
-    """The filter's update with a match: see the head of this module."""
-    values, axes = np.linalg.eigh(found.information)
-    told = values > LARGEST_SIGMA**-2
-    to_odom = rotation_of(0.0, 0.0, float(key[2]))[:2, :2]
-    way = to_odom @ (guess + found.shift[:2])
-    size = len(odometry.covariance)
-    rows = np.zeros((2, size))
-    rows[0, 0] = rows[1, 1] = 1.0
-    rows[0, size - 3] = rows[1, size - 2] = -1.0
-    rows[0, size - 1], rows[1, size - 1] = way[1], -way[0]
-    across = (to_odom @ axes[:, told]).T
-    rows = across @ rows
-    innovation = across @ (way - np.array((odometry.x - key[0], odometry.y - key[1])))
-    noise = 1.0 / values[told]
-
+    """The filter's update with a match."""
     since = odometry.x - state.matched_at[0], odometry.y - state.matched_at[1]
-    changed = params.slip_walk * math.sqrt(math.hypot(*since))
-    covariance, text = widened(odometry.covariance, *since, changed), "matched"
-    deviation = _deviation(covariance, rows, innovation, noise)
-    if deviation > params.gate:
-        covariance, text = widened(covariance, *since, params.lost_slip), "matched: the ground slips otherwise"
-        wide = _deviation(covariance, rows, innovation, noise)
-        if wide > params.gate:
-            text = f"rejected: off by {1e3 * float(np.linalg.norm(innovation)):.0f} mm, {deviation:.1f} sigma"
-            rejected = state.rejected + 1
-            return odometry, replace(state, rejected=rejected, text=text, points=found.points, deviation=deviation)
-    change = np.zeros(size)
-    for row, off, variance in zip(rows, innovation, noise, strict=True):
-        more, covariance = update_all(covariance, row, float(variance), float(off - row @ change))
-        change += more
-    odometry = corrected(odometry, change, covariance)
-    return odometry, replace(
-        state,
-        matches=state.matches + 1,
-        matched_at=(odometry.x, odometry.y),
-        text=text,
-        points=found.points,
-        deviation=deviation,
-    )
-
-
-def _deviation(covariance: FloatArray, rows: FloatArray, innovation: FloatArray, noise: FloatArray) -> float:
-    """Length of the innovation in its standard deviations."""
-    spread = rows @ covariance @ rows.T + np.diag(noise)
-    return math.sqrt(float(innovation @ np.linalg.solve(spread, innovation)))
+    fix = fix_way(params, odometry, guess + found.shift[:2], found.information, since)
+    state = replace(state, points=found.points, deviation=fix.deviation)
+    if fix.odometry is None:
+        off = f"off by {1e3 * fix.off:.0f} mm, {fix.deviation:.1f} sigma"
+        return odometry, replace(state, rejected=state.rejected + 1, text=f"rejected: {off}")
+    odometry = fix.odometry
+    text = "matched: the ground slips otherwise" if fix.widened else "matched"
+    return odometry, replace(state, matches=state.matches + 1, matched_at=(odometry.x, odometry.y), text=text)
 
 
 def _with_key_frame(
