@@ -208,10 +208,19 @@ def test_a_rover_without_an_arm_has_no_role_arm(tmp_path: Path) -> None:
             plan_of(tmp_path / "x", "--rover", "skid", *asked)
 
 
+def test_a_machine_that_stands_fast_has_no_role_drive(tmp_path: Path) -> None:
+    plan, said = plan_of(tmp_path, scenario="puma560_course")
+    assert plan.participants == tuple(role for role in ROLE_NAMES if role != "drive") and not said
+    for asked in (["--only", "drive"], ["--replace", "drive=true"], ["--shadow", "drive=true"]):
+        with pytest.raises(UsageError, match="the rover puma560 stands fast, it has no wheels: there is no role drive"):
+            plan_of(tmp_path / "x", *asked, scenario="puma560_course")
+
+
 def test_the_demonstration_of_a_rover_takes_its_own_course_or_the_common_one() -> None:
     assert demo.scenario_of(None, None) == "lunar_sample"
     assert demo.scenario_of(None, "skid") == "machine_course"
     assert demo.scenario_of(None, "micro") == "micro_course"
+    assert demo.scenario_of(None, "ssrms") == "ssrms_course"
     assert demo.scenario_of("flat_drive", "micro") == "flat_drive"
 
 

@@ -95,6 +95,12 @@ def test_drives_and_encoders_fit_motors_and_gears_of_the_urdf(name: str) -> None
             ["rover=explorer_arm", "arm.urdf_root=arm_link"],
             ["urdf_root = 'arm_link'", "is no link of urdf/explorer.urdf"],
         ),
+        (["rover=puma560", "arm.joint_groups={}"], ["joint_names[0] = 'arm_waist_joint'", "has no encoder"]),
+        (["rover=puma560", "arm.drives=[]"], ["joint_names[5] = 'arm_flange_joint'", "has no drive"]),
+        (
+            ["rover=puma560", "arm.tip_link=waist_link"],
+            ["joint_names", "towards arm_waist_link, which hangs on"],
+        ),
         ([*ON_SKID, "rover.arm_mount.prefix=Arm"], ["arm_mount.prefix = 'Arm'", "lower case, ends with _"]),
         ([*ON_SKID, "rover.arm_mount.xyz=[0, 0]"], ["arm_mount.xyz", "[m]"]),
         (

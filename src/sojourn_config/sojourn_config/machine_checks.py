@@ -1,7 +1,7 @@
 """Checks of a rover across its files: URDF, wheels, drives, loads, sensors, arm, drive node."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 from sojourn_config.arm_config import ArmConfig
@@ -56,7 +56,8 @@ def machine_problems(
         *_group_problems(own_groups, urdf, documents["sensors"]),
     ]
     if arm is not None:
-        problems += _arm_problems(arm, rover, urdf, documents["arm"])
+        measured = {joint for group in sensors.joint_groups.values() for joint in group.joints}
+        problems += _arm_problems(arm, rover, urdf, measured, documents["arm"])
         problems += _drive_problems(arm.drives, urdf, bus, documents["arm"])
         problems += _shaft_problems(arm, rover, sensors, documents["sensors"])
         prefix = rover.arm_mount.prefix if rover.arm_mount else ""
@@ -259,7 +260,9 @@ def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: Ya
         yield document.problem(("hazcam", "link"), sensors.hazcam.link, allowed)
 
 
-def _arm_problems(arm: ArmConfig, rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+def _arm_problems(
+    arm: ArmConfig, rover: RoverConfig, urdf: UrdfSummary, measured: Collection[str], document: YamlDocument
+) -> Iterator[Problem]:
     driven = {joint for drive in rover.drives for joint in drive.joints}
     for index, name in enumerate(arm.joint_names):
         problem = _joint_problem(document, ("joint_names", index), name, urdf)
@@ -268,6 +271,8 @@ def _arm_problems(arm: ArmConfig, rover: RoverConfig, urdf: UrdfSummary, documen
             continue
         if name not in driven:
             yield document.problem(("joint_names", index), name, "has no drive in the rover's drives")
+        if name not in measured:
+            yield document.problem(("joint_names", index), name, "has no encoder: name it in joint_groups")
         joint = urdf.joints[name]
         if arm.max_velocity[index] > joint.velocity:
             allowed = f"allowed is at most {joint.velocity:g} {joint.unit}/s, the velocity of {name} in {urdf.file}"
@@ -282,6 +287,11 @@ def _arm_problems(arm: ArmConfig, rover: RoverConfig, urdf: UrdfSummary, documen
         if link not in urdf.links:
             allowed = f"is not a link of {urdf.file}: " + names_text(link, urdf.links)
             yield document.problem(key, link, allowed)
+    if arm.tip_link in urdf.links:
+        line = [name for name in urdf.joints_above(arm.tip_link) if name in arm.joint_names]
+        if line != list(arm.joint_names) and all(name in urdf.moving_joints for name in arm.joint_names):
+            allowed = f"allowed is their order towards {arm.tip_link}, which hangs on " + ", ".join(line)
+            yield document.problem(("joint_names",), list(arm.joint_names), allowed)
 
 
 def _limit_problems(

@@ -97,6 +97,15 @@ class UrdfSummary:
         children = {joint.child for joint in self.joints.values()}
         return next(link for link in self.links if link not in children)
 
+    def joints_above(self, link: str) -> list[str]:
+        """Joints that carry a link, the first one first."""
+        above = {joint.child: joint for joint in self.joints.values()}
+        found: list[str] = []
+        while link in above:
+            found.insert(0, above[link].name)
+            link = above[link].parent
+        return found
+
     def below(self, link: str) -> tuple[str, ...]:
         """A link and all that hang on it, in the order of the file."""
         found, frontier = {link}, [link]
