@@ -211,6 +211,24 @@ def test_the_tip_moves_on_a_line_or_says_why_not(capsys: pytest.CaptureFixture[s
     arrived = _json(capsys, "ssrms", "--q", *(str(q) for q in found["to"]))
     np.testing.assert_allclose(arrived["tip_position_m"], [5.0, 3.0, 4.0], atol=1e-4)
     assert found["motions"]["time_optimal"]["largest_share_of_effort"] <= 1.001
+    assert found["collision"] == ""
+    folding = [
+        "--q",
+        "0",
+        "0.5",
+        "-0.5",
+        "0",
+        "0",
+        "0",
+        "--move-to",
+        "0.848",
+        "0.67",
+        "-2.638",
+        "-1.964",
+        "1.273",
+        "6.368",
+    ]
+    assert "lower_arm_link and wrist_yaw_link overlap" in _json(capsys, "srms", *folding, "--gravity", "0")["collision"]
     far = _json(capsys, "puma560", "--line-to", "5", "5", "5")
     assert "% of the path the arm stays" in far["refused"]
     with pytest.raises(UsageError, match="--power goes with"):

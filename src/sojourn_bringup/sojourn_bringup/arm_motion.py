@@ -16,6 +16,7 @@ from sojourn_mechanics.arm.friction import friction_effort
 from sojourn_mechanics.arm.kinematics import forward_kinematics
 from sojourn_mechanics.arm.manipulability import smallest_singular_value
 from sojourn_mechanics.arm.profiles import SHAPES, TimedPath, joint_motion
+from sojourn_mechanics.arm.self_collision import SelfCollision
 from sojourn_mechanics.arm.serial_arm import SerialArm
 from sojourn_mechanics.arm.spline_path import SplinePath, chord_length, spline_through
 from sojourn_mechanics.arm.time_optimal import MotionLimits, TimingError, fastest_timing
@@ -27,6 +28,8 @@ SPEED_TIME, JERK_TIME = 0.5, 0.1
 _ANY_SPEED = 1.0
 """Speed of a joint that has no limit [rad/s or m/s]."""
 _SAMPLES = 400
+_LOOKS = 200
+"""Postures of a motion that are looked at for collisions."""
 
 
 def motion_limits(arm: SerialArm, power: float | None) -> MotionLimits:
@@ -48,7 +51,8 @@ def moves_figures(
     points = np.array([start, goal])
     path = spline_through(points, chord_length(points, np.maximum(limits.speed, 1e-9)))
     rows |= _fastest(arm, path, gravity, power)
-    return _about(arm, start, gravity) | {"to": goal.tolist(), "motions": rows}
+    way = start + np.linspace(0.0, 1.0, _LOOKS)[:, None] * (goal - start)
+    return _about(arm, start, gravity) | {"to": goal.tolist(), "collision": _collision(arm, way), "motions": rows}
 
 
 def line_figures(
@@ -60,11 +64,24 @@ def line_figures(
     try:
         followed = joints_along(arm, line(tip.position, place, tip.rotation, tip.rotation), start)
     except CartesianPathError as error:
-        return figures | {"refused": str(error), "motions": {}}
+        return figures | {"refused": str(error), "collision": "", "motions": {}}
     along = [followed.joints.at(float(u))[0] for u in np.linspace(0.0, followed.joints.end, _SAMPLES)]
     values = [smallest_singular_value(arm, forward_kinematics(arm, q).jacobian) for q in along]
     figures |= {"refused": "", "to": along[-1].tolist(), "smallest_singular_value": min(values)}
-    return figures | {"motions": _fastest(arm, followed.joints, gravity, power)}
+    return figures | {
+        "collision": _collision(arm, np.array(along)),
+        "motions": _fastest(arm, followed.joints, gravity, power),
+    }
+
+
+def _collision(arm: SerialArm, postures: FloatArray) -> str:
+    """The first place on a way (m, n) where the arm runs into itself, in words; empty where it does not."""
+    look = SelfCollision(arm)
+    for k, posture in enumerate(postures):
+        found = look.text(posture)
+        if found:
+            return f"at {100.0 * k / (len(postures) - 1):.0f} % of the way {found}"
+    return ""
 
 
 def _about(arm: SerialArm, start: FloatArray, gravity: FloatArray) -> dict[str, Any]:
@@ -109,6 +126,8 @@ def print_motions(figures: dict[str, Any]) -> None:
     if figures.get("refused"):
         console.print(f"{figures['arm']}: the tip cannot follow the line: {figures['refused']}", style="yellow")
         return
+    if figures["collision"]:
+        console.print(f"the arm collides: {figures['collision']}", style="red")
     if "smallest_singular_value" in figures:
         value = figures["smallest_singular_value"]
         console.print(f"smallest singular value on the line: {value:.3g} (0: singular; the tip is slowed down there)")

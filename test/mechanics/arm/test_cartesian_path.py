@@ -105,7 +105,7 @@ SINGULAR = {
 }
 
 
-@pytest.mark.parametrize("beside", [0.0, 1e-6, 1e-4, 1e-3, 1e-2])
+@pytest.mark.parametrize("beside", [0.0, 1e-4, 1e-2])
 @pytest.mark.parametrize("arm,posture", SINGULAR.values(), ids=SINGULAR.keys())
 def test_lines_through_and_beside_singular_postures(arm: SerialArm, posture: list[float], beside: float) -> None:
     """They were refused: a joint would have to jump. Now all are followed, and every sample keeps the joints' rates."""

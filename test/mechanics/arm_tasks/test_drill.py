@@ -61,7 +61,7 @@ def test_a_hole_in_rock(rover_arm: Callable[..., Any]) -> None:
     ("overrides", "numbers", "reason"),
     [
         (("tool.tool.motor.max_current=0.25",), {"force": 50.0}, "stalled with"),
-        (("soil.specific_energy=1.0e+10",), {"force": 20.0, "patience": 3.0}, "no progress"),
+        (("soil.specific_energy=1.0e+10",), {"force": 20.0, "patience": 1.5}, "no progress"),
         (
             ("tool.tool.heat.capacity=0.3", "tool.tool.heat.conductance=0.0"),
             {"force": 40.0, "depth": 0.02},

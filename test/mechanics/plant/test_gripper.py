@@ -89,7 +89,7 @@ def test_what_is_not_there_it_does_not_take(tip: tuple[float, float, float]) -> 
     assert state.own.held is None and state.position == 0.0 and state.payload == 0.0
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.floats(0.5, 10.0))
 def test_it_slips_exactly_where_friction_does_not_carry_it(force: float) -> None:
     law, state, tip = grasped(force)

@@ -21,10 +21,10 @@ from typing import Any
 
 import numpy as np
 import pinocchio
-from numpy.typing import NDArray
 
 from sojourn_mechanics.arm.joint_path import JointPath
 from sojourn_mechanics.arm.model import ArmModel
+from sojourn_mechanics.arm.near_pairs import go_on
 from sojourn_mechanics.arm.params import ArmParams
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
@@ -115,25 +115,29 @@ def check_samples(
     ground_slack = np.zeros(len(ground_links))
     ground_clearance = np.array([_ground_clearance(params, link) for _, link in ground_links])
     last = max(samples.shape[0] - 1, 1)
-    for k, positions in enumerate(samples):
-        if k > 0:
-            turned = np.abs(positions - samples[k - 1])
-            slack -= model.pair_reach @ turned
-            if ground_links:
-                ground_slack -= model.shape_reach @ turned
-        due, ground_due = np.flatnonzero(slack <= 0.0), np.flatnonzero(ground_slack <= 0.0)
-        if due.size or ground_due.size:
-            pinocchio.updateGeometryPlacements(
-                model.pinocchio_model, model.data, model.geometry_model, model.geometry_data, positions
-            )
-        for pair in _near_pairs(model, due, slack, clearance):
+    samples, near = np.ascontiguousarray(samples, dtype=np.float64), np.empty(count, dtype=np.int64)
+    centres = model.shape_centres.copy()
+    shape_reach = model.shape_reach[: len(ground_links)]
+    k = 0
+    while k >= 0:
+        k, found = go_on(
+            model.chain, samples, k, slack, ground_slack, model.pair_reach, shape_reach, model.pair_shapes,
+            model.shape_radii, clearance, model.shape_parents, model.shape_places, centres, near,
+        )  # fmt: skip
+        if k < 0:
+            break
+        pinocchio.updateGeometryPlacements(
+            model.pinocchio_model, model.data, model.geometry_model, model.geometry_data, samples[k]
+        )
+        for pair in near[:found].tolist():
             distance = _distance(model, pair)
             if k == 0 and allow_start:
                 clearance[pair] = min(clearance[pair], distance - _PART)
             slack[pair] = distance - clearance[pair]
             if slack[pair] < 0.0:
-                return Collision(*model.pairs[pair], distance, params.collision_clearance, k / last)
-        for item in ground_due.tolist():
+                one, two = model.pairs[pair]
+                return Collision(one, two, distance, params.collision_clearance, k / last)
+        for item in np.flatnonzero(ground_slack <= 0.0).tolist():
             shape, link = ground_links[item]
             height = _height(model, shape, ground)
             if k == 0 and allow_start:
@@ -141,21 +145,8 @@ def check_samples(
             ground_slack[item] = height - ground_clearance[item]
             if ground_slack[item] < 0.0:
                 return Collision(link, "ground", height, _ground_clearance(params, link), k / last)
+        k += 1
     return None
-
-
-def _near_pairs(model: ArmModel, due: NDArray[np.int64], slack: FloatArray, clearance: FloatArray) -> list[int]:
-    """Those of the `due` pairs whose enclosing spheres are too near; the slack of the others is set here."""
-    if due.size == 0:
-        return []
-    centres = model.shape_centres.copy()
-    for shape, _ in model.arm_shapes:
-        centres[shape] = model.geometry_data.oMg[shape].translation
-    first, second = model.pair_shapes[due].T
-    apart = np.sqrt(np.sum((centres[first] - centres[second]) ** 2, axis=1))
-    slack[due] = apart - model.shape_radii[first] - model.shape_radii[second] - clearance[due]
-    near: list[int] = due[slack[due] <= 0.0].tolist()
-    return near
 
 
 def _ground_clearance(params: ArmParams, link: str) -> float:

@@ -47,6 +47,8 @@ class ArmModel:
     pairs: tuple[tuple[str, str], ...]  # link names of each collision pair
     pair_shapes: NDArray[np.int64]  # (pairs, 2) indices in the geometry model
     shape_centres: FloatArray  # (shapes, 3) in base_link [m]; only those that do not move are up to date
+    shape_parents: NDArray[np.int64]  # (shapes,) joint that moves each, counted from 1; 0 for none
+    shape_places: FloatArray  # (shapes, 3) centre in that joint's frame [m]
     shape_radii: FloatArray  # (shapes,) of a sphere about the centre that holds the shape [m]
     arm_shapes: tuple[tuple[int, str], ...]  # index in the geometry model, link name
     pair_reach: FloatArray  # (pairs, n) bound of the relative speed of a pair's points per joint rate [m/rad]
@@ -124,6 +126,8 @@ def build_arm_model(urdf_xml: str, params: ArmParams) -> ArmModel:
         ),
         pair_shapes=np.array([(p.first, p.second) for p in shapes.collisionPairs], dtype=np.int64).reshape(-1, 2),
         shape_centres=np.array([g.placement.translation for g in objects]).reshape(-1, 3),
+        shape_parents=np.array([int(g.parentJoint) for g in objects], dtype=np.int64),
+        shape_places=np.array([g.placement.translation for g in objects]).reshape(-1, 3),
         shape_radii=np.array([_radius(g) for g in objects]),
         arm_shapes=tuple((i, link_name(model, g.parentFrame)) for i, g in enumerate(objects) if g.parentJoint > 0),
         pair_reach=_pair_reach(shapes, reach),

@@ -39,6 +39,8 @@ CUT_COLUMNS = 5
 pushed ahead adds W (of_pile + of_pile_by_depth d)."""
 DRAG_X, DRAG_Y = 3, 4
 """Columns of a tool's state: D, along the map."""
+HIGHEST_HEAP = 0.5
+"""A tool so far above the ground as it was meets no heap of soil [m]."""
 TOOL_LEAD = 0.002
 """Longest time by which a tool's rate leads its displacement [s]: an arm's last link is light, and the lead that damps
 a parked rover would be a damper stiffer than the step can follow; this one damps its swing on rock by half of critical.
@@ -105,7 +107,7 @@ def pad_forces(
             wrench[3 + k] = pad[MOMENT + k]
         height -= pad[TAKEN]
         pool, slots, _, place = memory
-        if place[2] > 0.0:
+        if place[2] > 0.0 and centre[2] < height + HIGHEST_HEAP:
             lead = lead_length(radius, place[2])
             ahead_x, ahead_y = centre[0] + lead * state[DRAG_X], centre[1] + lead * state[DRAG_Y]
             height -= read_lowered(pool, slots, place, ahead_x, ahead_y)

@@ -30,14 +30,13 @@ from sojourn_mechanics.plant.kernels import (
 )
 from sojourn_mechanics.plant.model import PlantModel
 from sojourn_mechanics.plant.state import EnergyAccount, PlantCommand, PlantOutput, PlantState, zeros_command
-from sojourn_mechanics.plant.tools.tool_state import ToolEnergy
+from sojourn_mechanics.plant.tools.mounted_tool import NO_ENERGY
 from sojourn_mechanics.power import battery, loads
 
 SETTLED_SPEED = 1e-6
 """The machine has settled when nothing moves faster [m/s], [rad/s]."""
 SETTLED_PERIODS = 25
 """For so many control periods: what swings in the play of a gear stands still at its turning points, too."""
-NO_ENERGY = ToolEnergy()
 PLACEMENT_TRIES = 5
 PLACEMENT_TOLERANCE = 1e-3
 """How near to where it was asked for the machine has to rest [m], [rad]."""

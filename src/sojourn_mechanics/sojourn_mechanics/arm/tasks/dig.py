@@ -1,6 +1,6 @@
 """Task: dig a furrow with a scoop: open it, touch the ground, push it in, drag it, shut it, and lift it out.
 
-    open    the lid, before anything moves
+    open    the lid, before anything moves; what the scoop still held falls out
     touch   the guarded advance along the direction, down to a force of `TOUCH`
     sink    on along the direction until the tip is `depth` below the place of the touch
     drag    along the ground; along the direction the reference keeps the depth like a spring and a damper whose force

@@ -20,6 +20,7 @@ from dataclasses import replace
 from sojourn_mechanics.actuators.spindle import spindle_step
 from sojourn_mechanics.arm.tool_params import DrillToolParams
 from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.plant.tools.tool_state import DrillState, Hole, Surroundings, ToolEnergy, ToolState
 from sojourn_mechanics.soil.drilling import Drilling, drill
 from sojourn_mechanics.soil.params import SoilParams
@@ -51,8 +52,16 @@ class Drill:
         """Cold and still."""
         return ToolState(DrillState(self.params.heat.ambient))
 
+    def idle(self, state: ToolState, reference: FloatArray, touches: bool) -> bool:
+        """See `ToolLaw`."""
+        own = state.own
+        still = not touches and reference[1] <= 0.0 and state.rate == 0.0 and state.effort == 0.0
+        if not still or not isinstance(own, DrillState):
+            return False
+        return not own.holes and abs(own.temperature - self.params.heat.ambient) <= COLD
+
     def advance(self, state: ToolState, around: Surroundings) -> tuple[ToolState, ToolEnergy]:
-        """State at the end of a period, and the energy that it took; the same state where nothing has happened."""
+        """State at the end of a period, and the energy that it took."""
         own, report, axis = state.own, around.report, around.axis
         wanted = max(float(around.reference[1]), 0.0)
         if not isinstance(own, DrillState):
@@ -60,9 +69,6 @@ class Drill:
         place = float(report[0]), float(report[1])
         touches, over = report[3] > 0.0, self._over(own, place)
         hole = 0.0 if over is None else own.holes[over].depth
-        warm = abs(own.temperature - self.params.heat.ambient) > COLD
-        if not (touches or warm or wanted > 0.0 or state.rate > 0.0 or own.torque > 0.0 or hole != state.hole):
-            return state, ToolEnergy()
         thrust, found = 0.0, NO_DRILLING
         if touches:
             thrust = max(-float(report[6:9] @ axis), 0.0)

@@ -66,14 +66,19 @@ class Gripper:
         """Closed, every object in its place."""
         return ToolState(GripperState(self._places))
 
+    def idle(self, state: ToolState, reference: FloatArray, touches: bool) -> bool:
+        """See `ToolLaw`."""
+        own = state.own
+        if not isinstance(own, GripperState) or own.held is not None or state.rate != 0.0:
+            return False
+        return min(max(float(reference[0]), 0.0), self.params.stroke) == state.position
+
     def advance(self, state: ToolState, around: Surroundings) -> tuple[ToolState, ToolEnergy]:
-        """State at the end of a period, and the energy that it took; the same state where nothing has happened."""
+        """State at the end of a period, and the energy that it took."""
         own = state.own
         if not isinstance(own, GripperState):
             raise InvalidValueError("state of the gripper", type(own).__name__, "GripperState")
         wanted = min(max(float(around.reference[0]), 0.0), self.params.stroke)
-        if own.held is None and wanted == state.position and state.rate == 0.0:
-            return state, ToolEnergy()
         step = self.params.speed * around.dt if around.supply > 0.0 else 0.0
         moved = min(max(wanted - state.position, -step), step)
         limit = float(around.reference[2]) or self.params.force

@@ -32,6 +32,7 @@ from sojourn_mechanics.terrain.height_field import HeightField
 if TYPE_CHECKING:
     from sojourn_mechanics.plant.model import PlantModel
 
+NO_ENERGY = ToolEnergy()
 GYRATION = 0.02
 """Radius of gyration of what hangs on a tool [m]."""
 
@@ -41,6 +42,9 @@ class ToolLaw(Protocol):
 
     def first(self) -> ToolState:
         """At the start of a run."""
+
+    def idle(self, state: ToolState, reference: FloatArray, touches: bool) -> bool:
+        """Whether nothing happens in a period: the usual case, which must be cheap."""
 
     def advance(self, state: ToolState, around: Surroundings) -> tuple[ToolState, ToolEnergy]:
         """One period."""
@@ -112,7 +116,10 @@ class MountedTool:
             contacts: states of all contacts. reference: of the actuator (3,), None: it stays where it is.
             supply: part of its power that it can have. voltage: of the bus [V].
         """
+        report = model.report[self.pad]
         wanted = np.array([state.position, 0.0, 0.0]) if reference is None else reference
+        if self._law.idle(state, wanted, bool(report[3] > 0.0)):
+            return state, NO_ENERGY
         to_map = model.placements[self._joint, :9].reshape(3, 3)
         around = Surroundings(
             board=model.memory,
@@ -123,7 +130,7 @@ class MountedTool:
             dt=model.simulation.control_period,
             reference=wanted,
             supply=supply,
-            report=model.report[self.pad],
+            report=report,
             drag=contacts[self.pad, DRAG_X : DRAG_Y + 1],
             axis=self._axis @ to_map,
             across=self._across @ to_map,

@@ -23,6 +23,7 @@ import numpy as np
 from sojourn_mechanics.arm.tool_params import ScoopToolParams
 from sojourn_mechanics.contact.pad_on_soil import lead_length
 from sojourn_mechanics.errors import InvalidValueError
+from sojourn_mechanics.params import FloatArray
 from sojourn_mechanics.plant.tools.tool_state import ScoopState, Soil, Surroundings, ToolEnergy, ToolState
 from sojourn_mechanics.soil.params import SoilColumn
 from sojourn_mechanics.terrain.earthwork import cut, heap
@@ -49,8 +50,16 @@ class Scoop:
         """Shut and empty."""
         return ToolState(ScoopState())
 
+    def idle(self, state: ToolState, reference: FloatArray, touches: bool) -> bool:
+        """See `ToolLaw`."""
+        own = state.own
+        if touches or state.rate != 0.0 or not isinstance(own, ScoopState) or own.front is not None:
+            return False
+        full = own.carried.volume > DUST and state.position > 0.5 * self.params.lid.opening
+        return not full and min(max(float(reference[0]), 0.0), self.params.lid.opening) == state.position
+
     def advance(self, state: ToolState, around: Surroundings) -> tuple[ToolState, ToolEnergy]:
-        """State at the end of a period, and the energy that it took; the same state where nothing has happened."""
+        """State at the end of a period, and the energy that it took."""
         own = state.own
         if not isinstance(own, ScoopState):
             raise InvalidValueError("state of the scoop", type(own).__name__, "ScoopState")
@@ -58,8 +67,6 @@ class Scoop:
         lid = self._lid(state, around)
         open_ = lid > 0.5 * self.params.lid.opening
         moved = lid != state.position
-        if not (touches or moved or own.front is not None or (open_ and own.carried.volume > DUST)):
-            return (state if state.rate == 0.0 else replace(state, rate=0.0)), ToolEnergy()
         own = self._cut(own, around, open_) if touches else self._leave(own, around, open_)
         energy = self.params.lid.power * around.dt if moved else 0.0
         after = replace(
