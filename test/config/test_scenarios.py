@@ -90,11 +90,12 @@ def test_wheels_of_the_drive_node_are_those_of_the_urdf(flat: LoadedScenario) ->
     assert wheels["front_left"].radius == pytest.approx(0.125 + 0.006), "they roll on their grousers"
 
 
-def test_a_blind_drive_looks_at_no_obstacle(flat: LoadedScenario) -> None:
-    assert flat.drive.obstacles is not None
+def test_a_blind_drive_uses_no_camera(flat: LoadedScenario) -> None:
+    seeing = {"obstacles": flat.drive.obstacles, "terrain_match": flat.drive.terrain_match}
+    assert None not in seeing.values()
     blind = load_scenario("flat_drive", ["blind_drive=true"])
-    assert blind.drive.obstacles is None
-    assert blind.drive.model_copy(update={"obstacles": flat.drive.obstacles}) == flat.drive
+    assert blind.drive.obstacles is None and blind.drive.terrain_match is None
+    assert blind.drive.model_copy(update=seeing) == flat.drive
 
 
 def test_arm_gets_rotor_inertia_and_friction_of_its_drives(flat: LoadedScenario) -> None:

@@ -68,7 +68,7 @@ class ScenarioConfig(Params):
     simulation: SimulationParams = Field(default_factory=SimulationParams, description="steps of the plant")
     accept: AcceptanceConfig = Field(default_factory=AcceptanceConfig, description="how near counts as met")
     blind_drive: bool = Field(
-        default=False, description="the drive avoids no obstacle: it goes where the operator says, as over a step"
+        default=False, description="the drive uses no camera: it avoids no obstacle and matches no ground"
     )
     faults: tuple[FaultParams, ...] = Field(default=(), description="motors that fail during the run")
     objects: tuple[ObjectParams, ...] = Field(default=(), description="what lies on the ground and may be picked")
@@ -172,7 +172,7 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
         raise ConfigError(problems)
     fields = bundle.fields()
     if config.blind_drive and bundle.driving is not None:
-        blind = bundle.drive.model_copy(update={"obstacles": None})
+        blind = bundle.drive.model_copy(update={"obstacles": None, "terrain_match": None})
         fields["driving"] = Driving(blind, bundle.steering)
     return LoadedScenario(
         **fields,

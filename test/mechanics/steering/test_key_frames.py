@@ -9,10 +9,13 @@ from rough_ground import STEREO, Eye, ground, nodes, rough
 
 from sojourn_mechanics.errors import InvalidValueError
 from sojourn_mechanics.params import FloatArray
+from sojourn_mechanics.steering import key_frames
 from sojourn_mechanics.steering.key_frames import TerrainMatcher, TerrainMatchState, match_ground, match_status
 from sojourn_mechanics.steering.odometry import OdometryInput, OdometryState, initial_odometry, step_odometry
 from sojourn_mechanics.steering.odometry_kernels import cloned, propagate, widened
 from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
+from sojourn_mechanics.steering.relative_fix import Fix
+from sojourn_mechanics.steering.terrain_match import Match
 from sojourn_mechanics.terrain.height_field import HeightField
 
 DT, SPEED, RADIUS = 0.25, 0.1, 0.125
@@ -200,3 +203,19 @@ def test_an_odometry_without_a_key_frame_is_refused(drive_params: DriveParams, m
     odometry: OdometryState = replace(initial_odometry(drive_params.odometry))
     with pytest.raises(InvalidValueError, match="key"):
         match_ground(matcher, odometry, TerrainMatchState(), np.zeros((0, 3)))
+
+
+def test_one_match_alone_does_not_say_that_the_ground_slips_otherwise(
+    matcher: TerrainMatcher, drive_params: DriveParams, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One edge on even ground fits in more than one place: a false match made half of the way be taken for slip."""
+    odometry = initial_odometry(drive_params.odometry, key_frames=True)
+    moved, answers = replace(odometry, x=0.5), iter([True, True, True, False, True])
+    monkeypatch.setattr(key_frames, "fix_way", lambda *_: Fix(moved, 0.5, 9.0, next(answers)))
+    found = Match(np.zeros(6), np.eye(2), 500, 0, 1.0, True)
+    state, used = TerrainMatchState(), []
+    for _ in range(5):
+        after, state = key_frames._updated(matcher.params, odometry, state, found, np.zeros(2))
+        used.append(after is moved)
+    assert used == [False, True, False, True, False]
+    assert state.text.startswith("doubted") and state.matches == 2

@@ -76,6 +76,8 @@ class TerrainMatchState:
     """Of the last match."""
     deviation: float = 0.0
     """Of the last innovation, in standard deviations [-]."""
+    doubted: bool = False
+    """The last match that fitted asked for another slip, and was not used."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -219,9 +221,12 @@ def _updated(
     if fix.odometry is None:
         off = f"off by {1e3 * fix.off:.0f} mm, {fix.deviation:.1f} sigma"
         return odometry, replace(state, rejected=state.rejected + 1, text=f"rejected: {off}")
+    if fix.widened and not state.doubted:  # one edge on even ground fits in more than one place
+        return odometry, replace(state, doubted=True, text="doubted: does the ground slip otherwise?")
     odometry = fix.odometry
     text = "matched: the ground slips otherwise" if fix.widened else "matched"
-    return odometry, replace(state, matches=state.matches + 1, matched_at=(odometry.x, odometry.y), text=text)
+    matched = replace(state, matches=state.matches + 1, matched_at=(odometry.x, odometry.y), doubted=False, text=text)
+    return odometry, matched
 
 
 def _with_key_frame(

@@ -16,7 +16,8 @@ and drift is widened by slip_walk^2 times the way since the last one.
 
 Gate. A match that fits the ground but not the believed slip (the squared innovation over its covariance beyond gate^2)
 is first taken for ground that slips otherwise: the covariance is widened by a slip and a drift of lost_slip on the way
-since the last match, as a motor that has died or a soil that has changed makes them. It is used if it fits then.
+since the last match, as a motor that has died or a soil that has changed makes them. It is used if it fits then, and
+if the next one says so, too (`key_frames`): a single edge on even ground fits in more than one place.
 
 Sources: Roumeliotis & Burdick (2002), IEEE ICRA, p. 1788 (stochastic cloning); Bar-Shalom, Li & Kirubarajan (2001),
 Estimation with Applications to Tracking and Navigation, sec. 5.4 (gate). Assumptions: small errors of heading; slip and

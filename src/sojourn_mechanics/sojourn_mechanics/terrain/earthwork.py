@@ -54,9 +54,11 @@ def heap(
     )
 
 
-def ground_height(board: MemoryBoard, terrain: HeightField, grid: FloatArray, column: int, row: int) -> float:
-    """Height of the ground at a node of the memory, as wheels and tools have left it [m]."""
-    return float(_height(board.pool, board.slots, board.place, terrain.heights, grid, column, row))
+def warm_up(board: MemoryBoard, terrain: HeightField, grid: FloatArray) -> None:
+    """Have the kernels ready for this ground, so that no dig waits for the compiler; changes nothing."""
+    here = np.array([terrain.origin_x, terrain.origin_y, 0.0])
+    cut(board, terrain, grid, here, here.copy(), 0.0)
+    heap(board, terrain, grid, terrain.origin_x, terrain.origin_y, 0.0, 1.0)
 
 
 @njit(cache=True)

@@ -27,6 +27,7 @@ from sojourn_mechanics.plant.tools.gripper import Gripper
 from sojourn_mechanics.plant.tools.scoop import Scoop
 from sojourn_mechanics.plant.tools.tool_state import Surroundings, ToolEnergy, ToolState
 from sojourn_mechanics.soil.params import SoilParams
+from sojourn_mechanics.terrain import earthwork
 from sojourn_mechanics.terrain.height_field import HeightField
 
 if TYPE_CHECKING:
@@ -74,6 +75,7 @@ class MountedTool:
         self.params = params
         self.pad = model.contacts.names.index(params.pad)
         self.load = loads.index(params.load)
+        earthwork.warm_up(model.memory, model.terrain, model.grid)
         self._law = _law_of(params, soils, objects, model.terrain)
         self._row = model.contacts.wheels[self.pad]
         self._multibody = model.multibody
