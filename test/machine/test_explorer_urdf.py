@@ -12,10 +12,10 @@ import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
+from sojourn_config.arm_config import ArmConfig
 from sojourn_config.load import load_params
 from sojourn_config.paths import urdf_folder
 from sojourn_config.rover import RoverConfig
-from sojourn_mechanics.arm.params import ArmParams
 
 FILE = urdf_folder() / "explorer.urdf"
 TEXT = FILE.read_text(encoding="utf-8")
@@ -29,7 +29,7 @@ SIDES = ("left", "right")
 CORNERS = tuple(f"{row}_{side}" for row in ("front", "rear") for side in SIDES)
 WHEELS = tuple(f"{row}_{side}" for row in ("front", "middle", "rear") for side in SIDES)
 ARM = tuple(f"arm_{name}_joint" for name in ("azimuth", "elevation", "elbow", "wrist", "turret"))
-POSES = load_params("arms", "explorer_arm", ArmParams).named_poses
+POSES = load_params("arms", "explorer_arm", ArmConfig).named_poses
 STOW, READY = POSES["stow"], POSES["unfold"]
 
 Array = NDArray[np.float64]

@@ -24,13 +24,15 @@ from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_
 from sojourn_contract.messages import battery_state, fill_joint_state, joint_state, wrench_stamped
 from sojourn_contract.topics import TOPICS, topic
 from sojourn_contract.types import message_class
+from sojourn_mechanics.arm.tool_params import TOOL_JOINT
 
 PATIENCE_S = 20.0
 """Wall time after which a test gives up; nothing is measured by it."""
 SCENARIO = "flat_drive"
 URDF = Path(__file__).parents[2] / "urdf" / "explorer.urdf"
-JOINTS = tuple(
-    joint.attrib["name"] for joint in ElementTree.parse(URDF).iter("joint") if joint.attrib.get("type") != "fixed"
+JOINTS = (
+    *(joint.attrib["name"] for joint in ElementTree.parse(URDF).iter("joint") if joint.attrib.get("type") != "fixed"),
+    TOOL_JOINT,
 )
 WHEELS = tuple(name for name in JOINTS if name.startswith("wheel_"))
 STEERS = tuple(name for name in JOINTS if name.startswith("steer_"))

@@ -6,7 +6,7 @@ order), the plane
     h(x) = a + g . (x - c),   weight of a point w = K(r) / s^2,   K = (1 - r^2 / R^2)^2,   r = |p - c|
 
 with s the error of the point's height. Between the nodes the planes of the four corners are blended bilinearly. The
-plane is no node's if its points are few, lie on one side, or nearly on a line.
+plane is no node's if its points are few, lie on one side, nearly on a line, or far off it.
 
 Errors. The covariance of (a, g) is A^-1 B A^-1 with A = sum w X X^T and B = sum K w X X^T. For points spread evenly
 over the disc B is 3/5 of A for the height and 2/5 of A for the slopes (moments of K): that is taken here. It is scaled
@@ -14,7 +14,7 @@ up by the squares of what the points are off the plane over s^2: relief that a p
 interpolation, is in it.
 
 Source: Lancaster & Salkauskas (1981), Mathematics of Computation 37:141 (moving least squares). Range: relief that is
-longer than R; a step is smeared over R and has a large error there.
+longer than R; a step is smeared over R, and left out.
 """
 
 import math
@@ -32,6 +32,10 @@ HEIGHT, SLOPE_X, SLOPE_Y, HEIGHT_VARIANCE, SLOPE_X_VARIANCE, SLOPE_Y_VARIANCE, K
 KERNEL_OF_HEIGHT, KERNEL_OF_SLOPE = 0.6, 0.4
 LEAST_POINTS = 5
 """Of a plane [-]."""
+TORN = 4.0
+"""Square of what the points are off their plane, over their variance, from which it is none [-]: at the edge of a step,
+where what is seen changes with the place from which it is seen, or where looks lie on each other at different heights.
+"""
 LEAST_SPREAD, LARGEST_OFFSET = 0.25, 0.5
 """Of the points of a plane, over the radius: smallest deviation in any direction, distance of their mean."""
 
@@ -118,6 +122,8 @@ def planes_of(moments: FloatArray, radius: float) -> FloatArray:
             slope_x, slope_y = (yy * xz - xy * yz) / determinant, (xx * yz - xy * xz) / determinant
             off = max(zz - slope_x * xz - slope_y * yz, 0.0) * weight
             misfit = max(1.0, off / (node[10] * (1.0 - 3.0 / max(node[11], 3.5))))
+            if misfit > TORN:
+                continue
             at_node = 1.0 + (x * x * yy - 2.0 * x * y * xy + y * y * xx) / determinant
             plane = planes[row, column]
             plane[HEIGHT] = z - slope_x * x - slope_y * y

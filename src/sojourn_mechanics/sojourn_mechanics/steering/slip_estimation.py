@@ -43,6 +43,8 @@ UNKNOWN_SPEED_SIGMA = 0.1
 """Of a machine that moves already when the drive starts [m/s]."""
 ROCKING_ACCELERATION = 0.3
 """Of a machine that has just stopped, in the one reading that gravity is taken from when the drive starts [m/s^2]."""
+ALSO = 0.5
+"""Part of the time that makes trouble of a wheel, from which others in the same state are named with it [-]."""
 IDLE_EXPECTED = 0.3
 """Torque that a wheel must be expected to need before it can lack it [N m]."""
 
@@ -204,7 +206,9 @@ def trouble(params: SlipParams, state: SlipState, names: tuple[str, ...]) -> str
     """Which wheels are in trouble, in words; empty where none is."""
 
     def named(times: FloatArray, limit: float) -> str:
-        return ", ".join(name for name, time in zip(names, times, strict=True) if time >= limit)
+        if not (times >= limit).any():
+            return ""
+        return ", ".join(name for name, time in zip(names, times, strict=True) if time >= ALSO * limit)
 
     found = (
         (f"spinning without headway (slip {float(state.slip.max()):.2f})", state.stuck_for, params.stuck_time),
