@@ -24,6 +24,8 @@ SIZE_INCHES = (17.0, 12.0)
 DOTS_PER_INCH = 110
 DRIVE_SHADE, ARM_SHADE = "#0072b2", "#8a00a8"
 TIME_LABEL = "simulation time [s]      blue: drive goal, violet: arm goal; faint: each value, bold: mean"
+STANDING = 0.005
+"""Speed of rim and rover below which they stand [m/s]."""
 NEEDED = ("/truth/odom", "/truth/joint_states", "/truth/contacts", "/truth/electrical")
 
 
@@ -101,7 +103,7 @@ def _title(summary: dict[str, Any]) -> str:
 def _draw_wheels(panels: Sequence[Axes], bag: Bag, run: Run) -> None:
     """Four panels of a machine with wheels."""
     _draw_contacts(panels[0], bag, run, "sinkage", 1000.0, "Sinkage of each wheel", "sinkage [mm]")
-    _draw_contacts(panels[1], bag, run, "slip_ratio", 1.0, "Slip of each wheel", "slip ratio [-]")
+    _draw_slip(panels[1], bag, run)
     _draw_joints(panels[2], bag, [wheel.joint for wheel in run.rover.wheels], "Torque of the wheel drives")
     if run.rover.steer_joints:
         _draw_joints(panels[3], bag, list(run.rover.steer_joints), "Torque of the steering joints")
@@ -116,6 +118,22 @@ def _draw_contacts(axes: Axes, bag: Bag, run: Run, field: str, scale: float, tit
     names = [wheel.name.replace("_", " ") for wheel in run.rover.wheels]
     _draw_curves(axes, contacts.times, values[:, : len(names)], names)
     axes.set(title=title, ylabel=label)
+
+
+def _draw_slip(axes: Axes, bag: Bag, run: Run) -> None:
+    """One curve a wheel; of one that stands on a rover that stands, slip is a quotient of two trembles."""
+    contacts, truth, states = bag["/truth/contacts"], bag["/truth/odom"], bag["/truth/joint_states"]
+    velocity = truth.columns(*(f"twist.twist.linear.{axis}" for axis in "xyz"))
+    speed = np.interp(contacts.times, truth.times, np.linalg.norm(velocity, axis=1))
+    joints = states.joints()
+    slip = contacts.points()["slip_ratio"][:, : len(run.rover.wheels)].copy()
+    for number, wheel in enumerate(run.rover.wheels):
+        rim = np.interp(
+            contacts.times, states.times, wheel.radius * np.abs(joints.velocity[:, joints.index(wheel.joint)])
+        )
+        slip[np.maximum(rim, speed) < STANDING, number] = 0.0
+    _draw_curves(axes, contacts.times, slip, [wheel.name.replace("_", " ") for wheel in run.rover.wheels])
+    axes.set(title="Slip of each wheel (0 where it stands)", ylabel="slip ratio [-]")
 
 
 def _draw_joints(axes: Axes, bag: Bag, names: Sequence[str], title: str, label: str = "torque [N m]") -> None:
