@@ -44,6 +44,7 @@ class PacingNode(ContractNode):
         self._created = time.monotonic()
         super().__init__(role, context=context, overrides=overrides, namespace=namespace, every_period=True)
         self.ends_the_run = True
+        self._trigger = ""  # in real time it acts by the wall clock, whatever comes
         self.roster = Roster(role, self.participants, self.timeout_s)
         self._begun = False
         self._waiting_since = math.inf

@@ -6,12 +6,14 @@ rounding and what happens within the period; so it must be within
     [min(v_0, v_1) - slack, max(v_0, v_1) + slack],   slack = tolerance + |v_1 - v_0| / 2
 
 with the tolerance of the table. A rate that may be taken over a window of several periods (an encoder's counts) lies
-between the least and the greatest of the mean rates of the periods in it, within the tolerance alone. Degrees for
+between the least and the greatest of the mean rates over the last period, the last two, and so on to the whole window,
+within the tolerance alone. Degrees for
 radians, a flipped sign, a rate in the wrong frame and a joint in another's place show here as soon as the rover moves.
 """
 
 from collections import deque
 from collections.abc import Callable, Sequence
+from itertools import accumulate
 from math import atan2, sqrt
 from operator import attrgetter
 from typing import Any
@@ -84,7 +86,9 @@ class RateRule:
                 off = max(min(a, b) - mean, mean - max(a, b)) - slack
                 change = f"{mean:.4g} {rule.unit}, the change of {rule.rate_of}"
             else:
-                low, high = (limit(mean[place] for mean in means) for limit in (min, max))
+                sums = accumulate(mean[place] for mean in reversed(means))
+                over_last = [total / count for count, total in enumerate(sums, start=1)]
+                low, high = min(over_last), max(over_last)
                 off = max(low - b, b - high) - rule.rate_tolerance
                 change = f"{low:.4g} to {high:.4g} {rule.unit}, the change of {rule.rate_of} in {len(means)} periods"
             if off > 0.0:
