@@ -8,7 +8,7 @@ import math
 import struct
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -130,8 +130,9 @@ class FakePlant(FakeNode):
         self.periods = periods
         self.ends_the_run = True
         self._ready: set[str] = set()
-        self._period = 0
-        self._next_at = 0.0
+        self.period = 0
+        self.next_at = 0.0
+        self.before_period: Callable[[int], None] = lambda period: None
 
     def on_heartbeat(self, message: Any) -> None:
         """Note who is ready."""
@@ -142,17 +143,18 @@ class FakePlant(FakeNode):
         """The first period when all are ready; in real time each period by the wall clock."""
         super().poll()
         now = time.monotonic()
-        if self._ready >= set(self.participants) and (self._period == 0 or (not self.lockstep and now > self._next_at)):
-            self._next_at = now + 0.01
+        if self._ready >= set(self.participants) and (self.period == 0 or (not self.lockstep and now > self.next_at)):
+            self.next_at = now + 0.01
             self.step()
 
     def step(self) -> None:
         """Publish the truth of the next period."""
-        self._period += 1
-        FakeNode.on_period(self, self._period * PERIOD, {}, [])
+        self.period += 1
+        self.before_period(self.period)
+        FakeNode.on_period(self, self.period * PERIOD, {}, [])
         if not self.lockstep:
-            self.now = self._period * PERIOD
-            self.finished = self._period >= self.periods
+            self.now = self.period * PERIOD
+            self.finished = self.period >= self.periods
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """All commands of this period are in: on to the next."""
@@ -177,7 +179,7 @@ def build(bag: Path, periods: int, lockstep: bool = True, roles: tuple[str, ...]
     return nodes
 
 
-def run(nodes: list[ContractNode], limit_s: float = 60.0) -> int:
+def run(nodes: list[ContractNode], limit_s: float = 900.0) -> int:
     """Run a stack to its end. Returns the exit status; 99 if it hangs."""
     deadline = time.monotonic() + limit_s
     try:

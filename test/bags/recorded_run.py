@@ -6,9 +6,8 @@ from clean_run import PERIOD, PERIODS, CleanRun
 from synthetic import CHANNELS, cdr
 
 from sojourn_bags.completeness import RECORD, account
-from sojourn_bags.definitions import ChannelSpec, qos_entry
+from sojourn_bags.definitions import RUN_RECORD, ChannelSpec, qos_entry
 from sojourn_bags.description import Run
-from sojourn_bags.provenance import RUN_RECORD
 from sojourn_bags.writer import Attachment, BagWriter
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos

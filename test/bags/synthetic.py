@@ -15,10 +15,10 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, JointState, PointCloud2, PointField
 
 from sojourn_bags.completeness import RECORD, account
-from sojourn_bags.definitions import ChannelSpec, qos_entry
+from sojourn_bags.definitions import RUN_RECORD, ChannelSpec, qos_entry
 from sojourn_bags.description import Run
 from sojourn_bags.layout import layout_of
-from sojourn_bags.provenance import RUN_RECORD, versions_attachment
+from sojourn_bags.provenance import versions_attachment
 from sojourn_bags.writer import BagWriter
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos, stamps

@@ -13,8 +13,9 @@ from std_msgs.msg import Header
 from synthetic import CHANNELS, PERIOD, SyntheticRun, cdr
 
 from sojourn_bags.completeness import RECORD
+from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.errors import BagsError, IncompleteConfigError, OtherContractError, ReplayError
-from sojourn_bags.provenance import RUN_RECORD, run_attachment
+from sojourn_bags.provenance import run_attachment
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.replay_answers import MOST_LAG, Answers
 from sojourn_bags.replay_script import script_of

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from domains import own_domain
-from sojourn_bringup.environment import ros_variables
+from sojourn_config.ros_environment import ros_variables
 
 sys.path[:0] = [str(Path(__file__).parents[1] / folder) for folder in ("contract", "bags")]
 

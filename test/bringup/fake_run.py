@@ -32,7 +32,8 @@ def main() -> int:
         },
         realtime=kind == "realtime",
         domain=domain,
-        start_timeout_s=40.0,
+        start_timeout_s=600.0,
+        lockstep_timeout_s=300.0,
     )
     outcome = Supervisor(plan, PlainScreen(Console(highlight=False, soft_wrap=True, width=1000))).run()
     print(json.dumps(asdict(outcome)), flush=True)

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from sojourn_bringup.child import last_words
-from sojourn_bringup.environment import foreign_environment, is_ours, own_environment, ros_variables
-from sojourn_bringup.shared_memory import remove_tracing_files
+from sojourn_config.ros_environment import foreign_environment, is_ours, own_environment, ros_variables
+from sojourn_config.shared_memory import remove_tracing_files
 
 PREFIX = "/somewhere/.venv"
 ROS = {"ROS_DOMAIN_ID": "7"}
@@ -49,10 +49,15 @@ def test_a_folder_that_only_begins_like_ours_is_kept() -> None:
     assert environment["PATH"] == f"{PREFIX}-other/bin"
 
 
-def test_our_nodes_get_all_and_one_thread_unless_told_otherwise() -> None:
+def test_our_nodes_get_all_and_one_thread_whatever_is_said_outside() -> None:
     environment = own_environment({"HOME": "/elsewhere/me", "OMP_NUM_THREADS": "3"}, ROS)
     assert environment["HOME"] == "/elsewhere/me" and environment["ROS_DOMAIN_ID"] == "7"
-    assert environment["OMP_NUM_THREADS"] == "3" and environment["OPENBLAS_NUM_THREADS"] == "1"
+    assert environment["OMP_NUM_THREADS"] == "1" and environment["OPENBLAS_NUM_THREADS"] == "1"
+
+
+def test_a_foreign_program_computes_as_it_likes() -> None:
+    outside = {"OMP_NUM_THREADS": "3", "OPENBLAS_CORETYPE": "Zen", "HOME": "/elsewhere/me"}
+    assert foreign_environment(own_environment(outside, {}), ROS, PREFIX) == {**outside, "PYTHONUNBUFFERED": "1", **ROS}
 
 
 def test_our_own_interpreter_is_ours_and_a_shell_is_not() -> None:
@@ -91,7 +96,7 @@ for name in re.findall(r"/dev/shm/(\\S+)", Path("/proc/self/maps").read_text()):
 """
     environment = own_environment(os.environ, ros_variables(domain))
     result = subprocess.run(
-        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=60, check=True
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=600, check=True
     )
     found = [line.split() for line in result.stdout.splitlines()]
     assert {address for kind, address in found if kind == "udp"} == {"0100007F"}  # 127.0.0.1, as the kernel writes it

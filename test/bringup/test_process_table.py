@@ -7,9 +7,9 @@ import json
 import pytest
 import yaml
 
-from sojourn_bringup.errors import UsageError
 from sojourn_bringup.plan import RunPlan, check_lockstep, replacement_of
 from sojourn_bringup.process_table import PROCESSES, ROLE_NAMES, check_roles, process
+from sojourn_config.command_errors import UsageError
 from sojourn_contract.barrier import Barrier, awaited_inputs
 from sojourn_contract.node import ContractNode
 from sojourn_contract.stamps import CONTROL_PERIOD_NS

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from sojourn_bringup.errors import UsageError
 from sojourn_bringup.replay import main
+from sojourn_config.command_errors import UsageError
 
 BAG = str(Path(__file__).parents[1] / "replay" / "short_goals")
 

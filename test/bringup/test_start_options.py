@@ -9,14 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sojourn_bringup import demo, goal_client, options, start
-from sojourn_bringup.errors import BringupError, UsageError
+from sojourn_bringup import demo, start
 from sojourn_bringup.instance import DomainInUseError, RoleTokens
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_table import ROLE_NAMES
 from sojourn_bringup.run_folder import make_run_folder
 from sojourn_bringup.screen import Screen
+from sojourn_config import command_line
+from sojourn_config.command_errors import CommandError, UsageError
 from sojourn_config.errors import ConfigError
+from sojourn_operator import goal_client
 
 DOMAIN = "231"
 
@@ -166,7 +168,7 @@ def test_a_role_is_held_by_one_run_at_a_time(tmp_path: Path) -> None:
             pass
     with RoleTokens(231, "", ("plant", "drive")):
         pass
-    assert issubclass(DomainInUseError, BringupError) and DomainInUseError.exit_status == 1
+    assert issubclass(DomainInUseError, CommandError) and DomainInUseError.exit_status == 1
 
 
 def test_the_demo_passes_its_wishes_on_and_answers_under_its_own_name(capsys: pytest.CaptureFixture[str]) -> None:
@@ -192,7 +194,7 @@ def test_goals_that_are_none_are_one_sentence(arguments: list[str], capsys: pyte
 @given(st.text(max_size=12))
 def test_a_namespace_is_a_name_of_ros_or_is_refused(text: str) -> None:
     try:
-        name = options.namespace(text)
+        name = command_line.namespace(text)
     except argparse.ArgumentTypeError:
         return
     assert name == "" or all(part[0].isalpha() and part.replace("_", "a").isalnum() for part in name[1:].split("/"))
@@ -226,7 +228,7 @@ def test_the_demonstration_of_a_rover_takes_its_own_course_or_the_common_one() -
 
 def test_a_reader_that_has_had_enough_brings_no_traceback() -> None:
     script = (
-        "from sojourn_bringup.options import run_script\n"
+        "from sojourn_config.command_line import run_script\n"
         "def main(arguments):\n"
         "    print('line\\n' * 100_000)\n"
         "    return 0\n"

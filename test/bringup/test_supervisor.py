@@ -3,10 +3,12 @@
 import contextlib
 import json
 import os
+import queue
 import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,7 +17,7 @@ from typing import Any
 import pytest
 
 RUN = Path(__file__).parent / "fake_run.py"
-LIMIT_S = 60.0
+LIMIT_S = 600.0
 SHARED_MEMORY = Path("/dev/shm")
 ROLES = ("plant", "sensors")
 
@@ -33,20 +35,46 @@ class Run:
             text=True,
         )
         self.lines: list[str] = []
+        self._arriving: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self) -> None:
+        """Reading in a thread of its own lets a line that never comes fail the test, and not hang it."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self._arriving.put(line.rstrip())
+        self._arriving.put(None)
+
+    def _next_line(self, awaited: str) -> str:
+        try:
+            line = self._arriving.get(timeout=LIMIT_S)
+        except queue.Empty:
+            line = None
+        if line is None:
+            raise AssertionError(f"never said {awaited!r}: " + "\n".join(self.lines))
+        self.lines.append(line)
+        return line
 
     def wait_for(self, pattern: str) -> re.Match[str]:
         """The first line from here on that holds a pattern."""
-        assert self.process.stdout is not None
-        for line in self.process.stdout:
-            self.lines.append(line.rstrip())
-            if found := re.search(pattern, line):
-                return found
-        raise AssertionError(f"never said {pattern!r}: " + "\n".join(self.lines))
+        while not (found := re.search(pattern, self._next_line(pattern))):
+            pass
+        return found
+
+    def wait_for_state(self, role: str, state: str) -> re.Match[str]:
+        """Until what was last said of a node, be it before or after this call, is a state: gives its process number."""
+        pattern = rf"^{role} \(process (\d+)\): .*{re.escape(state)}"
+        while not (said := [re.search(pattern, line) for line in self.lines if line.startswith(f"{role} (")]) or not (
+            found := said[-1]
+        ):
+            self._next_line(f"{role}: {state}")
+        return found
 
     def end(self) -> dict[str, Any]:
         """Its outcome, with the status that it ended with."""
-        rest, _ = self.process.communicate(timeout=LIMIT_S)
-        self.lines += rest.splitlines()
+        self.process.wait(LIMIT_S)
+        while (line := self._arriving.get(timeout=LIMIT_S)) is not None:
+            self.lines.append(line)
         outcome = json.loads(self.lines[-1])
         assert outcome["status"] == self.process.returncode
         return outcome
@@ -177,4 +205,31 @@ def test_the_nodes_die_with_their_supervisor(start: Callable[..., Run]) -> None:
     assert len(run.children) == len(ROLES) and all(map(is_alive, run.children))
     run.process.kill()
     run.process.wait()
+    assert all_gone(run.children)
+
+
+def test_in_real_time_a_stopped_node_is_named_and_the_others_say_for_whom_they_wait(start: Callable[..., Run]) -> None:
+    """SIGSTOP of the sensors: the drive is not silent, it waits."""
+    run = start("realtime", drive="good")
+    number = int(run.wait_for_state("sensors", "running")[1])
+    run.wait_for_state("drive", "running")
+    os.kill(number, signal.SIGSTOP)
+    run.wait_for(rf"sensors \(process {number}\) is stopped: .*kill -CONT {number}")
+    run.wait_for_state("drive", "stalled (waiting for /imu/data from sensors)")
+    os.kill(number, signal.SIGCONT)
+    run.wait_for_state("sensors", "running")
+    run.process.send_signal(signal.SIGINT)
+    run.end()
+    assert all_gone(run.children)
+
+
+@pytest.mark.parametrize("kind", ["lockstep", "realtime"])
+def test_a_run_folder_that_is_removed_ends_the_run_at_once(start: Callable[..., Run], kind: str) -> None:
+    run = start(kind)
+    run.wait_for("sensors .*: running")
+    run.folder.rename(run.folder.with_name("elsewhere"))
+    outcome = run.end()
+    assert outcome["status"] == 1 and outcome["message"] == (
+        f"the run folder {run.folder} is gone: somebody has removed or renamed it"
+    )
     assert all_gone(run.children)

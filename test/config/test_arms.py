@@ -9,9 +9,9 @@ from sojourn_config.arms import arm_names, dh_file, generated_urdf, load_arm, re
 from sojourn_config.dh_to_urdf import GENERATED
 from sojourn_config.errors import ConfigError
 from sojourn_config.paths import urdf_folder
-from sojourn_mechanics.arm.dh import geometry_of, tip_transform
-from sojourn_mechanics.arm.dh_urdf import urdf_from_dh
-from sojourn_mechanics.arm.kinematics import forward_kinematics
+from sojourn_flight.arm.dh import geometry_of, tip_transform
+from sojourn_flight.arm.dh_urdf import urdf_from_dh
+from sojourn_flight.arm.kinematics import forward_kinematics
 
 JOINTS = {"cartesian": 3, "cylindrical": 4, "explorer_arm": 5, "puma560": 6, "scara": 4, "srms": 6, "ssrms": 7}
 

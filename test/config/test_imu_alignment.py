@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from sojourn_mechanics.sensors.imu import ImuParams
+from sojourn_physics.sensors.imu import ImuParams
 
 ROOT = Path(__file__).parents[2]
 ROVERS = [

@@ -8,13 +8,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import Field, model_validator
 
-from sojourn_config.errors import ConfigError, Problem, nearest
+from sojourn_config.errors import ConfigError, Problem
 from sojourn_config.load import load_params, validate
 from sojourn_config.overrides import apply_overrides, route_overrides, split_override
+from sojourn_config.paths import config_folder, resolve_urdf, urdf_folder
+from sojourn_config.scenario import load_scenario
 from sojourn_config.yaml_file import parse_yaml
-from sojourn_mechanics.errors import InvalidValueError
-from sojourn_mechanics.params import Params
-from sojourn_mechanics.soil.params import SoilParams
+from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.names import nearest
+from sojourn_machine.params import Params
+from sojourn_physics.soil.params import SoilParams
 
 Speed = Annotated[float, Field(gt=0.0, le=2.0)]
 
@@ -251,3 +254,45 @@ def test_an_override_arrives_where_its_key_says(path: list[str], value: int) -> 
         assert isinstance(here, dict)
         here = here[part]
     assert here == value
+
+
+def test_a_path_counts_from_the_folder_of_its_file_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stale file of the same name in the working folder was read in silence: cohesion 1 in place of 700."""
+    here, there = tmp_path / "working", tmp_path / "file"
+    for folder in (here, there):
+        folder.mkdir()
+    (there / "mine.yaml").write_text(GOOD, encoding="utf-8")
+    monkeypatch.chdir(here)
+    assert load_params("soils", "mine.yaml", Sample, folder=there).name == "a"
+    assert load_params("soils", "./mine.yaml", Sample, folder=there).name == "a"
+    with pytest.raises(ConfigError, match="no such file"):
+        load_params("soils", "mine.yaml", Sample)
+    (here / "mine.yaml").write_text(GOOD.replace("name: a", "name: stale"), encoding="utf-8")
+    with pytest.raises(ConfigError) as caught:
+        load_params("soils", "mine.yaml", Sample, folder=there)
+    text = str(caught.value)
+    assert str(here / "mine.yaml") in text and str(there / "mine.yaml") in text and "./mine.yaml" in text
+    assert load_params("soils", "./mine.yaml", Sample, folder=there).name == "a"
+    monkeypatch.chdir(there)
+    assert load_params("soils", "mine.yaml", Sample, folder=there).name == "a", "one file by two ways is one file"
+
+
+def test_the_urdf_beside_its_file_and_that_of_the_same_name_are_two(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = ("my_rover.yaml", "urdf")
+    monkeypatch.chdir(tmp_path)
+    assert resolve_urdf("explorer.urdf", asked, tmp_path / "nowhere") == urdf_folder() / "explorer.urdf"
+    (tmp_path / "explorer.urdf").write_text("<robot/>", encoding="utf-8")
+    with pytest.raises(ConfigError, match="allowed is one file, and there are"):
+        resolve_urdf("explorer.urdf", asked, tmp_path)
+    assert resolve_urdf("./explorer.urdf", asked, tmp_path) == tmp_path / "explorer.urdf"
+
+
+def test_a_path_of_the_command_line_counts_from_the_working_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    soil = (config_folder() / "soils" / "jsc_1a.yaml").read_text(encoding="utf-8")
+    (tmp_path / "jsc_1a.yaml").write_text(soil, encoding="utf-8")
+    assert "jsc_1a" in load_scenario("flat_drive", ["soil=./jsc_1a.yaml"]).soils

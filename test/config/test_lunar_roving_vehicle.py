@@ -4,9 +4,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from sojourn_analysis.vehicle.params import VehicleParams
 from sojourn_config.bundle import Bundle, read_machine
 from sojourn_config.load import load_params
-from sojourn_mechanics.vehicle.params import VehicleParams
 
 
 @pytest.fixture(scope="module")

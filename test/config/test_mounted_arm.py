@@ -12,9 +12,9 @@ from sojourn_config.load import load_params
 from sojourn_config.paths import available
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.still_machine import StillMachine
-from sojourn_mechanics.arm.dynamics import rigid_effort
-from sojourn_mechanics.arm.kinematics import forward_kinematics
-from sojourn_mechanics.arm.model import build_arm_model
+from sojourn_flight.arm.dynamics import rigid_effort
+from sojourn_flight.arm.kinematics import forward_kinematics
+from sojourn_flight.arm.model import build_arm_model
 
 ALONE = [name for name in available("arms") if load_params("arms", name, ArmConfig).urdf is not None]
 MOUNT = "rover.arm_mount={link: base_link, xyz: [0.1, 0, 0.2], rpy: [0, 0, 0.5]}"
@@ -66,7 +66,7 @@ def test_drives_and_encoders_fit_motors_and_gears_of_the_urdf(name: str) -> None
         assert drive.servo.max_torque <= arm.max_effort[index]
         assert drive.motor_effort > 0.97 * drive.servo.max_torque, f"{joint}: the current stops it before the servo"
         if encoders[joint].side == "motor":
-            assert encoders[joint].gear_ratio == drive.gear.ratio
+            assert encoders[joint].gear_ratio == pytest.approx(drive.transmission.ratio, rel=1e-9)
         if arm.motor_inertia[index] > 0.0:  # the URDF has a motor
             assert drive.reflected_inertia == pytest.approx(arm.motor_inertia[index], rel=1e-3)
             mean = 0.5 * (arm.friction.forward[index] + arm.friction.backward[index])

@@ -13,7 +13,7 @@ from rasterio.transform import Affine, from_origin
 
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import LoadedScenario, load_scenario
-from sojourn_mechanics.terrain.height_field import HeightField
+from sojourn_physics.terrain.height_field import HeightField
 
 EAST, NORTH, CELL = 501_000.0, 4_200_000.0, 0.5
 METRES = "EPSG:32633"

@@ -15,10 +15,10 @@ from sojourn_config.load import load_params
 from sojourn_config.paths import available, config_folder, repository_root
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.steps import ACTIONS
-from sojourn_mechanics.environment.body import BodyParams
-from sojourn_mechanics.plant.params import MachineParams
-from sojourn_mechanics.soil.params import SoilParams
-from sojourn_mechanics.terrain.height_field import HeightField
+from sojourn_machine.machine import MachineParams
+from sojourn_physics.environment.body import BodyParams
+from sojourn_physics.soil.params import SoilParams
+from sojourn_physics.terrain.height_field import HeightField
 
 SCENARIOS = available("scenarios")
 
@@ -194,6 +194,11 @@ BODY = "config/bodies/moon.yaml"
             ["positions[4] = 9", "arm_turret_joint"],
         ),
         (SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_joints: {}", ["either name or positions"]),
+        (SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_path: {points: []}", ["arm_path.points"]),
+        (
+            SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_path: {points: [{x: 1, y: 0, z: 0, on_arc: true}]}",
+            ["points[0] is on an arc", "then the arc's end"],
+        ),
         (SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_task: {name: wave}", ["unknown task 'wave'", "guarded_move"]),
         (
             SCENARIO, "drive_to: {x: 1.0, y: 0.0}", "arm_task: {name: guarded_move, values: {forse: 5}}",
@@ -232,7 +237,7 @@ BODY = "config/bodies/moon.yaml"
         ),
         (
             SOIL, "shear_modulus: 0.0178", "# shear_modulus: 0.0178",
-            [SOIL, "shear_modulus: the key is missing", "front_left"],
+            [SOIL, "kind = 'soil'", "missing: shear_modulus"],
         ),
         (
             ROVER, "joint: wheel_front_left_joint", "joint: wheel_front_lef_joint",
@@ -451,6 +456,13 @@ def test_wrong_override_is_refused(override: str, words: list[str]) -> None:
 
 ROCK = "config/soils/rigid_rock.yaml"
 FIRM = "{model: wheel_and_ground_in_series, stiffness: 4.0e+4}"
+
+
+def test_the_control_period_is_that_of_the_stamps() -> None:
+    """Another one would be simulated, while all messages say 20 ms."""
+    assert load_scenario("flat_drive", ["simulation.physics_step=0.002"]).simulation.substeps == 10
+    with pytest.raises(ConfigError, match=r"simulation.control_period = 0.04: allowed is 0.02: the stamps"):
+        load_scenario("flat_drive", ["simulation.control_period=0.04"])
 
 
 def test_ground_that_lacks_what_a_contact_model_needs_is_refused_with_all_that_is_missing(workspace: Path) -> None:

@@ -9,7 +9,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sojourn_config.errors import ConfigError
-from sojourn_config.yaml_file import parse_value, parse_yaml, plain_scalar, read_yaml
+from sojourn_config.overrides import split_override
+from sojourn_config.paths import config_folder
+from sojourn_config.yaml_file import (
+    MOST_BYTES,
+    MOST_DEPTH,
+    MOST_VALUES,
+    parse_value,
+    parse_yaml,
+    plain_scalar,
+    read_yaml,
+)
 
 FLOATS = st.floats(allow_nan=False, allow_infinity=False)
 TEXT = st.text(st.characters(codec="utf-8", categories=("L", "N", "P", "S", "Zs")), max_size=20)
@@ -157,3 +167,39 @@ def test_values_of_the_command_line() -> None:
     assert parse_value("lunar_nominal", "x") == "lunar_nominal"
     with pytest.raises(ConfigError):
         parse_value("[1", "x")
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("a: " + "{b: " * 5000 + "1" + "}" * 5000, f"at most {MOST_DEPTH} tables and lists inside each other"),
+        ("a: " + "[" * 200_000, f"at most {MOST_DEPTH} tables and lists inside each other"),
+        ("\n".join(" " * depth + "a:" for depth in range(1000)), f"at most {MOST_DEPTH} tables and lists"),
+        ("steps:\n" + "  - {wait_s: 1}\n" * 100_000, f"at most {MOST_VALUES} values"),
+    ],
+)
+def test_what_is_too_deep_or_too_much_is_refused_in_one_sentence(text: str, reason: str) -> None:
+    """Before anything is made of it: it used to end in a traceback, or to take half a minute."""
+    with pytest.raises(ConfigError) as caught:
+        parse_yaml(text, "hostile.yaml")
+    assert len(caught.value.problems) == 1 and reason in str(caught.value)
+
+
+def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "large.yaml"
+    path.write_text("# " + "x" * MOST_BYTES + "\na: 1\n")
+    with pytest.raises(ConfigError, match=f"allowed are at most {MOST_BYTES} bytes"):
+        read_yaml(path)
+
+
+@pytest.mark.parametrize("text", ["a" + "[" * 3 + "=1", "a[" + "9" * 5000 + "]=1", ".".join("a" * 5000) + "=1"])
+def test_a_key_of_the_command_line_that_is_too_long_is_refused(text: str) -> None:
+    with pytest.raises(ConfigError):
+        split_override(text)
+
+
+def test_no_file_of_ours_is_near_the_limits() -> None:
+    for path in config_folder().rglob("*.yaml"):
+        document = read_yaml(path)
+        assert path.stat().st_size < MOST_BYTES / 10 and len(document.lines) < MOST_VALUES / 10
+        assert max((len(key) for key in document.lines), default=0) < MOST_DEPTH / 2

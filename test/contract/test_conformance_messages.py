@@ -217,7 +217,9 @@ def test_good_goals() -> None:
         "/goal_pose": pose("odom", 0.0),
         "/arm/goal_pose": pose("base_link"),
         "/waypoints": route,
+        "/arm/path": route,
         "/cmd_vel": twist,
+        "/arm/cmd_vel": twist,
         "/arm/joint_goal": named,
         "/arm/joint_trajectory": trajectory,
         "/arm/stop": Header(),
@@ -230,6 +232,7 @@ def test_good_goals() -> None:
     [
         ("/goal_pose", pose("moon"), "frame", "header.frame_id"),
         ("/arm/goal_pose", pose("camera"), "frame", "header.frame_id"),
+        ("/arm/path", Path(), "frame", "header.frame_id"),
         ("/goal_pose", pose("map", 0.5), "orientation", "pose.orientation"),
         ("/arm/joint_goal", JointState(), "joints", "header.frame_id"),
         ("/arm/joint_goal", JointState(name=["elbow"], position=[0.0]), "joints", "name"),

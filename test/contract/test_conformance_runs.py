@@ -3,14 +3,19 @@
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 from clean_run import PERIOD, PERIODS, CleanRun, beats_of, explorer, kinds, set_stamp, value_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from nav_msgs.msg import Odometry
 
 from sojourn_contract.conformance.answers import missing_answers
+from sojourn_contract.conformance.consistency import RateRule
 from sojourn_contract.conformance.endpoints import Endpoint
+from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.judge import Judge
+from sojourn_contract.conformance.observation import Observation
 from sojourn_contract.topics import ROLES, TOPICS, topic
 
 AT = 40 * PERIOD
@@ -199,6 +204,36 @@ def test_rates_may_be_taken_over_a_window_of_periods() -> None:
     for window in (1, 2, 5):
         assert not list(swinging(window).judge().lines()), window
     assert kinds(swinging(1, sign=-1.0).judge()) == {("rate of change", "/joint_states", "velocity")}
+
+
+def bumped(told: float, speed: float) -> list[Finding]:
+    """Of a rover that goes ahead at 2 m/s, says `speed`, and is 2 mm higher after one period of ten, as by an edge.
+
+    Args:
+        told: what it says that its velocity has been off within each period [m/s].
+    """
+    row, found = topic("/truth/odom"), []
+    rule = RateRule(row)
+    for period in range(1, 11):
+        message = Odometry()
+        message.pose.pose.position.x, message.pose.pose.position.z = 2.0 * 0.02 * period, 0.002 * (period > 5)
+        message.pose.pose.orientation.w = 1.0
+        message.twist.twist.linear.x = speed
+        message.twist.covariance = np.diag(np.full(6, told**2)).ravel()
+        found += rule.judge(Observation(row, message, period * PERIOD, None, period * PERIOD))
+    return found
+
+
+def test_a_jolt_within_a_period_is_fair_where_it_is_told() -> None:
+    (finding,) = bumped(0.0, 2.0)
+    assert finding.field == "twist.twist.linear.z"
+    assert not bumped(0.1, 2.0)
+
+
+@pytest.mark.parametrize("told", [0.0, 0.1, 9.0])
+@pytest.mark.parametrize("speed", [-2.0, 2.0 * math.degrees(1.0), 1.0, 3.0])
+def test_no_spread_hides_a_rate_that_is_wrong(told: float, speed: float) -> None:
+    assert {"twist.twist.linear.x"} <= {finding.field for finding in bumped(told, speed)}
 
 
 def test_roles_that_are_not_judged_are_listened_to() -> None:

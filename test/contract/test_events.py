@@ -16,20 +16,23 @@ EVENTS = [row.name for row in TOPICS if row.is_event]
 
 def test_takes_effect_at_its_stamp_or_on_arrival() -> None:
     queue = EventQueue()
-    queue.offer(GOAL, 0, 2 * SECOND, "now")
-    queue.offer(GOAL, 5 * SECOND, 2 * SECOND, "later")
-    queue.offer(TWIST, int(1.9 * SECOND), 2 * SECOND, "just past")
-    assert queue.take(2 * SECOND) == [("/goal_pose", "now"), ("/cmd_vel", "just past")]
-    assert queue.take(5 * SECOND - 1) == []
-    assert queue.take(5 * SECOND) == [("/goal_pose", "later")]
-    assert queue.take(6 * SECOND) == []
+    queue = queue.offered(GOAL, 0, 2 * SECOND, "now")
+    queue = queue.offered(GOAL, 5 * SECOND, 2 * SECOND, "later")
+    queue = queue.offered(TWIST, int(1.9 * SECOND), 2 * SECOND, "just past")
+    queue, taken = queue.taken(2 * SECOND)
+    assert taken == [("/goal_pose", "now"), ("/cmd_vel", "just past")]
+    assert queue.taken(5 * SECOND - 1) == (queue, [])
+    after, taken = queue.taken(5 * SECOND)
+    assert taken == [("/goal_pose", "later")]
+    assert after.taken(6 * SECOND)[1] == []
+    assert queue.taken(6 * SECOND)[1] == taken, "what was kept is as it was"
 
 
 def test_of_two_that_take_effect_together_the_later_comes_last() -> None:
     queue = EventQueue()
-    queue.offer(GOAL, int(9.5 * SECOND), 10 * SECOND, "first, stamped in the past")
-    queue.offer(GOAL, 0, 10 * SECOND, "second, stamped zero")
-    assert [message for _, message in queue.take(11 * SECOND)] == [
+    queue = queue.offered(GOAL, int(9.5 * SECOND), 10 * SECOND, "first, stamped in the past")
+    queue = queue.offered(GOAL, 0, 10 * SECOND, "second, stamped zero")
+    assert [message for _, message in queue.taken(11 * SECOND)[1]] == [
         "first, stamped in the past",
         "second, stamped zero",
     ]
@@ -39,8 +42,8 @@ def test_of_two_that_take_effect_together_the_later_comes_last() -> None:
 def test_order_of_effect(stamps: list[int]) -> None:
     queue = EventQueue()
     for index, stamp in enumerate(stamps):
-        queue.offer(GOAL, stamp, 0, index)
-    taken = [message for _, message in queue.take(50)]
+        queue = queue.offered(GOAL, stamp, 0, index)
+    taken = [message for _, message in queue.taken(50)[1]]
     assert taken == sorted(range(len(stamps)), key=lambda index: (stamps[index], index))
 
 
@@ -48,27 +51,27 @@ def test_order_of_effect(stamps: list[int]) -> None:
 def test_a_stamp_from_the_past_is_refused(row) -> None:
     queue = EventQueue()
     now = 100 * SECOND
-    queue.offer(row, now - int(row.max_age_s * SECOND), now, "old enough")
+    queue = queue.offered(row, now - int(row.max_age_s * SECOND), now, "old enough")
     with pytest.raises(RefusedMessageError, match=rf"{row.name}\.header\.stamp") as refusal:
-        queue.offer(row, now - int(row.max_age_s * SECOND) - 1, now, "too old")
+        queue = queue.offered(row, now - int(row.max_age_s * SECOND) - 1, now, "too old")
     assert refusal.value.topic == row.name
-    assert len(queue.take(now)) == 1
+    assert len(queue.taken(now)[1]) == 1
 
 
 def test_a_stamp_of_the_wall_clock_is_refused() -> None:
     """It would wait for years without a word."""
     queue = EventQueue()
-    queue.offer(GOAL, 10 * SECOND + int(MAX_AHEAD_S * SECOND), 10 * SECOND, "")
+    queue = queue.offered(GOAL, 10 * SECOND + int(MAX_AHEAD_S * SECOND), 10 * SECOND, "")
     with pytest.raises(RefusedMessageError, match="simulation time"):
-        queue.offer(GOAL, 1_700_000_000 * SECOND, 10 * SECOND, "")
-    queue.offer(GOAL, 20_000 * SECOND, 0, "a node that has just started does not know the time")
+        queue = queue.offered(GOAL, 1_700_000_000 * SECOND, 10 * SECOND, "")
+    queue = queue.offered(GOAL, 20_000 * SECOND, 0, "a node that has just started does not know the time")
 
 
 def test_counts_what_arrives() -> None:
     queue = EventQueue()
     assert queue.has_received({})
     assert not queue.has_received({"/goal_pose": 1})
-    queue.count(GOAL)
+    queue = queue.counted(GOAL)
     assert queue.has_received({"/goal_pose": 1})
     assert not queue.has_received({"/goal_pose": 1, "/cmd_vel": 1})
 

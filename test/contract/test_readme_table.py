@@ -1,6 +1,7 @@
 """The manuals against the code: topic table, examples, links."""
 
 import ast
+import itertools
 import re
 from pathlib import Path
 
@@ -12,6 +13,8 @@ from sojourn_contract.topics import TOPICS, inputs_of, outputs_of
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+THE_CONTRACT = (ROOT / "src/sojourn_contract/README.md").read_text(encoding="utf-8")
+THE_FILES = (ROOT / "src/sojourn_config/README.md").read_text(encoding="utf-8")
 MANUALS = sorted([ROOT / "README.md", *ROOT.glob("src/*/README.md")])
 LINK = re.compile(r"\[[^\]]*\]\(([^)#]+)(?:#[^)]*)?\)")
 
@@ -27,8 +30,8 @@ def table_rows(text: str) -> dict[str, list[str]]:
 
 
 def example_tables() -> dict[str, list[str]]:
-    """Keys of INPUTS and OUTPUTS in the README's flight node."""
-    source = next(code for code in blocks(README, "python") if "class MyDrive" in code)
+    """Keys of INPUTS and OUTPUTS in the manual's flight node."""
+    source = next(code for code in blocks(THE_CONTRACT, "python") if "class MyDrive" in code)
     found = {}
     for statement in ast.parse(source).body:
         if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Dict):
@@ -38,12 +41,13 @@ def example_tables() -> dict[str, list[str]]:
     return found
 
 
-def test_readme_holds_the_table_of_the_code() -> None:
-    assert with_table(README) == README, "renew it: python -m sojourn_contract.table --into README.md"
+def test_the_manual_holds_the_table_of_the_code() -> None:
+    hint = "renew it: python -m sojourn_contract.table --into src/sojourn_contract/README.md"
+    assert with_table(THE_CONTRACT) == THE_CONTRACT, hint
 
 
 def test_every_topic_has_its_row() -> None:
-    rows = table_rows(README)
+    rows = table_rows(THE_CONTRACT)
     assert list(rows) == [row.name for row in TOPICS]
     for row in TOPICS:
         _, kind, between, rate, *_ = rows[row.name]
@@ -58,7 +62,7 @@ def test_every_topic_has_its_row() -> None:
     [("/odom", "50 Hz", "0.1 s"), ("/bus/state", "10 Hz", "0.5 s"), ("/diagnostics", "1 Hz", "3 s")],
 )
 def test_rates_and_ages(name: str, rate: str, age: str) -> None:
-    assert table_rows(README)[name][3:5] == [rate, age]
+    assert table_rows(THE_CONTRACT)[name][3:5] == [rate, age]
 
 
 @pytest.mark.parametrize("text", ["", BEGIN, END + BEGIN, BEGIN + BEGIN + END])
@@ -93,17 +97,17 @@ def test_the_example_node_has_the_topics_of_its_role() -> None:
 def test_the_example_scenario_is_valid(tmp_path: Path) -> None:
     from sojourn_config.scenario import load_scenario
 
-    text, *_ = blocks(README, "yaml")
+    text, *_ = blocks(THE_FILES, "yaml")
     file = tmp_path / "mine.yaml"
     file.write_text(text, encoding="utf-8")
     assert len(load_scenario(str(file)).config.steps) == len(yaml.safe_load(text)["steps"])
 
 
 def test_the_example_grounds_are_valid() -> None:
-    from sojourn_mechanics.terrain.generate import generate
-    from sojourn_mechanics.terrain.params import TerrainParams
+    from sojourn_physics.terrain.generate import generate
+    from sojourn_physics.terrain.params import TerrainParams
 
-    documents = [yaml.safe_load(text) for text in blocks(README, "yaml")]
+    documents = [yaml.safe_load(text) for text in blocks(THE_FILES, "yaml")]
     placed, from_file = (
         document for document in documents if "kind" in document.get("terrain", {}) and len(document) == 1
     )
@@ -123,19 +127,33 @@ def test_links_lead_to_files_and_examples_are_python(manual: Path) -> None:
 
 
 def test_the_example_wheel_is_valid() -> None:
-    from sojourn_mechanics.contact.params import WheelParams
+    from sojourn_machine.supports import WheelParams
 
-    *_, text = blocks(README, "yaml")
+    *_, text = blocks(THE_FILES, "yaml")
     (wheel,) = yaml.safe_load(text)["wheels"]
     assert WheelParams.model_validate(wheel).contact.model == "brush"
 
 
 def test_every_contact_model_is_in_the_manual() -> None:
-    import typing
+    from sojourn_machine.contact_choice import CONTACT_LAWS
 
-    from sojourn_mechanics.contact.params import ContactParams
+    assert len(CONTACT_LAWS.names()) == 9
+    for name in CONTACT_LAWS.names():
+        assert f"| `{name}` |" in THE_FILES
 
-    union, _ = typing.get_args(ContactParams)
-    for member in typing.get_args(union):
-        (name,) = typing.get_args(member.model_fields["model"].annotation)
-        assert f"| `{name}` |" in README
+
+def test_the_first_page_stays_short() -> None:
+    assert len(README.splitlines()) <= 200
+
+
+@pytest.mark.parametrize("package", sorted(path.parent.name for path in ROOT.glob("src/*/package.xml")))
+def test_every_module_is_in_its_packages_manual_and_no_other(package: str) -> None:
+    """Modules by file, chapters by folder, as the first column of the table of modules names them."""
+    text = (ROOT / "src" / package / "README.md").read_text(encoding="utf-8")
+    table = text.partition("| module |")[2] or text.partition("| chapter |")[2]
+    rows = list(itertools.takewhile(lambda line: line.startswith("|"), table.splitlines()[1:]))
+    listed = [name for row in rows for name in re.findall(r"`([^`]+)`", row.split("|")[1])]
+    folder = ROOT / "src" / package / package
+    files = {path.name for path in folder.glob("[a-z]*.py")}
+    chapters = {f"{path.parent.name}/" for path in folder.glob("[a-z]*/__init__.py")}
+    assert sorted(listed) == sorted(files | chapters)

@@ -11,8 +11,8 @@ from sojourn_config.load import load_params
 from sojourn_config.paths import available, urdf_folder
 from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import load_scenario
-from sojourn_mechanics.plant.state import zeros_command
-from sojourn_mechanics.plant.step import step
+from sojourn_physics.plant.state import zeros_command
+from sojourn_physics.plant.step import step
 from sojourn_plant.start import build_plant
 
 ROVERS = [name for name in available("rovers") if not load_params("rovers", name, RoverConfig).fixed_base]

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from rclpy.context import Context
@@ -20,13 +21,20 @@ from std_msgs.msg import Header
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos, stamps
 from sojourn_contract.clouds import point_cloud
-from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats, status_values
+from sojourn_contract.heartbeat import (
+    READY,
+    Counters,
+    heartbeat_message,
+    read_heartbeats,
+    status_message,
+    status_values,
+)
 from sojourn_contract.messages import battery_state, fill_joint_state, joint_state, wrench_stamped
 from sojourn_contract.topics import TOPICS, topic
 from sojourn_contract.types import message_class
-from sojourn_mechanics.arm.tool_params import TOOL_JOINT
+from sojourn_machine.tools import TOOL_JOINT
 
-PATIENCE_S = 20.0
+PATIENCE_S = 300.0
 """Wall time after which a test gives up; nothing is measured by it."""
 SCENARIO = "flat_drive"
 URDF = Path(__file__).parents[2] / "urdf" / "explorer.urdf"
@@ -218,6 +226,11 @@ def battery(period: int, voltage: float = 29.0, current: float = 2.0) -> Battery
     return battery_state(at(period), voltage, current, 293.15, math.nan, math.nan, math.nan)
 
 
+def loads(period: int, **powers: float) -> DiagnosticArray:
+    """Power that each load draws [W]."""
+    return status_message(at(period), "loads", {f"power {name}": f"{power:g}" for name, power in powers.items()})
+
+
 def tick(period: int, text: str = "") -> Header:
     """A tick of the operator or the recorder."""
     return Header(stamp=stamps.to_message(at(period)), frame_id=text)
@@ -229,4 +242,6 @@ def command(names: tuple[str, ...], period: int, rate: float = 0.0, angle: float
     return fill_joint_state(joint_state(names), at(period), [angle] * count, [rate] * count, [0.0] * count)
 
 
+HIGHEST_STAMP_S = 2_000_000_000
+"""Near the highest that a stamp can hold [s]: a clock of 2033."""
 ALL_TOPICS = tuple(row.name for row in TOPICS)

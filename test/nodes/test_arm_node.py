@@ -7,8 +7,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped
-from node_bench import ARM, WHEELS, Bench, at, imu, joints, odometry, stamp_of, wrist
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from nav_msgs.msg import Path
+from node_bench import ARM, WHEELS, Bench, at, cloud, imu, joints, odometry, stamp_of, wrist
 from node_bench import command as wheel_command
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
@@ -17,7 +18,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from sojourn_arm.node import ArmNode
 from sojourn_contract import stamps
 from sojourn_contract.heartbeat import status_message
-from sojourn_mechanics.arm.tool_params import TOOL_JOINT
+from sojourn_machine.tools import TOOL_JOINT
 
 COMMANDED = (*ARM, TOOL_JOINT)
 """The explorer's arm and its scoop."""
@@ -35,7 +36,9 @@ class ArmBench:
         self.period = 0
         self.force = (0.0, 0.0, -3.25)
         """On the wrist's sensor [N]: the turret hangs."""
-        self.angles = dict(zip(ARM, self.node.params.named_poses["unfold"], strict=True))
+        self.points = np.zeros((0, 3))
+        """What the hazard camera sees."""
+        self.angles = dict(zip(ARM, self.node.app.params.named_poses["unfold"], strict=True))
 
     def step(self, periods: int = 1, spoil: str = "", switch: str = "on", rate: float = 0.0) -> JointState:
         """Go on, the wheels told to turn at `rate`; the last command."""
@@ -53,6 +56,8 @@ class ArmBench:
             attitude = imu(self.period)
             if spoil == "attitude":
                 attitude.orientation.w = 0.0
+            if self.period % 50 == 0:
+                self.bench.send("/hazcam/points", cloud(self.period, self.points))
             self.bench.send("/wrist/wrench", wrist(self.period, self.force))
             self.bench.send("/imu/data", attitude)
             if self.with_drive:
@@ -141,6 +146,83 @@ def test_a_pose_goal_starts_a_motion(arm: ArmBench) -> None:
     assert status["goal_stamp"] == str(at(1))
 
 
+def tip_path(*points: tuple[float, float, float], arc: int = -1, frame: str = "base_link") -> Path:
+    """A path through points, that of index `arc` gone by on an arc."""
+    message = Path()
+    message.header.frame_id = frame
+    message.header.stamp = stamps.to_message(at(1))
+    for k, (x, y, z) in enumerate(points):
+        message.poses.append(pose_goal(x, y, z, "arc" if k == arc else frame))
+    return message
+
+
+@pytest.mark.parametrize("frame", ["base_link", "map"])
+def test_a_path_of_the_tip_is_followed_to_its_end(bench: Bench, frame: str) -> None:
+    arm = ArmBench(bench, *(("drive",) if frame == "map" else ()))
+    arm.here.pose.pose.position.x = 2.0 if frame == "map" else 0.0
+    arm.step()
+    x, y, z = (float(value) for value in arm.status()["tip_in_base_m"].split())
+    x += arm.here.pose.pose.position.x
+    corners = (x, y + 0.04, z), (x + 0.02, y + 0.06, z), (x + 0.04, y + 0.04, z)
+    status = arm.goal("/arm/path", tip_path(*corners, arc=1, frame=frame))
+    assert status["state"] == "moving", status["reason"]
+    places = [np.array([float(value) for value in status["tip_in_base_m"].split()])]
+    while status["state"] == "moving":
+        status = arm.status()
+        places.append(np.array([float(value) for value in status["tip_in_base_m"].split()]))
+    assert status["state"] == "reached" and float(status["error_m"]) < 1e-3
+    assert status["goal_stamp"] == str(at(1)) and status["goals_accepted"] == "1"
+    for tip in places:  # on the line or on the arc about its middle, or within the rounding of the corner
+        line = math.hypot(tip[0] - places[-1][0] + 0.04, tip[2] - z)
+        bow = abs(math.hypot(tip[0] - places[-1][0] + 0.02, tip[1] - y - 0.04) - 0.02) + abs(tip[2] - z)
+        assert min(line, bow) < 0.006
+
+
+def jog(linear: tuple[float, float, float], frame: str = "base_link", stamp: int = 0) -> TwistStamped:
+    message = TwistStamped()
+    message.header.frame_id = frame
+    message.header.stamp = stamps.to_message(stamp)
+    message.twist.linear.x, message.twist.linear.y, message.twist.linear.z = linear
+    return message
+
+
+def send_jog(arm: ArmBench, message: TwistStamped) -> None:
+    before = arm.node.events.received.get("/arm/cmd_vel", 0)
+    arm.bench.send("/arm/cmd_vel", message)
+    arm.bench.until(lambda: arm.node.events.received.get("/arm/cmd_vel", 0) > before, "the jog has arrived")
+
+
+def test_jogging_moves_the_tip_while_commands_come_and_stops_after(bench: Bench) -> None:
+    arm = ArmBench(bench, "drive")
+    turned = np.array(pin.Quaternion(pin.utils.rpyToMatrix(0.0, 0.0, 0.5 * math.pi)).coeffs())
+    q = arm.here.pose.pose.orientation
+    q.x, q.y, q.z, q.w = (float(value) for value in turned)
+    start = np.array([float(value) for value in arm.status()["tip_in_base_m"].split()])
+    for frame, linear, way in (
+        ("base_link", (0.0, 0.04, 0.0), (0.0, 1.0, 0.0)),
+        ("map", (0.04, 0.0, 0.0), (0.0, -1.0, 0.0)),  # the rover looks along the map's y
+        ("arm_tip_link", (0.0, 0.0, -0.04), (0.0, 0.0, 1.0)),
+    ):
+        while arm.period % 50 < 40:
+            send_jog(arm, jog(linear, frame, at(arm.period + 1)))
+            arm.step(5)
+        status = arm.status()
+        assert (status["task"], status["state"]) == ("jog", "moving")
+        status = arm.status()
+        while status["state"] == "moving":
+            status = arm.status()
+        assert status["state"] == "stopped" and "older than 0.20 s" in status["reason"]
+        end = np.array([float(value) for value in status["tip_in_base_m"].split()])
+        gone = end - start
+        assert np.linalg.norm(gone) > 0.01 and float(gone @ way) > 0.999 * np.linalg.norm(gone)
+        start = end
+    arm.step(rate=0.3)
+    send_jog(arm, jog((0.0, 0.04, 0.0), stamp=at(arm.period + 1)))
+    arm.step(50 - arm.period % 50, rate=0.3)
+    status = arm.bench.status("/arm/status", arm.period)
+    assert status["state"] == "refused" and "the rover drives" in status["reason"]
+
+
 def trajectory(names: tuple[str, ...], *points: list[float]) -> JointTrajectory:
     return JointTrajectory(joint_names=list(names), points=[JointTrajectoryPoint(positions=point) for point in points])
 
@@ -160,6 +242,20 @@ REFUSED = {
     "out of limits": ("/arm/joint_goal", joint_goal(("arm_elbow_joint",), [9.0]), "arm_elbow_joint = 9.0000 is out of"),
     "no positions": ("/arm/joint_goal", joint_goal(ARM, []), "0 values, needed are 5"),
     "unknown pose": ("/arm/joint_goal", joint_goal((), [], "wave"), "wave"),
+    "too fast a jog": ("/arm/cmd_vel", jog((0.0, 0.5, 0.0)), "linear velocity of 0.500 m/s: allowed is at most 0.04"),
+    "a jog in an unknown frame": (
+        "/arm/cmd_vel",
+        jog((0.0, 0.01, 0.0), "camera"),
+        "header.frame_id = 'camera': allowed is one of base_link, map, odom, arm_tip_link",
+    ),
+    "a path of no points": ("/arm/path", tip_path(), "at least one"),
+    "a path out of reach": ("/arm/path", tip_path((3.0, 0.0, 0.0)), "of the path the arm stays behind"),
+    "an arc without an end": ("/arm/path", tip_path((1.2, 0.0, 0.0), arc=0), "its end is to follow"),
+    "a path in an unknown frame": (
+        "/arm/path",
+        tip_path((1.2, 0.0, 0.0), frame="map"),
+        "/arm/path.header.frame_id = 'map': allowed is base_link: there is no /odom",
+    ),
     "no points": ("/arm/joint_trajectory", trajectory(ARM), "at least one"),
 }
 
@@ -262,7 +358,7 @@ def test_a_goal_on_the_ground_is_found_from_where_the_rover_stands(bench: Bench)
     wanted = tip + np.array([0.0, 0.03, 0.02])
     status = arm.goal("/arm/goal_pose", pose_goal(*base_in_odom.act(wanted).tolist(), "odom"))
     assert status["state"] in ("moving", "reached"), status["reason"]
-    assert arm.node.state.arm.tip_target == pytest.approx(wanted, abs=1e-4)
+    assert arm.node.state.tasks.arm.tip_target == pytest.approx(wanted, abs=1e-4)
     status = arm.goal("/arm/goal_pose", pose_goal(*wanted.tolist(), "camera"))
     assert "header.frame_id = 'camera': allowed is one of base_link, map, odom" in status["reason"]
 
@@ -324,7 +420,7 @@ def test_in_real_time_it_acts_without_the_drive(bench: Bench) -> None:
     bench.connect(node, lockstep=False)
     for period in (1, 2):
         bench.send("/joint_states", joints(period))
-        bench.until(lambda period=period: node._latest.get("/joint_states", (0,))[0] == at(period), "joints are there")
+        bench.until(lambda period=period: node.latest.stamp_of("/joint_states") == at(period), "joints are there")
         bench.send("/imu/data", imu(period))
     assert tuple(bench.answer("/arm_command", 2).name) == COMMANDED
 
@@ -336,17 +432,17 @@ def test_in_real_time_any_input_may_come_first(bench: Bench) -> None:
     assert list(bench.answer("/arm_command", 3000).name) == []
     for period in (3001, 3002):
         bench.send("/joint_states", joints(period))
-        bench.until(lambda period=period: node._latest.get("/joint_states", (0,))[0] == at(period), "joints are there")
+        bench.until(lambda period=period: node.latest.stamp_of("/joint_states") == at(period), "joints are there")
         bench.send("/imu/data", imu(period))
     assert tuple(bench.answer("/arm_command", 3002).name) == COMMANDED
 
 
-def test_a_goal_under_the_ground_is_refused_with_the_pair(arm: ArmBench) -> None:
+def test_a_goal_under_the_ground_is_refused_as_such(arm: ArmBench) -> None:
     """The rover's wheels tell where the ground is: 0.47 m under base_link."""
     arm.step()
     status = arm.goal("/arm/goal_pose", pose_goal(1.2, 0.0, -0.75))
     assert status["state"] == "refused"
-    assert "and ground: overlap by" in status["reason"] and "arm_" in status["reason"]
+    assert "below the plane on which the machine stands" in status["reason"]
 
 
 def test_a_pause_ends_as_reached_and_resuming_carries_the_motion_on(arm: ArmBench) -> None:
@@ -361,7 +457,7 @@ def test_a_pause_ends_as_reached_and_resuming_carries_the_motion_on(arm: ArmBenc
     while status["state"] == "moving":
         status = arm.status()
     assert (status["state"], status["reason"]) == ("reached", "")
-    assert [arm.angles[name] for name in ARM] == pytest.approx(arm.node.params.named_poses["stow"], abs=1e-3)
+    assert [arm.angles[name] for name in ARM] == pytest.approx(arm.node.app.params.named_poses["stow"], abs=1e-3)
 
 
 def test_a_share_of_its_power_limits_what_the_arm_plans(arm: ArmBench) -> None:
@@ -371,10 +467,27 @@ def test_a_share_of_its_power_limits_what_the_arm_plans(arm: ArmBench) -> None:
     assert status["state"] == "refused" and "of what it can give, however slowly it moves" in status["reason"]
     arm.step(10, switch="0.25")
     arm.goal("/arm/joint_goal", joint_goal((), [], "stow"))
-    granted = arm.node.state.arm
+    granted = arm.node.state.tasks.arm
     assert (granted.granted_power, granted.granted_current) == (None, 1.0), "the bench switches it on again"
     arm.step(1, switch="0.25")
     arm.step(10, switch="0.25")
-    granted = arm.node.state.arm
+    granted = arm.node.state.tasks.arm
     assert (granted.granted_power, granted.granted_current) == (20.0, 0.25)
     assert granted.pace == 1.0 and granted.status == "moving"
+
+
+def test_a_place_in_a_rock_that_the_camera_sees_is_refused(bench: Bench) -> None:
+    """A rock of 0.2 m in front of the rover: a goal over it is taken, one in it or below the ground refused."""
+    arm = ArmBench(bench, "drive")
+    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(0.6, 2.0, 0.02), np.arange(-0.6, 0.6, 0.02)))
+    rock = np.hypot(x - 1.2, y) < 0.2
+    arm.points = np.column_stack([x, y, np.where(rock, -0.27, -0.47)])
+    arm.step(50)
+    refused = arm.goal("/arm/goal_pose", pose_goal(1.2, 0.0, -0.40))
+    assert refused["state"] == "refused"
+    assert "130 mm below the ground that the camera has seen: at most 25 mm" in refused["reason"], refused["reason"]
+    beside = arm.goal("/arm/goal_pose", pose_goal(1.2, 0.45, -0.56))
+    assert beside["state"] == "refused" and "90 mm below the ground that the camera" in beside["reason"]
+    behind = arm.goal("/arm/goal_pose", pose_goal(-0.9, 0.0, -0.60))
+    assert behind["state"] == "refused" and "below the plane on which the machine stands" in behind["reason"]
+    assert arm.goal("/arm/goal_pose", pose_goal(1.2, 0.0, -0.26))["state"] in ("moving", "reached")

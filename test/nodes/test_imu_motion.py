@@ -32,10 +32,11 @@ def test_a_machine_that_shakes_within_a_period_does_not_seem_to_turn() -> None:
     """Yaw swings at 50 Hz: every sample is taken at the same rate, and their sum was a heading that ran away."""
     scenario, dt = load_scenario("flat_drive"), 0.02
     motion, message, turned = ImuMotion(scenario.urdf_xml, scenario.gravity), Odometry(), 0.0
+    before = None
     for period in range(100):
         yaw, rate = 1e-3 * math.sin(100.0 * math.pi * period * dt), 0.1 * math.pi
         set_quaternion(message.pose.pose.orientation, np.array([0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)]))
         set_xyz(message.twist.twist.angular, (0.0, 0.0, rate))
-        felt = motion.update(message, dt)
+        before, felt = motion.felt(before, message, dt)
         turned += felt.angular_velocity[2] * dt if period else 0.0
     assert turned == pytest.approx(0.0, abs=1e-9)

@@ -13,7 +13,7 @@ from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import READY, STALLED, WAITING_FOR, Counters, heartbeat_message, status_message
 from sojourn_contract.topics import outputs_of
 from sojourn_drive.node import DriveNode
-from sojourn_plant import node
+from sojourn_plant import app
 from sojourn_plant.node import PlantNode
 from sojourn_plant.start import build_plant
 from sojourn_sensors.node import SensorsNode
@@ -31,7 +31,7 @@ def built() -> Any:
 def quick_start(built: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """All that changes is in the state, so each plant gets a copy of that and the model itself."""
     model, state = built
-    monkeypatch.setattr(node, "build_plant", lambda scenario: (model, state.copy()))
+    monkeypatch.setattr(app, "build_plant", lambda scenario: (model, state.copy()))
 
 
 def begin(bench: Bench, *participants: str, **parameters: Any) -> PlantNode:
@@ -187,8 +187,8 @@ def test_switches_cut_the_power_and_are_checked(bench: Bench) -> None:
             values = {5: {"drive": "off", "arm": "0.5"}, 10: {"oven": "on"}, 15: {"drive": "2.0"}, 20: {"drive": "on"}}
             bench.send("/power/switches", status_message(at(period), "switches", values[period]))
     bench.answer("/truth/joint_states", 21)
-    places = {load.name: place for place, load in enumerate(plant.model.bus.loads)}
-    fractions = plant._commands.at(plant.now).load_fractions
+    places = {load.name: place for place, load in enumerate(plant.app.model.bus.loads)}
+    fractions = plant.state.commands.fractions
     assert (fractions[places["drive"]], fractions[places["arm"]]) == (1.0, 0.5)
     assert plant.counters.refused == {"/power/switches": 2}
     assert "status.values.drive = 2.0: allowed is on, off, or a fraction" in plant.counters.last_refusal

@@ -50,6 +50,18 @@ def test_sheds_when_the_charge_is_low(bench: Bench, power: PowerNode) -> None:
     assert status["state"] == "shedding" and status["reason"]
 
 
+@pytest.mark.parametrize("known", [False, True])
+def test_telemetry_that_no_battery_can_have_is_refused(bench: Bench, power: PowerNode, known: bool) -> None:
+    """It ended the node: what the law cannot take is refused with its reason, as what the contract cannot."""
+    before = run(bench, 5, 45, HIGH) if known else {}
+    period = 50 if known else 5
+    absurd = battery(period, HIGH)
+    absurd.temperature = -1.6e29
+    bench.send("/bus/state", absurd)
+    assert status_values(bench.answer("/power/switches", period)) == before
+    assert power.counters.refused == {"/bus/state": 1} and "temperature" in power.counters.last_refusal
+
+
 def test_telemetry_that_is_none_is_refused_and_the_last_good_one_counts(bench: Bench, power: PowerNode) -> None:
     bench.send("/bus/state", battery(5, math.nan))
     assert status_values(bench.answer("/power/switches", 5)) == {}, "nothing is known, nothing is switched"

@@ -13,7 +13,7 @@ from node_bench import Bench
 PROGRAM = """
 import rclpy
 from numba.core.dispatcher import Dispatcher
-from node_bench import JOINTS, at, battery, imu, joints, odometry
+from node_bench import JOINTS, at, battery, imu, joints, loads, odometry
 from {module} import {name} as Node
 
 rclpy.init(args=[])
@@ -32,7 +32,7 @@ rclpy.try_shutdown()
 """
 TRUTH = """lambda p: {"/truth/odom": odometry(p), "/truth/joint_states": joints(p, dict.fromkeys(JOINTS, 0.01 * p)),
     "/truth/motor_states": joints(p),
-    "/truth/electrical": battery(p)}"""
+    "/truth/electrical": battery(p), "/truth/loads": loads(p, imu=12.0)}"""
 MEASURED = """lambda p: {"/joint_states": joints(p, dict.fromkeys(JOINTS, 0.01 * p)), "/imu/data": imu(p)}"""
 NODES = {
     "sojourn_sensors.node:SensorsNode": TRUTH,
@@ -49,7 +49,7 @@ def test_no_kernel_is_loaded_in_a_period(node: str, bench: Bench) -> None:
     environment = {**os.environ, "PYTHONPATH": os.path.dirname(__file__)}
     program = PROGRAM.format(module=module, name=name, inputs=NODES[node])
     done = subprocess.run(
-        [sys.executable, "-c", program], env=environment, capture_output=True, text=True, timeout=200.0, check=False
+        [sys.executable, "-c", program], env=environment, capture_output=True, text=True, timeout=1800.0, check=False
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1] == "late:"

@@ -113,9 +113,9 @@ def rotate_velocity(node: Any, topic: str) -> None:
 
 def set_parameters(node: Any, **changes: Any) -> None:
     """Other parameters of the drive's goal follower."""
-    params = node.model.params
+    params = node.app.model.params
     follower = params.follower.model_copy(update=changes)
-    object.__setattr__(node.model, "params", params.model_copy(update={"follower": follower}))
+    object.__setattr__(node.app.model, "params", params.model_copy(update={"follower": follower}))
 
 
 # Drive
@@ -123,18 +123,18 @@ def set_parameters(node: Any, **changes: Any) -> None:
 
 @defect("drive", replay="/wheel_command.velocity")
 def a_gain_is_one_percent_off(drive: Any) -> None:
-    set_parameters(drive, distance_gain=1.01 * drive.model.params.follower.distance_gain)
+    set_parameters(drive, distance_gain=1.01 * drive.app.model.params.follower.distance_gain)
 
 
 @defect("drive", replay="/odom.twist.twist.angular.z")
 def the_gyro_has_the_wrong_sign(drive: Any) -> None:
-    read = drive._measurements.drive_input
+    read = drive.app._measurements.drive_input
 
     def flipped(*given: Any) -> Any:
         measured = read(*given)
         return replace(measured, gyro=tuple(-rate for rate in measured.gyro))
 
-    drive._measurements.drive_input = flipped
+    drive.app._measurements.drive_input = flipped
 
 
 @defect("drive", replay="/wheel_command.position", judge="/wheel_command.position")
@@ -226,9 +226,9 @@ def a_publisher_is_best_effort(drive: Any) -> None:
 
 @defect("arm", replay="/arm_command.effort")
 def gravity_has_the_wrong_sign(arm: Any) -> None:
-    measured = arm._measurements
+    measured = arm.app._measurements
     gravity_in_base = measured._gravity_in_base
-    measured._gravity_in_base = lambda imu: -gravity_in_base(imu)
+    measured._gravity_in_base = lambda *given: -gravity_in_base(*given)
 
 
 @defect("arm", replay="/arm_command.name", judge="/arm_command.position")
@@ -244,14 +244,14 @@ def a_joint_has_the_name_of_another_machine(arm: Any) -> None:
 
 @defect("arm", replay="/arm_command.position")
 def a_goal_is_read_in_degrees(arm: Any) -> None:
-    take = arm._goals.goal
+    read = arm.app._goals.request
 
-    def goal(topic: str, message: Any) -> Any:
+    def request(topic: str, message: Any, *rest: Any) -> Any:
         if topic == "/arm/joint_goal":
             message.position = np.radians(message.position).tolist()
-        return take(topic, message)
+        return read(topic, message, *rest)
 
-    arm._goals.goal = goal
+    arm.app._goals.request = request
 
 
 @defect("arm", replay="/arm_command.velocity (length)", judge="/arm_command.velocity")
@@ -279,8 +279,8 @@ def current_has_the_wrong_sign(power: Any) -> None:
 
 @defect("power", replay="/power/switches.status.values.actuator_heater")
 def a_load_is_shed_at_another_charge(power: Any) -> None:
-    law = power.params.law.model_copy(update={"shed_soc_first": 1.01 * power.params.law.shed_soc_first})
-    power.params = power.params.model_copy(update={"law": law})
+    law = power.app.params.law.model_copy(update={"shed_soc_first": 1.01 * power.app.params.law.shed_soc_first})
+    power.app.params = power.app.params.model_copy(update={"law": law})
 
 
 @defect("power", replay="/power/switches.status.values.drive", judge="/power/switches.status.values.key")
@@ -328,7 +328,8 @@ def rates_are_taken_over_a_period_that_drifts(sensors: Any) -> None:
     act = sensors.on_period
 
     def drifting(stamp: int, *rest: Any) -> None:
-        sensors._last -= 2000  # the period is a ten-thousandth longer
+        before = sensors.state  # the period is a ten-thousandth longer
+        sensors.state = replace(before, measured_at=before.measured_at - 2000)
         act(stamp, *rest)
 
     sensors.on_period = drifting
@@ -336,7 +337,7 @@ def rates_are_taken_over_a_period_that_drifts(sensors: Any) -> None:
 
 @defect("sensors", replay="/imu/data.linear_acceleration.z")
 def gravity_is_left_out(sensors: Any) -> None:
-    sensors._motion._gravity = np.zeros(3)
+    sensors.app._motion._gravity = np.zeros(3)
 
 
 @defect("sensors", replay="/imu/data.orientation", judge="/imu/data.orientation")
@@ -349,7 +350,7 @@ def an_attitude_is_not_of_unit_length(sensors: Any) -> None:
 
 @defect("sensors", replay="/imu/data.angular_velocity.x")
 def noise_has_another_seed(sensors: Any) -> None:
-    sensors._seed += 1
+    sensors.app._seed += 1
 
 
 # Plant

@@ -3,6 +3,7 @@
 If a change is meant to alter them: scripts/record_reference renews the bags, and git shows in digest.txt what is new.
 """
 
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import pytest
 
 from sojourn_bags.candidate import NodeCandidate
-from sojourn_bags.comparison_result import Comparison, Verdict
+from sojourn_bags.comparison_result import Comparison, FieldDifference, Verdict
 from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.digest import digest
 from sojourn_bags.provenance import run_of
@@ -137,6 +138,11 @@ class StaleDrive(DriveNode):
         super().publish(topic, message)
 
 
+def beyond(fields: Iterable[FieldDifference]) -> list[FieldDifference]:
+    """Those that differ by more than the contract allows: the bag may be of a machine that rounds in another way."""
+    return [field for field in fields if field.beyond]
+
+
 def judged(node_class: Any, domain: int) -> Comparison:
     comparison = replayed("short_goals", "drive", node_class, domain).comparison
     assert comparison.verdict is Verdict.DIFFERENT
@@ -145,14 +151,17 @@ def judged(node_class: Any, domain: int) -> Comparison:
 
 def test_a_gain_that_is_off_is_named(domain: int) -> None:
     comparison = judged(WeakDrive, domain)
-    (found,) = comparison.fields
+    (found,) = beyond(comparison.fields)
     assert found.name == "/wheel_command.velocity"
     assert found.largest.difference == pytest.approx(1e-4 * abs(found.largest.one))
 
 
 def test_a_delay_of_one_period_is_named(domain: int) -> None:
     comparison = judged(LateDrive, domain)
-    assert {field.name for field in comparison.fields} == {"/odom.pose.pose.position.x", "/odom.pose.pose.position.y"}
+    assert {field.name for field in beyond(comparison.fields)} == {
+        "/odom.pose.pose.position.x",
+        "/odom.pose.pose.position.y",
+    }
 
 
 def test_messages_that_are_left_out_are_named(domain: int) -> None:
@@ -169,7 +178,7 @@ def test_a_stale_stamp_is_named(domain: int) -> None:
     topics = {topic.topic: topic for topic in judged(StaleDrive, domain).topics}
     assert topics["/wheel_command"].extra == (0,)
     assert len(topics["/wheel_command"].missing) == 1
-    assert not topics["/odom"].fields
+    assert not beyond(topics["/odom"].fields)
 
 
 class Ear:

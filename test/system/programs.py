@@ -14,36 +14,59 @@ from pathlib import Path
 import pytest
 
 from domains import own_domain
+from sojourn_machine import arithmetic
 
 HERE = Path(__file__).parent
 SHORT_RUN = HERE / "short_run.yaml"
-LONGEST_S = 200.0
-"""Wall time after which a test gives up. Generous, as PATIENT is: these tests may run on a machine that is busy."""
-PATIENT = ("--start-timeout", "120", "--lockstep-timeout", "50")
-"""Options of start.py that let a busy machine be slow."""
+LONGEST_S = 1800.0
+"""Wall time after which a program hangs for certain: ten times what any of these takes, and more [s]."""
+PATIENT = ("--start-timeout", "600", "--lockstep-timeout", "300")
+"""Options of start.py and demo that let a busy machine be slow; they cost nothing where nobody falls silent."""
+PATIENT_BENCH = ("--start-timeout", "600", "--timeout", "300")
+"""The same for programs that stand in for a node: options of replay and of contract check."""
+ELSEWHERE = {
+    "OPENBLAS_NUM_THREADS": "4", "OMP_NUM_THREADS": "4", "NUMBA_NUM_THREADS": "2", "OPENBLAS_CORETYPE": "Sandybridge",
+    "NUMBA_CPU_NAME": "generic", "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR",
+}  # fmt: skip
+"""What a user may have set: an older processor for each library that asks, and more threads than there are cores."""
+MODULES = {
+    "compare": "sojourn_bags.compare_command",
+    "contract_tool": "sojourn_bringup.contract_tool",
+    "demo": "sojourn_bringup.demo",
+    "goal_client": "sojourn_operator.goal_client",
+    "replay": "sojourn_bringup.replay",
+    "start": "sojourn_bringup.start",
+}
 MARK = "SOJOURN_TEST_MARK"
 """Variable by which a program's descendants are found, whatever group or parent they have."""
 
 
-def environment(mark: str) -> dict[str, str]:
-    """Variables of the programs under test; ROS checks the fields of every message."""
-    return {**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1", "PYTHONUNBUFFERED": "1", MARK: mark}
+def environment(mark: str, outside: Mapping[str, str] | None = None) -> dict[str, str]:
+    """Variables of the programs under test: as a user's shell has them, who may have set others `outside`.
+
+    ROS checks the fields of every message.
+    """
+    shell = {**arithmetic.outer(os.environ), **(outside or {})}
+    return {**shell, "ROS_PYTHON_CHECK_FIELDS": "1", "PYTHONUNBUFFERED": "1", MARK: mark}
 
 
 class Program:
-    """A program of sojourn_bringup in a session of its own, its output in a file.
+    """A program of ours in a session of its own, its output in a file.
 
     Args:
-        module: module that it runs. arguments: its options. log: file for what it prints.
+        name: which, of MODULES. arguments: its options. log: file for what it prints.
+        outside: variables that its user has set.
     """
 
-    def __init__(self, module: str, arguments: Sequence[str], log: Path) -> None:
+    def __init__(
+        self, name: str, arguments: Sequence[str], log: Path, outside: Mapping[str, str] | None = None
+    ) -> None:
         self.log = log
         self.mark = uuid.uuid4().hex
         with log.open("wb") as output:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", f"sojourn_bringup.{module}", *arguments],
-                env=environment(self.mark),
+                [sys.executable, "-m", MODULES[name], *arguments],
+                env=environment(self.mark, outside),
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,
@@ -124,8 +147,10 @@ def demos(options: Mapping[str, Sequence[str]], folder: Path) -> dict[str, tuple
     def demo(name: str) -> tuple[int, str, Path]:
         with own_domain() as domain:
             place = ["--run-dir", str(folder / name), "--domain", str(domain)]
-            command = [sys.executable, "-m", "sojourn_bringup.demo", *options[name], *place]
-            done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
+            command = [sys.executable, "-m", "sojourn_bringup.demo", *options[name], *PATIENT, *place]
+            done = subprocess.run(
+                command, env=environment(name), capture_output=True, text=True, timeout=LONGEST_S, check=False
+            )
         return done.returncode, done.stdout[-2000:] + done.stderr[-2000:], folder / name
 
     with ThreadPoolExecutor(2) as pool:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from programs import Program
+from programs import PATIENT_BENCH, Program
 
 Start = Callable[..., Program]
 FLIGHT_DRIVE = f"{sys.executable} {Path(__file__).parent / 'flight_drive.py'}"
@@ -30,7 +30,9 @@ process.run(Drowsy)
 
 def test_a_program_that_knows_nothing_of_ours_keeps_the_contract(start: Start, domain: int) -> None:
     """Its answers are not those of our drive, and need not be."""
-    program = start("contract_tool", "check", "--exec", FLIGHT_DRIVE, "--role", "drive", "--domain", domain)
+    program = start(
+        "contract_tool", "check", "--exec", FLIGHT_DRIVE, "--role", "drive", "--domain", domain, *PATIENT_BENCH
+    )
     assert program.wait() == 0, program.text
     assert f"{FLIGHT_DRIVE} keeps the contract: no violation" in program.text.splitlines()[-1]
     assert not program.leaves_processes()
@@ -42,9 +44,8 @@ def test_what_a_program_does_wrong_is_told_with_topic_stamp_and_field(
     candidate, verdict = tmp_path / "candidate.py", tmp_path / "verdict.json"
     candidate.write_text(DROWSY, encoding="utf-8")
     command = f"{sys.executable} {candidate}"
-    program = start(
-        "contract_tool", "check", "--exec", command, "--role", "drive", "--domain", domain, "--json", verdict
-    )  # fmt: skip
+    options = ("--role", "drive", "--domain", domain, "--json", verdict, *PATIENT_BENCH)
+    program = start("contract_tool", "check", "--exec", command, *options)
     assert program.wait() == 1, program.text
     assert "/wheel_command at 6.00 s: velocity[wheel_front_left_joint] = NaN" in program.text
     assert "/odom at 4.00 s: header.stamp = missing" in program.text
@@ -62,7 +63,8 @@ def test_what_a_program_does_wrong_is_told_with_topic_stamp_and_field(
     ],
 )
 def test_a_program_that_never_answers_or_dies(command: str, words: str, start: Start, domain: int) -> None:
-    arguments = ("--role", "drive", "--domain", domain, "--start-timeout", "2")
+    wait_s = "2" if words.startswith("drive is not ready") else "600"
+    arguments = ("--role", "drive", "--domain", domain, "--timeout", "300", "--start-timeout", wait_s)
     program = start("contract_tool", "check", "--exec", command, *arguments)
     assert program.wait() == 1, program.text
     (line,) = (line for line in program.text.splitlines() if not line.startswith("note: "))

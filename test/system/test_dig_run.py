@@ -19,9 +19,9 @@ def said(bag: Bag, task: str) -> dict[str, str]:
     return [status for status in bag["/arm/status"].statuses() if status.get("task") == task][-1]
 
 
-def test_touch_dig_and_weigh(start: Callable[..., Program], tmp_path: Path, domain: int) -> None:
+def test_touch_dig_and_weigh(start: Callable[..., Program], tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    program = start("start", HERE / "dig_run.yaml", *PATIENT, "--composed", "--domain", domain, "--run-dir", folder)
+    program = start("start", HERE / "dig_run.yaml", *PATIENT, "--direct", "--run-dir", folder)
     assert program.wait() == 0, program.text
     bag = read_bag(folder)
     assert not list(judge_bag(bag)[0].lines())

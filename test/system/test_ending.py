@@ -46,7 +46,7 @@ def test_killed_node_stops_a_lockstep_run(start: Callable[..., Program], tmp_pat
 
 def test_silent_node_stops_a_lockstep_run(start: Callable[..., Program], tmp_path: Path, domain: int) -> None:
     program = start(
-        "start", SHORT_RUN, *LONG, "--lockstep-timeout", "4", "--domain", domain, "--run-dir", tmp_path / "run"
+        "start", SHORT_RUN, *LONG, "--lockstep-timeout", "10", "--domain", domain, "--run-dir", tmp_path / "run"
     )  # fmt: skip
     program.wait_until(is_running, "the run has begun")
     os.kill(program.process_of("arm"), signal.SIGSTOP)

@@ -59,8 +59,8 @@ def test_course(rover: str, runs: dict[str, tuple[int, str, Path]]) -> None:
 
 
 def test_who_is_not_asked_for_the_step_cannot_climb_it_by_the_data_sheet() -> None:
-    from sojourn_bringup.rover_datasheet import subject_of
-    from sojourn_mechanics.vehicle.step_climbing import highest_step
+    from sojourn_analysis.vehicle.step_climbing import highest_step
+    from sojourn_studies.rover_datasheet import subject_of
 
     for rover in ROVERS:
         course = load_scenario(scenario_of(None, rover), [f"rover={rover}"])

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from programs import Program
+from programs import PATIENT, PATIENT_BENCH, Program
 
 from domains import domain_to_keep
 from sojourn_bags.candidate import NodeCandidate
@@ -73,7 +73,7 @@ def program_file(folder: Path, text: str) -> str:
 def run_here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of this machine: the reference may be of another one, that rounds in another way."""
     folder = tmp_path_factory.mktemp("replayed")
-    arguments = [str(BAG.parent / "short_goals.yaml"), "--composed", "--domain", str(domain_to_keep())]
+    arguments = [str(BAG.parent / "short_goals.yaml"), *PATIENT, "--composed", "--domain", str(domain_to_keep())]
     arguments += ["--set", "steps=[{drive_to: {x: 0.1, y: 0.0}, timeout_s: 1.5}]", "--run-dir", str(folder / "run")]
     program = Program("start", arguments, folder / "log.txt")
     try:
@@ -88,14 +88,14 @@ def test_our_nodes_reproduce_a_run_of_this_machine_exactly(role: str, run_here: 
     bag = read_bag(run_here)
     with run_configuration(bag) as configuration:
         candidate = NodeCandidate(process(role).load_class())
-        result = replay(bag, role, candidate, configuration, ReplaySettings(domain, "", 50.0, 120.0))
+        result = replay(bag, role, candidate, configuration, ReplaySettings(domain, "", 300.0, 600.0))
     assert result.comparison.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result.comparison))
     assert result.comparison.matched == sum(len(messages) for messages in result.script.recorded.values())
 
 
 def test_our_node_as_a_process_reproduces_it_too(run_here: Path, start: Start, domain: int, tmp_path: Path) -> None:
     file, both = tmp_path / "result.json", tmp_path / "both"
-    options = ("--exact", "--json", file, "--bag", both, "--domain", domain)
+    options = (*PATIENT_BENCH, "--exact", "--json", file, "--bag", both, "--domain", domain)
     program = start("replay", run_here, "--node", "drive", *options)
     assert program.wait() == 0, program.text
     assert program.text.splitlines()[-1].startswith("identical: ")
@@ -109,7 +109,7 @@ def test_our_node_as_a_process_reproduces_it_too(run_here: Path, start: Start, d
 
 def test_a_program_that_drives_in_another_way_is_told_apart(start: Start, domain: int) -> None:
     command = f"{sys.executable} {FLIGHT_DRIVE}"
-    program = start("replay", BAG, "--exec", command, "--role", "drive", "--domain", domain)
+    program = start("replay", BAG, "--exec", command, "--role", "drive", "--domain", domain, *PATIENT_BENCH)
     assert program.wait() == 1, program.text
     assert "/wheel_command.velocity" in program.text
     assert "first divergence upstream: " in program.text
@@ -146,7 +146,7 @@ def test_a_program_that_drives_in_another_way_is_told_apart(start: Start, domain
             + PERIOD_OF_DEATH.format(
                 last_deed="signal.signal(signal.SIGINT, signal.SIG_IGN)\n            while True: signal.pause()"
             ),
-            "drive does not answer: /odom stamped 2.00 s is missing after 2 s of wall time",
+            "drive does not answer: /odom stamped 2.00 s is missing after 5 s of wall time",
         ),
     ],
     ids=["mute", "ends at once", "killed", "wrong QoS", "wrong type", "latched input", "hangs"],
@@ -155,7 +155,11 @@ def test_a_candidate_that_never_answers_or_dies(
     text: str, words: str, start: Start, domain: int, tmp_path: Path
 ) -> None:
     command = program_file(tmp_path, text)
-    limits = ("--timeout", "2", "--start-timeout", "3" if "sleep(1000)" in text else "60")
+    limits = list(PATIENT_BENCH)
+    if words.startswith("drive is not ready"):
+        limits[1] = "3"
+    elif words.startswith("drive does not answer"):
+        limits[3] = "5"
     program = start("replay", BAG, "--exec", command, "--role", "drive", "--domain", domain, *limits)
     assert program.wait() == 1, program.text
     assert words in program.text.splitlines()[-1]
@@ -176,8 +180,9 @@ def test_a_bag_that_is_cut_off_is_replayed_as_far_as_it_goes(start: Start, domai
     (whole,) = (BAG / "bag").glob("*.mcap")
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(whole.read_bytes()[: int(0.6 * os.path.getsize(whole))])
-    program = start("replay", cut, "--node", "power", "--domain", domain)
+    program = start("replay", cut, "--node", "power", "--domain", domain, *PATIENT_BENCH)
     assert program.wait() == 1, program.text
     first, verdict, last = program.text.splitlines()
-    assert "which is cut off: as far as it goes" in first and verdict.startswith("identical: ")
+    assert "which is cut off: as far as it goes" in first
+    assert verdict.startswith(("identical: ", "within tolerance: "))  # the bag may be of another machine
     assert last == f"{cut} is cut off, so this holds as far as it goes (scripts/recover mends it)"

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sojourn_bringup.trial_file import read_rows, read_trials, select
+from sojourn_analysis.wheels.trials import Trials, predict, summary
+from sojourn_analysis.wheels.wheel_bench import GRAVITY
 from sojourn_config.load import load_params
-from sojourn_mechanics.contact.trials import Trials, predict, summary
-from sojourn_mechanics.contact.wheel_bench import GRAVITY
-from sojourn_mechanics.contact.wheel_shape import WheelShape
-from sojourn_mechanics.soil.params import SoilParams, kernel_row
+from sojourn_physics.contact.wheel_shape import WheelShape
+from sojourn_physics.soil.params import SoilParams, kernel_row
+from sojourn_studies.trial_file import read_rows, read_trials, select
 
 MEASURED = Path(__file__).parent / "measured"
 SMOOTH = MEASURED / "wheel_tests_smooth.csv"
@@ -54,6 +54,15 @@ def test_error_reached_on_the_trials(soil: str) -> None:
         error = reached[part][f"{quantity}_error_percent"]
         assert error is not None and error <= pinned, f"{soil}, {part}: {quantity} {error:.2f} %"
         assert target is None or pinned <= target
+
+
+def test_torque_on_kls_1_is_off_by_a_constant() -> None:
+    """As config/soils/kls_1.yaml says: friction in the drive, no error that grows with the slip."""
+    trials = trials_of("kls_1")
+    missing = trials.measured[:, 3] - predicted("kls_1", trials)[:, 3]
+    assert missing.mean() == pytest.approx(0.96, abs=0.03)
+    load_times_radius = trials.cases[:, 0] * trials.shapes[:, 0]
+    assert np.median(np.abs(missing - missing.mean()) / load_times_radius) < 0.02
 
 
 def test_the_files_are_whole() -> None:

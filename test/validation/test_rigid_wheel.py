@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from scipy.optimize import brentq
 
-from sojourn_mechanics.contact.wheel_on_soil import NODES, WEIGHTS, contact_angles, rim_forces
-from sojourn_mechanics.soil.params import SoilParams, kernel_row
-from sojourn_mechanics.soil.pressure_sinkage import compaction_resistance, wheel_sinkage
+from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, contact_angles, rim_forces
+from sojourn_physics.soil.params import SoilParams, kernel_row
+from sojourn_physics.soil.pressure_sinkage import compaction_resistance, wheel_sinkage
 
 LINES = (Path(__file__).parent / "rigid_wheel.csv").read_text(encoding="utf-8").splitlines()
 CASES = list(csv.DictReader(line for line in LINES if not line.startswith("#")))

@@ -9,8 +9,10 @@ import math
 import numpy as np
 import pytest
 
-from sojourn_mechanics.contact.brush import BrushColumn
-from sojourn_mechanics.contact.contact_law import (
+from sojourn_analysis.wheels.examples import example_row
+from sojourn_machine.params import FloatArray
+from sojourn_physics.contact.brush import BrushColumn
+from sojourn_physics.contact.contact_law import (
     MOTION_COLUMNS,
     OUT_COLUMNS,
     STATE_COLUMNS,
@@ -19,11 +21,9 @@ from sojourn_mechanics.contact.contact_law import (
     OutColumn,
     WheelColumn,
 )
-from sojourn_mechanics.contact.dispatch import apply_law
-from sojourn_mechanics.contact.examples import example_row
-from sojourn_mechanics.contact.firm_wheel import FirmColumn
-from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.soil.params import SoilParams, kernel_row
+from sojourn_physics.contact.dispatch import apply_law
+from sojourn_physics.contact.firm_wheel import FirmColumn
+from sojourn_physics.soil.params import SoilParams, kernel_row
 
 ROCK = kernel_row(
     SoilParams(

@@ -1,28 +1,30 @@
-"""Published figures of vehicles against the analysis of `sojourn_mechanics.vehicle` and `actuators`."""
+"""Published figures of vehicles against the analysis of `sojourn_analysis.vehicle` and `actuators`."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from sojourn_config.load import load_params
-from sojourn_mechanics.actuators import dc_motor
-from sojourn_mechanics.actuators.params import MotorParams
-from sojourn_mechanics.soil.params import SoilParams
-from sojourn_mechanics.vehicle.body_motion import first_nulls
-from sojourn_mechanics.vehicle.handling import (
+from sojourn_analysis.vehicle.body_motion import first_nulls
+from sojourn_analysis.vehicle.handling import (
     SingleTrack,
     characteristic_speed,
     critical_speed,
     poles,
     understeer_gradient,
 )
-from sojourn_mechanics.vehicle.longitudinal import Course, greatest_grade, greatest_speed, steady_state
-from sojourn_mechanics.vehicle.params import VehicleParams
-from sojourn_mechanics.vehicle.quarter_car import QuarterCar, fixed_point, optimum_damping, undamped_modes
-from sojourn_mechanics.vehicle.ride import HORIZONTAL, VERTICAL, Weighting, iso_2631_gain
-from sojourn_mechanics.vehicle.steering_geometry import path_radii, steering_error, turn_of_outer_wheel
-from sojourn_mechanics.vehicle.wheel_traction import ClosedFormWheel
+from sojourn_analysis.vehicle.law_wheel import LawWheel
+from sojourn_analysis.vehicle.longitudinal import Course, greatest_grade, greatest_speed, steady_state
+from sojourn_analysis.vehicle.params import VehicleParams
+from sojourn_analysis.vehicle.quarter_car import QuarterCar, fixed_point, optimum_damping, undamped_modes
+from sojourn_analysis.vehicle.ride import HORIZONTAL, VERTICAL, Weighting, iso_2631_gain
+from sojourn_analysis.vehicle.steering_geometry import path_radii, steering_error, turn_of_outer_wheel
+from sojourn_analysis.vehicle.wheel_traction import ClosedFormWheel
+from sojourn_config.load import load_params
+from sojourn_machine.drives import MotorParams
+from sojourn_physics.actuators import dc_motor
+from sojourn_physics.soil.params import SoilParams
 
 MOON = 1.624
 
@@ -49,6 +51,21 @@ def test_lrv_grade_and_speed(lrv_on_the_moon: Course) -> None:
     grade, _ = greatest_grade(lrv_on_the_moon, 0.7)
     assert 20.0 < math.degrees(grade) < 25.0
     assert 13.0 < 3.6 * greatest_speed(lrv_on_the_moon) < 18.0
+
+
+def test_lrv_grade_by_the_law_of_the_plant(lrv_on_the_moon: Course) -> None:
+    """The mesh pressed flat: 25 degrees at most, 20 to 23 at the slip of 0.2 where pull has nearly all of its value.
+
+    Green & Melzer 1971 (WES TR M-71-10) found that knee at 0.15 to 0.25. Soil on soil over all of it climbed 30.
+    """
+    soil = load_params("soils", "lunar_nominal", SoilParams)
+    wheels = [LawWheel(axle.wheel, soil, MOON) for axle in lrv_on_the_moon.vehicle.axles]
+    grade, _ = greatest_grade(replace(lrv_on_the_moon, wheels=wheels), 0.7)
+    assert 20.0 < math.degrees(grade) < 25.0
+    load = 0.25 * lrv_on_the_moon.vehicle.mass * MOON
+    knee, most = (wheels[0].forces(load, slip).pull / load for slip in (0.2, 0.8))
+    assert 20.0 < math.degrees(math.atan(knee)) < 23.0
+    assert knee > 0.75 * most
 
 
 def test_maxon_motors() -> None:

@@ -1,21 +1,53 @@
-"""What the arm and its tool are told, as a message."""
+"""What the arm and its tool are told, as a value and as a message."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from sojourn_contract.messages import fill_joint_state
-from sojourn_mechanics.arm.state import ArmOutput
-from sojourn_mechanics.arm.tasks.task_control import TaskState
-from sojourn_mechanics.arm.tool_params import TOOL_JOINT
+import numpy as np
+
+from sojourn_contract.messages import fill_joint_state, joint_state
+from sojourn_flight.arm.state import ArmOutput
+from sojourn_flight.arm.tasks.task import ToolCommand
+from sojourn_machine.params import FloatArray
+from sojourn_machine.tools import TOOL_JOINT
 
 
-def fill_command(message: Any, joints: Sequence[str], output: ArmOutput, state: TaskState) -> None:
-    """Fill a JointState: the joints of the arm, then the actuator of its tool, if it has one. The stamp is left."""
-    fill_joint_state(message, 0, output.positions, output.velocities, output.efforts)
-    message.name = list(joints)
-    if state.tool is not None:
-        command = state.tool_command
-        message.name.append(TOOL_JOINT)
-        message.position.append(command.position)
-        message.velocity.append(command.rate)
-        message.effort.append(command.effort)
+def _nothing() -> FloatArray:
+    return np.zeros(0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Command:
+    """Of the joints of the arm, then of the actuator of its tool, if it has one; arrays (n,) in the order of `names`.
+
+    Empty until the first measurement says where the arm is: a command of no joint.
+    """
+
+    names: tuple[str, ...] = ()
+    positions: FloatArray = field(default_factory=_nothing)
+    """[rad or m]"""
+    velocities: FloatArray = field(default_factory=_nothing)
+    """[rad/s or m/s]"""
+    efforts: FloatArray = field(default_factory=_nothing)
+    """[N m or N]"""
+
+    def at_rest(self) -> "Command":
+        """To hold where the arm was sent last."""
+        return replace(self, velocities=np.zeros(len(self.names)))
+
+    def message(self, stamp: int) -> Any:
+        """As a JointState at a stamp [ns]."""
+        return fill_joint_state(joint_state(self.names), stamp, self.positions, self.velocities, self.efforts)
+
+
+def command_of(joints: Sequence[str], output: ArmOutput, tool: ToolCommand | None) -> Command:
+    """Command by the laws' output for the joints of the arm; `tool`: for its actuator, None where it has none."""
+    if tool is None:
+        return Command(tuple(joints), output.positions, output.velocities, output.efforts)
+    return Command(
+        (*joints, TOOL_JOINT),
+        np.append(output.positions, tool.position),
+        np.append(output.velocities, tool.rate),
+        np.append(output.efforts, tool.effort),
+    )

@@ -2,27 +2,31 @@
 the status.
 """
 
+from dataclasses import dataclass, replace
 from typing import Any
 
-from sojourn_arm.rover import Rover
-from sojourn_arm.tasks import task_fields, task_of
+from sojourn_arm.rover import BASE_FRAME, Rover, in_base
+from sojourn_arm.tasks import Request, task_fields, task_of
 from sojourn_contract import stamps
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.messages import quaternion, xyz
-from sojourn_mechanics.arm.controller import ArmOutput
-from sojourn_mechanics.arm.goals import (
-    ArmGoal,
-    GoalRefusedError,
+from sojourn_flight.arm.goals import (
     JointGoal,
     NamedGoal,
+    PathGoal,
+    PathPoint,
+    PoseGoal,
     StopGoal,
     TrajectoryGoal,
     pose_goal,
 )
-from sojourn_mechanics.arm.params import ArmParams
-from sojourn_mechanics.arm.tasks.requests import TaskRequest
-from sojourn_mechanics.arm.tasks.task_control import TaskReport
+from sojourn_flight.arm.jogging import JogCommand
+from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.state import ArmOutput
+from sojourn_flight.arm.tasks.task_control import TaskReport
 
+ON_ARC = "arc"
+"""header.frame_id of a pose of a path that the tip goes by on an arc."""
 _STATES = {
     "holding": "failed",
     "idle": "idle",
@@ -34,46 +38,52 @@ _STATES = {
 }
 
 
-class GoalDesk:
-    """Takes goals in and keeps the state of the last one."""
+@dataclass(frozen=True, slots=True)
+class LastGoal:
+    """What became of the last goal."""
 
-    def __init__(self, params: ArmParams, rover: Rover) -> None:
-        self._params = params
-        self._rover = rover
-        self._state = "idle"
-        self._reason = ""
-        self._stamp = 0
-        self._refused_before = 0
-        self._report: TaskReport | None = None
+    state: str = "idle"
+    reason: str = ""
+    stamp: int = 0
+    """Of its message [ns]."""
+    abandoned: bool = False
+    """It has failed without the arm's doing: what the arm says of it is no news."""
+    report: TaskReport | None = None
+    """Of the last period; None where the last goal was no task."""
+    refused_before: int = 0
+    """Goals that the arm had refused by then."""
 
-    def goal(self, topic: str, message: Any) -> ArmGoal | TaskRequest:
-        """The arm's goal or task of a message. Raises RefusedMessageError for a frame or numbers that it cannot
-        have.
-        """
+    def begun(self, topic: str, message: Any) -> "LastGoal":
+        """A new goal has come."""
         header = message if topic == "/arm/stop" else message.header
-        self._stamp = stamps.from_message(header.stamp)
-        self._state, self._reason = "moving", ""
-        try:
-            return self._convert(topic, message)
-        except (GoalRefusedError, RefusedMessageError) as refusal:
-            self._state, self._reason = "refused", str(refusal)
-            raise RefusedMessageError(topic, "goal", "refused", str(refusal)) from refusal
+        stamp = stamps.from_message(header.stamp)
+        return replace(self, state="moving", reason="", stamp=stamp, abandoned=False)
 
-    def note(self, output: ArmOutput, report: TaskReport | None, new_goal: bool) -> None:
-        """Keep what has become of the last goal; `new_goal`: it was given to the arm in this period."""
-        self._report = report
-        refused = output.goals_refused > self._refused_before
-        self._refused_before = output.goals_refused
+    def refused(self, reason: str) -> "LastGoal":
+        """It cannot be, and is not given to the arm."""
+        return replace(self, state="refused", reason=reason)
+
+    def given_up(self, reason: str) -> "LastGoal":
+        """The goal on its way has failed, as its measurements stay away."""
+        return replace(self, state="failed", reason=reason, abandoned=True) if self.state == "moving" else self
+
+    def noted(self, output: ArmOutput, report: TaskReport | None, new_goal: bool) -> "LastGoal":
+        """With what has become of it in this period; `new_goal`: in which it was given to the arm."""
+        refused = output.goals_refused > self.refused_before
+        last = replace(self, report=report, refused_before=output.goals_refused)
+        if last.abandoned:
+            return last
         if refused:
-            self._state, self._reason = "refused", output.reason
-        elif new_goal or self._state == "moving":
-            self._state, self._reason = _STATES[output.status], output.reason
-            if report is not None:
-                self._state, self._reason = report.doing.state, report.doing.reason
+            return last.refused(output.reason)
+        if not (new_goal or last.state == "moving"):
+            return last
+        if report is not None:
+            return replace(last, state=report.doing.state, reason=report.doing.reason)
+        return replace(last, state=_STATES[output.status], reason=output.reason)
 
     def status(self, output: ArmOutput | None) -> dict[str, str]:
         """Fields of /arm/status; without those that are measured where nothing has been measured yet."""
-        known = {"state": self._state, "goal_stamp": str(self._stamp), "reason": self._reason}
+        known = {"state": self.state, "goal_stamp": str(self.stamp), "reason": self.reason}
         if output is None:
             return known
         x, y, z = output.tip_in_base
@@ -88,22 +98,66 @@ class GoalDesk:
                 "goals_accepted": str(output.goals_accepted),
                 "goals_refused": str(output.goals_refused),
             }
-            | task_fields(self._report)
+            | task_fields(self.report)
         )
 
-    def _convert(self, topic: str, message: Any) -> ArmGoal | TaskRequest:
+
+class GoalReader:
+    """Makes the arm's own goals of messages."""
+
+    def __init__(self, params: ArmParams) -> None:
+        self._params = params
+
+    def request(self, topic: str, message: Any, now: int, rover: Rover) -> Request:
+        """What a message asks for at the time `now` [ns], of a rover that stands where it does.
+
+        Raises:
+            GoalRefusedError, RefusedMessageError: a frame or numbers that it cannot have.
+        """
         if topic == "/arm/stop":
             return StopGoal()
         if topic == "/arm/task":
             return task_of(message)
         if topic == "/arm/goal_pose":
-            pose = message.pose
-            goal = pose_goal(self._params, xyz(pose.position).tolist(), quaternion(pose.orientation).tolist())
-            return self._rover.in_base(goal, message.header.frame_id)
+            return in_base(self._pose(message.pose), rover.base_in(message.header.frame_id, topic))
+        if topic == "/arm/cmd_vel":
+            return self._jog(topic, message, now, rover)
+        if topic == "/arm/path":
+            return self._path(topic, message, rover)
         if topic == "/arm/joint_goal":
             if not message.name:
                 return NamedGoal(message.header.frame_id)
             return JointGoal(tuple(message.name), tuple(message.position))
+        return self._trajectory(message)
+
+    def _pose(self, pose: Any) -> PoseGoal:
+        return pose_goal(self._params, xyz(pose.position).tolist(), quaternion(pose.orientation).tolist())
+
+    def _jog(self, topic: str, message: Any, now: int, rover: Rover) -> JogCommand:
+        frame = message.header.frame_id or BASE_FRAME
+        linear, angular = xyz(message.twist.linear), xyz(message.twist.angular)
+        of_tool = frame == self._params.tip_link
+        if not of_tool:
+            turn = rover.base_in(frame, topic, self._params.tip_link).rotation.T
+            linear, angular = turn @ linear, turn @ angular
+        stamp = stamps.from_message(message.header.stamp)
+        age = max(now - stamp, 0) * 1e-9 if stamp else 0.0
+        return JogCommand(tuple(linear), tuple(angular), of_tool, age)
+
+    def _path(self, topic: str, message: Any, rover: Rover) -> PathGoal:
+        """A path; raises RefusedMessageError where the poses have frames of their own."""
+        frame = message.header.frame_id
+        here = rover.base_in(frame, topic)
+        points = []
+        for k, stamped in enumerate(message.poses):
+            own = stamped.header.frame_id
+            if own not in ("", frame, ON_ARC):
+                allowed = f"empty, {frame} as of the whole path, or {ON_ARC}"
+                raise RefusedMessageError(topic, f"poses[{k}].header.frame_id", repr(own), allowed)
+            points.append(PathPoint(in_base(self._pose(stamped.pose), here), own == ON_ARC))
+        return PathGoal(tuple(points))
+
+    def _trajectory(self, message: Any) -> TrajectoryGoal:
         points = message.points
         return TrajectoryGoal(
             names=tuple(message.joint_names),

@@ -1,8 +1,8 @@
 """What the arm takes from the sensors' messages: its own joints, gravity, the force at its wrist."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +10,17 @@ from numpy.typing import NDArray
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.joint_places import JointPlaces
 from sojourn_contract.messages import numbers, quaternion, wrench_values
-from sojourn_mechanics.arm.feedforward import gravity_in_body
-from sojourn_mechanics.arm.tasks.task import ToolReading
-from sojourn_mechanics.arm.tool_params import TOOL_JOINT
-from sojourn_mechanics.errors import MechanicsError
-from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
+from sojourn_flight.arm.feedforward import gravity_in_body
+from sojourn_flight.arm.tasks.task import ToolReading
+from sojourn_machine.errors import MachineError
+from sojourn_machine.mounting import IMU_LINK, mounting
+from sojourn_machine.params import FloatArray
+from sojourn_machine.tools import TOOL_JOINT
+
+JOINTS, IMU = MEASUREMENTS = ("/joint_states", "/imu/data")
+"""Without which no goal can be followed."""
+Refusal: TypeAlias = tuple[str, Exception]
+"""Topic of a message that cannot be used, and why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,23 +44,22 @@ class Measurements:
 
     Args:
         joints: of the arm. urdf_xml: the machine. gravity: on the body [m/s2].
-        refuse: called with the topic and the reason for a message that cannot be used.
     """
 
-    def __init__(
-        self, joints: Sequence[str], urdf_xml: str, gravity: float, refuse: Callable[[str, Exception], None]
-    ) -> None:
+    def __init__(self, joints: Sequence[str], urdf_xml: str, gravity: float) -> None:
         self._gravity = gravity
-        self._refuse = refuse
-        self._places = JointPlaces("/joint_states", joints)
+        self._places = JointPlaces(JOINTS, joints)
         self._tool: int | None = None
         """Place of the tool's actuator in a message, of the names in `_names`."""
         self._names: list[str] = []
         self._imu_to_base = mounting(urdf_xml, IMU_LINK)[0]
 
-    def read(self, joints: Any, imu: Any, wrist: Any) -> Measured | None:
-        """Measurements of a period from /joint_states, /imu/data and /wrist/wrench; None where they cannot be used."""
-        places, gravity = self._places_in(joints), self._gravity_in_base(imu)
+    def read(self, inputs: Mapping[str, Any], refusals: list[Refusal]) -> Measured | None:
+        """Measurements of a period from /joint_states, /imu/data and /wrist/wrench; None where they cannot be used,
+        with the reasons added to `refusals`.
+        """
+        joints, imu, wrist = inputs[JOINTS], inputs[IMU], inputs.get("/wrist/wrench")
+        places, gravity = self._places_in(joints, refusals), self._gravity_in_base(imu, refusals)
         if places is None or gravity is None:
             return None
         return Measured(
@@ -67,14 +71,14 @@ class Measurements:
             tool=self._tool_reading(joints),
         )
 
-    def _places_in(self, joints: Any) -> NDArray[np.intp] | None:
+    def _places_in(self, joints: Any, refusals: list[Refusal]) -> NDArray[np.intp] | None:
         """Where the arm's joints stand in a message, or None."""
         if joints is None:  # refused on arrival
             return None
         try:
             return self._places.places(joints)
         except RefusedMessageError as refusal:
-            self._refuse("/joint_states", refusal)
+            refusals.append((JOINTS, refusal))
             return None
 
     def _tool_reading(self, joints: Any) -> ToolReading | None:
@@ -88,13 +92,13 @@ class Measurements:
         effort = joints.effort[place] if len(joints.effort) else 0.0
         return ToolReading(joints.position[place], joints.velocity[place], effort)
 
-    def _gravity_in_base(self, imu: Any) -> FloatArray | None:
+    def _gravity_in_base(self, imu: Any, refusals: list[Refusal]) -> FloatArray | None:
         """Gravity from the attitude that the IMU reports, or None where it cannot be used."""
         if imu is None:  # refused on arrival
             return None
         try:
             gravity: FloatArray = self._imu_to_base @ gravity_in_body(quaternion(imu.orientation), self._gravity)
-        except MechanicsError as error:
-            self._refuse("/imu/data", error)
+        except MachineError as error:
+            refusals.append((IMU, error))
             return None
         return gravity

@@ -1,18 +1,19 @@
-"""What the arm's node knows of its rover: whether it moves, and where it stands by the drive's estimate."""
+"""What the arm knows of its rover in a period: whether it moves, and where it stands by the drive's estimate."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from nav_msgs.msg import Odometry
-from rclpy.serialization import deserialize_message
 
 from sojourn_contract.checks import check_message
+from sojourn_contract.decoding import decoded
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.messages import quaternion, xyz
-from sojourn_mechanics.arm.goals import PoseGoal
-from sojourn_mechanics.arm.interlock import InterlockParams
+from sojourn_contract.topics import topic
+from sojourn_flight.arm.goals import PoseGoal
+from sojourn_flight.arm.interlock import InterlockParams
 
 BASE_FRAME = "base_link"
 GROUND_FRAMES = ("map", "odom")
@@ -22,8 +23,49 @@ STILL_RATE = 0.02
 """A wheel that turns slower stands still [rad/s]: 2.5 mm/s at the rim of the explorer's."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
 class Rover:
-    """Follows the drive. /odom stays as it came until a goal asks for it: few do.
+    """As the inputs of one period tell."""
+
+    why_not_allowed: str
+    """Why the arm may not move, in words; empty where it may."""
+    odometry: Any
+    """/odom as it came, bytes or a message, looked at where somebody asks: few do. None where there is none."""
+
+    def place(self) -> pin.SE3 | None:
+        """Where base_link is in odom; None where nobody says.
+
+        Raises:
+            RefusedMessageError: /odom is no message, or one that says nothing.
+        """
+        here = self.odometry
+        if here is None:
+            return None
+        if isinstance(here, bytes):
+            here = decoded(ODOMETRY, topic(ODOMETRY).type, here)
+        check_message(ODOMETRY, here)
+        return pin.XYZQUATToSE3([*xyz(here.pose.pose.position), *quaternion(here.pose.pose.orientation)])
+
+    def base_in(self, frame: str, name: str, *others: str) -> pin.SE3:
+        """Where base_link is in `frame`, for a message on topic `name`; `others`: frames that it may have besides.
+
+        Raises:
+            RefusedMessageError: an unknown frame, or no estimate of where the rover is.
+        """
+        if frame == BASE_FRAME:
+            return pin.SE3.Identity()
+        if frame not in GROUND_FRAMES:
+            allowed = "one of " + ", ".join((BASE_FRAME, *GROUND_FRAMES, *others))
+            raise RefusedMessageError(name, "header.frame_id", repr(frame), allowed)
+        here = self.place()
+        if here is None:
+            allowed = f"{BASE_FRAME}: there is no {ODOMETRY} that says where the rover is"
+            raise RefusedMessageError(name, "header.frame_id", repr(frame), allowed)
+        return here
+
+
+class RoverWatch:
+    """Follows the drive.
 
     Args:
         interlock: whether the arm waits for the rover. drive_joints: joints that turn its wheels.
@@ -32,39 +74,23 @@ class Rover:
     def __init__(self, interlock: InterlockParams, drive_joints: Sequence[str]) -> None:
         self._interlock = interlock
         self._drive_joints = frozenset(drive_joints)
-        self._odometry: bytes | None = None
-        self.why_not_allowed = ""
-        """Why the arm may not move, in words; empty where it may."""
 
-    def hear(self, inputs: Mapping[str, Any]) -> None:
-        """Take the inputs of a period: what the wheels are told, what they do, where the rover is."""
-        self._odometry = inputs.get(ODOMETRY)
+    def rover(self, inputs: Mapping[str, Any]) -> Rover:
+        """By the inputs of a period: what the wheels are told, what they do, where the rover is."""
+        why_not = ""
         if self._interlock.enabled:
-            self.why_not_allowed = _motion(inputs.get(WHEELS), inputs.get("/joint_states"), self._drive_joints)
+            why_not = _motion(inputs.get(WHEELS), inputs.get("/joint_states"), self._drive_joints)
+        return Rover(why_not, inputs.get(ODOMETRY))
 
-    def in_base(self, goal: PoseGoal, frame: str) -> PoseGoal:
-        """A goal that was given in `frame`, in base_link.
 
-        Raises:
-            RefusedMessageError: an unknown frame, or no estimate of where the rover is.
-        """
-        if frame == BASE_FRAME:
-            return goal
-        if frame not in GROUND_FRAMES:
-            allowed = "one of " + ", ".join((BASE_FRAME, *GROUND_FRAMES))
-            raise RefusedMessageError("/arm/goal_pose", "header.frame_id", repr(frame), allowed)
-        if self._odometry is None:
-            allowed = f"{BASE_FRAME}: there is no {ODOMETRY} that says where the rover is"
-            raise RefusedMessageError("/arm/goal_pose", "header.frame_id", repr(frame), allowed)
-        here = deserialize_message(self._odometry, Odometry)
-        check_message(ODOMETRY, here)
-        base_in_frame = pin.XYZQUATToSE3([*xyz(here.pose.pose.position), *quaternion(here.pose.pose.orientation)])
-        position = base_in_frame.actInv(np.array(goal.position))
-        direction = None if goal.direction is None else base_in_frame.rotation.T @ np.array(goal.direction)
-        if goal.orientation is None:
-            return PoseGoal(tuple(position), None if direction is None else tuple(direction))
-        turned = pin.Quaternion(base_in_frame.rotation).inverse() * pin.Quaternion(np.array(goal.orientation))
-        return PoseGoal(tuple(position), orientation=tuple(turned.coeffs()))
+def in_base(goal: PoseGoal, base_in_frame: pin.SE3) -> PoseGoal:
+    """A goal that was given in a frame, in base_link."""
+    position = base_in_frame.actInv(np.array(goal.position))
+    direction = None if goal.direction is None else base_in_frame.rotation.T @ np.array(goal.direction)
+    if goal.orientation is None:
+        return PoseGoal(tuple(position), None if direction is None else tuple(direction))
+    turned = pin.Quaternion(base_in_frame.rotation).inverse() * pin.Quaternion(np.array(goal.orientation))
+    return PoseGoal(tuple(position), orientation=tuple(turned.coeffs()))
 
 
 def _motion(command: Any, joints: Any, drive_joints: frozenset[str]) -> str:

@@ -1,11 +1,19 @@
 """Tasks as they come over /arm/task, and what the status says of them."""
 
-from typing import Any
+from dataclasses import replace
+from typing import Any, TypeAlias
 
+from sojourn_arm.measurements import Measured
 from sojourn_contract.heartbeat import status_values
-from sojourn_mechanics.arm.goals import GoalRefusedError
-from sojourn_mechanics.arm.tasks.requests import TASKS, TaskRequest, parse_task
-from sojourn_mechanics.arm.tasks.task_control import TaskReport
+from sojourn_flight.arm.footing import WheelLoads
+from sojourn_flight.arm.goals import ArmGoal, GoalRefusedError
+from sojourn_flight.arm.jogging import JogCommand
+from sojourn_flight.arm.state import ArmInput
+from sojourn_flight.arm.tasks.requests import TASKS, TaskRequest, parse_task
+from sojourn_flight.arm.tasks.task_control import TaskInput, TaskReport
+
+Request: TypeAlias = ArmGoal | TaskRequest | JogCommand
+"""What an operator may ask of the arm."""
 
 
 def task_of(message: Any) -> TaskRequest:
@@ -17,6 +25,22 @@ def task_of(message: Any) -> TaskRequest:
     if len(message.status) != 1:
         raise GoalRefusedError(f"{len(message.status)} statuses: allowed is one, named {', '.join(TASKS)}")
     return parse_task(message.status[0].name, status_values(message))
+
+
+def task_input(arm: ArmInput, request: Request | None, measured: Measured, loads: WheelLoads | None) -> TaskInput:
+    """What the laws take in, with what is asked for in its place: a goal, a task or a jog."""
+    task = request if isinstance(request, TaskRequest) else None
+    jog = request if isinstance(request, JogCommand) else None
+    goal = None if isinstance(request, TaskRequest | JogCommand) else request
+    return TaskInput(
+        arm=replace(arm, goal=goal),
+        task=task,
+        jog=jog,
+        wrench=measured.wrench,
+        efforts=measured.efforts,
+        tool=measured.tool,
+        loads=loads,
+    )
 
 
 def task_fields(report: TaskReport | None) -> dict[str, str]:

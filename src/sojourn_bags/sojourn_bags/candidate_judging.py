@@ -4,8 +4,6 @@ with run_configuration(bag) as configuration:
     report = judge_candidate(bag, "drive", NodeCandidate(DriveNode), configuration, ReplaySettings(domain=7))
 """
 
-from rclpy.serialization import deserialize_message
-
 from sojourn_bags.candidate import Candidate
 from sojourn_bags.judging import machine_of
 from sojourn_bags.reading import Bag
@@ -16,10 +14,10 @@ from sojourn_bags.run_configuration import RunConfiguration
 from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.judge import Judge
 from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.conformance.take_bytes import take_bytes
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import TOPICS, outputs_of, topic
-from sojourn_contract.types import message_class
 
 
 class CandidateJudge:
@@ -43,11 +41,11 @@ class CandidateJudge:
     def sent(self, step: Step) -> None:
         """The judge knows by the inputs what the candidate was asked, and by /clock what time it is."""
         for name, data in (*step.goals, *step.inputs):
-            self._judge.take(name, deserialize_message(data, message_class(topic(name).type)))
+            take_bytes(self._judge, topic(name), data)
 
     def heard(self, row: Topic, _stamp: int, data: bytes) -> None:
         """Judge a message of the candidate."""
-        self._judge.take(row.name, deserialize_message(data, message_class(row.type)))
+        take_bytes(self._judge, row, data)
 
     def finish(self) -> Report:
         """The verdict. An answer is asked for in every period that has been played."""

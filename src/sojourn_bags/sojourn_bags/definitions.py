@@ -17,7 +17,11 @@ from rclpy.qos import QoSProfile
 from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from sojourn_bags.errors import UnreadableMessageError
+
 _NANOSECONDS = 1_000_000_000
+RUN_RECORD = "sojourn_run"
+"""Name of the metadata record that describes the run."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,14 @@ def typestore() -> Typestore:
     return get_typestore(Stores.ROS2_JAZZY)
 
 
+def deserialized(type_name: str, data: bytes) -> Any:
+    """The message of type "package/msg/Name" in some bytes. Raises UnreadableMessageError where they hold none."""
+    try:
+        return typestore().deserialize_cdr(data, type_name)
+    except Exception as error:  # the type store names its own errors, and lets those of the bytes through
+        raise UnreadableMessageError(type_name, len(data), f"{type(error).__name__}: {error}") from error
+
+
 def learn(type_name: str, text: str) -> None:
     """Learn a message type that a bag brings along, and those that it uses, from its `ros2msg` definition.
 
@@ -58,7 +70,7 @@ def learn(type_name: str, text: str) -> None:
     store = typestore()
     if type_name in store.fielddefs:
         return
-    with contextlib.suppress(TypesysError, ValueError, KeyError):
+    with contextlib.suppress(TypesysError, ValueError, KeyError, RecursionError):
         found = get_types_from_msg(text, type_name)
         store.register({name: fields for name, fields in found.items() if name not in store.fielddefs})
 

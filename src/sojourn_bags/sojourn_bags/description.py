@@ -15,10 +15,10 @@ from sojourn_bags.writer import Attachment
 from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import LoadedScenario, ScenarioConfig
 from sojourn_config.urdf import parse_urdf
-from sojourn_mechanics.arm.tool_params import ToolParams, read_tool
-from sojourn_mechanics.terrain.generate import generate
-from sojourn_mechanics.terrain.height_field import HeightField
-from sojourn_mechanics.terrain.raster import Raster
+from sojourn_machine.tools import ToolParams, read_tool
+from sojourn_physics.terrain.generate import generate
+from sojourn_physics.terrain.height_field import HeightField
+from sojourn_physics.terrain.raster import Raster
 
 CONFIGURATION_NAME = "configuration.json"
 ELEVATION_NAME = "elevation.npz"

@@ -41,6 +41,13 @@ class UnreadableBagError(BagsError):
         self.path = path
 
 
+class UnreadableMessageError(BagsError):
+    """Bytes in a bag that are no message of their topic's type."""
+
+    def __init__(self, type_name: str, size: int, reason: str) -> None:
+        super().__init__(f"{size} bytes are no {type_name}: {reason}")
+
+
 class NothingToRecoverError(BagsError):
     """A bag that ends before its first message."""
 

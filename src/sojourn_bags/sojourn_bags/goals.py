@@ -14,7 +14,7 @@ from sojourn_bags.reading import Bag
 from sojourn_contract.stamps import NANOSECONDS
 
 DRIVE_TOPICS = ("/goal_pose", "/waypoints")
-ARM_TOPICS = ("/arm/goal_pose", "/arm/joint_goal", "/arm/joint_trajectory", "/arm/task")
+ARM_TOPICS = ("/arm/goal_pose", "/arm/joint_goal", "/arm/joint_trajectory", "/arm/path", "/arm/task")
 STATUS_OF = {**dict.fromkeys(DRIVE_TOPICS, "/drive/status"), **dict.fromkeys(ARM_TOPICS, "/arm/status")}
 REACHED = "reached"
 FINAL_STATES = (REACHED, "refused", "stopped", "failed")
@@ -25,6 +25,7 @@ STEP_TOPICS = {
     "arm_to": "/arm/goal_pose",
     "arm_to_ground": "/arm/goal_pose",
     "arm_joints": "/arm/joint_goal",
+    "arm_path": "/arm/path",
     "arm_task": "/arm/task",
 }
 """Topic on which the operator sends a step of a scenario."""
@@ -155,14 +156,17 @@ def _describe(topic, message) -> tuple[str, tuple[float, float, float] | None]:
         return " ".join((f"arm: {', '.join(names)}", *numbers)), None
     if topic == "/arm/joint_trajectory":
         return f"arm along {len(message.points)} joint positions", None
-    if topic == "/waypoints" and not message.poses:
-        return "drive along no points", None
-    position = (message.poses[-1].pose if topic == "/waypoints" else message.pose).position
+    along = topic in ("/waypoints", "/arm/path")
+    if along and not message.poses:
+        return f"{'drive' if topic == '/waypoints' else 'arm'} along no points", None
+    position = (message.poses[-1].pose if along else message.pose).position
     target = (float(position.x), float(position.y), float(position.z))
     if topic == "/arm/goal_pose":
         return f"arm to ({target[0]:.3f}, {target[1]:.3f}, {target[2]:.3f})", target
-    along = f" along {len(message.poses)} points" if topic == "/waypoints" else ""
-    return f"drive{along} to ({target[0]:.2f}, {target[1]:.2f})", target
+    if topic == "/arm/path":
+        return f"arm along {len(message.poses)} points to ({target[0]:.3f}, {target[1]:.3f}, {target[2]:.3f})", target
+    way = f" along {len(message.poses)} points" if along else ""
+    return f"drive{way} to ({target[0]:.2f}, {target[1]:.2f})", target
 
 
 def _statuses(bag: Bag, topic: str) -> list[_Status]:

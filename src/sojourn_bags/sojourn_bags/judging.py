@@ -5,12 +5,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import yaml
-from rosbags.serde import SerdeError
 
 from sojourn_bags.contract_version import check_own_contract
+from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import Run
-from sojourn_bags.errors import BagsError, IncompleteConfigError
-from sojourn_bags.provenance import RUN_RECORD
+from sojourn_bags.errors import BagsError, IncompleteConfigError, UnreadableMessageError
 from sojourn_bags.reading import Bag, Messages
 from sojourn_bags.transforms import TOPIC as TRANSFORMS
 from sojourn_config.errors import ConfigError
@@ -72,11 +71,13 @@ def judge_bag(
     for name, messages in bag.topics.items():
         for endpoint in endpoints_of(messages):
             judge.endpoint(name, endpoint)
+    for unusable in bag.unusable:
+        judge.report.add("type", unusable.topic, unusable.log_time, [Finding("message", "unusable", unusable.reason)])
     for messages, index in in_order(bag):
         logged = messages.log_times[index] if run.by_us else None
         try:
             judge.take(messages.topic, messages.decode(index), logged)
-        except (SerdeError, KeyError) as error:  # KeyError: a type that the type store does not know
+        except UnreadableMessageError as error:
             size = f"{len(messages.data[index])} bytes"
             judge.report.add("type", messages.topic, logged, [Finding("message", size, f"{messages.type}: {error}")])
     known = {name: count for name, count in judge.strangers.items() if name != TRANSFORMS}

@@ -50,13 +50,14 @@ class Layout:
 
     Attributes:
         numbers, texts: the leaves. lengths: offsets of the uint32 that decide where the rest stands.
-        size: bytes of the message. parts: first byte of each field of the message itself.
+        type: of the message. size: bytes of the message. parts: first byte of each field of the message itself.
     """
 
     numbers: dict[str, Number] = field(default_factory=dict)
     texts: dict[str, Text] = field(default_factory=dict)
     lengths: list[int] = field(default_factory=list)
     size: int = 0
+    type: str = ""
     parts: dict[str, int] = field(default_factory=dict)
 
     def structure(self) -> NDArray[np.int64]:
@@ -113,6 +114,8 @@ class _Walker:
             self.numbers(name, path, None)
             return
         length = self.length()
+        if not length:
+            raise ValueError(f"the text {path} at byte {self.at} has no closing zero")
         self.layout.texts[path] = Text(self.at, max(0, length - 1))
         self.at += length
 
@@ -144,9 +147,11 @@ def layout_of(type_name: str, data: bytes) -> Layout:
     """Layout of one message of type "package/msg/Name". Raises ValueError if it is cut off."""
     if len(data) < _HEADER:
         raise ValueError(f"a message of {len(data)} bytes has no header")
+    if data[0] or data[1] > 1:
+        raise ValueError(f"the header {data[:2].hex()} of a message is not that of plain CDR")
     walker = _Walker(data)
     walker.message(type_name, "")
     if walker.at > len(data):
         raise ValueError(f"a {type_name} of {len(data)} bytes is cut off: {walker.at} are announced")
-    walker.layout.size = walker.at
+    walker.layout.size, walker.layout.type = walker.at, type_name
     return walker.layout

@@ -20,7 +20,7 @@ Entry: TypeAlias = tuple[int, int, int, int, int, bytes]
 """log time [ns], channel, rank of the sender, order of arrival, header stamp [ns], CDR. Sorted as a tuple."""
 
 MAX_AHEAD_PERIODS = 512
-"""A goal stamped further ahead than this is filed under the period in which it came."""
+"""A message stamped further ahead than this is filed under the period in which it came."""
 HOLD_PERIODS = 10
 """Complete periods that wait at most for a heartbeat that is due in an earlier one."""
 WINDOW_NS = 10 * CONTROL_PERIOD_NS
@@ -60,28 +60,26 @@ class PeriodOrder:
 
     def offer(self, channel: int, stamp: int, data: bytes) -> None:
         """Take a message of an awaited row."""
-        period = -(-stamp // CONTROL_PERIOD_NS)
-        if stamp % CONTROL_PERIOD_NS == 0 and period > self.collected:
+        period = self._period_of(stamp)
+        if stamp == period * CONTROL_PERIOD_NS and period > self.collected:
             self._arrived[period] = self._arrived.get(period, 0) | self._bits[channel]
         self._keep(period, channel, 0, stamp, data)
 
     def offer_goal(self, channel: int, stamp: int, data: bytes) -> None:
         """Take a goal. Stamp zero means now."""
         self._goals[channel] = self._goals.get(channel, 0) + 1
-        period = -(-stamp // CONTROL_PERIOD_NS)
-        if period > self.collected + MAX_AHEAD_PERIODS:
-            period = self.collected + 1
-        self._keep(period, channel, 0, stamp, data)
+        self._keep(self._period_of(stamp), channel, 0, stamp, data)
 
     def offer_heartbeat(self, channel: int, stamp: int, rank: int, data: bytes) -> None:
         """Take a message of /diagnostics from the sender with this rank."""
-        period = -(-stamp // CONTROL_PERIOD_NS)
+        period = self._period_of(stamp)
         self._heard.setdefault(period, set()).add(rank)
         self._keep(period, channel, rank, stamp, data)
 
     def announce(self, stamp: int, counts: dict[int, int]) -> None:
         """How many goals have been sent on each channel by this stamp: the period waits for them."""
-        self._ticks[stamp // CONTROL_PERIOD_NS] = counts
+        if stamp <= (self.collected + MAX_AHEAD_PERIODS) * CONTROL_PERIOD_NS:
+            self._ticks[stamp // CONTROL_PERIOD_NS] = counts
 
     def collect(self) -> bool:
         """Step to the next period if everything that is due in it has come."""
@@ -124,6 +122,11 @@ class PeriodOrder:
         arrived = self._arrived.get(period, 0)
         return [row for channel, row in self._awaited if is_due(row, period) and not arrived & self._bits[channel]]
 
+    @property
+    def last_begun(self) -> int:
+        """Last period of which something has come on two topics: one message with a stamp of its own begins none."""
+        return max((period for period, bits in self._arrived.items() if bits & (bits - 1)), default=self.collected)
+
     def _due(self, period: int) -> int:
         """Bits of the rows that are due. The pattern repeats, because no row lags for the recorder."""
         key = period % self._cycle
@@ -132,6 +135,13 @@ class PeriodOrder:
             mask = sum(self._bits[channel] for channel, row in self._awaited if is_due(row, period))
             self._masks[key] = mask
         return mask
+
+    def _period_of(self, stamp: int) -> int:
+        """Period under which a message is filed: that of its stamp; where a clock that is not ours has stamped it, the
+        one in which it came.
+        """
+        period = -(-stamp // CONTROL_PERIOD_NS)
+        return period if period <= self.collected + MAX_AHEAD_PERIODS else self.collected + 1
 
     def _keep(self, period: int, channel: int, rank: int, stamp: int, data: bytes) -> None:
         log_time = stamp

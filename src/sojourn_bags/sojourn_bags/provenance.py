@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
 
+from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import Run
 from sojourn_bags.errors import IncompleteConfigError
 from sojourn_bags.reading import Bag
@@ -18,17 +19,15 @@ from sojourn_config.paths import repository_root
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.description import contract_data
 
-RUN_RECORD = "sojourn_run"
-"""Name of the metadata record that describes the run."""
 RUN_NAME = "run.json"
 """Name of the attachment with the same content, which is there from the first moment: also in a bag cut off."""
 VERSIONS_NAME = "versions.json"
 CONTRACT_NAME = "contract.json"
 """The contract under which the run was recorded, as `scripts/contract show --format json` prints it."""
 PACKAGES = (
-    *(f"sojourn_{part}" for part in ("mechanics", "config", "contract", "plant", "sensors", "drive", "arm", "power")),
-    "sojourn_bags",
-    "sojourn_bringup",
+    *(f"sojourn_{part}" for part in ("machine", "physics", "flight", "analysis", "config", "contract")),
+    *(f"sojourn_{part}" for part in ("plant", "sensors", "drive", "arm", "power")),
+    *(f"sojourn_{part}" for part in ("bags", "operator", "stack", "bringup")),
     "numpy",
     "numba",
     "scipy",

@@ -6,6 +6,8 @@ bag["/truth/joint_states"].joints().velocity           # shape (n, joints)
 bag["/truth/contacts"].points()["sinkage"]             # shape (n, points)
 """
 
+from collections.abc import Collection, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,12 +17,16 @@ import numpy as np
 from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from numpy.typing import NDArray
 
-from sojourn_bags.definitions import learn, typestore
-from sojourn_bags.errors import UnknownTopicInBagError, UnreadableBagError
+from sojourn_bags.definitions import RUN_RECORD, deserialized, learn
+from sojourn_bags.errors import UnknownTopicInBagError, UnreadableBagError, UnreadableMessageError
 from sojourn_bags.layout import Layout, layout_of
 from sojourn_bags.salvage import Salvage
+from sojourn_contract.topics import TOPICS
 
 FloatArray = NDArray[np.float64]
+CLOUD = "sensor_msgs/msg/PointCloud2"
+FOREIGN_CLOCK_S = 60.0
+"""A stamp this far from the period in which it was written is another clock's [s]."""
 _POINT_CODES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
 """Types of a sensor_msgs/PointField."""
 
@@ -63,6 +69,43 @@ class Group:
             return [self]
         return [Group(self.indices[chosen], self.rows[chosen], self.layout) for chosen in keys.values()]
 
+    def unusable(self) -> dict[int, str]:
+        """Rows that cannot be decoded, or whose points are not where their fields say, and why."""
+        found = {int(row): "it has no CDR header" for row in np.flatnonzero(self.rows[:, 0])}
+        for path, text in self.layout.texts.items():
+            column = self.rows[:, text.offset : text.offset + text.length]
+            for row in np.flatnonzero(self.rows[:, text.offset + text.length]):
+                found[int(row)] = f"{path} has no closing zero"
+            for row in np.flatnonzero((column >= 0x80).any(axis=1)):
+                try:
+                    column[row].tobytes().decode()
+                except UnicodeDecodeError as error:
+                    found[int(row)] = f"{path}: {error}"
+        if self.layout.type == CLOUD:
+            found |= self._unusable_clouds()
+        sample = next((row for row in range(len(self.rows)) if row not in found), None)
+        if sample is not None:
+            try:
+                deserialized(self.layout.type, self.rows[sample].tobytes())
+            except UnreadableMessageError as error:  # the others are laid out alike
+                found |= dict.fromkeys(range(len(self.rows)), str(error))
+        return found
+
+    def _unusable_clouds(self) -> dict[int, str]:
+        """Clouds of one length have their points in the same places: those that say otherwise, and all without any."""
+        paths = [path for path in self.layout.numbers if path.startswith(("height", "width", "fields", "point_step"))]
+        told = np.stack([self.layout.column(self.rows, path) for path in [*paths, "is_bigendian"]], axis=1)
+        _, which, counts = np.unique(told, axis=0, return_inverse=True, return_counts=True)
+        usual = np.flatnonzero(which.ravel() == int(counts.argmax()))
+        found = {
+            row: "its fields are not those of the others" for row in set(range(len(self.rows))) - {*usual.tolist()}
+        }
+        try:
+            points_of(Group(self.indices[usual], self.rows[usual], self.layout))
+        except (ValueError, KeyError, TypeError, IndexError) as error:
+            found |= {row: f"its points cannot be found ({error})" for row in usual.tolist()}
+        return found
+
     def text(self, path: str) -> str:
         """A text of the group's first message."""
         text = self.layout.texts[path]
@@ -98,12 +141,46 @@ class Messages:
 
     @cached_property
     def groups(self) -> list[Group]:
-        """The messages by layout; most topics have one."""
+        """The messages by layout; most topics have one. Raises ValueError for one that cannot be read."""
+        return self._grouped(None)
+
+    def unreadable(self) -> dict[int, str]:
+        """Messages that are none of their type, by index: what is wrong with each. A type that is not known is left
+        alone.
+        """
+        unreadable: dict[int, str] = {}
+        with suppress(KeyError):
+            groups = self._grouped(unreadable)
+            for group in groups:
+                unreadable |= {int(group.indices[row]): what for row, what in group.unusable().items()}
+            if not unreadable:
+                self.__dict__["groups"] = groups
+        return unreadable
+
+    def take_out(self, indices: Collection[int]) -> None:
+        """Remove messages."""
+        if not indices:
+            return
+        kept = [index for index in range(len(self.data)) if index not in indices]
+        self.log_times = [self.log_times[index] for index in kept]
+        self.data = [self.data[index] for index in kept]
+        self.places = [self.places[index] for index in kept] if self.places else []
+        for name in ("groups", "times"):
+            self.__dict__.pop(name, None)
+
+    def _grouped(self, unreadable: dict[int, str] | None) -> list[Group]:
         sizes = np.array([len(message) for message in self.data], dtype=np.int64)
         left = np.arange(len(self.data), dtype=np.int64)
         found = []
         while left.size:
-            layout = layout_of(self.type, self.data[int(left[0])])
+            try:
+                layout = layout_of(self.type, self.data[int(left[0])])
+            except ValueError as error:
+                if unreadable is None:
+                    raise
+                unreadable[int(left[0])] = str(error)
+                left = left[1:]
+                continue
             alike = left[sizes[left] == sizes[left[0]]]
             joined = b"".join(self.data[index] for index in alike)
             rows = np.frombuffer(joined, dtype=np.uint8).reshape(len(alike), -1)
@@ -162,7 +239,7 @@ class Messages:
 
     def points(self) -> dict[str, FloatArray]:
         """A PointCloud2 topic by its point fields: each (n, most points), NaN where a cloud has fewer."""
-        if self.type != "sensor_msgs/msg/PointCloud2":
+        if self.type != CLOUD:
             raise UnknownTopicInBagError(f"a point cloud on {self.topic}", [self.type])
         found: dict[str, FloatArray] = {}
         parts = [(group, points_of(group)) for group in self.groups]
@@ -174,8 +251,8 @@ class Messages:
         return found
 
     def decode(self, index: int) -> Any:
-        """One message as an object of the type store."""
-        return typestore().deserialize_cdr(self.data[index], self.type)
+        """One message as an object of the type store. Raises UnreadableMessageError."""
+        return deserialized(self.type, self.data[index])
 
     def statuses(self) -> list[dict[str, str]]:
         """Keys and values of the first status of each DiagnosticArray, with its `name` and `message`."""
@@ -207,6 +284,15 @@ def points_of(group: Group) -> dict[str, NDArray]:
     return found
 
 
+@dataclass(frozen=True)
+class Unusable:
+    """A message that is in the bag and cannot be used: its topic, when it was written [ns], and what is wrong."""
+
+    topic: str
+    log_time: int
+    reason: str
+
+
 @dataclass
 class Bag:
     """A bag in memory.
@@ -214,6 +300,7 @@ class Bag:
     Attributes:
         path: its MCAP file. whole: False if it was cut off. topics: messages by topic.
         attachments: files inside, by name. records: metadata records, by name.
+        unusable: messages that were written as they came, and are no messages of their topic; they are not in `topics`.
     """
 
     path: Path
@@ -221,6 +308,12 @@ class Bag:
     topics: dict[str, Messages] = field(default_factory=dict)
     attachments: dict[str, bytes] = field(default_factory=dict)
     records: dict[str, dict[str, str]] = field(default_factory=dict)
+    unusable: list[Unusable] = field(default_factory=list)
+
+    def set_aside(self, messages: Messages, reasons: Mapping[int, str]) -> None:
+        """Take messages out, by index, and keep why."""
+        self.unusable += [Unusable(messages.topic, messages.log_times[index], reasons[index]) for index in reasons]
+        messages.take_out(reasons.keys())
 
     def __getitem__(self, topic: str) -> Messages:
         if topic not in self.topics:
@@ -229,6 +322,18 @@ class Bag:
 
     def __contains__(self, topic: str) -> bool:
         return topic in self.topics
+
+
+def stamped_elsewhere(messages: Messages) -> dict[int, str]:
+    """Messages of a periodic topic that no clock of the run has stamped. Bags of ours are filed by period."""
+    row = next((row for row in TOPICS if row.name == messages.topic), None)
+    if row is None or row.is_event or not len(messages):
+        return {}
+    apart = messages.times - np.array(messages.log_times) * 1e-9
+    return {
+        int(index): f"stamped {messages.times[index]:.3f} s, and written at {messages.log_times[index] / 1e9:.3f} s"
+        for index in np.flatnonzero(~(np.abs(apart) <= FOREIGN_CLOCK_S))
+    }
 
 
 def bag_file(path: Path) -> Path:
@@ -274,5 +379,9 @@ def read_bag(path: Path | str) -> Bag:
         elif isinstance(record, Metadata):
             bag.records[record.name] = record.metadata
     bag.whole = salvage.whole
+    for messages in bag.topics.values():
+        bag.set_aside(messages, messages.unreadable())
+        if RUN_RECORD in bag.records:
+            bag.set_aside(messages, stamped_elsewhere(messages))
     bag.topics = {name: messages for name, messages in bag.topics.items() if len(messages)}
     return bag

@@ -14,20 +14,18 @@ from typing import Any
 from rclpy.context import Context
 from std_msgs.msg import Header
 
-from sojourn_bags.definitions import ChannelSpec, offered_entries, qos_entry
+from sojourn_bags.definitions import ChannelSpec, offered_entries
 from sojourn_bags.errors import BagsError
-from sojourn_bags.provenance import attachments, run_attachment
+from sojourn_bags.recorded_run import RecordedRun
 from sojourn_bags.recording import CLOCK, Recording
-from sojourn_bags.transforms import channel as transform_channel
-from sojourn_bags.writer import BagWriter
 from sojourn_config.errors import ConfigError
-from sojourn_config.paths import display
-from sojourn_contract import process, qos, stamps
+from sojourn_contract import process, stamps
+from sojourn_contract.decoding import stamp_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import STALLED
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import inputs_of, topic
+from sojourn_contract.topics import topic
 
 TICK_PERIODS = topic("/recorder/tick").every
 DRAIN_S = 2.0
@@ -96,13 +94,7 @@ class RecorderNode(ContractNode):
     def _open(self, folder: str) -> Recording:
         if not folder:
             raise BagsError("parameter 'bag' is empty: give the folder to write the bag into")
-        rows = inputs_of("recorder")
-        channels = [
-            ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, self.lockstep, row.publisher))) for row in rows
-        ]
-        described = [*attachments(self.scenario_name, self.scenario_overrides), run_attachment(self._run())]
-        writer = BagWriter(Path(folder), [*channels, transform_channel()], described, self._offered)
-        return Recording(writer, rows, self._awaited, self.participants, self.lockstep)
+        return self._run().open(Path(folder), self.refuse, self._offered)
 
     def _offered(self, spec: ChannelSpec) -> list[dict[str, Any]]:
         """Profiles of those who publish a topic; none for what the recorder itself adds."""
@@ -110,15 +102,21 @@ class RecorderNode(ContractNode):
         return offered_entries(spec.qos, (info.qos_profile for info in self.get_publishers_info_by_topic(name)))
 
     def _receive(self, row: Topic, message: bytes) -> None:
-        """Take one message as bytes. None is refused: what is wrong with it, others will judge."""
-        stamp = stamps.from_cdr(message)
+        """Take one message as bytes, and write it whatever it is: what is wrong with it, others will judge. What the
+        recorder itself cannot read of it is counted as refused.
+        """
+        stamp = 0
+        try:
+            stamp = stamp_of(row.name, message)
+        except RefusedMessageError as refusal:
+            self.refuse(row.name, refusal)
         try:
             self.recording.take(row, stamp, message)
         except RefusedMessageError as refusal:
             self.refuse(row.name, refusal)
         if not self.lockstep:
-            if row.name == CLOCK and stamp > self.now:
-                self.act(stamp, {})
+            if row.name == CLOCK:
+                self._hear_clock(row, stamp)
             return
         while collected := self.recording.collect():
             self.act(collected, {})
@@ -127,22 +125,26 @@ class RecorderNode(ContractNode):
                 written = stamps.to_message(period * stamps.CONTROL_PERIOD_NS)
                 self.publish("/recorder/tick", Header(stamp=written))
 
-    def _run(self) -> dict[str, str]:
-        path = Path(self.scenario_name)
-        return {
-            # not the place of the checkout on this machine
-            "scenario": display(path) if path.is_absolute() else self.scenario_name,
-            "lockstep": str(self.lockstep).lower(),
-            "participants": ",".join(self.participants),
-            "namespace": self.get_namespace(),
-        }
+    def _hear_clock(self, row: Topic, stamp: int) -> None:
+        """In real time the plant's clock paces the recorder, as far as it can be believed."""
+        allowed = self._refusal_realtime(row, stamp)
+        if allowed is not None:
+            self.refuse(row.name, RefusedMessageError(row.name, "clock", f"{stamps.seconds(stamp):.3f} s", allowed))
+            return
+        self.recording.advance(self.latest.timeline.now)
+        if stamp > self.now:
+            self.act(stamp, {})
+
+    def _run(self) -> RecordedRun:
+        namespace = self.get_namespace()
+        return RecordedRun(self.scenario_name, self.scenario_overrides, self.participants, self.lockstep, namespace)
 
     def _finish(self) -> None:
         """Close the bag, once."""
         recording, self._recording = self._recording, None
         if recording is None:
             return
-        completeness = recording.finish(self._run())
+        completeness = recording.finish(self._run().record())
         if completeness.gaps:
             self.exit_status = 1
             self.failure = f"the bag {recording.writer.folder} is not complete: {completeness.explain()}"

@@ -3,24 +3,22 @@
 It knows messages but no node and no executor; the recorder node feeds it.
 """
 
+import struct
 import time
-from collections.abc import Iterable, Mapping, Sequence
-
-from rclpy.serialization import deserialize_message
-from std_msgs.msg import Header
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from sojourn_bags.completeness import OUTSIDE_THE_RECORD, RECORD, Completeness, PublishedCounts, account
+from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.order import TICK, Entry, PeriodOrder, WindowOrder
-from sojourn_bags.provenance import RUN_RECORD
 from sojourn_bags.transforms import TransformSource
 from sojourn_bags.writer import BagWriter
+from sojourn_contract.decoding import decoded, refusing
+from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.events import parse_tick
-from sojourn_contract.heartbeat import read_heartbeats
-from sojourn_contract.node import HEARTBEAT_PERIODS
+from sojourn_contract.heartbeat import HEARTBEAT_PERIODS, read_heartbeats
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, topic
-from sojourn_contract.types import message_class
 
 CLOCK, TRUTH, ODOMETRY = "/clock", "/truth/odom", "/odom"
 
@@ -32,6 +30,7 @@ class Recording:
         writer: open bag, whose channels are `rows` and after them /tf.
         rows: topics that are recorded. awaited: those that lock-step waits for.
         participants: roles of the run. lockstep: mode of time.
+        refuse: called with the topic and the reason for a message that is written and cannot be read.
     """
 
     def __init__(
@@ -41,11 +40,13 @@ class Recording:
         awaited: Sequence[Topic],
         participants: Sequence[str],
         lockstep: bool,
+        refuse: Callable[[str, Exception], None],
     ) -> None:
         self.writer = writer
+        self._refuse = refuse
         self.lockstep = lockstep
         self.last_stamp = 0
-        """Newest stamp of the plant's clock [ns]."""
+        """Newest stamp of the plant's clock [ns], by which two of its messages have come."""
         self.last_arrival = time.monotonic()
         self._rows = tuple(rows)
         self._channel_of = {row.name: number for number, row in enumerate(self._rows)}
@@ -62,19 +63,20 @@ class Recording:
         self._truth_channel, self._odometry_channel = self._channel_of[TRUTH], self._channel_of[ODOMETRY]
 
     def take(self, row: Topic, stamp: int, message: bytes) -> None:
-        """Take one message of a row. Raises RefusedMessageError for an unreadable tick, which is kept."""
+        """Take one message of a row. Raises RefusedMessageError for what cannot be read and should be: it is kept."""
         self.last_arrival = time.monotonic()
-        rank = 0
+        rank, unreadable = 0, None
         if row.publisher == "all":
-            found = self._hear(stamp, message)
+            try:
+                found = self._hear(row, stamp, message)
+            except RefusedMessageError as refusal:
+                found, unreadable = len(ROLES), refusal
             if found is None:
                 return
             rank = found
         name = row.name
         self._arrived[name] += 1
         channel = self._channel_of[name]
-        if name == CLOCK and stamp > self.last_stamp:
-            self.last_stamp = self._window.newest = stamp
         if not self.lockstep:
             self._window.offer(channel, stamp, rank, message)
         elif row.publisher == "all":
@@ -84,7 +86,13 @@ class Recording:
         else:
             self._periods.offer(channel, stamp, message)
             if name == TICK:
-                self._announce(stamp, message)
+                self._announce(row, stamp, message)
+        if unreadable is not None:
+            raise unreadable
+
+    def advance(self, now: int) -> None:
+        """In real time: it is `now` [ns], by the clock of the plant."""
+        self.last_stamp = self._window.newest = now
 
     def collect(self) -> int:
         """Step to the next period of lock-step if it is complete. Returns its stamp [ns], 0 if it is not."""
@@ -118,6 +126,8 @@ class Recording:
         Args:
             run: metadata record that describes the run.
         """
+        if self.lockstep:
+            self.last_stamp = self._periods.last_begun * CONTROL_PERIOD_NS
         self._write(self._periods.release_all() if self.lockstep else self._window.release_all())
         completeness = account(
             self._rows,
@@ -130,26 +140,28 @@ class Recording:
         self.writer.close({RUN_RECORD: record, RECORD: completeness.as_record()})
         return completeness
 
-    def _hear(self, stamp: int, message: bytes) -> int | None:
+    def _hear(self, row: Topic, stamp: int, message: bytes) -> int | None:
         """Read a heartbeat. Returns its sender's rank, or None where it is no part of the record.
 
         The record has the heartbeats of the run. Those from before it, a word of waiting and the farewell come when
         the wall clock has them come, and would make two records of the same run differ.
         """
-        array = deserialize_message(message, message_class("diagnostic_msgs/DiagnosticArray"))
-        heartbeats = read_heartbeats(array)
+        array = decoded(row.name, row.type, message)
+        with refusing(row.name, "heartbeats that can be read"):
+            heartbeats = read_heartbeats(array)
         if stamp <= 0 and heartbeats:
             return None
         for heartbeat in heartbeats:
-            self._published.hear(heartbeat)
+            if heartbeat.role in ROLES:
+                self._published.hear(heartbeat)
         if heartbeats and all(heartbeat.state in OUTSIDE_THE_RECORD for heartbeat in heartbeats):
             return None
         role = heartbeats[0].role if heartbeats else ""
         return ROLES.index(role) if role in ROLES else len(ROLES)
 
-    def _announce(self, stamp: int, message: bytes) -> None:
+    def _announce(self, row: Topic, stamp: int, message: bytes) -> None:
         """The operator's tick says how many goals it has sent."""
-        counts, _ = parse_tick(deserialize_message(message, Header).frame_id)
+        counts, _ = parse_tick(decoded(row.name, row.type, message).frame_id)
         known = {self._channel_of[name]: count for name, count in counts.items() if name in self._channel_of}
         self._periods.announce(stamp, known)
 
@@ -166,6 +178,11 @@ class Recording:
                 self._write_transform(log_time, self._truth, data)
 
     def _write_transform(self, stamp: int, truth: bytes | None, odometry: bytes | None) -> None:
-        message = self._transforms.message(stamp, truth, odometry)
+        try:
+            message = self._transforms.message(stamp, truth, odometry)
+        except struct.error as error:
+            topic = TRUTH if odometry is None else ODOMETRY
+            self._refuse(topic, RefusedMessageError(topic, "pose", f"unreadable ({error})", "a pose, for /tf"))
+            return
         if message is not None:
             self.writer.write(len(self._rows), stamp, stamp, message)

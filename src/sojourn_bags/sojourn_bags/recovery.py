@@ -7,7 +7,6 @@ in the bag: by then the nodes had published so many messages of each topic. What
 
 import json
 import shutil
-import struct
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,8 +17,8 @@ from mcap.records import Attachment, Channel, McapRecord, Message, Metadata, Sch
 from mcap.writer import CompressionType, Writer
 
 from sojourn_bags.completeness import HEARTBEATS, RECORD, Completeness, Count, PublishedCounts
-from sojourn_bags.definitions import typestore
-from sojourn_bags.errors import BagExistsError, NothingToRecoverError, UnwritableBagError
+from sojourn_bags.definitions import deserialized
+from sojourn_bags.errors import BagExistsError, NothingToRecoverError, UnreadableMessageError, UnwritableBagError
 from sojourn_bags.metadata_file import METADATA_FILE, TopicEntry, bag_information, write_metadata_file
 from sojourn_bags.reading import bag_file
 from sojourn_bags.salvage import Salvage
@@ -135,8 +134,8 @@ def recover(found: Findings, folder: Path) -> Path:
 def _hear(data: bytes, counts: PublishedCounts, found: Findings) -> None:
     """Take the counters of a heartbeat; what is none, as other people's diagnostics, is passed over."""
     try:
-        heartbeats = read_heartbeats(typestore().deserialize_cdr(data, _HEARTBEAT_TYPE))
-    except (ValueError, IndexError, KeyError, AssertionError, struct.error):
+        heartbeats = read_heartbeats(deserialized(_HEARTBEAT_TYPE, data))
+    except UnreadableMessageError:
         return
     for heartbeat in heartbeats:
         counts.hear(heartbeat)

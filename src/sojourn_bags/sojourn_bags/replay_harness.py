@@ -14,7 +14,6 @@ from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-from rclpy.serialization import deserialize_message
 from std_msgs.msg import Header
 
 from sojourn_bags.candidate import Candidate
@@ -27,6 +26,8 @@ from sojourn_bags.replay_script import HEARTBEATS, Script, Step
 from sojourn_contract import qos, stamps
 from sojourn_contract.conformance.endpoints import Endpoint, endpoint_findings
 from sojourn_contract.conformance.findings import value_text
+from sojourn_contract.decoding import decoded, refusing, stamp_of
+from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import outputs_of, topic
@@ -297,9 +298,13 @@ class ReplayHarness:
             self._others.create_subscription(kind, name, _ignore, silent, raw=True)
 
     def _take(self, row: Topic, data: bytes) -> None:
-        stamp = stamps.from_cdr(data)
-        if row.name == HEARTBEATS:
-            self._take_heartbeat(row, stamp, data)
+        try:
+            stamp = stamp_of(row.name, data)
+            if row.name == HEARTBEATS:
+                self._take_heartbeat(row, stamp, data)
+                return
+        except RefusedMessageError as refusal:  # as any node would do
+            self._node.get_logger().warning(f"refused: {refusal}", throttle_duration_sec=1.0)
             return
         if self._listener is not None:
             self._listener.heard(row, stamp, data)
@@ -307,7 +312,9 @@ class ReplayHarness:
 
     def _take_heartbeat(self, row: Topic, stamp: int, data: bytes) -> None:
         """Of the candidate only: the harness hears its own, too."""
-        beats = read_heartbeats(deserialize_message(data, message_class(row.type)))
+        message = decoded(row.name, row.type, data)
+        with refusing(row.name, "heartbeats that can be read"):
+            beats = read_heartbeats(message)
         beats = [beat for beat in beats if beat.role == self.script.role]
         if not beats:
             return

@@ -18,7 +18,7 @@ from sojourn_bags.reading import Bag, Messages
 from sojourn_bags.report_arm import draw_standing_arm
 from sojourn_bags.report_map import draw_map
 from sojourn_bags.summary import summarise
-from sojourn_mechanics.terrain.height_field import HeightField
+from sojourn_physics.terrain.height_field import HeightField
 
 SIZE_INCHES = (17.0, 12.0)
 DOTS_PER_INCH = 110

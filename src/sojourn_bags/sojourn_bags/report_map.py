@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from sojourn_bags.goals import ARM_TOPICS, sent_goals
 from sojourn_bags.machine import FloatArray, TrueMachine, poses_of
 from sojourn_bags.reading import Bag
-from sojourn_mechanics.terrain.height_field import HeightField
+from sojourn_physics.terrain.height_field import HeightField
 
 MARGIN_M = 2.0
 """Ground that is shown around the track."""

@@ -17,8 +17,7 @@ import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Chunk, Header, McapRecord, Message, Metadata, Schema
-from mcap.stream_reader import get_chunk_data_stream
+from mcap.records import Attachment, Channel, Header, McapRecord, Message, Metadata, Schema
 
 from sojourn_bags.errors import UnreadableBagError
 
@@ -29,7 +28,17 @@ SECTOR = 512
 _FRAME = struct.Struct("<BQ")
 _CHUNK = struct.Struct("<QQQII")
 _MESSAGE = struct.Struct("<HIQQ")
-_PIECE = 4096
+_PIECE = 1 << 20
+LARGEST_CHUNK = 1 << 26
+"""Bytes of its content: what is said to hold more is not read, so that a small file cannot ask for all memory. Writers
+make chunks of a megabyte or some.
+"""
+LARGEST_RECORD = 1 << 28
+"""Bytes of a record, as an attachment."""
+MOST_PACKED = 100
+"""Bytes of content for each byte of the file that are unpacked in all; recorded runs have about five."""
+LARGEST_WINDOW = 1 << 27
+"""Of zstd, that of its level 22 [bytes]."""
 _IN_CHUNK = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
 _BROKEN = (McapError, struct.error, ValueError, zstandard.ZstdError, RuntimeError, EOFError)
 """What reading damaged bytes raises: ValueError for a check sum or a text, RuntimeError from lz4."""
@@ -53,7 +62,7 @@ class Salvage:
         self.damage = ""
         self.at = 0
         self._sound_end = 0
-        self._size = 0
+        self._size = self._unpacked = 0
         self._channels: set[int] = set()
 
     @property
@@ -83,6 +92,9 @@ class Salvage:
                 raise UnreadableBagError(self.path, "it is no MCAP file (it has no header)")
             if opcode == 0:
                 self._damaged(begin, "zeros stand where a record should be" if len(frame) == _FRAME.size else CUT)
+                return
+            if min(length, self._size) > LARGEST_RECORD:
+                self._damaged(begin, f"a record says that it is {length} bytes long: nothing after it is read")
                 return
             content = stream.read(min(length, self._size - begin - _FRAME.size))
             if opcode == Opcode.FOOTER and len(content) == length:
@@ -140,16 +152,20 @@ class Salvage:
     def _chunk(self, begin: int, content: bytes, length: int) -> Iterator[McapRecord]:
         """Records of a chunk; of a damaged one those that are whole."""
         try:
-            *_, crc, name_length = _CHUNK.unpack_from(content)
+            _, _, size, crc, name_length = _CHUNK.unpack_from(content)
             compression = content[_CHUNK.size : _CHUNK.size + name_length].decode()
             data = content[_CHUNK.size + name_length + 8 :]
         except (struct.error, UnicodeDecodeError):
             self._damaged(begin, "the head of a chunk cannot be read")
             return
+        self._unpacked += size
+        if size > LARGEST_CHUNK or self._unpacked > LARGEST_CHUNK + MOST_PACKED * self._size:
+            self._damaged(begin, f"a chunk says that it holds {size} bytes, more than it can: it is passed over")
+            return
         end = begin + _FRAME.size + len(content)
         zeroed = self._sound_end < end and self._size - self._sound_end >= SECTOR
         if len(content) == length and not (zeroed and not crc):
-            unpacked = _unpack(content)
+            unpacked = _unpack(compression, data, size, crc)
             if unpacked is not None:
                 yield from self._split(unpacked)
                 return
@@ -160,7 +176,7 @@ class Salvage:
         else:
             self._damaged(begin, CUT)
         sound = data[: len(data) - (end - self._sound_end)] if zeroed else data
-        yield from self._split(_unpack_part(compression, sound))
+        yield from self._split(_unpack_part(compression, sound, size))
 
     def _split(self, data: bytes) -> Iterator[McapRecord]:
         """Records that are whole at the beginning of a chunk's content."""
@@ -168,7 +184,7 @@ class Salvage:
         while place + _FRAME.size <= len(data):
             opcode, length = _FRAME.unpack_from(data, place)
             place += _FRAME.size
-            if place + length > len(data):
+            if not opcode or place + length > len(data):  # zeros are no records
                 return
             if opcode in _IN_CHUNK:
                 try:
@@ -183,6 +199,19 @@ class Salvage:
         """Remember the first damage."""
         if not self.damage:
             self.damage, self.at = what, at
+
+
+def counts_in(path: Path) -> dict[str, int]:
+    """Whole messages in a file, by topic. Raises UnreadableBagError."""
+    topics: dict[int, str] = {}
+    counts: dict[str, int] = {}
+    for record in Salvage(path).records:
+        if isinstance(record, Channel):
+            topics[record.id] = record.topic
+        elif isinstance(record, Message):
+            name = topics[record.channel_id]
+            counts[name] = counts.get(name, 0) + 1
+    return counts
 
 
 def _end_without_zeros(stream: BinaryIO, size: int) -> int:
@@ -203,26 +232,42 @@ def _crc_fits(data: bytes, crc: int) -> bool:
     return crc in (0, zlib.crc32(data))
 
 
-def _unpack(content: bytes) -> bytes | None:
-    """Content of a whole chunk, None if it is damaged."""
+def _unpack(compression: str, data: bytes, size: int, crc: int) -> bytes | None:
+    """Content of a whole chunk, None if it is damaged or is not of the size that it says."""
     try:
-        stream, size = get_chunk_data_stream(Chunk.read(ReadDataStream(BytesIO(content))), validate_crc=True)
-        return stream.read(size)
+        unpacked = _unpack_lz4(data, size + 1) if compression == "lz4" else _unpack_part(compression, data, size + 1)
     except _BROKEN:
         return None
+    return unpacked if len(unpacked) == size and _crc_fits(unpacked, crc) else None
 
 
-def _unpack_part(compression: str, data: bytes) -> bytes:
-    """Content of a chunk that is cut off, as far as it can be unpacked; nothing of one that is packed by lz4."""
+def _unpack_lz4(data: bytes, size: int) -> bytes:
+    """No more than is said; RuntimeError where it is broken."""
+    import lz4.frame  # mcap brings it along; few bags are packed by it
+
+    unpacker = lz4.frame.LZ4FrameDecompressor()
+    unpacked: bytes = unpacker.decompress(data, max_length=size)
+    return unpacked
+
+
+def _unpack_part(compression: str, data: bytes, size: int) -> bytes:
+    """Content of a chunk that may be cut off, as far as it can be unpacked, and no more than it says (`size`); nothing
+    of one that is packed by lz4.
+    """
     if not compression:
         return data
     if compression != "zstd":
         return b""
-    unpacker = zstandard.ZstdDecompressor().decompressobj()
     parts: list[bytes] = []
-    for place in range(0, len(data), _PIECE):
-        try:
-            parts.append(unpacker.decompress(data[place : place + _PIECE]))
-        except zstandard.ZstdError:
-            break
+    left = size
+    with zstandard.ZstdDecompressor(max_window_size=LARGEST_WINDOW).stream_reader(data) as unpacker:
+        while left > 0:
+            try:
+                part = unpacker.read(min(_PIECE, left))
+            except zstandard.ZstdError:
+                break
+            if not part:
+                break
+            parts.append(part)
+            left -= len(part)
     return b"".join(parts)

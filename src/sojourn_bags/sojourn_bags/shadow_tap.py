@@ -16,6 +16,7 @@ from sojourn_bags.reading import Messages
 from sojourn_bags.replay_script import CLOCK, HEARTBEATS, Step
 from sojourn_contract import qos, stamps
 from sojourn_contract.barrier import Barrier, awaited_inputs
+from sojourn_contract.decoding import STAMP_BYTES
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import inputs_of, outputs_of, topic
 from sojourn_contract.types import message_class
@@ -93,6 +94,8 @@ class Tap:
 
     def _hear(self, row: Topic, data: bytes) -> None:
         self.heard += 1
+        if len(data) < STAMP_BYTES:  # the node refuses it, and the candidate has nothing to answer
+            return
         stamp = stamps.from_cdr(data)
         if not self.lockstep:
             self.newest = max(self.newest, stamp if row.name in self._awaited else 0)
@@ -107,6 +110,8 @@ class Tap:
 
     def _hear_ours(self, row: Topic, data: bytes) -> None:
         self.heard += 1
+        if len(data) < STAMP_BYTES:
+            return
         stamp = stamps.from_cdr(data)
         self.ours[row.name].log_times.append(stamp)
         self.ours[row.name].data.append(data)

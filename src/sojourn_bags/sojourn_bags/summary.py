@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_bags.completeness import RECORD
+from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import Run
 from sojourn_bags.goals import (
     ARM_TOPICS,
@@ -21,7 +22,6 @@ from sojourn_bags.goals import (
     missing_steps,
 )
 from sojourn_bags.machine import TrueMachine, poses_of, tilts
-from sojourn_bags.provenance import RUN_RECORD
 from sojourn_bags.reading import Bag
 from sojourn_bags.transforms import TOPIC as TRANSFORMS_TOPIC
 

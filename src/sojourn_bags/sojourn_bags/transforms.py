@@ -93,6 +93,8 @@ def pose_of_odometry(data: bytes) -> Transform:
 
     Raises struct.error for a message that is cut off.
     """
+    if len(data) < 12:
+        raise struct.error(f"{len(data)} bytes hold no stamp")
     order = "<" if data[1] & 1 else ">"
     offset = 12
     for _ in range(2):

@@ -8,6 +8,7 @@ second and its summary, and a reader of streams still opens it.
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from io import BufferedWriter
 from pathlib import Path
@@ -17,8 +18,9 @@ import yaml
 from mcap.writer import CompressionType, Writer
 
 from sojourn_bags.definitions import ChannelSpec, definition, type_hash
-from sojourn_bags.errors import BagExistsError, UnwritableBagError
+from sojourn_bags.errors import BagExistsError, UnreadableBagError, UnwritableBagError
 from sojourn_bags.metadata_file import METADATA_FILE, TopicEntry, bag_information, write_metadata_file
+from sojourn_bags.salvage import counts_in
 
 FLUSH_S = 0.8
 """Wall time after which a chunk is finished, so that with the poll of the loop it stays under a second."""
@@ -108,6 +110,9 @@ class BagWriter:
         now = time.monotonic()
         if now - self._last_flush >= FLUSH_S:
             self._last_flush = now
+            if not self.closed and not self.path.exists():
+                self.closed = True
+                raise UnwritableBagError(self.folder, f"{self.path.name} has been removed")
             self.flush()
 
     def flush(self) -> None:
@@ -159,8 +164,14 @@ class BagWriter:
             raise UnwritableBagError(self.folder, str(error)) from error
 
     def _failure(self, error: OSError) -> UnwritableBagError:
-        """Give up: nothing more is written, and what is on the disk stays as after a crash."""
+        """Give up: nothing more is written, what is on the disk stays as after a crash, and that is what counts."""
         self.closed = True
+        found: dict[str, int] = {}
+        with suppress(UnreadableBagError, OSError):
+            found = counts_in(self.path)
+        self.counts = [found.get(spec.topic, 0) for spec in self._channels]
+        with suppress(OSError):  # there may be room for this
+            write_metadata_file(self.folder, self._metadata())
         return UnwritableBagError(self.folder, str(error))
 
     def _register(self, index: int) -> None:

@@ -14,29 +14,29 @@ from sojourn_bags.reading import Bag
 from sojourn_bags.replay_harness import DEFAULT_TIMEOUT_S, ReplaySettings
 from sojourn_bags.replay_script import ROLES_TO_REPLAY
 from sojourn_bags.run_configuration import RunConfiguration, run_configuration
-from sojourn_bringup import options
 from sojourn_bringup.candidate_process import ProcessCandidate
-from sojourn_bringup.environment import ros_variables
-from sojourn_bringup.errors import BringupError, UsageError
 from sojourn_bringup.instance import RoleTokens
 from sojourn_bringup.plan import replacement_of
+from sojourn_config import command_line
+from sojourn_config.command_errors import CommandError, UsageError
+from sojourn_config.ros_environment import ros_variables
 
 
 def add_bench(parser: argparse.ArgumentParser) -> None:
     """--log, --timeout and --start-timeout: how a candidate is treated."""
     parser.add_argument("--log", type=Path, metavar="FILE", help="what the program prints (default: not kept)")
     parser.add_argument(
-        "--timeout", type=options.positive_seconds, default=DEFAULT_TIMEOUT_S, metavar="S",
+        "--timeout", type=command_line.positive_seconds, default=DEFAULT_TIMEOUT_S, metavar="S",
         help="wall time after which a missing answer is an error (default: %(default)g s)",
     )  # fmt: skip
     parser.add_argument(
-        "--start-timeout", type=options.positive_seconds, default=60.0, metavar="S",
+        "--start-timeout", type=command_line.positive_seconds, default=60.0, metavar="S",
         help="wall time within which it must be ready (default: %(default)g s)",
     )  # fmt: skip
 
 
 def replay_settings(given: argparse.Namespace) -> ReplaySettings:
-    """What the options of `add_bench` and `options.add_place` ask for."""
+    """What the options of `add_bench` and `command_line.add_place` ask for."""
     return ReplaySettings(given.domain, given.namespace, given.timeout, given.start_timeout)
 
 
@@ -59,10 +59,10 @@ def bench(
     """A candidate, not started yet, and the configuration of the bag's run; no process and no file stays behind.
 
     Args:
-        given: with the options of `add_bench` and `options.add_place`. command: "" for our own node.
+        given: with the options of `add_bench` and `command_line.add_place`. command: "" for our own node.
 
     Raises:
-        UsageError: the bag cannot be played. BringupError: the candidate does not answer.
+        UsageError: the bag cannot be played. CommandError: the candidate does not answer.
     """
     ros = ros_variables(given.domain)  # before the run's configuration takes the place of ours
     os.environ.update(ros)
@@ -78,7 +78,7 @@ def bench(
             log = given.log or Path(folder) / f"{role}.log"
             yield ProcessCandidate(role, command, ros, given.namespace, log), configuration
     except UnansweredError as error:
-        raise BringupError(str(error)) from error
+        raise CommandError(str(error)) from error
     except BagsError as error:
         raise UsageError(str(error)) from error
 

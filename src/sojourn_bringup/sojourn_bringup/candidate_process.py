@@ -12,10 +12,10 @@ from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 
 from sojourn_bringup.child import STOP_S, Child
-from sojourn_bringup.environment import foreign_environment, is_ours, own_environment
 from sojourn_bringup.plan import ros_arguments
 from sojourn_bringup.process_table import process
 from sojourn_config.paths import ENVIRONMENT_VARIABLE
+from sojourn_config.ros_environment import foreign_environment, is_ours, own_environment
 
 
 class ProcessCandidate:

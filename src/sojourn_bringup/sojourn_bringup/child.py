@@ -13,9 +13,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from sojourn_bringup import child_process
-from sojourn_bringup.environment import foreign_environment, is_ours, own_environment
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_table import process
+from sojourn_config.ros_environment import foreign_environment, is_ours, own_environment
 
 STOP_S = 5.0
 """Wall time that a process has to end after SIGINT."""
@@ -72,6 +72,15 @@ class Child:
     def status(self) -> int | None:
         """None while it runs; else its exit status, negative for the signal that ended it."""
         return self._process.poll()
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether it has been stopped, by SIGSTOP or a debugger, and could go on."""
+        try:
+            text = Path(f"/proc/{self.pid}/stat").read_text()
+        except OSError:
+            return False
+        return text.rpartition(")")[2].split()[0] in ("T", "t")
 
     def send(self, number: signal.Signals) -> None:
         """Send a signal to it and to whatever it has started."""

@@ -10,21 +10,22 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_bags.errors import BagsError
-from sojourn_bringup.environment import ros_variables
-from sojourn_bringup.errors import BringupError
 from sojourn_bringup.health import Health, Progress
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, Stopwatch
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_table import process
+from sojourn_bringup.run_folder import FolderWatch
 from sojourn_bringup.screen import Screen
+from sojourn_config.command_errors import CommandError
 from sojourn_config.errors import ConfigError
+from sojourn_config.ros_environment import ros_variables
 from sojourn_contract import process as node_process
 from sojourn_contract.errors import ContractError
 from sojourn_contract.heartbeat import ENDED, READY, RUNNING, WAITING_TO_MATCH
 from sojourn_contract.node import ContractNode
 from sojourn_contract.process import StopFlag
 from sojourn_contract.stamps import seconds
-from sojourn_mechanics.errors import MechanicsError
+from sojourn_machine.errors import MachineError
 
 _SHOW_S = 0.25
 
@@ -50,6 +51,8 @@ class ComposedRun:
         self._shown_at = 0.0
         self._started_at = 0.0
         self._not_started = ""
+        self._folder = FolderWatch(plan.run_dir)
+        self._folder_gone = ""
 
     def run(self) -> Outcome:
         """Run to the end. Returns how it ended."""
@@ -66,7 +69,7 @@ class ComposedRun:
             self._started_at = time.monotonic()
             node_process.spin(list(self.nodes.values()), stop, self._each_poll)
             return self._outcome(stop)
-        except (BringupError, BagsError, ContractError, ConfigError, MechanicsError, OSError) as error:
+        except (CommandError, BagsError, ContractError, ConfigError, MachineError, OSError) as error:
             return Outcome(FAILED, str(error), sim_time_s=self._time_s(), wall_time_s=self.stopwatch.wall_s)
         finally:
             for node in self.nodes.values():
@@ -78,6 +81,8 @@ class ComposedRun:
         ended = Outcome(SUCCEEDED, "the run ended", sim_time_s=self._time_s(), wall_time_s=self.stopwatch.wall_s)
         if self._not_started:
             return Outcome(FAILED, self._not_started)
+        if self._folder_gone:
+            return replace(ended, status=FAILED, message=self._folder_gone)
         if stop.is_set:
             return Outcome(
                 SUCCEEDED if operator is None else INTERRUPTED,
@@ -85,8 +90,7 @@ class ComposedRun:
                 sim_time_s=ended.sim_time_s,
                 wall_time_s=ended.wall_time_s,
             )
-        script = operator.script if operator is not None else None
-        judged = ended.judged(script.results, len(script.steps)) if script is not None else ended
+        judged = ended if operator is None else ended.judged(operator.results, len(operator.app.script.steps))
         # the operator fails where a step does, which `judged` has said better
         failed = [role for role, node in self.nodes.items() if node.exit_status and role != "operator"]
         if failed:
@@ -111,12 +115,13 @@ class ComposedRun:
         operator = self.nodes.get("operator")
         if operator is not None:
             self._progress.hear_operator(operator.heartbeat_values())
-            self._progress.hear_drive(operator.drive_status)
+            self._progress.hear_drive(operator.state.drive_status)
         self.screen.show(list(self._health.values()), self._progress)
         if self._progress.stamp == 0 and now - self._started_at > self.plan.start_timeout_s:
             unmatched = [text for node in self.nodes.values() for text in node.unmatched()]
             self._not_started = f"not ready within {self.plan.start_timeout_s:g} s: " + "; ".join(unmatched)
-        return bool(self._not_started)
+        self._folder_gone = self._folder.why_gone()
+        return bool(self._not_started or self._folder_gone)
 
     def _update(self, health: Health, node: ContractNode) -> None:
         health.stamp = node.now

@@ -12,11 +12,12 @@ from rclpy.experimental import EventsExecutor
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
-from sojourn_bringup.environment import ros_variables
-from sojourn_bringup.errors import UsageError
+from sojourn_config.command_errors import UsageError
+from sojourn_config.ros_environment import ros_variables
 from sojourn_contract.conformance.endpoints import Endpoint
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.judge import CLOCK, Judge
+from sojourn_contract.conformance.take_bytes import take_bytes
 from sojourn_contract.process import StopFlag
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, TOPICS, inputs_of, outputs_of, topic
@@ -97,7 +98,7 @@ class LiveSource:
     def __init__(self, domain: int, namespace: str) -> None:
         self.domain, self.namespace = domain, namespace
         self.stop = StopFlag()
-        self._waiting: deque[tuple[str, Any]] = deque()
+        self._waiting: deque[tuple[Topic, bytes]] = deque()
         self._readers: dict[str, Any] = {}
 
     def __enter__(self) -> "LiveSource":
@@ -159,7 +160,7 @@ class LiveSource:
             elif time.monotonic() - heard > SILENT_S:
                 break
             while self._waiting:
-                judge.take(*self._waiting.popleft())
+                take_bytes(judge, *self._waiting.popleft())
         return time.monotonic() - begin
 
     def _listen(self, row: Topic, best_effort: bool = False) -> None:
@@ -172,7 +173,7 @@ class LiveSource:
             reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
         )
         self._readers[name] = self._node.create_subscription(
-            message_class(row.type), name.lstrip("/"), lambda message: waiting.append((name, message)), profile
+            message_class(row.type), name.lstrip("/"), lambda data: waiting.append((row, data)), profile, raw=True
         )
 
     def _endpoints(self, row: Topic) -> list[tuple[str, Endpoint]]:

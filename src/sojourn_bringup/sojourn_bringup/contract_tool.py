@@ -7,26 +7,26 @@ from pathlib import Path
 from typing import Any
 
 from sojourn_bags.candidate_judging import judge_candidate
+from sojourn_bags.compare_command import read_runs
+from sojourn_bags.cut_off import unless_cut_off
 from sojourn_bags.errors import BagsError
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag, read_bag
-from sojourn_bringup import options
 from sojourn_bringup.candidate_bench import add_bench, bench, candidate_of, replay_settings
-from sojourn_bringup.compare import read_runs
 from sojourn_bringup.contract_live import LiveSource
 from sojourn_bringup.contract_screen import show_contract, show_report
-from sojourn_bringup.cut_off import unless_cut_off
-from sojourn_bringup.errors import UsageError
 from sojourn_bringup.process_table import check_roles
 from sojourn_bringup.references import default_reference
-from sojourn_bringup.scenario_steps import course_of
 from sojourn_bringup.screen import wide_console
+from sojourn_config import command_line
+from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.judge import Judge
 from sojourn_contract.conformance.machine import Machine
 from sojourn_contract.description import contract_data
 from sojourn_contract.page import contract_page
+from sojourn_operator.scenario_steps import course_of
 
 SCENARIO = "lunar_sample"
 """Whose rover is meant where nothing else says."""
@@ -40,12 +40,12 @@ Checked = tuple[Report, dict[str, Any], list[Bag]]
 
 def parser() -> argparse.ArgumentParser:
     """Options of scripts/contract."""
-    result = options.Parser(prog="contract", description="Show the contract, or judge messages by it.")
+    result = command_line.Parser(prog="contract", description="Show the contract, or judge messages by it.")
     commands = result.add_subparsers(dest="command", required=True)
     show = commands.add_parser("show", help="print topics, fields, rules and joints")
     show.add_argument("--format", choices=("table", "json", "html"), default="table", help="default: %(default)s")
     show.add_argument("--scenario", metavar="NAME", help=f"whose rover to show (default: {SCENARIO})")
-    options.add_rover(show)
+    command_line.add_rover(show)
     check = commands.add_parser(
         "check", help="judge every message; exit status 1 if there is any violation, or the bag is cut off"
     )
@@ -61,13 +61,13 @@ def parser() -> argparse.ArgumentParser:
     add_bench(check)
     check.add_argument("--node", metavar="NAME", help="judge this role alone (default: all)")
     check.add_argument("--scenario", metavar="NAME", help=f"whose rover runs (default: the bag's own; live {SCENARIO})")
-    options.add_rover(check)
+    command_line.add_rover(check)
     check.add_argument(
-        "--seconds", type=options.positive_seconds, default=LIVE_S, metavar="S",
+        "--seconds", type=command_line.positive_seconds, default=LIVE_S, metavar="S",
         help="how long to listen, wall time (default: %(default)g)",
     )  # fmt: skip
     check.add_argument("--json", type=Path, metavar="FILE", help="write all findings there")
-    options.add_place(check)
+    command_line.add_place(check)
     return result
 
 
@@ -176,4 +176,4 @@ def _write_json(file: Path, data: dict[str, Any]) -> None:
 
 
 if __name__ == "__main__":
-    options.run_script(main)
+    command_line.run_script(main)

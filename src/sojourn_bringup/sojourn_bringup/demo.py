@@ -7,13 +7,14 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bar
 
-from sojourn_bringup import options, start
-from sojourn_bringup.errors import BringupError
+from sojourn_bringup import start
 from sojourn_bringup.health import Health, Progress
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome
-from sojourn_bringup.plan import RunPlan
-from sojourn_bringup.scenario_steps import course_of
+from sojourn_bringup.plan import RunPlan, add_patience
 from sojourn_bringup.screen import PlainScreen, Screen
+from sojourn_config import command_line
+from sojourn_config.command_errors import CommandError
+from sojourn_operator.scenario_steps import course_of
 
 DEFAULT_SCENARIO = "lunar_sample"
 MACHINE_SCENARIO = "machine_course"
@@ -74,7 +75,7 @@ class BarScreen(Screen):
 
 def parser() -> argparse.ArgumentParser:
     """Options of scripts/demo."""
-    result = options.Parser(
+    result = command_line.Parser(
         prog="demo", description="Run a scenario in lock-step, say how it went, and leave bag, summary and picture."
     )
     result.add_argument(
@@ -82,15 +83,19 @@ def parser() -> argparse.ArgumentParser:
         help=f"name in config/scenarios, or a YAML file (default: {DEFAULT_SCENARIO}; with --rover ROVER_course or "
         f"{MACHINE_SCENARIO})",
     )
-    options.add_rover(result)
+    command_line.add_rover(result)
     kind = result.add_mutually_exclusive_group()
     kind.add_argument("--composed", action="store_true", help="all nodes in one process (the default)")
+    kind.add_argument(
+        "--direct", action="store_true", help="all roles in one process without middleware: the same values, sooner"
+    )
     kind.add_argument("--processes", action="store_true", help="each node as a process of its own")
     result.add_argument("--seed", metavar="N", help="seed in place of the scenario's")
     result.add_argument("--set", action="append", default=[], dest="overrides", metavar="KEY=VALUE",
                         help="set a value of the scenario or of a file that it names; again for more")  # fmt: skip
     result.add_argument("--run-dir", metavar="DIR", help="folder of the run (default: a new one in runs/)")
-    options.add_place(result)
+    command_line.add_place(result)
+    add_patience(result)
     return result
 
 
@@ -109,6 +114,10 @@ def start_arguments(given: argparse.Namespace) -> list[str]:
         str(given.domain),
         "--namespace",
         given.namespace,
+        "--lockstep-timeout",
+        str(given.lockstep_timeout),
+        "--start-timeout",
+        str(given.start_timeout),
     ]
     for name in ("rover", "seed", "run_dir"):
         value = getattr(given, name)
@@ -116,13 +125,13 @@ def start_arguments(given: argparse.Namespace) -> list[str]:
             arguments += [f"--{name.replace('_', '-')}", value]
     for text in given.overrides:
         arguments += ["--set", text]
-    return arguments
+    return [*arguments, "--direct"] if given.direct else arguments
 
 
 def evaluate(plan: RunPlan, outcome: Outcome, screen: Screen) -> bool:
     """Write summary.json and report.png into the run's folder and print the verdict.
 
-    Returns whether all goals were met and the record is complete. Raises BringupError if the bag cannot be judged.
+    Returns whether all goals were met and the record is complete. Raises CommandError if the bag cannot be judged.
     """
     # here and not above: with its plots it takes a second to load, and nobody waits for it at the end
     from sojourn_bags.errors import BagsError
@@ -130,7 +139,7 @@ def evaluate(plan: RunPlan, outcome: Outcome, screen: Screen) -> bool:
     try:
         return _judge(plan, outcome, screen)
     except BagsError as error:
-        raise BringupError(str(error)) from error
+        raise CommandError(str(error)) from error
 
 
 def _judge(plan: RunPlan, outcome: Outcome, screen: Screen) -> bool:
@@ -158,7 +167,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     console = Console(highlight=False, soft_wrap=True)
     screen = BarScreen(console) if console.is_terminal else PlainScreen(console)
     plan = start.make_plan(start.parser("demo").parse_args(start_arguments(given)), screen)
-    outcome = start.run_plan(plan, not given.processes, screen)
+    layout: start.Layout = "direct" if given.direct else "processes" if given.processes else "composed"
+    outcome = start.run_plan(plan, layout, screen)
     if outcome.status != SUCCEEDED:
         screen.say(outcome.message)
     if outcome.status == INTERRUPTED or not plan.bag().exists():
@@ -168,4 +178,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    options.run_script(main)
+    command_line.run_script(main)

@@ -9,6 +9,8 @@ STARTING = "starting"
 SILENT = "silent"
 RESTARTING = "restarting"
 DEAD = "dead"
+STOPPED = "stopped"
+"""Its process is held by a signal."""
 SILENT_AFTER_S = 3.0
 """Wall time without a heartbeat after which a node in real time counts as silent [s]: three are missing."""
 
@@ -52,8 +54,13 @@ class Health:
 
     def look(self, now: float, realtime: bool) -> None:
         """Notice silence; in lock-step it is the plant that does."""
-        if realtime and self.state == RUNNING and now - self.heard_at > SILENT_AFTER_S:
+        if realtime and self.state in (RUNNING, STALLED) and now - self.heard_at > SILENT_AFTER_S:
             self.state, self.detail = SILENT, f"no heartbeat for {SILENT_AFTER_S:g} s"
+
+    def stop(self) -> None:
+        """Its process has been found stopped."""
+        self.state = STOPPED
+        self.detail = f"its process is stopped: kill -CONT {self.pid} lets it go on"
 
     @property
     def is_ready(self) -> bool:

@@ -12,13 +12,13 @@ from collections.abc import Iterable
 from types import TracebackType
 from typing import Self
 
-from sojourn_bringup.errors import BringupError
+from sojourn_config.command_errors import CommandError
 
 _CREDENTIALS = struct.Struct("3i")
 """struct ucred: process, user, group."""
 
 
-class DomainInUseError(BringupError):
+class DomainInUseError(CommandError):
     """A role is already run on this domain."""
 
     def __init__(self, role: str, domain: int, namespace: str, holder: int) -> None:

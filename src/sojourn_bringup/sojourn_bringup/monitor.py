@@ -11,6 +11,8 @@ from rclpy.signals import SignalHandlerOptions
 
 from sojourn_bringup.health import Health, Progress
 from sojourn_contract import qos
+from sojourn_contract.decoding import hearing
+from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import read_heartbeats, status_values
 from sojourn_contract.topics import topic
 
@@ -50,9 +52,15 @@ class Monitor:
             self._executor.spin_once(timeout_sec=left)
 
     def _listen(self, name: str, callback: Any) -> None:
+        row = topic(name)
+        hear = hearing(name, row.type, callback, self._pass_over)
         self._node.create_subscription(
-            DiagnosticArray, name.lstrip("/"), callback, qos.profile(topic(name), True, "recorder")
+            DiagnosticArray, name.lstrip("/"), hear, qos.profile(row, True, "recorder"), raw=True
         )
+
+    def _pass_over(self, refusal: RefusedMessageError) -> None:
+        """Of what cannot be read; the nodes refuse and count it."""
+        self._node.get_logger().warning(f"refused: {refusal}", throttle_duration_sec=1.0)
 
     def _on_heartbeat(self, message: Any) -> None:
         now = time.monotonic()

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from sojourn_bringup.operator_script import StepResult
+from sojourn_operator.script import StepResult
 
 SUCCEEDED, FAILED, INTERRUPTED = 0, 1, 130
 

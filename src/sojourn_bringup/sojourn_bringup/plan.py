@@ -1,17 +1,20 @@
 """What a run consists of, decided and checked before anything starts."""
 
+import argparse
 import json
 import shlex
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from sojourn_bringup.errors import UsageError
 from sojourn_bringup.process_table import PROCESSES
+from sojourn_config import command_line
+from sojourn_config.command_errors import UsageError
 from sojourn_contract.barrier import Barrier, awaited_inputs
 from sojourn_contract.topics import ROLES, outputs_of
 
 DEFAULT_LOCKSTEP_TIMEOUT_S = 10.0
+DEFAULT_START_TIMEOUT_S = 60.0
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class RunPlan:
     namespace: str = ""
     on_network: bool = False
     lockstep_timeout_s: float = DEFAULT_LOCKSTEP_TIMEOUT_S
-    start_timeout_s: float = 60.0
+    start_timeout_s: float = DEFAULT_START_TIMEOUT_S
 
     @property
     def result_file(self) -> Path:
@@ -154,3 +157,21 @@ def _lacking(role: str, present: tuple[str, ...]) -> str:
         if other not in present and any(row.publisher == other for row in awaited_inputs(role, ROLES))
     ]
     return " and ".join(lacking) or "the others"
+
+
+def add_patience(parser: argparse.ArgumentParser) -> None:
+    """--lockstep-timeout and --start-timeout: how long a run waits for its nodes."""
+    parser.add_argument(
+        "--lockstep-timeout",
+        type=command_line.positive_seconds,
+        default=DEFAULT_LOCKSTEP_TIMEOUT_S,
+        metavar="S",
+        help="wall time after which a node that does not answer stops the run (default: %(default)g s)",
+    )
+    parser.add_argument(
+        "--start-timeout",
+        type=command_line.positive_seconds,
+        default=DEFAULT_START_TIMEOUT_S,
+        metavar="S",
+        help="wall time within which every node must be ready (default: %(default)g s)",
+    )

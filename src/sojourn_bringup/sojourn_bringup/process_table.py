@@ -4,12 +4,13 @@ Rows stand in the order in which a run is stopped: the plant first, so that simu
 others say farewell, and the recorder last, so that it hears them all.
 """
 
+import argparse
 import importlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from sojourn_bringup.errors import UsageError
+from sojourn_config.command_errors import UsageError
 
 
 @dataclass(frozen=True)
@@ -39,9 +40,7 @@ class ProcessRow:
 
 PROCESSES: tuple[ProcessRow, ...] = (
     ProcessRow("plant", "sojourn_plant", "sojourn_plant.node:PlantNode", restartable=False, can_be_shadowed=False),
-    ProcessRow(
-        "operator", "sojourn_bringup.operator_node", "sojourn_bringup.operator_node:OperatorNode", can_be_shadowed=False
-    ),
+    ProcessRow("operator", "sojourn_operator.node", "sojourn_operator.node:OperatorNode", can_be_shadowed=False),
     ProcessRow("sensors", "sojourn_sensors", "sojourn_sensors.node:SensorsNode"),
     ProcessRow("drive", "sojourn_drive", "sojourn_drive.node:DriveNode"),
     ProcessRow("arm", "sojourn_arm", "sojourn_arm.node:ArmNode"),
@@ -67,3 +66,15 @@ def check_roles(roles: Iterable[str], option: str) -> tuple[str, ...]:
         if role not in _BY_ROLE:
             raise UsageError(f"{option}: role {role!r} is unknown, allowed is one of {', '.join(ROLE_NAMES)}")
     return found
+
+
+def role_list(option: str) -> Callable[[str], tuple[str, ...]]:
+    """Reader of a list of roles with commas."""
+
+    def read(text: str) -> tuple[str, ...]:
+        try:
+            return check_roles([name.strip() for name in text.split(",") if name.strip()], option)
+        except UsageError as error:
+            raise argparse.ArgumentTypeError(str(error)) from error
+
+    return read

@@ -18,32 +18,33 @@ from sojourn_bags.description import Run
 from sojourn_bags.digest import digest
 from sojourn_bags.errors import BagsError
 from sojourn_bags.reading import Bag, read_bag
-from sojourn_bringup import options, start
-from sojourn_bringup.errors import BringupError
+from sojourn_bringup import start
 from sojourn_bringup.references import REFERENCES, Reference, references_folder
 from sojourn_bringup.screen import Screen
+from sojourn_config import command_line
+from sojourn_config.command_errors import CommandError
 
 DIGEST = "digest.txt"
 
 
 def record(reference: Reference, folder: Path, domain: int) -> Bag:
-    """Run the scenario and return its bag, which is in `folder`. Raises BringupError if it went otherwise."""
+    """Run the scenario and return its bag, which is in `folder`. Raises CommandError if it went otherwise."""
     arguments = [str(references_folder() / f"{reference.name}.yaml"), "--composed", "--run-dir", str(folder)]
     arguments += ["--domain", str(domain)]
     for text in reference.overrides:
         arguments += ["--set", text]
     screen = Screen()
     plan = start.make_plan(start.parser().parse_args(arguments), screen)
-    outcome = start.run_plan(plan, True, screen)
+    outcome = start.run_plan(plan, "composed", screen)
     found = tuple(result.outcome for result in outcome.results)
     if found != reference.outcomes:
-        raise BringupError(
+        raise CommandError(
             f"{reference.name}: the steps ended {', '.join(found) or 'not at all'}, and should end "
             f"{', '.join(reference.outcomes)}: {outcome.message}"
         )
     bag = read_bag(plan.bag())
     if bag.records[RECORD]["complete"] != "true":
-        raise BringupError(f"{reference.name}: the bag is not complete: {bag.records[RECORD]['gaps']}")
+        raise CommandError(f"{reference.name}: the bag is not complete: {bag.records[RECORD]['gaps']}")
     return bag
 
 
@@ -79,8 +80,8 @@ def _changes(place: Path, bag: Bag) -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Renew every reference bag and tell what has changed."""
-    parser = options.Parser(prog="record_reference", description="Record the bags in test/replay again.")
-    options.add_place(parser)
+    parser = command_line.Parser(prog="record_reference", description="Record the bags in test/replay again.")
+    command_line.add_place(parser)
     given = parser.parse_args(arguments)
     for reference in REFERENCES:
         print("\n".join(renew(reference, given.domain)))
@@ -88,4 +89,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    options.run_script(main)
+    command_line.run_script(main)

@@ -5,21 +5,21 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from sojourn_bags.compare_command import exit_status, read_runs, write_result
 from sojourn_bags.comparison_result import at
 from sojourn_bags.comparison_words import comparison_lines
+from sojourn_bags.cut_off import unless_cut_off
 from sojourn_bags.reading import Bag
 from sojourn_bags.replay import PREFIX, Replay, replay
 from sojourn_bags.replay_script import ROLES_TO_REPLAY
-from sojourn_bringup import options
 from sojourn_bringup.candidate_bench import add_bench, bench, candidate_of, check_role, replay_settings
-from sojourn_bringup.compare import exit_status, read_runs, write_result
-from sojourn_bringup.cut_off import unless_cut_off
-from sojourn_bringup.errors import UsageError
+from sojourn_config import command_line
+from sojourn_config.command_errors import UsageError
 
 
 def parser() -> argparse.ArgumentParser:
     """Options of scripts/replay."""
-    result = options.Parser(
+    result = command_line.Parser(
         prog="replay",
         description="Feed the recorded inputs of a role to a node, in lock-step over real topics, and compare its "
         "answers with the recorded ones. The status is 0 if they are identical or within the contract's tolerance, "
@@ -31,9 +31,9 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("--exec", metavar="COMMAND", help="replay this program; it gets the ROS arguments of our node")
     result.add_argument("--role", metavar="ROLE", help="with --exec: whom it stands in for")
     result.add_argument("--exact", action="store_true", help="status 1 also for what is within tolerance")
-    options.add_result(result, f"the replayed topics under {PREFIX}/...")
+    command_line.add_result(result, f"the replayed topics under {PREFIX}/...")
     add_bench(result)
-    options.add_place(result)
+    command_line.add_place(result)
     return result
 
 
@@ -77,4 +77,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    options.run_script(main)
+    command_line.run_script(main)

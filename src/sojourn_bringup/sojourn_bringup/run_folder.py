@@ -7,7 +7,7 @@ import tempfile
 from datetime import datetime
 from pathlib import Path
 
-from sojourn_bringup.errors import UsageError
+from sojourn_config.command_errors import UsageError
 from sojourn_config.paths import repository_root
 
 LATEST = "latest"
@@ -27,7 +27,7 @@ def make_run_folder(wanted: Path | None, runs: Path | None = None) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         if wanted is None:
-            folder = _new_folder(runs)
+            folder = new_folder(runs)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
@@ -39,8 +39,32 @@ def make_run_folder(wanted: Path | None, runs: Path | None = None) -> Path:
     return folder
 
 
-def _new_folder(runs: Path) -> Path:
-    """Make a folder named by the time; two runs that start in one second get one each."""
+class FolderWatch:
+    """Notices that a folder has been removed, or another one put in its place."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._identity = self._look()
+
+    def is_there(self) -> bool:
+        """Whether the folder is still the one that it was."""
+        return self._look() == self._identity
+
+    def why_gone(self) -> str:
+        """What ends a run whose folder has gone, as nothing that is written from here on would be found; else empty."""
+        return "" if self.is_there() else f"the run folder {self._folder} is gone: somebody has removed or renamed it"
+
+    def _look(self) -> tuple[int, int] | None:
+        try:
+            found = self._folder.stat()
+        except OSError:
+            return None
+        return found.st_dev, found.st_ino
+
+
+def new_folder(runs: Path) -> Path:
+    """Make a folder named by the time in `runs`; two runs that start in one second get one each."""
+    runs.mkdir(parents=True, exist_ok=True)
     name = datetime.now().strftime("%Y-%m-%d_%H-%M-%S")
     for number in itertools.count(1):
         folder = runs / (name if number == 1 else f"{name}_{number}")

@@ -16,10 +16,10 @@ from sojourn_bags.errors import BagsError, UnansweredError
 from sojourn_bags.reading import Bag
 from sojourn_bags.replay_harness import ReplaySettings
 from sojourn_bags.shadow import NAMESPACE, Look, Shadow
-from sojourn_bringup import options
 from sojourn_bringup.candidate_process import ProcessCandidate
-from sojourn_bringup.environment import ros_variables
 from sojourn_bringup.shadow_report import DIFFERS, DONE, FAILED, READY, RUNNING, ShadowReport
+from sojourn_config import command_line
+from sojourn_config.ros_environment import ros_variables
 from sojourn_contract.process import StopFlag
 
 FAR_BEHIND = 5
@@ -62,7 +62,7 @@ def follow(given: argparse.Namespace, stop: StopFlag) -> Comparison:
 
 def parser() -> argparse.ArgumentParser:
     """Options of this program; scripts/start.py fills them."""
-    result = options.Parser(prog="shadow", description=__doc__)
+    result = command_line.Parser(prog="shadow", description=__doc__)
     result.add_argument("--role", required=True)
     result.add_argument("--command", required=True)
     result.add_argument("--parameters", required=True, help="ROS parameters of the role's node, JSON")
@@ -70,7 +70,7 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("--bag", required=True, type=Path)
     result.add_argument("--log", required=True, type=Path)
     result.add_argument("--network", action="store_true")
-    options.add_place(result)
+    command_line.add_place(result)
     return result
 
 
@@ -95,4 +95,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    options.run_script(main)
+    command_line.run_script(main)

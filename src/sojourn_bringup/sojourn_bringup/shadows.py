@@ -8,10 +8,10 @@ import time
 from collections.abc import Mapping
 
 from sojourn_bringup.child import Child
-from sojourn_bringup.environment import own_environment
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.screen import Screen
 from sojourn_bringup.shadow_report import DONE, FAILED, READY, RUNNING, ShadowReport, read_report
+from sojourn_config.ros_environment import own_environment
 
 FINISH_S = 60.0
 """Wall time that a shadow has to compare and write, after the run."""

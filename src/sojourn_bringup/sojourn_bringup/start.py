@@ -2,36 +2,45 @@
 
 import argparse
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
+from typing import Literal
 
-from sojourn_bringup import options
-from sojourn_bringup.errors import UsageError
 from sojourn_bringup.instance import RoleTokens
 from sojourn_bringup.outcome import Outcome
-from sojourn_bringup.plan import DEFAULT_LOCKSTEP_TIMEOUT_S, RunPlan, check_lockstep, replacement_of
-from sojourn_bringup.process_table import PROCESSES, ROLE_NAMES, check_roles, process
+from sojourn_bringup.plan import RunPlan, add_patience, check_lockstep, replacement_of
+from sojourn_bringup.process_table import PROCESSES, ROLE_NAMES, check_roles, process, role_list
 from sojourn_bringup.run_folder import make_run_folder
-from sojourn_bringup.scenario_steps import absent_roles, needed_roles, prepare_scenario
 from sojourn_bringup.screen import Screen, default_screen
-from sojourn_bringup.shared_memory import remove_tracing_files
+from sojourn_config import command_line
+from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import LoadedScenario
+from sojourn_config.shared_memory import remove_tracing_files
+from sojourn_operator.scenario_steps import absent_roles, needed_roles, prepare_scenario
+
+Layout = Literal["processes", "composed", "direct"]
+"""The three ways to run one graph."""
 
 
 def parser(program: str = "start.py") -> argparse.ArgumentParser:
     """Options of scripts/start.py; `program` is the name in messages."""
-    result = options.Parser(
+    result = command_line.Parser(
         prog=program,
         description="Start a scenario: every node as a process, in lock-step, until its operator is through or Ctrl-C.",
     )
     result.add_argument("scenario", help="name in config/scenarios, or a YAML file")
-    result.add_argument("--composed", action="store_true", help="all nodes in one process")
+    layout = result.add_mutually_exclusive_group()
+    layout.add_argument("--composed", action="store_true", help="all nodes in one process")
+    layout.add_argument(
+        "--direct", action="store_true", help="all roles in one process without middleware: the same values, sooner"
+    )
     result.add_argument("--realtime", action="store_true", help="paced by the wall clock, not in lock-step")
     result.add_argument(
-        "--without", type=options.role_list("--without"), default=(), metavar="A,B", help="roles that take no part"
+        "--without", type=role_list("--without"), default=(), metavar="A,B", help="roles that take no part"
     )
     result.add_argument(
         "--only",
-        type=options.role_list("--only"),
+        type=role_list("--only"),
         default=(),
         metavar="A,B",
         help="start these only; the others take part from elsewhere",
@@ -52,11 +61,11 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
         help="run this command beside the node of a role, on the same inputs. What it says is on /shadow/..., is "
         "compared with what our node says, and is not acted upon",
     )
-    options.add_place(result)
+    command_line.add_place(result)
     result.add_argument("--network", action="store_true", help="find nodes on other machines too")
     result.add_argument("--run-dir", type=Path, metavar="DIR", help="folder of the run (default: a new one in runs/)")
-    options.add_rover(result)
-    result.add_argument("--seed", type=options.whole_number, metavar="N", help="seed in place of the scenario's")
+    command_line.add_rover(result)
+    result.add_argument("--seed", type=command_line.whole_number, metavar="N", help="seed in place of the scenario's")
     result.add_argument(
         "--set",
         action="append",
@@ -65,20 +74,7 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
         metavar="KEY=VALUE",
         help="set a value of the scenario or of a file that it names: battery_soc=0.5, soil.k_c=1400; again for more",
     )
-    result.add_argument(
-        "--lockstep-timeout",
-        type=options.positive_seconds,
-        default=DEFAULT_LOCKSTEP_TIMEOUT_S,
-        metavar="S",
-        help="wall time after which a node that does not answer stops the run (default: %(default)g s)",
-    )
-    result.add_argument(
-        "--start-timeout",
-        type=options.positive_seconds,
-        default=60.0,
-        metavar="S",
-        help="wall time within which every node must be ready (default: %(default)g s)",
-    )
+    add_patience(result)
     return result
 
 
@@ -113,13 +109,17 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
             raise UsageError(f"--shadow names {role}, allowed is one of {allowed}")
         if role not in participants:
             raise UsageError(f"--shadow names {role}, which does not take part: there is nothing to compare with")
-    if given.composed and (replacements or shadows or len(started) < len(participants)):
-        raise UsageError("--composed runs every node in one process: it does not go with --replace, --shadow or --only")
+    if (given.composed or given.direct) and (replacements or shadows or len(started) < len(participants)):
+        option = "--composed" if given.composed else "--direct"
+        raise UsageError(f"{option} runs every role in one process: it does not go with --replace, --shadow or --only")
+    if given.direct and given.realtime:
+        raise UsageError("--direct runs as fast as it can: it does not go with --realtime")
     if "plant" not in participants:
         raise UsageError("nothing moves without plant: to start it elsewhere, name here what to start with --only")
     if not given.realtime:
         check_lockstep(participants)
-    with RoleTokens(given.domain, given.namespace, started):  # before a folder is made for a run that cannot be
+    # before a folder is made for a run that cannot be
+    with nullcontext() if given.direct else RoleTokens(given.domain, given.namespace, started):
         run_dir = make_run_folder(given.run_dir)
     return RunPlan(
         scenario=scenario.name,
@@ -165,12 +165,22 @@ def _participants(given: argparse.Namespace, scenario: LoadedScenario, screen: S
     return tuple(role for role in ROLE_NAMES if role not in without)
 
 
-def run_plan(plan: RunPlan, composed: bool, screen: Screen) -> Outcome:
+def layout_of(given: argparse.Namespace) -> Layout:
+    """Which way was asked for."""
+    return "direct" if given.direct else "composed" if given.composed else "processes"
+
+
+def run_plan(plan: RunPlan, layout: Layout, screen: Screen) -> Outcome:
     """Run to the end, in one process or in many; nothing is left behind."""
     # here and not above, because the libraries read the environment when they are loaded
     try:
+        if layout == "direct":  # it meets nobody on any domain
+            from sojourn_bringup.direct import DirectRun
+
+            with screen:
+                return DirectRun(plan, screen).run()
         with RoleTokens(plan.domain, plan.namespace, plan.started), screen:
-            if composed:
+            if layout == "composed":
                 from sojourn_bringup.composed import ComposedRun
 
                 return ComposedRun(plan, screen).run()
@@ -187,7 +197,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     screen = default_screen()
     plan = make_plan(given, screen)
     screen.say(f"run {plan.run_dir}, domain {plan.domain}{', namespace ' + plan.namespace if plan.namespace else ''}")
-    outcome = run_plan(plan, given.composed, screen)
+    outcome = run_plan(plan, layout_of(given), screen)
     for result in outcome.results:
         reason = f" ({result.reason})" if result.reason else ""
         screen.say(f"{result.start_s:8.2f} s  {result.step}: {result.outcome}{reason}")
@@ -198,4 +208,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    options.run_script(main)
+    command_line.run_script(main)

@@ -8,18 +8,19 @@ from collections import deque
 from dataclasses import replace
 
 from sojourn_bringup.child import STOP_S, Child, command_of, environment_of
-from sojourn_bringup.environment import ros_variables
-from sojourn_bringup.health import DEAD, Health
+from sojourn_bringup.health import DEAD, RESTARTING, STOPPED, Health
 from sojourn_bringup.monitor import Monitor
-from sojourn_bringup.operator_script import StepResult, results_from_data
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, Stopwatch
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_table import process
+from sojourn_bringup.run_folder import FolderWatch
 from sojourn_bringup.screen import Screen
 from sojourn_bringup.shadows import Shadows
+from sojourn_config.ros_environment import ros_variables
 from sojourn_contract.heartbeat import ENDED
 from sojourn_contract.process import StopFlag
 from sojourn_contract.stamps import seconds
+from sojourn_operator.script import StepResult, results_from_data
 
 LOOK_S = 0.05
 """Wall time between two looks at the processes: a dead one is noticed within this."""
@@ -46,6 +47,7 @@ class Supervisor:
         self.shadows = Shadows(plan, screen, self._ros)
         self.stopwatch = Stopwatch()
         self._logs = plan.run_dir / "logs"
+        self._folder = FolderWatch(plan.run_dir)
 
     def run(self) -> Outcome:
         """Start, watch and stop. Returns how the run ended; no process is left whatever happens."""
@@ -99,7 +101,7 @@ class Supervisor:
         started_at = time.monotonic()
         while not stop.is_set:
             self._look(LOOK_S)
-            outcome = self._ended() or self._failed()
+            outcome = self._ended() or self._folder_gone() or self._failed()
             if outcome is not None:
                 return outcome
             if time.monotonic() - started_at > self.plan.start_timeout_s and self._monitor.progress.stamp == 0:
@@ -117,10 +119,20 @@ class Supervisor:
         for role, node in self.nodes.items():
             node.look(now, self.plan.realtime)
             if role in self.children:
+                self._notice_stop(node, self.children[role])
                 node.memory_mb = self.children[role].memory_mb()
                 node.peak_memory_mb = max(node.peak_memory_mb, node.memory_mb)
         self.screen.show(list(self.nodes.values()), progress)
         self.shadows.look()
+
+    def _notice_stop(self, node: Health, child: Child) -> None:
+        """A process that is held is the root of what the others wait for."""
+        if not child.is_stopped:
+            if node.state == STOPPED:
+                node.state, node.detail = RESTARTING, "it goes on"
+        elif node.state != STOPPED:
+            node.stop()
+            self.screen.say(f"{node.role} (process {child.pid}) is stopped: {node.detail}")
 
     def _ended(self) -> Outcome | None:
         """The plant ends a run."""
@@ -128,6 +140,10 @@ class Supervisor:
         if plant.status == 0 if plant is not None else self.nodes["plant"].state == ENDED:
             return self._outcome(SUCCEEDED, "the run ended")
         return None
+
+    def _folder_gone(self) -> Outcome | None:
+        gone = self._folder.why_gone()
+        return self._outcome(FAILED, gone) if gone else None
 
     def _failed(self) -> Outcome | None:
         """Look for dead processes; restart one where that is allowed, else say which ended the run."""
@@ -141,6 +157,10 @@ class Supervisor:
             if role == "plant":
                 if not self._monitor.progress.stamp and (unready := self._unready()):
                     words += f"; not ready: {unready}"
+                held = [
+                    f"{other.role} (process {other.pid})" for other in self.nodes.values() if other.state == STOPPED
+                ]
+                words += f"; stopped by a signal: {', '.join(held)}" if held else ""
                 return self._outcome(FAILED, words)
             if not node.heard_at:
                 return self._outcome(FAILED, f"{words}; it had never sent a heartbeat (log: {child.log})")

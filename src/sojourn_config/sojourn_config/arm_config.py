@@ -2,12 +2,12 @@
 
 from pydantic import Field
 
-from sojourn_mechanics.actuators.params import DriveParams
-from sojourn_mechanics.arm.params import ArmParams
-from sojourn_mechanics.contact.params import PadParams
-from sojourn_mechanics.power.loads import LoadParams
-from sojourn_mechanics.sensors.params import JointGroupParams
-from sojourn_mechanics.sensors.wrench import WrenchSensorParams
+from sojourn_flight.arm.params import ArmParams
+from sojourn_machine.drives import DriveParams
+from sojourn_machine.power.loads import LoadParams
+from sojourn_machine.supports import PadParams
+from sojourn_physics.sensors.params import JointGroupParams
+from sojourn_physics.sensors.wrench import WrenchSensorParams
 
 
 class ArmConfig(ArmParams):

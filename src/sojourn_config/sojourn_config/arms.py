@@ -6,18 +6,19 @@ from pathlib import Path
 import numpy as np
 
 from sojourn_config.arm_config import ArmConfig
-from sojourn_config.errors import MISSING, names_text, single
+from sojourn_config.errors import MISSING, single
 from sojourn_config.load import load_params, validate
 from sojourn_config.machine_checks import with_drive_data
 from sojourn_config.paths import SUFFIX, available, config_folder, display, resolve_urdf, urdf_folder
 from sojourn_config.rover import RoverConfig
 from sojourn_config.yaml_file import read_yaml
-from sojourn_mechanics.arm.dh import DhTable
-from sojourn_mechanics.arm.dh_urdf import urdf_from_dh
-from sojourn_mechanics.arm.friction import JointFriction
-from sojourn_mechanics.arm.params import ArmParams
-from sojourn_mechanics.arm.serial_arm import SerialArm, build_serial_arm, with_motors
-from sojourn_mechanics.errors import MechanicsError
+from sojourn_flight.arm.dh import DhTable
+from sojourn_flight.arm.dh_urdf import urdf_from_dh
+from sojourn_flight.arm.friction import JointFriction
+from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.serial_arm import SerialArm, build_serial_arm, with_motors
+from sojourn_machine.errors import MachineError
+from sojourn_machine.names import names_text
 
 DH_FOLDER = Path("arms") / "dh"
 
@@ -72,7 +73,7 @@ def arm_of_file(path: Path, base_link: str | None = None, tip_link: str | None =
             raise single(display(path), "", MISSING, f"cannot be read: {error}") from error
     try:
         return build_serial_arm(text, base_link, tip_link)
-    except MechanicsError as error:
+    except MachineError as error:
         raise single(display(path), "", MISSING, str(error)) from error
 
 

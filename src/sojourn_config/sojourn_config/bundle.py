@@ -19,17 +19,17 @@ from sojourn_config.paths import SUFFIX, resolve, resolve_urdf
 from sojourn_config.rover import RoverConfig
 from sojourn_config.tool_config import ToolSet, pad_problem, tool_ground_problems, with_tool
 from sojourn_config.urdf import UrdfSummary, parse_urdf, read_urdf
-from sojourn_config.yaml_file import YamlDocument, dotted, read_yaml
-from sojourn_mechanics.arm.dh import DhTable
-from sojourn_mechanics.arm.dh_urdf import urdf_from_dh
-from sojourn_mechanics.arm.tool_params import ToolParams
-from sojourn_mechanics.environment.body import BodyParams
-from sojourn_mechanics.power.battery import BatteryParams
-from sojourn_mechanics.power.loads import BusParams
-from sojourn_mechanics.power.manager_params import PowerLawParams, PowerManagerParams
-from sojourn_mechanics.sensors.params import SensorSuiteParams
-from sojourn_mechanics.soil.params import SoilParams
-from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams
+from sojourn_config.yaml_file import YamlDocument, asking_folders, dotted, read_yaml
+from sojourn_flight.arm.dh import DhTable
+from sojourn_flight.arm.dh_urdf import urdf_from_dh
+from sojourn_flight.power_manager.params import PowerLawParams, PowerManagerParams
+from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams
+from sojourn_machine.power.battery import BatteryParams
+from sojourn_machine.power.loads import BusParams
+from sojourn_machine.tools import ToolParams
+from sojourn_physics.environment.body import BodyParams
+from sojourn_physics.sensors.params import SensorSuiteParams
+from sojourn_physics.soil.params import SoilParams
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -308,7 +308,8 @@ class BundleReader:
         """The set with its document and path; None with the reason in `problems`."""
         asked_document, asked_path = asked
         try:
-            path = resolve(kind, name, (asked_document.file, key), asked_path.parent)
+            folders = asking_folders(asked_document, (key,), asked_path.parent)
+            path = resolve(kind, name, (asked_document.file, key), folders)
             plain = read_yaml(path)
             self.files[plain.file] = path.read_text(encoding="utf-8")
             document = override_document(plain, self._overrides.get(key, ()))

@@ -11,9 +11,9 @@ from sojourn_config.rover import RoverConfig
 from sojourn_config.still_machine import StillMachine
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
-from sojourn_mechanics.actuators.params import MotorParams
-from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.power.battery import BatteryParams
+from sojourn_machine.drives import MotorParams
+from sojourn_machine.params import FloatArray
+from sojourn_machine.power.battery import BatteryParams
 
 
 def carrying_problems(
@@ -45,11 +45,12 @@ def _voltage_problems(arm: ArmConfig, battery: BatteryParams, document: YamlDocu
     lowest = battery.cells_series * battery.ocv_points[0]
     for index, name in enumerate(arm.joint_names):
         drive = next((drive for drive in arm.drives if name in drive.joints), None)
-        if drive is None or not isinstance(drive.motor, MotorParams):
+        if drive is None or not isinstance(drive.electric, MotorParams):
             continue
-        gain, rate = drive.motor.torque_constant * drive.gear.ratio, arm.max_velocity[index]
-        effort = (drive.friction_torque + drive.viscous_friction * rate) / drive.gear.efficiency
-        needed = gain * rate + drive.motor.resistance * effort / gain
+        motor, gear = drive.electric, drive.transmission
+        gain, rate = motor.torque_constant * gear.ratio, arm.max_velocity[index]
+        effort = (drive.friction_torque + drive.viscous_friction * rate) / gear.efficiency
+        needed = gain * rate + motor.resistance * effort / gain
         if needed > lowest:
             allowed = f"needs {needed:.3g} V from the bus, but an empty {battery.name} gives {lowest:.3g} V: "
             allowed += f"allowed is some {rate * lowest / needed:.2g} at most"

@@ -14,9 +14,11 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from sojourn_config.errors import MISSING, Problem, names_text, nearest
+from sojourn_config.errors import MISSING, Problem
 from sojourn_config.yaml_file import Data, KeyPath, YamlDocument
-from sojourn_mechanics.errors import InvalidValueError
+from sojourn_machine.contact_choice import CONTACT_LAWS, ContactChoice
+from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.names import names_text, nearest
 
 _BASE_WORDS: dict[object, str] = {
     bool: "true or false",
@@ -177,11 +179,13 @@ def _unwrap(annotation: object, description: str) -> Place:
 
 
 def _members(annotation: object) -> Iterator[object]:
-    """The members of a union without None, or the type itself."""
+    """The members of a union without None, the kinds that are registered for a choice, or the type itself."""
     if typing.get_origin(annotation) in (typing.Union, types.UnionType):
         for member in typing.get_args(annotation):
             if member is not type(None):
                 yield _unwrap(member, "").annotation
+    elif annotation is ContactChoice:  # any law that is registered
+        yield from (CONTACT_LAWS.get(name) for name in CONTACT_LAWS.names())
     else:
         yield annotation
 

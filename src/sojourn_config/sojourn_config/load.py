@@ -12,7 +12,7 @@ from sojourn_config.explain import problems_of
 from sojourn_config.overrides import override_document
 from sojourn_config.paths import resolve
 from sojourn_config.yaml_file import YamlDocument, read_yaml
-from sojourn_mechanics.errors import MechanicsError
+from sojourn_machine.errors import MachineError
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -33,12 +33,12 @@ def load_params(
         model: the schema.
         overrides: `KEY=VALUE` texts that go over the file.
         asked_by: file and key that name the set, for messages.
-        folder: folder from which a relative path counts, beside the working folder.
+        folder: folder of the file that names the set: a relative path counts from it first.
 
     Raises:
         ConfigError: there is no such set, or its content is not what the schema allows.
     """
-    document = read_yaml(resolve(kind, name, asked_by, folder))
+    document = read_yaml(resolve(kind, name, asked_by, () if folder is None else (folder, Path.cwd())))
     return validate(override_document(document, overrides), model)
 
 
@@ -53,5 +53,5 @@ def validate(document: YamlDocument, model: type[Model]) -> Model:
         return model.model_validate_json(json.dumps(document.data), strict=True)
     except ValidationError as error:
         raise ConfigError(problems_of(error, model, document)) from error
-    except MechanicsError as error:
+    except MachineError as error:
         raise ConfigError([document.problem((), MISSING, str(error))]) from error

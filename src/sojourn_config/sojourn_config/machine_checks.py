@@ -5,19 +5,21 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 from sojourn_config.arm_config import ArmConfig
-from sojourn_config.errors import MISSING, Problem, names_text
+from sojourn_config.errors import MISSING, Problem
 from sojourn_config.mechanism_checks import BASE_LINK, mass_problems, mechanism_problems
 from sojourn_config.rover import RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
-from sojourn_mechanics.actuators.params import DriveParams as DriveTrainParams
-from sojourn_mechanics.arm.params import ArmParams
-from sojourn_mechanics.contact.params import WheelParams
-from sojourn_mechanics.contact.roller_wheel import RollerWheelParams
-from sojourn_mechanics.power.loads import BusParams
-from sojourn_mechanics.sensors.params import JointGroupParams, SensorSuiteParams
-from sojourn_mechanics.soil.params import SoilParams
-from sojourn_mechanics.steering.params import DriveParams, SteeringGeometryParams, WheelGeometry
+from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams, WheelGeometry
+from sojourn_machine.drives import DriveParams as DriveTrainParams
+from sojourn_machine.names import names_text
+from sojourn_machine.power.loads import BusParams
+from sojourn_machine.supports import WheelParams
+from sojourn_physics.contact.roller_wheel import RollerWheelParams
+from sojourn_physics.contact.rows import law_of
+from sojourn_physics.sensors.params import JointGroupParams, SensorSuiteParams
+from sojourn_physics.soil.params import SoilParams
 
 AnyArm = TypeVar("AnyArm", bound=ArmParams)
 
@@ -53,6 +55,7 @@ def machine_problems(
         *_drive_problems(own_drives, urdf, bus, documents["rover"]),
         *_reference_problems(rover, urdf, documents["rover"]),
         *_sensor_problems(sensors, urdf, documents["sensors"]),
+        *_supply_problems(sensors, bus, documents["sensors"]),
         *_group_problems(own_groups, urdf, documents["sensors"]),
     ]
     if arm is not None:
@@ -69,15 +72,22 @@ def machine_problems(
 
 
 def ground_problems(rover: RoverConfig, soil: SoilParams, document: YamlDocument) -> list[Problem]:
-    """What the contact models of the wheels need of a soil and its file does not give, one problem a key."""
+    """What the contact models of the wheels need of a soil and its file does not give, one problem a key; and a soil
+    that has no stiffness under wheels as narrow as these.
+    """
     askers: dict[str, list[str]] = {}
     for wheel in rover.wheels:
-        for name in wheel.contact.missing_in(soil):
+        for name in law_of(wheel.contact).missing_in(soil):
             askers.setdefault(name, []).append(f"{wheel.name} ({wheel.contact.model})")
-    return [
+    missing = [
         document.problem((name,), MISSING, "the key is missing: needed by the contact model of " + ", ".join(wheels))
         for name, wheels in askers.items()
     ]
+    narrow = [f"{wheel.name} ({wheel.width:g} m)" for wheel in rover.wheels if wheel.width <= soil.least_width]
+    if narrow:
+        allowed = f"allowed is more than {-soil.k_phi:g} times the width, or the ground pulls at {', '.join(narrow)}"
+        missing.append(document.problem(("k_c",), soil.k_c, allowed))
+    return missing
 
 
 def steering_geometry(rover: RoverConfig, urdf: UrdfSummary) -> SteeringGeometryParams:
@@ -126,7 +136,7 @@ def with_drive_data(arm: AnyArm, rover: RoverConfig) -> AnyArm:
         "reflected_inertia": tuple(drive.reflected_inertia for drive in found),
         "coulomb_friction": tuple(drive.friction_torque for drive in found),
         "viscous_friction": tuple(drive.viscous_friction for drive in found),
-        "gear_efficiency": tuple(drive.gear.efficiency for drive in found),
+        "gear_efficiency": tuple(drive.transmission.efficiency for drive in found),
         "winding_loss": tuple(drive.winding_loss for drive in found),
         "motor_effort": tuple(drive.motor_effort for drive in found),
         **_gear_data(found),
@@ -258,6 +268,14 @@ def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: Ya
     if sensors.hazcam is not None and sensors.hazcam.link not in urdf.links:
         allowed = f"is not a link of {urdf.file}: " + names_text(sensors.hazcam.link, urdf.links)
         yield document.problem(("hazcam", "link"), sensors.hazcam.link, allowed)
+
+
+def _supply_problems(sensors: SensorSuiteParams, bus: BusParams, document: YamlDocument) -> Iterator[Problem]:
+    """A sensor is fed by a load that there is."""
+    loads = [load.name for load in bus.loads]
+    for sensor, load in sensors.powered_by.items():
+        if load not in loads:
+            yield document.problem(("powered_by", sensor), load, "is no load of the bus: " + names_text(load, loads))
 
 
 def _arm_problems(

@@ -4,11 +4,12 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
-from sojourn_config.errors import Problem, names_text
+from sojourn_config.errors import Problem
 from sojourn_config.rover import RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
-from sojourn_mechanics.params import FloatArray
+from sojourn_machine.names import names_text
+from sojourn_machine.params import FloatArray
 
 SAME_MASS = 1e-3
 """Largest difference of two masses that are meant to be one, as a part of them."""

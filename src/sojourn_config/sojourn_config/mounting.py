@@ -5,14 +5,15 @@ from dataclasses import dataclass
 
 from sojourn_config.arm_config import ArmConfig
 from sojourn_config.composition import mounted_urdf
-from sojourn_config.errors import MISSING, Problem, names_text
+from sojourn_config.errors import MISSING, Problem
 from sojourn_config.mechanism_checks import BASE_LINK
 from sojourn_config.rover import ArmMountParams, RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
-from sojourn_mechanics.power.loads import BusParams
-from sojourn_mechanics.power.manager_params import PowerLawParams
-from sojourn_mechanics.sensors.params import SensorSuiteParams
+from sojourn_flight.power_manager.params import PowerLawParams
+from sojourn_machine.names import names_text
+from sojourn_machine.power.loads import BusParams
+from sojourn_physics.sensors.params import SensorSuiteParams
 
 
 @dataclass(frozen=True, slots=True, eq=False)

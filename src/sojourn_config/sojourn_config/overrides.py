@@ -5,9 +5,9 @@ import re
 from collections.abc import Sequence
 
 from sojourn_config.errors import MISSING, single
-from sojourn_config.yaml_file import Data, KeyPath, YamlDocument, parse_value
+from sojourn_config.yaml_file import MOST_DEPTH, Data, KeyPath, YamlDocument, parse_value
 
-_PART = re.compile(r"([^\[\].=]+)((?:\[[0-9]+\])*)")
+_PART = re.compile(r"([^\[\].=]+)((?:\[[0-9]{1,6}\])*)")
 
 
 def split_override(text: str) -> tuple[KeyPath, str]:
@@ -25,6 +25,8 @@ def split_override(text: str) -> tuple[KeyPath, str]:
             raise single(f"--set {text}", "", MISSING, allowed)
         path.append(match.group(1))
         path.extend(int(index) for index in re.findall(r"[0-9]+", match.group(2)))
+    if len(path) > MOST_DEPTH:
+        raise single(f"--set {text[:40]}...", "", MISSING, f"allowed are at most {MOST_DEPTH} parts of a key")
     return tuple(path), value.strip()
 
 

@@ -8,7 +8,8 @@ where there is none, the repository's is used.
 import os
 from pathlib import Path
 
-from sojourn_config.errors import MISSING, names_text, single
+from sojourn_config.errors import MISSING, single
+from sojourn_machine.names import names_text
 
 ENVIRONMENT_VARIABLE = "SOJOURN_CONFIG_DIR"
 KINDS: tuple[str, ...] = (
@@ -70,28 +71,25 @@ def display(path: Path) -> str:
     return str(path)
 
 
-def resolve(kind: str, name: str, asked_by: tuple[str, str] | None = None, folder: Path | None = None) -> Path:
+def resolve(kind: str, name: str, asked_by: tuple[str, str] | None = None, folders: tuple[Path, ...] = ()) -> Path:
     """The file of a parameter set.
 
     Args:
         kind: one of KINDS.
-        name: a name (`jsc_1a`), or the path of a file: absolute, or from the working folder or `folder`.
+        name: a name (`jsc_1a`), or the path of a file, see `named_file`.
         asked_by: file and key that name it, for the message.
-        folder: folder of the file that names it.
+        folders: from which a path counts, the first choice first; none: the working folder.
 
     Raises:
-        ConfigError: no such file; the message lists the names that exist.
+        ConfigError: no such file, or more than one; the message lists the names that exist.
     """
     file, key = asked_by if asked_by is not None else ("command line", kind)
     if kind not in KINDS:
         raise single(file, key, kind, names_text(kind, KINDS))
     if _is_path(name):
-        candidates = [Path(name).expanduser()]
-        if folder is not None:
-            candidates.append(folder / name)
-        for candidate in candidates:
-            if candidate.is_file():
-                return candidate
+        found = named_file(name, (file, key), *(folders or (Path.cwd(),)))
+        if found is not None:
+            return found
         known = names_text(Path(name).stem, available(kind))
         raise single(file, key, name, f"there is no such file; without a path, {known}")
     names = available(kind)
@@ -101,16 +99,37 @@ def resolve(kind: str, name: str, asked_by: tuple[str, str] | None = None, folde
 
 
 def resolve_urdf(name: str, asked_by: tuple[str, str], folder: Path) -> Path:
-    """The URDF file `name`: in `urdf/`, or a path from the file that names it.
+    """The URDF file `name`: in `urdf/`, or a path from the file that names it, see `named_file`.
 
     Raises:
-        ConfigError: no such file; the message lists the URDF files that exist.
+        ConfigError: no such file, or more than one; the message lists the URDF files that exist.
     """
-    for candidate in (Path(name).expanduser(), folder / name, urdf_folder() / name):
-        if candidate.is_file():
-            return candidate
+    found = named_file(name, asked_by, folder, urdf_folder(), Path.cwd())
+    if found is not None:
+        return found
     files = [path.name for path in urdf_folder().glob("*.urdf")]
     raise single(asked_by[0], asked_by[1], name, "not in urdf/: " + names_text(name, files))
+
+
+def named_file(name: str, asked_by: tuple[str, str], *folders: Path) -> Path | None:
+    """The file that a path names; None where there is none.
+
+    Args:
+        name: an absolute path, or one from `folders`. One that begins with ./ or ../ is from the first of them alone.
+        folders: that of the file that names it comes first.
+
+    Raises:
+        ConfigError: several folders have such a file: one of them would be read in silence for the other.
+    """
+    if name.startswith(("./", "../")):
+        folders = folders[:1]
+    paths = {(folder / Path(name).expanduser()).resolve(): folder / Path(name).expanduser() for folder in folders}
+    found = [path for path in paths.values() if path.is_file()]
+    if len(found) > 1:
+        places = " and ".join(str(path.absolute()) for path in found)
+        advice = f"allowed is one file, and there are {places}: write ./{name} for the first, or a whole path"
+        raise single(asked_by[0], asked_by[1], name, advice)
+    return found[0] if found else None
 
 
 def _is_path(name: str) -> bool:

@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sojourn_config.errors import ConfigError
-from sojourn_config.yaml_file import YamlDocument
-from sojourn_mechanics.errors import InvalidValueError
-from sojourn_mechanics.params import FloatArray, IntArray
-from sojourn_mechanics.terrain.params import TerrainParams
-from sojourn_mechanics.terrain.raster import Raster, check_scale, filled
-from sojourn_mechanics.terrain.raster_params import RasterParams
+from sojourn_config.paths import named_file
+from sojourn_config.yaml_file import YamlDocument, asking_folders
+from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.params import FloatArray, IntArray
+from sojourn_physics.terrain.params import TerrainParams
+from sojourn_physics.terrain.raster import Raster, check_scale, filled
+from sojourn_physics.terrain.raster_params import RasterParams
 
 if TYPE_CHECKING:
     import rasterio
@@ -95,15 +96,18 @@ class RasterReader:
         return ConfigError([self._document.problem(("terrain", "file", key), value, allowed)])
 
     def _find(self, name: str, key: str) -> Path:
-        for candidate in (Path(name).expanduser(), self._folder / name):
-            if candidate.is_file():
-                digest = hashlib.sha256()
-                with candidate.open("rb") as file:
-                    while block := file.read(1 << 20):
-                        digest.update(block)
-                self.digests[name] = digest.hexdigest()
-                return candidate
-        raise self._refuse(key, name, "there is no such file, from the working folder or that of the scenario")
+        folders = asking_folders(self._document, ("terrain", "file", key), self._folder)
+        found = named_file(name, (self._document.file, f"terrain.file.{key}"), *folders)
+        if found is None:
+            raise self._refuse(
+                key, name, "there is no such file, from the folder of the scenario or the working folder"
+            )
+        digest = hashlib.sha256()
+        with found.open("rb") as file:
+            while block := file.read(1 << 20):
+                digest.update(block)
+        self.digests[name] = digest.hexdigest()
+        return found
 
     def _open(self, path: Path, key: str) -> tuple[Placement, Any, float | None]:
         """Placement of a file, something to cut windows from, and its mark of a hole."""

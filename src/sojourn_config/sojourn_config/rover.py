@@ -5,8 +5,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from sojourn_mechanics.params import Params
-from sojourn_mechanics.plant.params import MachineParams
+from sojourn_machine.machine import MachineParams
+from sojourn_machine.params import Params
 
 Length = Annotated[float, Field(ge=-100.0, le=100.0)]
 Angle = Annotated[float, Field(ge=-2.0 * math.pi, le=2.0 * math.pi)]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from sojourn_config.bundle import Bundle, BundleReader, Driving
 from sojourn_config.errors import ConfigError, single
@@ -16,16 +16,17 @@ from sojourn_config.paths import resolve
 from sojourn_config.scenario_checks import scenario_problems
 from sojourn_config.steps import FARTHEST, LONGEST, StepConfig
 from sojourn_config.yaml_file import read_yaml
-from sojourn_mechanics.arm.tool_params import ObjectParams
-from sojourn_mechanics.environment.sun import SunParams, sun_direction
-from sojourn_mechanics.errors import MechanicsError
-from sojourn_mechanics.params import FloatArray, Params
-from sojourn_mechanics.plant.params import FaultParams, SimulationParams
-from sojourn_mechanics.terrain.height_field import HeightField
-from sojourn_mechanics.terrain.params import TerrainParams
+from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_machine.params import FloatArray, Params
+from sojourn_machine.timing import CONTROL_PERIOD_S
+from sojourn_machine.tools import ObjectParams
+from sojourn_physics.environment.sun import SunParams, sun_direction
+from sojourn_physics.plant.params import FaultParams, SimulationParams
+from sojourn_physics.terrain.height_field import HeightField
+from sojourn_physics.terrain.params import TerrainParams
 
 if TYPE_CHECKING:
-    from sojourn_mechanics.terrain.raster import Raster
+    from sojourn_physics.terrain.raster import Raster
 
 STOWED = "stow"
 """Pose of the arm while the rover drives."""
@@ -74,6 +75,14 @@ class ScenarioConfig(Params):
     objects: tuple[ObjectParams, ...] = Field(default=(), description="what lies on the ground and may be picked")
     steps: tuple[StepConfig, ...] = Field(default=(), description="what the operator sends, in order")
 
+    @field_validator("simulation")
+    @classmethod
+    def _on_the_grid_of_stamps(cls, simulation: SimulationParams) -> SimulationParams:
+        if simulation.control_period != CONTROL_PERIOD_S:
+            allowed = f"{CONTROL_PERIOD_S:g}: the stamps of all messages lie on its grid"
+            raise InvalidValueError("control_period", simulation.control_period, allowed)
+        return simulation
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoadedScenario(Bundle):
@@ -115,7 +124,7 @@ class LoadedScenario(Bundle):
         """
         if self.drive.slip is None:
             return None
-        from sojourn_mechanics.steering.wheel_load_map import wheel_load_map  # loads Pinocchio
+        from sojourn_flight.mobility.wheel_load_map import wheel_load_map  # loads Pinocchio
 
         stowed = None if self.arm is None else self.arm.named_poses.get(STOWED)
         angles = {} if self.arm is None or stowed is None else dict(zip(self.arm.joint_names, stowed, strict=True))
@@ -132,11 +141,11 @@ class LoadedScenario(Bundle):
             ConfigError: the ground cannot be made with these parameters.
         """
         # here and not above: it loads scipy, which most nodes do not need, and each of them starts so much sooner
-        from sojourn_mechanics.terrain.generate import generate
+        from sojourn_physics.terrain.generate import generate
 
         try:
             return generate(self.terrain, *self.soil_names, self.config.seed, self.raster)
-        except MechanicsError as error:
+        except MachineError as error:
             raise single(next(iter(self.files)), "terrain", self.terrain.kind, str(error)) from error
 
 

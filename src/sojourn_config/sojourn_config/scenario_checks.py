@@ -5,12 +5,13 @@ import typing
 from collections.abc import Iterator
 
 from sojourn_config.bundle import Bundle
-from sojourn_config.errors import Problem, names_text
+from sojourn_config.errors import Problem
 from sojourn_config.steps import ArmGroundStep, ArmJointsStep, ArmPoseStep, DriveGoalStep, DriveRouteStep
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
-from sojourn_mechanics.arm.params import ArmParams
-from sojourn_mechanics.terrain.params import TerrainParams
+from sojourn_flight.arm.params import ArmParams
+from sojourn_machine.names import names_text
+from sojourn_physics.terrain.params import TerrainParams
 
 if typing.TYPE_CHECKING:
     from sojourn_config.scenario import ScenarioConfig

@@ -5,9 +5,9 @@ from typing import Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
-from sojourn_mechanics.arm.goals import GoalRefusedError
-from sojourn_mechanics.arm.tasks.requests import parse_task
-from sojourn_mechanics.params import Params
+from sojourn_flight.arm.goals import GoalRefusedError
+from sojourn_flight.arm.tasks.requests import parse_task
+from sojourn_machine.params import Params
 
 FARTHEST = 1e6
 LONGEST = 1e7
@@ -41,10 +41,9 @@ class DriveRouteStep(Params):
     )
 
 
-class ArmPoseStep(Params):
-    """A place for the arm's tip: /arm/goal_pose."""
+class ArmPoint(Params):
+    """A place for the arm's tip, and the direction of its tool there."""
 
-    frame: Literal["base_link", "map"] = Field(default="base_link", description="frame of the numbers")
     x: float = Field(ge=-FARTHEST, le=FARTHEST, description="position of the tip [m]")
     y: float = Field(ge=-FARTHEST, le=FARTHEST, description="position of the tip [m]")
     z: float = Field(ge=-FARTHEST, le=FARTHEST, description="position of the tip [m]")
@@ -59,6 +58,12 @@ class ArmPoseStep(Params):
         if abs(length - 1.0) > UNIT_TOLERANCE:
             raise ValueError(f"orientation = {self.orientation} has length {length:.4g}: allowed is 1")
         return self
+
+
+class ArmPoseStep(ArmPoint):
+    """A place for the arm's tip: /arm/goal_pose."""
+
+    frame: Literal["base_link", "map"] = Field(default="base_link", description="frame of the numbers")
 
 
 class ArmGroundStep(Params):
@@ -81,6 +86,26 @@ class ArmJointsStep(Params):
     def _one_of_them(self) -> Self:
         if (self.name is None) == (self.positions is None):
             raise ValueError("allowed is either name or positions")
+        return self
+
+
+class ArmPathPoint(ArmPoint):
+    """A point of a path of the arm's tip."""
+
+    on_arc: bool = Field(default=False, description="gone by on an arc, from the point before to the one after")
+
+
+class ArmPathStep(Params):
+    """Straight lines and arcs of the arm's tip, from where it is: /arm/path."""
+
+    frame: Literal["base_link", "map"] = Field(default="base_link", description="frame of the numbers")
+    points: tuple[ArmPathPoint, ...] = Field(min_length=1, max_length=1000, description="points in order")
+
+    @model_validator(mode="after")
+    def _arcs_have_ends(self) -> Self:
+        for k, point in enumerate(self.points):
+            if point.on_arc and (k + 1 == len(self.points) or self.points[k + 1].on_arc):
+                raise ValueError(f"points[{k}] is on an arc: allowed is one such point, then the arc's end")
         return self
 
 
@@ -111,9 +136,9 @@ def _text(value: bool | float | tuple[float, ...]) -> str:
 
 
 StepAction: TypeAlias = (
-    DriveGoalStep | DriveRouteStep | ArmPoseStep | ArmGroundStep | ArmJointsStep | ArmTaskStep | float
+    DriveGoalStep | DriveRouteStep | ArmPoseStep | ArmGroundStep | ArmJointsStep | ArmPathStep | ArmTaskStep | float
 )
-ACTIONS = ("drive_to", "drive_route", "arm_to", "arm_to_ground", "arm_joints", "arm_task", "wait_s")
+ACTIONS = ("drive_to", "drive_route", "arm_to", "arm_to_ground", "arm_joints", "arm_path", "arm_task", "wait_s")
 
 
 class StepConfig(Params):
@@ -124,6 +149,7 @@ class StepConfig(Params):
     arm_to: ArmPoseStep | None = Field(default=None, description="tip of the arm to a place")
     arm_to_ground: ArmGroundStep | None = Field(default=None, description="tip of the arm to the ground")
     arm_joints: ArmJointsStep | None = Field(default=None, description="arm to positions or a named pose")
+    arm_path: ArmPathStep | None = Field(default=None, description="tip of the arm along lines and arcs")
     arm_task: ArmTaskStep | None = Field(default=None, description="task of the arm")
     wait_s: float | None = Field(default=None, ge=0.0, le=LONGEST, description="time to wait [s]")
     timeout_s: float | None = Field(

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from sojourn_config.urdf import UrdfJoint, UrdfSummary
-from sojourn_mechanics.params import FloatArray
+from sojourn_machine.params import FloatArray
 
 
 class StillMachine:

@@ -2,14 +2,15 @@
 
 from pydantic import Field
 
-from sojourn_config.errors import MISSING, Problem, names_text
+from sojourn_config.errors import MISSING, Problem
 from sojourn_config.rover import RoverConfig
 from sojourn_config.yaml_file import YamlDocument
-from sojourn_mechanics.arm.tool_params import TOOL_JOINT, ToolParams
-from sojourn_mechanics.params import Params
-from sojourn_mechanics.sensors.encoder import EncoderParams
-from sojourn_mechanics.sensors.params import JointGroupParams, SensorSuiteParams
-from sojourn_mechanics.soil.params import SoilParams
+from sojourn_machine.names import names_text
+from sojourn_machine.params import Params
+from sojourn_machine.tools import TOOL_JOINT, ToolParams
+from sojourn_physics.sensors.encoder import EncoderParams
+from sojourn_physics.sensors.params import JointGroupParams, SensorSuiteParams
+from sojourn_physics.soil.params import SoilParams
 
 GROUP = "tool"
 

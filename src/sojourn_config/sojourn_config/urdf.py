@@ -2,7 +2,7 @@
 
 Only what other files refer to is read here, with no physics library: so a wrong name is found, with its file
 and key, before any model is built. Rotations: rpy is roll, pitch, yaw about fixed axes, R = Rz(yaw) Ry(pitch)
-Rx(roll) (URDF specification). Mimic joints, transmissions and meshes are not used here and are not read.
+Rx(roll) (URDF specification). Mimic joints, transmissions and meshes are not used here.
 """
 
 import math
@@ -16,7 +16,8 @@ import numpy as np
 
 from sojourn_config.errors import MISSING, ConfigError, Problem, single
 from sojourn_config.paths import display
-from sojourn_mechanics.params import FloatArray
+from sojourn_config.urdf_checks import MOST_BYTES, element_problems
+from sojourn_machine.params import FloatArray
 
 Part = TypeVar("Part")
 
@@ -141,14 +142,16 @@ def read_urdf(path: Path) -> UrdfSummary:
     """
     file = display(path)
     try:
+        if path.stat().st_size > MOST_BYTES:
+            raise single(file, "", MISSING, f"allowed are at most {MOST_BYTES} bytes")
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise single(file, "", MISSING, f"cannot be read: {error}") from error
-    return parse_urdf(text, file)
+    return parse_urdf(text, file, path.parent)
 
 
-def parse_urdf(text: str, file: str) -> UrdfSummary:
-    """Read the text of a URDF. `file`: its name, for messages.
+def parse_urdf(text: str, file: str, folder: Path | None = None) -> UrdfSummary:
+    """Read the text of a URDF. `file`: its name, for messages. `folder`: where it lies, to look for its meshes.
 
     Raises:
         ConfigError: it is not XML, or lacks what a URDF must have.
@@ -159,6 +162,8 @@ def parse_urdf(text: str, file: str) -> UrdfSummary:
         raise single(file, "", MISSING, f"not an XML document: {error}", error.position[0]) from error
     if root.tag != "robot":
         raise ConfigError([Problem(file, root.tag, "", "allowed as the outermost element is robot")])
+    if wrong := list(element_problems(root, file, folder)):
+        raise ConfigError(wrong)
     faults: list[str] = []
     joints = _each(_joint, root.findall("joint"), faults)
     links = tuple(_each(lambda element: _attribute(element, "name"), root.findall("link"), faults))

@@ -32,6 +32,12 @@ _FALSE = frozenset(("false", "False", "FALSE"))
 _PLAIN_TAGS = frozenset(
     f"tag:yaml.org,2002:{name}" for name in ("map", "seq", "str", "int", "float", "bool", "null", "timestamp")
 )
+MOST_BYTES = 1_000_000
+"""Of a file."""
+MOST_DEPTH = 32
+"""Tables and lists inside each other."""
+MOST_VALUES = 20_000
+"""Keys, values, tables and lists of a file. The largest of ours has some hundred."""
 _LONGEST_NUMBER = 300
 """Longer digits are read as a float, which is then infinite and refused."""
 
@@ -67,6 +73,14 @@ class YamlDocument:
         return Problem(file, dotted(path), "" if value is MISSING else shown(value), allowed, line)
 
 
+def asking_folders(document: YamlDocument, path: KeyPath, folder: Path) -> tuple[Path, Path]:
+    """Where a path counts from that stands at a key, the first choice first: the folder of its file, and the working
+    folder; the other way round where the command line has set the key.
+    """
+    overridden = any(path[:length] in document.overridden for length in range(1, len(path) + 1))
+    return (Path.cwd(), folder) if overridden else (folder, Path.cwd())
+
+
 def plain_scalar(text: str) -> Scalar:
     """The value of an unquoted scalar by the core schema of YAML 1.2."""
     if text in _NULL:
@@ -97,7 +111,11 @@ def read_yaml(path: Path) -> YamlDocument:
     """
     file = display(path)
     try:
-        text = path.read_text(encoding="utf-8")
+        with path.open("rb") as stream:
+            content = stream.read(MOST_BYTES + 1)
+        if len(content) > MOST_BYTES:
+            raise ConfigError([Problem(file, "", "", f"allowed are at most {MOST_BYTES} bytes")])
+        text = content.decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigError([Problem(file, "", "", f"cannot be read: {error}")]) from error
     return parse_yaml(text, file)
@@ -110,6 +128,7 @@ def parse_yaml(text: str, file: str) -> YamlDocument:
         ConfigError: as `read_yaml`.
     """
     try:
+        _check_size(text, file)
         root = yaml.compose(text, Loader=_Loader)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         mark = getattr(error, "problem_mark", None)
@@ -126,6 +145,21 @@ def parse_yaml(text: str, file: str) -> YamlDocument:
     if isinstance(data, dict):
         document.data = data
     return document
+
+
+def _check_size(text: str, file: str) -> None:
+    """Refuse what is too deep or too much before anything is made of it. Raises ConfigError, yaml.YAMLError."""
+    depth = values = 0
+    for event in yaml.parse(text, Loader=_Loader):
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        values += isinstance(event, yaml.ScalarEvent | yaml.CollectionStartEvent)
+        if depth > MOST_DEPTH or values > MOST_VALUES:
+            what = f"{MOST_DEPTH} tables and lists inside each other" if depth > MOST_DEPTH else f"{MOST_VALUES} values"
+            line = None if event.start_mark is None else int(event.start_mark.line) + 1
+            raise ConfigError([Problem(file, "", "", f"too large a YAML document: allowed are at most {what}", line)])
 
 
 def parse_value(text: str, file: str) -> Data:

@@ -69,14 +69,14 @@ class Barrier(Generic[Message]):
         if stamp % grid:
             return f"a multiple of {grid / 1e9:.2f} s, its period"
         oldest = max(self.stamp - row.lag * CONTROL_PERIOD_NS, CONTROL_PERIOD_NS)
-        if stamp < oldest or stamp in self._messages[row.name]:
+        if stamp < oldest or self._messages[row.name].get(stamp) is not None:  # one that was refused may be replaced
             return f"newer than {oldest / 1e9 - 1e-9 * CONTROL_PERIOD_NS:.2f} s, once a stamp"
         if stamp > self.stamp + MAX_PENDING_PERIODS * CONTROL_PERIOD_NS:
             return f"at most {MAX_PENDING_PERIODS} periods ahead of {self.stamp / 1e9:.2f} s"
         return None
 
     def offer(self, row: Topic, stamp: int, message: Message) -> None:
-        """Keep a message until its period. Ask `refusal` first."""
+        """Keep a message until its period, None for one that is refused. Ask `refusal` first."""
         self._messages[row.name][stamp] = message
 
     def peek(self, row: Topic) -> Message | None:

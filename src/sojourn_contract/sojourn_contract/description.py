@@ -104,6 +104,8 @@ def _field(rule: FieldRule) -> dict[str, Any]:
         "rate_of": rule.rate_of,
         "rate_tolerance": _finite(rule.rate_tolerance),
         "rate_window": rule.rate_window,
+        "rate_part": rule.rate_part,
+        "rate_spread": rule.rate_spread,
     }
 
 

@@ -4,9 +4,12 @@ A goal takes effect at its stamp or when it arrives, whichever is later; stamp z
 operator stamps its goals some periods ahead, so that a lock-step run is the same every time.
 """
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.heartbeat import is_count
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topic_types import Topic
 
@@ -14,20 +17,24 @@ MAX_AHEAD_S = 3600.0
 """A goal stamped further ahead than this is refused [s]: its sender's clock is not the simulation's."""
 
 
+@dataclass(frozen=True, slots=True)
 class EventQueue:
-    """Goals that wait for their period, in order of effect, and among equals of arrival."""
+    """Goals that wait for their period, in order of effect, and among equals of arrival. A value: each change is a new
+    one.
+    """
 
-    def __init__(self) -> None:
-        self._waiting: list[tuple[int, int, str, Any]] = []
-        self._arrivals = 0
-        self.received: dict[str, int] = {}
+    waiting: tuple[tuple[int, int, str, Any], ...] = ()
+    """Stamp from which it takes effect [ns], number of its arrival, topic, message."""
+    arrivals: int = 0
+    received: Mapping[str, int] = field(default_factory=dict)
+    """Goals that have arrived on each topic, good or bad."""
 
-    def count(self, row: Topic) -> None:
+    def counted(self, row: Topic) -> "EventQueue":
         """One more goal has arrived, good or bad."""
-        self.received[row.name] = self.received.get(row.name, 0) + 1
+        return replace(self, received={**self.received, row.name: self.received.get(row.name, 0) + 1})
 
-    def offer(self, row: Topic, stamp: int, now: int, message: Any) -> None:
-        """Queue a goal stamped `stamp` [ns] that arrived at simulation time `now` [ns].
+    def offered(self, row: Topic, stamp: int, now: int, message: Any) -> "EventQueue":
+        """With a goal stamped `stamp` [ns] that arrived at simulation time `now` [ns].
 
         Raises RefusedMessageError if it is older than the row allows, or stamped by another clock than
         ours. A node that has not acted yet (`now` zero) does not know the time and takes any stamp.
@@ -46,22 +53,33 @@ class EventQueue:
                 f"{stamp / NANOSECONDS:.2f} s",
                 f"simulation time: zero, or at most {MAX_AHEAD_S:.0f} s after {now / NANOSECONDS:.2f} s",
             )
-        self._arrivals += 1
-        self._waiting.append((max(stamp, now), self._arrivals, row.name, message))
-        self._waiting.sort(key=lambda entry: entry[:2])
+        arrivals = self.arrivals + 1
+        entry = (max(stamp, now), arrivals, row.name, message)
+        return replace(self, waiting=_in_order((*self.waiting, entry)), arrivals=arrivals)
 
-    def take(self, now: int) -> list[tuple[str, Any]]:
-        """Goals that take effect at the period stamped `now` [ns], as (topic, message)."""
+    def taken(self, now: int) -> tuple["EventQueue", list[tuple[str, Any]]]:
+        """What is left, and the goals that take effect at the period stamped `now` [ns], as (topic, message)."""
         ready = 0
-        while ready < len(self._waiting) and self._waiting[ready][0] <= now:
+        while ready < len(self.waiting) and self.waiting[ready][0] <= now:
             ready += 1
-        taken = [(name, message) for _, _, name, message in self._waiting[:ready]]
-        del self._waiting[:ready]
-        return taken
+        if not ready:
+            return self, []
+        goals = [(name, message) for _, _, name, message in self.waiting[:ready]]
+        return replace(self, waiting=self.waiting[ready:]), goals
 
-    def has_received(self, counts: dict[str, int]) -> bool:
+    def begun_anew(self, now: int) -> "EventQueue":
+        """The clock was wrong, and it is `now` [ns]: what waits for a time that will not come takes effect now."""
+        latest = now + int(MAX_AHEAD_S * NANOSECONDS)
+        moved = tuple((stamp if stamp <= latest else now, *rest) for stamp, *rest in self.waiting)
+        return replace(self, waiting=_in_order(moved))
+
+    def has_received(self, counts: Mapping[str, int]) -> bool:
         """Whether at least so many goals have come on each topic."""
         return all(self.received.get(name, 0) >= count for name, count in counts.items())
+
+
+def _in_order(entries: tuple[Any, ...]) -> tuple[Any, ...]:
+    return tuple(sorted(entries, key=lambda entry: entry[:2]))
 
 
 def format_tick(counts: dict[str, int], end: bool) -> str:
@@ -78,7 +96,7 @@ def parse_tick(text: str) -> tuple[dict[str, int], bool]:
         name, equals, count = part.partition("=")
         if part == "end":
             end = True
-        elif equals and count.isdecimal():
+        elif equals and is_count(count):
             counts[name] = int(count)
         else:
             raise RefusedMessageError("/operator/tick", "frame_id", text, "'end' and TOPIC=COUNT, separated by ';'")

@@ -5,8 +5,10 @@ from dataclasses import replace
 from sojourn_contract.topic_types import FieldRule
 
 RATE = FieldRule("velocity", "rad/s", low=-200.0, high=200.0)
-MEASURED_RATE = replace(RATE, rate_of="position", rate_tolerance=0.05)
-ENCODER_RATE = replace(MEASURED_RATE, rate_tolerance=0.08, rate_window=5)  # a count of 12 bits in a period
+MEASURED_RATE = replace(RATE, rate_of="position", rate_tolerance=0.05, rate_part=0.05)
+ENCODER_RATE = replace(
+    MEASURED_RATE, rate_tolerance=0.08, rate_part=0.0, rate_window=5
+)  # a count of 12 bits in a period
 ANGLE = FieldRule("position", "rad", low=-1e6, high=1e6)
 TORQUE_TOLERANCE = 1e-7
 """Of torques [N m], which are some hundred times larger than the angles that they follow from."""
@@ -43,6 +45,11 @@ TWIST = (
         rate_of="pose.pose.orientation",
         rate_tolerance=0.02,
     ),
+)
+TRUE_TWIST = (
+    replace(TWIST[0], rate_spread="twist.covariance"),
+    replace(TWIST[1], rate_spread="twist.covariance", rate_spread_place=3),
+    FieldRule("twist.covariance", "(m/s)^2, (rad/s)^2", low=0.0, high=100.0),
 )
 ESTIMATED_TWIST = (TWIST[0], replace(TWIST[1], rate_tolerance=0.5))  # roll and pitch are set anew, not integrated
 GOAL_FRAMES = ("map", "odom", "base_link")

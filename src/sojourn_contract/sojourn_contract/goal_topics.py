@@ -77,6 +77,32 @@ GOAL_TOPICS: tuple[Topic, ...] = (
         joints="arm",
     ),
     Topic(
+        "/arm/path",
+        "nav_msgs/Path",
+        "operator",
+        ("arm",),
+        0,
+        10.0,
+        "move the arm's tip from where it is along straight lines to these poses in turn; a pose whose own "
+        "header.frame_id is arc is gone by on an arc, from the pose before to the one after; an orientation other than "
+        "identity or zero asks for the direction of the tool there, as in /arm/goal_pose",
+        (FieldRule("poses.pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),),
+        frames=GOAL_FRAMES,
+    ),
+    Topic(
+        "/arm/cmd_vel",
+        "geometry_msgs/TwistStamped",
+        "operator",
+        ("arm",),
+        0,
+        0.5,
+        "wanted velocity of the arm's tip, in base_link (or no frame), map, odom or the frame of the tip's link",
+        (
+            FieldRule("twist.linear", "m/s", frame="header.frame_id", low=-10.0, high=10.0),
+            FieldRule("twist.angular", "rad/s", frame="header.frame_id", low=-10.0, high=10.0),
+        ),
+    ),
+    Topic(
         "/arm/task",
         "diagnostic_msgs/DiagnosticArray",
         "operator",

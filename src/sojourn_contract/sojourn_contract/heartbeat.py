@@ -10,12 +10,17 @@ from dataclasses import dataclass, field
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from sojourn_contract import stamps
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
 
 WAITING_TO_MATCH = "waiting for other nodes"
 READY = "ready"
 RUNNING = "running"
 STALLED = "stalled"
 ENDED = "ended"
+HEARTBEAT_PERIODS = 50
+"""Control periods between two."""
+MOST_DIGITS = 18
+"""Of a count: more are refused before Python, which takes long over them, sees them."""
 WAITING_FOR = "waiting for role"
 """Key of a heartbeat: the role whose message the node waits for in lock-step, before and during the run."""
 
@@ -98,6 +103,17 @@ def heartbeat_message(
     return status_message(stamp, role, values, detail or state, level)
 
 
+def beats(before: int, stamp: int) -> bool:
+    """Whether a heartbeat is due in a period stamped `stamp` [ns], after one stamped `before`."""
+    beat = HEARTBEAT_PERIODS * CONTROL_PERIOD_NS
+    return stamp // beat != before // beat
+
+
+def is_count(text: str) -> bool:
+    """Whether a text is a count of messages: digits, and no more of them than a run could fill."""
+    return text.isdecimal() and len(text) <= MOST_DIGITS
+
+
 def read_heartbeats(array: DiagnosticArray) -> list[Heartbeat]:
     """Heartbeats in a message; statuses without a state (other people's diagnostics) are passed over."""
     found = []
@@ -108,7 +124,7 @@ def read_heartbeats(array: DiagnosticArray) -> list[Heartbeat]:
         counts: dict[str, dict[str, int]] = {"published": {}, "refused": {}}
         for key, value in values.items():
             word, _, name = key.partition(" ")
-            if word in counts and name and value.isdecimal():
+            if word in counts and name and is_count(value):
                 counts[word][name] = int(value)
         found.append(
             Heartbeat(

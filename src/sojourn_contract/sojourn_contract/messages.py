@@ -109,6 +109,11 @@ def wrench_values(message: WrenchStamped) -> NDArray[np.float64] | None:
     return None if np.isnan(values).any() else values
 
 
+def _single(value: float) -> float:
+    """As the message's fields of 32 bits hold it: the same to whom it is handed as it is, and over the wire."""
+    return float(np.float32(value))
+
+
 def battery_state(
     stamp: int,
     voltage: float,
@@ -127,12 +132,12 @@ def battery_state(
     """
     message = BatteryState()
     message.header.stamp = stamps.to_message(stamp)
-    message.voltage = float(voltage)
-    message.current = -float(current_out)
-    message.temperature = float(temperature) + ABSOLUTE_ZERO_C
-    message.percentage = float(soc)
-    message.charge = float(charge) / 3600.0
-    message.capacity = float(capacity) / 3600.0
+    message.voltage = _single(voltage)
+    message.current = -_single(current_out)
+    message.temperature = _single(float(temperature) + ABSOLUTE_ZERO_C)
+    message.percentage = _single(soc)
+    message.charge = _single(float(charge) / 3600.0)
+    message.capacity = _single(float(capacity) / 3600.0)
     message.design_capacity = message.capacity
     message.power_supply_status = (
         BatteryState.POWER_SUPPLY_STATUS_DISCHARGING

@@ -1,9 +1,8 @@
 """Base of every node: endpoints from the topic table, lock-step or real time, heartbeats, refusals.
 
-A node derives from ContractNode, says its role, and implements `on_period`. In lock-step `on_period` is
-called at each stamp at which inputs are due, once they are all in. In real time it is called when the
-trigger input arrives (the last of the fastest inputs in the table's order), with the latest message of
-every other input.
+A node derives from ContractNode, says its role, and implements `on_period`. In lock-step `on_period` is called at each
+stamp at which inputs are due, once they are all in. In real time it is called when the trigger input arrives (see
+`latest_inputs`), with the latest message of every other input.
 """
 
 import time
@@ -16,8 +15,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from sojourn_contract import qos, stamps
+from sojourn_contract.arrival import TICK, check_input
 from sojourn_contract.barrier import Barrier, awaited_inputs
-from sojourn_contract.checks import check_complete, check_message
+from sojourn_contract.decoding import decoded, refusing, stamp_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.events import EventQueue, parse_tick
 from sojourn_contract.heartbeat import (
@@ -28,21 +28,20 @@ from sojourn_contract.heartbeat import (
     WAITING_FOR,
     WAITING_TO_MATCH,
     Counters,
+    beats,
     heartbeat_message,
-    status_values,
 )
-from sojourn_contract.switches import check_switches
+from sojourn_contract.latest_inputs import LatestInputs, trigger_of
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, inputs_of, outputs_of, topic
 from sojourn_contract.types import message_class
 
-TICK = "/operator/tick"
-SWITCHES = "/power/switches"
-MEASURED_BY = ("plant", "sensors")
-"""Publishers whose joint states are measurements: complete, or refused."""
-HEARTBEAT_PERIODS = 50
 REFUSAL_LOG_S = 1.0
 """Wall time between two lines of the log on refused messages of one topic; the heartbeat counts them all."""
+SILENCE_S = 1.0
+"""Wall time without the input on which a node acts in real time, after which it says so in its heartbeat."""
+LOST_S = 3.0
+"""The same, after which a node that `acts_in_silence` acts: longer than the end of a run takes."""
 FAREWELL_S = 1.0
 """Wall time that a farewell has to arrive: a listener that is gone does not hold up the end."""
 READY_REPEAT_S = 0.2
@@ -104,19 +103,19 @@ class ContractNode(Node):
         self._awaited = awaited_inputs(role, self.participants)
         self.barrier: Barrier[Any] = Barrier(self._awaited, every_period)
         self._awaited_by_name = {row.name: row for row in self._awaited}
-        self._latest: dict[str, tuple[int, Any]] = {}
-        """In real time: stamp and content of the last message of each periodic input; None where it was
-        refused.
-        """
-        self._trigger = self._trigger_input()
-        self._last_progress = time.monotonic()
-        self._last_ready = 0.0
+        self._trigger = trigger_of(self._awaited)
+        self._last_progress = self._heard_trigger = time.monotonic()
+        self._last_ready = self._complained = 0.0
         self._advancing = False
         self._raw_topics = frozenset(row.name for row in inputs_of(role)) if raw else raw_topics
         self._outputs = {row.name: row for row in outputs_of(role, {*self.participants, role})}
         self._senders = {row.name: self._create_output(row) for row in self._outputs.values()}
         self._readers = {row.name: self._create_input(row) for row in self._inputs()}
-        self._periodic = [row for row in self._inputs() if not row.is_event and row.publisher != "all"]
+        self.latest = LatestInputs([row for row in self._inputs() if not row.is_event and row.publisher != "all"])
+        """What real time acts on."""
+
+    acts_in_silence = False
+    """Whether it acts once a second where its trigger stays away in real time, to say so in its status."""
 
     # What a node implements or calls
 
@@ -134,13 +133,10 @@ class ContractNode(Node):
 
     def check(self, row: Topic, message: Any) -> None:
         """Refuse a message by raising RefusedMessageError; a node may add checks of its own."""
-        check_message(row.name, message)
-        if row.name == TICK:
-            parse_tick(message.frame_id)
-        elif row.name == SWITCHES:
-            check_switches(row.name, status_values(message))
-        elif row.type == "sensor_msgs/JointState" and row.publisher in MEASURED_BY:
-            check_complete(row.name, message)
+        check_input(row, message)
+
+    def on_new_time(self) -> None:
+        """In real time the node's clock was wrong and has been set anew: forget what was measured by the old one."""
 
     def heartbeat_values(self) -> dict[str, str]:
         """What a node adds to its heartbeat; must not depend on wall time in lock-step."""
@@ -168,6 +164,8 @@ class ContractNode(Node):
                 # with whom it waits for already now: a run may stall in its very first period
                 whom, _ = self._waits_for()
                 self._send_heartbeat(state, 0, "; ".join(missing), {WAITING_FOR: whom} if whom else {})
+        elif not self.lockstep:
+            self._bear_silence(now)
         elif now - self._last_progress > self.timeout_s / 2:
             whom, what = self._waits_for()
             if whom:
@@ -179,7 +177,8 @@ class ContractNode(Node):
         return True
 
     def close(self) -> None:
-        """Say farewell; called once before the node is destroyed."""
+        """Act no more, and say farewell; called once before the node is destroyed."""
+        self.finished = True
         if self.now:
             self._send_heartbeat(ENDED, self.now)
             # or the end of the node may overtake its last words, and the recorder's account lacks its counters
@@ -209,9 +208,7 @@ class ContractNode(Node):
         return ("", "") if self._goals_are_in() else (topic(TICK).publisher, "the goals that its tick announces")
 
     def _inputs(self) -> list[Topic]:
-        """Rows to subscribe: in lock-step what is awaited, in real time whoever may publish it; goals
-        always.
-        """
+        """Rows to subscribe: in lock-step what is awaited, in real time whoever may publish it; goals always."""
         return [
             row
             for row in inputs_of(self.role, {*self.participants, self.role})
@@ -230,45 +227,45 @@ class ContractNode(Node):
         )
 
     def _create_input(self, row: Topic) -> Any:
-        def receive(message: Any) -> None:
-            self._receive(row, message)
+        def receive(data: bytes) -> None:
+            self._receive(row, data)
 
         return self.create_subscription(
             message_class(row.type),
             row.name.lstrip("/"),
             receive,
             qos.profile(row, self.lockstep, self.role),
-            raw=row.name in self._raw_topics,
+            raw=True,  # the ROS library's own decoding ends the executor with bytes that it cannot read
         )
 
-    def _trigger_input(self) -> str:
-        """In real time: the input on which it acts. Of the fastest ones that of the earliest role of a period: a node
-        that is down, and started again, does not keep those after it from acting.
-        """
-        if not self._awaited:
-            return ""
-        fastest = min(row.every for row in self._awaited)
-        rows = [row for row in self._awaited if row.every == fastest]
-        first = min((row.publisher for row in rows), key=ROLES.index)
-        return [row.name for row in rows if row.publisher == first][-1]
-
-    def _stamp_of(self, message: Any) -> int:
-        if isinstance(message, bytes):
-            return stamps.from_cdr(message)
-        return stamps.of_message(message)
-
-    def _receive(self, row: Topic, message: Any) -> None:
+    def _receive(self, row: Topic, data: bytes) -> None:
         """Take one message: refuse it, queue it as a goal, or give it to the barrier."""
         try:
-            stamp = self._stamp_of(message)
-            if row.publisher == "all":
-                self.on_heartbeat(message)
-            elif row.is_event:
-                self._receive_event(row, stamp, message)
+            if row.is_event:
+                self._receive_event(row, data)
+            elif row.publisher == "all":
+                message = self._content(row, data)
+                with refusing(row.name, f"a {row.type} that can be read"):
+                    self.on_heartbeat(message)
+            elif self.lockstep:
+                self._receive_periodic(row, stamp_of(row.name, data), data)
             else:
-                self._receive_periodic(row, stamp, message)
+                self._receive_realtime(row, stamp_of(row.name, data), data)
         except RefusedMessageError as refusal:
             self.refuse(row.name, refusal)
+
+    def _content(self, row: Topic, data: bytes) -> Any:
+        """What the bytes hold, checked; the bytes where the node reads them itself. Raises RefusedMessageError."""
+        message = self._message(row, data)
+        self._check(row, message)
+        return message
+
+    def _message(self, row: Topic, data: bytes) -> Any:
+        return data if row.name in self._raw_topics else decoded(row.name, row.type, data)
+
+    def _check(self, row: Topic, message: Any) -> None:
+        with refusing(row.name, f"a {row.type} that can be read"):
+            self.check(row, message)
 
     def on_heartbeat(self, message: Any) -> None:
         """A message on /diagnostics; only the plant and the recorder listen."""
@@ -281,61 +278,77 @@ class ContractNode(Node):
             self._warned[topic] = now
             self.get_logger().warning(f"refused: {refusal}")
 
-    def _receive_event(self, row: Topic, stamp: int, message: Any) -> None:
-        self.events.count(row)
+    def _receive_event(self, row: Topic, data: bytes) -> None:
+        self.events = self.events.counted(row)
         try:
-            self.check(row, message)
-            self.events.offer(row, stamp, self.now, message)
+            stamp, goal = stamp_of(row.name, data), self._content(row, data)
+            self.events = self.events.offered(row, stamp, self.now, goal)
         except RefusedMessageError as refusal:
             self.refuse(row.name, refusal)
         self._advance()  # a tick may have waited for this goal, good or bad
 
-    def _receive_periodic(self, row: Topic, stamp: int, message: Any) -> None:
-        if not self.lockstep:
-            self._receive_realtime(row, stamp, message)
-            return
+    def _receive_periodic(self, row: Topic, stamp: int, data: bytes) -> None:
         row = self._awaited_by_name[row.name]
         allowed = self.barrier.refusal(row, stamp)
         if allowed is not None:
             raise RefusedMessageError(row.name, "header.stamp", f"{stamp / 1e9:.3f} s", allowed)
-        try:
-            self.check(row, message)
-        except RefusedMessageError as refusal:
-            self.refuse(row.name, refusal)
-            message = None
-        self.barrier.offer(row, stamp, message)
+        self.barrier.offer(row, stamp, self._content_or_none(row, data))
         self._advance()
 
-    def _receive_realtime(self, row: Topic, stamp: int, message: Any) -> None:
+    def _content_or_none(self, row: Topic, data: bytes) -> Any:
+        """As `_content`; None for a message that is refused, which is counted."""
+        try:
+            return self._content(row, data)
+        except RefusedMessageError as refusal:
+            self.refuse(row.name, refusal)
+            return None
+
+    def _receive_realtime(self, row: Topic, stamp: int, data: bytes) -> None:
+        message = self._message(row, data)  # or nothing of it is believed: its stamp neither
         allowed = self._refusal_realtime(row, stamp)
         if allowed is not None:
             raise RefusedMessageError(row.name, "header.stamp", f"{stamp / 1e9:.3f} s", allowed)
         try:
-            self.check(row, message)
+            self._check(row, message)
         except RefusedMessageError as refusal:
             self.refuse(row.name, refusal)
             message = None
-        self._latest[row.name] = (stamp, message)
-        if row.name == self._trigger and stamp > self.now:
-            self.act(stamp, self._inputs_realtime(stamp))
+        self.latest.keep(row, stamp, message)
+        if row.name != self._trigger:
+            return
+        self._heard_trigger = time.monotonic()
+        if stamp <= self.now and self.now > self.latest.timeline.now + stamps.CONTROL_PERIOD_NS:
+            self._begin_anew(stamp)  # it has acted on a stamp that nobody else has reached
+        if stamp > self.now:
+            self.act(stamp, self.latest.at(stamp))
 
     def _refusal_realtime(self, row: Topic, stamp: int) -> str | None:
         """Why a message with this stamp cannot be taken in real time, or None."""
-        if row.name in self._latest and stamp <= self._latest[row.name][0]:
-            return f"after {self._latest[row.name][0] / 1e9:.3f} s, that of the last one"
-        if _age_s(stamp, self.now) > row.max_age_s:
-            return f"{self.now / 1e9 - row.max_age_s:.3f} s or later"
-        return None
+        refusal, is_new_time = self.latest.hear(row, stamp, time.monotonic())
+        if is_new_time:
+            self._begin_anew(stamp)
+        return refusal or self.latest.repeats(row, stamp, self.latest.timeline.now)
 
-    def _inputs_realtime(self, stamp: int) -> dict[str, Any]:
-        """Latest message of every periodic input; None for one that is older than its row allows at `stamp`
-        [ns].
+    def _begin_anew(self, stamp: int) -> None:
+        """The time was wrong: go on from `stamp` [ns]."""
+        self.now = stamp - stamps.CONTROL_PERIOD_NS
+        self.latest.begin_anew(stamp)
+        self.events = self.events.begun_anew(self.now)
+        self.on_new_time()
+
+    def _bear_silence(self, now: float) -> None:
+        """In real time, where the trigger stays away: say once a second for whom it waits, and act without where that
+        is wanted, at the whole seconds, so that the status tells of it.
         """
-        inputs: dict[str, Any] = {}
-        for row in self._periodic:
-            sent, message = self._latest.get(row.name, (0, None))
-            inputs[row.name] = message if _age_s(sent, stamp) <= row.max_age_s else None
-        return inputs
+        silent = now - self._heard_trigger
+        if self.finished or not self._trigger or silent < SILENCE_S or now - self._complained < SILENCE_S:
+            return
+        self._complained = now
+        stamp = (self.latest.timeline.now + int(silent * stamps.NANOSECONDS)) // stamps.NANOSECONDS * stamps.NANOSECONDS
+        if self.acts_in_silence and silent > LOST_S and stamp > self.now:
+            self.act(stamp, self.latest.at(stamp))
+        whom = topic(self._trigger).publisher
+        self._send_heartbeat(STALLED, self.now, f"waiting for {self._trigger} from {whom}", {WAITING_FOR: whom})
 
     def _advance(self) -> None:
         """Act on every period whose inputs are in."""
@@ -363,9 +376,9 @@ class ContractNode(Node):
         """Run one period and send the heartbeat when one is due."""
         self._last_progress = time.monotonic()
         previous, self.now = self.now, stamp
-        self.on_period(stamp, inputs, self.events.take(stamp))
-        beat = HEARTBEAT_PERIODS * stamps.CONTROL_PERIOD_NS
-        if stamp // beat != previous // beat:
+        self.events, goals = self.events.taken(stamp)
+        self.on_period(stamp, inputs, goals)
+        if beats(previous, stamp):
             self._send_heartbeat(RUNNING, stamp)
 
     def _send_heartbeat(self, state: str, stamp: int, detail: str = "", extra: dict[str, str] | None = None) -> None:
@@ -374,7 +387,3 @@ class ContractNode(Node):
             self.counters.count_published("/diagnostics")
         message = heartbeat_message(self.role, state, stamp, self.counters, detail, values)
         self._senders["/diagnostics"].publish(message)
-
-
-def _age_s(stamp: int, now: int) -> float:
-    return (now - stamp) / stamps.NANOSECONDS

@@ -166,7 +166,11 @@ def field_note(type_name: str, rule: Mapping[str, Any]) -> str:
     if rule["rate_of"]:
         window = rule.get("rate_window", 1)
         over = f" over at most {window} periods" if window > 1 else ""
-        notes.append(f"change of {rule['rate_of']}{over}, within {rule['rate_tolerance']:g} {rule['unit']}")
+        part = f" and {100.0 * rule['rate_part']:g} %" if rule.get("rate_part") else ""
+        spread = f" and the root of {rule['rate_spread']}" if rule.get("rate_spread") else ""
+        notes.append(
+            f"change of {rule['rate_of']}{over}, within {rule['rate_tolerance']:g} {rule['unit']}{part}{spread}"
+        )
     return "; ".join(notes)
 
 

@@ -24,6 +24,8 @@ COLLECT_AFTER = 50_000
 """Objects made and not freed after which the garbage collector looks at the youngest."""
 TEARDOWN_S = 4.5
 """Wall time after which a process whose middleware does not end is ended all the same, with a trace in its log."""
+SETTLE_S = 0.3
+"""Wall time without any node acting after which a period counts as answered."""
 POLL_S = 0.02
 """Wall time between two looks at the nodes' wall-clock chores."""
 
@@ -75,7 +77,7 @@ def spin(
                     node.poll()
                 if not rclpy.ok() or each_poll() or any(node.finished for node in nodes if node.ends_the_run):
                     break
-        drain(executor, nodes, when_closed)
+        drain(executor, nodes, when_closed, interrupted=stop.is_set)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     return max(node.exit_status for node in nodes)
@@ -92,15 +94,32 @@ def settle_collector() -> None:
     gc.set_threshold(COLLECT_AFTER)
 
 
-def drain(executor: EventsExecutor, nodes: list[ContractNode], when_closed: Callable[[], None]) -> None:
-    """Close the nodes in order, each after what is still on its way to it has been taken."""
-    for node in nodes:
+def drain(
+    executor: EventsExecutor, nodes: list[ContractNode], when_closed: Callable[[], None], interrupted: bool = False
+) -> None:
+    """Close the nodes in order, each after what is still on its way to it has been taken.
+
+    Where a signal has ended the run in the middle of a period, those after the plant answer it first: else the record
+    would lack what they owe.
+    """
+    for number, node in enumerate(nodes):
         while not node.is_drained():
             executor.spin_once(timeout_sec=POLL_S)
         node.close()
+        if interrupted and node.ends_the_run:
+            _settle(executor, nodes[number + 1 :])
     when_closed()
     for node in nodes:
         executor.remove_node(node)
+
+
+def _settle(executor: EventsExecutor, nodes: list[ContractNode]) -> None:
+    """Run until none of the nodes has acted for a while."""
+    acted, since = [node.now for node in nodes], time.monotonic()
+    while nodes and time.monotonic() - since < SETTLE_S:
+        executor.spin_once(timeout_sec=POLL_S)
+        if acted != (acted := [node.now for node in nodes]):
+            since = time.monotonic()
 
 
 def limit_teardown() -> None:

@@ -8,10 +8,9 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 
-NANOSECONDS = 1_000_000_000
-CONTROL_PERIOD_NS = 20_000_000
-"""Length of a control period [ns]: 50 Hz. All rates of the contract are integer divisors of it."""
-CONTROL_PERIOD_S = CONTROL_PERIOD_NS / NANOSECONDS
+from sojourn_machine.timing import CONTROL_PERIOD_NS, CONTROL_PERIOD_S, NANOSECONDS
+
+__all__ = ["CONTROL_PERIOD_NS", "CONTROL_PERIOD_S", "NANOSECONDS"]
 
 
 def to_message(stamp_ns: int) -> Time:

@@ -1,6 +1,6 @@
 """Prints the topic table as Markdown, for the manual: `python -m sojourn_contract.table`.
 
-With `--into README.md` it renews the table between its two markers in that file instead.
+With `--into src/sojourn_contract/README.md` it renews the table between its two markers in that file instead.
 """
 
 import argparse
@@ -13,7 +13,7 @@ from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_contract.topic_types import FieldRule, Topic
 from sojourn_contract.topics import TOPICS
 
-BEGIN = "<!-- topics: begin (python -m sojourn_contract.table --into README.md) -->"
+BEGIN = "<!-- topics: begin (python -m sojourn_contract.table --into src/sojourn_contract/README.md) -->"
 END = "<!-- topics: end -->"
 HEAD = (
     "| topic | type | from → to | rate | age at most | what it holds |",

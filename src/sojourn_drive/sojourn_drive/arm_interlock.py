@@ -7,8 +7,8 @@ from typing import Any
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.joint_places import JointPlaces
 from sojourn_contract.messages import numbers
-from sojourn_mechanics.arm.interlock import why_not_to_drive
-from sojourn_mechanics.arm.params import ArmParams
+from sojourn_flight.arm.interlock import why_not_to_drive
+from sojourn_flight.arm.params import ArmParams
 
 
 class ArmInterlock:
@@ -21,17 +21,17 @@ class ArmInterlock:
     def __init__(self, arm: ArmParams | None) -> None:
         self._arm = arm
         self._places = JointPlaces("/joint_states", () if arm is None else arm.joint_names)
-        self.reason = ""
-        """Why the rover may not drive, in words; empty where it may."""
 
-    def hear(self, joints: Any, driving: bool) -> None:
-        """Take the measured joints of a period; where they cannot be used, or lack the arm's, the last word stays."""
+    def why_not(self, joints: Any, driving: bool, before: str) -> str:
+        """Why the rover may not drive by the measured joints of a period, in words; empty where it may. Where they
+        cannot be used, or lack the arm's, the last word stays.
+        """
         arm = self._arm
         if arm is None or joints is None:
-            return
+            return before
         try:
             places = self._places.places(joints)
         except RefusedMessageError:
-            return
+            return before
         positions, velocities = numbers(joints.position)[places], numbers(joints.velocity)[places]
-        self.reason = why_not_to_drive(arm.interlock, arm.named_poses, arm.joint_names, positions, velocities, driving)
+        return why_not_to_drive(arm.interlock, arm.named_poses, arm.joint_names, positions, velocities, driving)

@@ -3,13 +3,13 @@
 from typing import Any
 
 from sojourn_drive.measurements import DRIVE_LOADS
-from sojourn_mechanics.power.battery import stored_energy
-from sojourn_mechanics.power.manager_params import PowerManagerParams
-from sojourn_mechanics.steering.energy_forecast import Supply
+from sojourn_flight.planning.energy_forecast import Supply
+from sojourn_flight.power_manager.params import PowerManagerParams
+from sojourn_machine.power.battery import stored_energy
 
 
 class ChargeGauge:
-    """Keeps the newest reading.
+    """Reads the battery.
 
     Args:
         manager: what the power manager believes of the battery, and when it takes the drive's power away.
@@ -18,13 +18,11 @@ class ChargeGauge:
     def __init__(self, manager: PowerManagerParams) -> None:
         self._battery = manager.battery
         self._reserve = manager.reserve(DRIVE_LOADS)
-        self.supply: Supply | None = None
-        """None until the first reading."""
 
-    def hear(self, message: Any) -> None:
-        """Take a reading; None (not due, refused or too old) leaves the last one."""
+    def supply(self, message: Any, before: Supply | None) -> Supply | None:
+        """By a reading; None (not due, refused or too old) leaves what was known before."""
         if message is None:
-            return
+            return before
         soc = min(max(message.charge / message.capacity, 0.0), 1.0) if message.capacity > 0.0 else 0.0
         left = stored_energy(self._battery, soc) - stored_energy(self._battery, self._reserve)
-        self.supply = Supply(left, soc, self._reserve, max(-message.voltage * message.current, 0.0))
+        return Supply(left, soc, self._reserve, max(-message.voltage * message.current, 0.0))

@@ -2,7 +2,8 @@
 status.
 """
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,113 +11,101 @@ import numpy as np
 from sojourn_contract import stamps
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.messages import yaw_of
-from sojourn_mechanics.steering.drive_types import DriveState
-from sojourn_mechanics.steering.goal import Goal, GoalOutcome
-from sojourn_mechanics.steering.odometry import OdometryState
-from sojourn_mechanics.terrain.params import TerrainParams
+from sojourn_flight.odometry.odometry import OdometryState
+from sojourn_flight.planning.goal import Goal, GoalOutcome
+from sojourn_flight.supervision.drive_types import DriveState
 
 FRAMES = ("map", "odom", "base_link")
 """map and odom coincide at the start of a run, and the drive knows no better afterwards."""
 
 
-class GoalDesk:
-    """Takes goals in and keeps the state of the last one.
+@dataclass(frozen=True, slots=True)
+class LastGoal:
+    """What became of the last goal, or velocity command."""
 
-    Args:
-        terrain: the ground of the scenario; goals off it are refused.
-    """
+    state: str = "idle"
+    reason: str = ""
+    stamp: int = 0
+    count: int = 0
+    """Goals so far: by its number a goal is known to the drive. Its stamp is no name: all goals that are stamped zero
+    would share it."""
 
-    def __init__(self, terrain: TerrainParams) -> None:
-        self._x = (terrain.center_x - terrain.size_x / 2, terrain.center_x + terrain.size_x / 2)
-        self._y = (terrain.center_y - terrain.size_y / 2, terrain.center_y + terrain.size_y / 2)
-        self._state = "idle"
-        self._reason = ""
-        self._stamp = 0
-        self._count = 0
+    @property
+    def name(self) -> str:
+        """Of the goal, for the drive."""
+        return str(self.count)
 
-    def goal(self, topic: str, message: Any, here: OdometryState) -> Goal:
-        """Goal of a PoseStamped or a Path, in odom. A z other than 0 is the height of its point, for the forecast.
+    def begun(self, message: Any) -> "LastGoal":
+        """A new goal has come."""
+        return LastGoal("moving", "", stamps.from_message(message.header.stamp), self.count + 1)
 
-        Raises:
-            RefusedMessageError: a frame that is not known, a path without points, a point off the terrain.
-                The status shows it.
-        """
-        stamp = stamps.from_message(message.header.stamp)
-        poses = message.poses if topic == "/waypoints" else [message]
-        self._state, self._reason, self._stamp = "moving", "", stamp
-        self._count += 1
-        try:
-            points = [self._point(topic, message.header.frame_id, pose.pose, here) for pose in poses]
-            if not points:
-                raise RefusedMessageError(topic, "poses", "empty", "at least one pose")
-        except RefusedMessageError as refusal:
-            self._state, self._reason = "refused", str(refusal)
-            raise
-        yaw = yaw_of(poses[-1].pose.orientation)
-        if yaw is not None and message.header.frame_id == "base_link":
-            yaw += here.yaw
-        base = here.z if message.header.frame_id == "base_link" else 0.0
-        z = [pose.pose.position.z for pose in poses]
-        heights = tuple(base + height if height != 0.0 else None for height in z)
-        goal = (
-            Goal.along(points, yaw, self._name()) if topic == "/waypoints" else Goal.at(*points[0], yaw, self._name())
-        )
-        return replace(goal, heights=heights)
+    def refused(self, message: Any, reason: str) -> "LastGoal":
+        """A goal or a velocity command has come and was refused."""
+        return LastGoal("refused", reason, stamps.from_message(message.header.stamp), self.count + 1)
 
-    def refused(self, topic: str, message: Any, reason: str) -> RefusedMessageError:
-        """Note that a goal or a velocity command was refused; the refusal."""
-        self._state, self._reason, self._stamp = "refused", reason, stamps.from_message(message.header.stamp)
-        self._count += 1
-        return RefusedMessageError(topic, "header", "a goal now", f"none while {reason}")
-
-    def pre_empted(self, stamp: int, unseen: bool) -> None:
-        """A velocity command has come: a goal on its way ends with the outcome that the drive gives it.
-
-        A goal that the drive has not seen yet (`unseen`) never starts.
+    def pre_empted(self, stamp: int, unseen: bool) -> "LastGoal":
+        """A velocity command stamped `stamp` [ns] has come: a goal on its way ends with the outcome that the drive
+        gives it. A goal that the drive has not seen yet (`unseen`) never starts.
         """
         if unseen:
-            self._state, self._reason = "stopped", "pre-empted by /cmd_vel"
-        elif self._state != "moving":
-            self._state, self._reason, self._stamp = "idle", "", stamp
+            return replace(self, state="stopped", reason="pre-empted by /cmd_vel")
+        return self if self.state == "moving" else LastGoal(stamp=stamp, count=self.count)
 
-    def note(self, outcomes: tuple[GoalOutcome, ...]) -> None:
-        """Keep how the last goal ended."""
+    def given_up(self, reason: str) -> "LastGoal":
+        """The goal on its way has failed, as its measurements stay away."""
+        return replace(self, state="failed", reason=reason) if self.state == "moving" else self
+
+    def noted(self, outcomes: Sequence[GoalOutcome]) -> "LastGoal":
+        """With how it ended, if it has."""
+        last = self
         for outcome in outcomes:
-            if outcome.goal.name == self._name():
-                self._state, self._reason = outcome.kind, outcome.reason
+            if outcome.goal.name == last.name and last.state == "moving":
+                last = replace(last, state=outcome.kind, reason=outcome.reason)
+        return last
 
     def status(self, state: DriveState) -> dict[str, str]:
         """First fields of /drive/status."""
         distance = state.follower.distance_to_go if state.follower is not None else 0.0
         return {
-            "state": self._state,
-            "goal_stamp": str(self._stamp),
+            "state": "refused" if state.twist_refused else self.state,
+            "goal_stamp": str(self.stamp),
             "distance_to_go": f"{distance:.3f}",
-            "reason": self._reason or (state.text if is_held(state) else ""),
+            "reason": self.reason or (state.text if is_held(state) else ""),
         }
 
-    def _name(self) -> str:
-        """Name of the last goal. Its stamp is none: all goals that are stamped zero would share it."""
-        return str(self._count)
 
-    def _point(self, topic: str, frame: str, pose: Any, here: OdometryState) -> tuple[float, float]:
-        if frame not in FRAMES:
-            raise RefusedMessageError(topic, "header.frame_id", repr(frame), "one of " + ", ".join(FRAMES))
-        x, y = pose.position.x, pose.position.y
-        if frame == "base_link":
-            cosine, sine = np.cos(here.yaw), np.sin(here.yaw)
-            x, y = here.x + cosine * x - sine * y, here.y + sine * x + cosine * y
-        for axis, value, (low, high) in (("x", x, self._x), ("y", y, self._y)):
-            if not low <= value <= high:
-                raise RefusedMessageError(
-                    topic,
-                    f"pose.position.{axis}",
-                    f"{value:.2f} m in map",
-                    f"on the terrain, {low:.2f} to {high:.2f} m",
-                )
-        return float(x), float(y)
+def goal_of(topic: str, message: Any, here: OdometryState, name: str) -> Goal:
+    """Goal of a PoseStamped or a Path, in odom. A z other than 0 is the height of its point, for the forecast.
+
+    Raises:
+        RefusedMessageError: a frame that is not known, a path without points.
+    """
+    poses = message.poses if topic == "/waypoints" else [message]
+    frame = message.header.frame_id
+    points = [_point(topic, frame, pose.pose, here) for pose in poses]
+    if not points:
+        raise RefusedMessageError(topic, "poses", "empty", "at least one pose")
+    yaw = yaw_of(poses[-1].pose.orientation)
+    if yaw is not None and frame == "base_link":
+        yaw += here.yaw
+    base = here.z if frame == "base_link" else 0.0
+    z = [pose.pose.position.z for pose in poses]
+    heights = tuple(base + height if height != 0.0 else None for height in z)
+    goal = Goal.along(points, yaw, name) if topic == "/waypoints" else Goal.at(*points[0], yaw, name)
+    return replace(goal, heights=heights)
+
+
+def _point(topic: str, frame: str, pose: Any, here: OdometryState) -> tuple[float, float]:
+    if frame not in FRAMES:
+        raise RefusedMessageError(topic, "header.frame_id", repr(frame), "one of " + ", ".join(FRAMES))
+    x, y = pose.position.x, pose.position.y
+    if frame == "base_link":
+        cosine, sine = np.cos(here.yaw), np.sin(here.yaw)
+        x, y = here.x + cosine * x - sine * y, here.y + sine * x + cosine * y
+    return float(x), float(y)
 
 
 def is_held(state: DriveState) -> bool:
-    """Whether a velocity command is not carried out because of an obstacle."""
-    return state.mode == "cmd_vel" and state.avoidance is not None and state.avoidance.blocked
+    """Whether a velocity command is not carried out, because of an obstacle or because the wheels do not allow it."""
+    blocked = state.avoidance is not None and state.avoidance.blocked
+    return state.mode == "cmd_vel" and (blocked or state.twist_refused)

@@ -10,12 +10,12 @@ from sensor_msgs.msg import JointState
 from sojourn_contract.joint_places import JointPlaces
 from sojourn_contract.messages import fill_joint_state, joint_state, numbers, quaternion, xyz
 from sojourn_contract.switches import fraction_of
-from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.plant.params import MachineParams
-from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
-from sojourn_mechanics.steering.drive_types import DriveInput, DriveOutput, TwistCommand
-from sojourn_mechanics.steering.goal import Goal
-from sojourn_mechanics.steering.heading_fix import SunSighting
+from sojourn_flight.odometry.heading_fix import SunSighting
+from sojourn_flight.planning.goal import Goal
+from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
+from sojourn_machine.machine import MachineParams
+from sojourn_machine.mounting import IMU_LINK, mounting
+from sojourn_machine.params import FloatArray
 
 DRIVE_LOADS = ("drive", "steer")
 """Loads without which the rover does not move."""
@@ -39,8 +39,6 @@ class WheelMeasurements:
         self._steer_places = JointPlaces("/joint_states", [joint for joint in turned_by if joint is not None])
         self._message = joint_state([*self._drive_joints, *self._steer_joints])
         self._imu_to_base, self._imu_lever = mounting(urdf_xml, IMU_LINK)
-        self.tilt_rates = (0.0, 0.0)
-        """Angular velocity of base_link about its x and y axes, as last measured [rad/s]."""
 
     def drive_input(
         self,
@@ -59,7 +57,6 @@ class WheelMeasurements:
         gyro = self._imu_to_base @ xyz(imu.angular_velocity)
         centripetal = gyro * float(gyro @ self._imu_lever) - self._imu_lever * float(gyro @ gyro)
         force = self._imu_to_base @ xyz(imu.linear_acceleration) - centripetal
-        self.tilt_rates = (float(gyro[0]), float(gyro[1]))
         return DriveInput(
             wheel_positions=position[drive],
             wheel_rates=numbers(joints.velocity)[drive],
@@ -67,6 +64,7 @@ class WheelMeasurements:
             wheel_efforts=numbers(joints.effort)[drive] if len(joints.effort) else None,
             gyro=(float(gyro[0]), float(gyro[1]), float(gyro[2])),
             specific_force=(float(force[0]), float(force[1]), float(force[2])),
+            accelerometer_ahead=float(self._imu_lever[0]),
             roll_pitch=self._roll_pitch(quaternion(imu.orientation)),
             sun=sun,
             twist=twist,

@@ -10,9 +10,9 @@ from nav_msgs.msg import Odometry
 from sojourn_contract import stamps
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.messages import set_quaternion, set_xyz
-from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.steering.drive_types import DriveOutput
-from sojourn_mechanics.steering.odometry import OdometryState
+from sojourn_flight.odometry.odometry import OdometryState
+from sojourn_flight.supervision.drive_types import DriveOutput
+from sojourn_machine.params import FloatArray
 
 
 class OdometryReport:
@@ -41,13 +41,13 @@ def orientation(estimate: OdometryState) -> FloatArray:
     return np.array(pin.Quaternion(rotation).coeffs())
 
 
-def drive_report(stamp: int, goals: Mapping[str, Any], output: DriveOutput) -> Any:
+def drive_report(stamp: int, goals: Mapping[str, Any], fields: Mapping[str, str | float]) -> Any:
     """/drive/status at a stamp [ns].
 
     Args:
-        goals: what became of the goals, with `state` and `reason`. output: of the period.
+        goals: what became of the goals, with `state` and `reason`. fields: of the drive, see `drive_status`.
     """
-    told = {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in output.status.items()}
+    told = {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in fields.items()}
     values = {**goals, **told}
     level = 1 if values["state"] in ("refused", "stopped") or values.get("failed_motors") else 0
     return status_message(stamp, "drive", values, values["reason"] or values["state"], level)

@@ -5,8 +5,8 @@ from typing import Any
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.messages import xyz
-from sojourn_mechanics.sensors.mounting import mounting
-from sojourn_mechanics.steering.heading_fix import SunSighting
+from sojourn_flight.odometry.heading_fix import SunSighting
+from sojourn_machine.mounting import mounting
 
 
 class SunSightings:
@@ -20,18 +20,17 @@ class SunSightings:
         self._scenario = scenario
         sensor = scenario.sensors.sun
         self._sensor_to_base = None if sensor is None else mounting(scenario.urdf_xml, sensor.link)[0]
-        self._last = 0
 
-    def sighting(self, stamp: int, message: Any) -> SunSighting | None:
-        """The reading that belongs to this period [ns]; None where there is none, or it has been taken before.
+    def sighting(self, stamp: int, message: Any, last: int) -> tuple[SunSighting | None, int]:
+        """The reading that belongs to this period [ns], None where there is none, or it has been taken before; and the
+        stamp of the last one that was taken [ns], zero before the first.
 
         In real time it may be a period late: a turning machine has turned by a seventh of a degree at most.
         """
         if message is None or self._sensor_to_base is None:
-            return None
+            return None, last
         sent = stamps.from_message(message.header.stamp)
-        if sent <= self._last or not 0 <= stamp - sent <= stamps.CONTROL_PERIOD_NS:
-            return None
-        self._last = sent
+        if sent <= last or not 0 <= stamp - sent <= stamps.CONTROL_PERIOD_NS:
+            return None, last
         in_base = self._sensor_to_base @ xyz(message.vector)
-        return SunSighting(in_base, self._scenario.sun_direction(stamps.seconds(sent)))
+        return SunSighting(in_base, self._scenario.sun_direction(stamps.seconds(sent))), sent

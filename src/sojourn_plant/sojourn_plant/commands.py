@@ -1,6 +1,7 @@
 """The commands that the plant holds: the last good one of each topic, until it is too old."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,10 +14,11 @@ from sojourn_contract.messages import joint_columns, numbers
 from sojourn_contract.switches import check_switches, fraction_of
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
-from sojourn_mechanics.actuators import joint_drive
-from sojourn_mechanics.arm.tool_params import TOOL_JOINT
-from sojourn_mechanics.plant.model import PlantModel
-from sojourn_mechanics.plant.state import PlantCommand, zeros_command
+from sojourn_machine.params import FloatArray
+from sojourn_machine.tools import TOOL_JOINT
+from sojourn_physics.actuators import joint_drive
+from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.state import PlantCommand, zeros_command
 
 POSITION, RATE, EFFORT = 0, 1, 2
 JOINT_TOPICS = ("/wheel_command", "/arm_command")
@@ -24,9 +26,31 @@ SWITCHES = "/power/switches"
 COMMANDS = (*JOINT_TOPICS, SWITCHES)
 
 
-class CommandBuffer:
-    """Last good command of each topic. A command older than its row allows is lost: its joints stop where
-    they are told.
+@dataclass(frozen=True, slots=True)
+class HeldCommands:
+    """What is held. Arrays are not written to."""
+
+    reference: FloatArray
+    """(3, joints), the tool's actuator after them: position [rad], rate [rad/s], effort [N m]."""
+    fractions: FloatArray
+    """(loads,) 0 off to 1 on."""
+    stamps: Mapping[str, int] = field(default_factory=dict)
+    """Of the last good command of each topic [ns]."""
+    joints: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    """Columns that a topic has ever named."""
+
+    def lost(self, now: int) -> list[str]:
+        """Topics whose command is too old at simulation time `now` [ns]."""
+        return [
+            name for name, stamp in self.stamps.items() if now - stamp > int(topic(name).max_age_s * stamps.NANOSECONDS)
+        ]
+
+
+class Commands:
+    """Takes commands for a machine. One that is older than its row allows is lost: its joints stop where they are told.
+
+    Args:
+        model: the machine.
     """
 
     def __init__(self, model: PlantModel) -> None:
@@ -39,17 +63,13 @@ class CommandBuffer:
             self._index[TOOL_JOINT] = self._tool = len(kinds)
             self._by_position |= {TOOL_JOINT} if model.tool.params.joint.held else set()
         self._loads = {load.name: place for place, load in enumerate(model.bus.loads)}
-        command = zeros_command(len(kinds) + (self._tool is not None), len(model.bus.loads))
-        self._reference = command.reference
-        self._fractions = command.load_fractions
-        self._stamps: dict[str, int] = {}
-        self._joints: dict[str, list[int]] = {}
-        self.lost: list[str] = []
-        """Topics whose command is too old."""
+        self._joint_count = len(kinds)
 
-    def hold(self, angles: Any) -> None:
+    def holding(self, angles: FloatArray) -> HeldCommands:
         """Hold these joint angles, (joints,) [rad], until a command comes."""
-        self._reference[POSITION, : len(angles)] = angles
+        command = zeros_command(self._joint_count + (self._tool is not None), len(self._loads))
+        command.reference[POSITION, : len(angles)] = angles
+        return HeldCommands(command.reference, command.load_fractions)
 
     def check(self, row: Topic, message: Any) -> None:
         """Raise RefusedMessageError for a command that the machine cannot follow.
@@ -62,52 +82,50 @@ class CommandBuffer:
             return
         check_names(row.name, message.name, self._index)
         check_ranges(row, message)
-        for field, needed in (
+        for part, needed in (
             ("position", self._by_position),
             ("velocity", self._index.keys() - self._by_position),
         ):
             named = needed.intersection(message.name)
-            if named and not len(getattr(message, field)):
-                raise RefusedMessageError(row.name, field, "0 numbers", f"one for {', '.join(sorted(named))}")
+            if named and not len(getattr(message, part)):
+                raise RefusedMessageError(row.name, part, "0 numbers", f"one for {', '.join(sorted(named))}")
 
-    def take(self, inputs: Mapping[str, Any]) -> None:
+    def take(self, held: HeldCommands, inputs: Mapping[str, Any]) -> HeldCommands:
         """Keep the commands among the inputs; None (refused) leaves the last good one."""
+        reference, sent, joints = held.reference.copy(), dict(held.stamps), dict(held.joints)
         for name in JOINT_TOPICS:
             message = inputs.get(name)
             if message is None:
                 continue
             columns = joint_columns(message, self._index)
-            left_out = [column for column in self._joints.get(name, ()) if column not in columns]
-            self._reference[RATE, left_out] = 0.0  # a joint that is no longer named stops
-            self._joints[name] = columns + left_out
-            self._stamps[name] = stamps.from_message(message.header.stamp)
+            left_out = [column for column in joints.get(name, ()) if column not in columns]
+            reference[RATE, left_out] = 0.0  # a joint that is no longer named stops
+            joints[name] = (*columns, *left_out)
+            sent[name] = stamps.from_message(message.header.stamp)
             for row, values in (
                 (POSITION, message.position),
                 (RATE, message.velocity),
                 (EFFORT, message.effort),
             ):
-                self._reference[row, columns] = numbers(values) if len(values) else 0.0
-        switches = inputs.get(SWITCHES)
+                reference[row, columns] = numbers(values) if len(values) else 0.0
+        fractions, switches = held.fractions, inputs.get(SWITCHES)
         if switches is not None:
-            self._stamps[SWITCHES] = stamps.from_message(switches.header.stamp)
+            fractions = fractions.copy()
+            sent[SWITCHES] = stamps.from_message(switches.header.stamp)
             for load, text in status_values(switches).items():
-                self._fractions[self._loads[load]] = fraction_of(text)
+                fractions[self._loads[load]] = fraction_of(text)
+        return replace(held, reference=reference, fractions=fractions, stamps=sent, joints=joints)
 
-    def at(self, now: int) -> PlantCommand:
+    def at(self, held: HeldCommands, now: int) -> PlantCommand:
         """Command at simulation time `now` [ns]: too old ones stop their joints.
 
         Wheels get rate zero, and joints with a position hold it: for both the rate is zero and the position
         stays. Switches stay as they were: to cut the power of a rover whose manager is silent would be worse.
         """
-        self.lost = [
-            name
-            for name, stamp in self._stamps.items()
-            if now - stamp > int(topic(name).max_age_s * stamps.NANOSECONDS)
-        ]
-        reference = self._reference.copy()
-        for name in self.lost:
-            reference[RATE, self._joints.get(name, [])] = 0.0
+        reference = held.reference.copy()
+        for name in held.lost(now):
+            reference[RATE, list(held.joints.get(name, ()))] = 0.0
         # A position is the reference for the end of the period that it is stamped with;
         # between commands it moves on.
         tool = None if self._tool is None else reference[:, self._tool].copy()
-        return PlantCommand(np.ascontiguousarray(reference[:, : self._tool]), np.array(self._fractions), tool=tool)
+        return PlantCommand(np.ascontiguousarray(reference[:, : self._tool]), held.fractions.copy(), tool=tool)

@@ -6,15 +6,15 @@ acts on a period when all that is due for it has come; in real time by the wall 
 
 import math
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from rclpy.context import Context
 
 from sojourn_contract import stamps
+from sojourn_contract.app_node import AppNode
 from sojourn_contract.errors import DomainInUseError, SilentNodeError
 from sojourn_contract.heartbeat import read_heartbeats
-from sojourn_contract.node import ContractNode
 from sojourn_contract.topic_types import Topic
 from sojourn_plant.roster import Roster
 
@@ -22,38 +22,29 @@ DISCOVERY_S = 0.5
 """Wall time after its creation before which a plant does not begin: another one on its domain may not be
 seen yet.
 """
-AHEAD_S = 1.0
-"""In real time a command stamped further ahead of the plant's own clock than this is refused: it would
-never age.
-"""
 FREE_RUN_S = 0.02
 """Wall time for which a plant that nobody answers runs between two looks at its messages."""
 
 
-class PacingNode(ContractNode):
-    """A role whose periods are those of everybody; what it publishes in them is its heirs' affair."""
+class PacingNode(AppNode):
+    """A role whose periods are those of everybody. Its app has `first_messages`, with which a run begins."""
 
     def __init__(
         self,
-        role: str,
         *,
         context: Context | None = None,
         overrides: Mapping[str, Any] | None = None,
         namespace: str | None = None,
     ) -> None:
         self._created = time.monotonic()
-        super().__init__(role, context=context, overrides=overrides, namespace=namespace, every_period=True)
+        super().__init__(context=context, overrides=overrides, namespace=namespace, every_period=True)
         self.ends_the_run = True
         self._trigger = ""  # in real time it acts by the wall clock, whatever comes
-        self.roster = Roster(role, self.participants, self.timeout_s)
+        self.roster = Roster(self.role, self.participants, self.timeout_s)
         self._begun = False
         self._waiting_since = math.inf
         """Wall time since which the others are waited for: from the first look at them, as plants take long to make."""
         self._timer: Any = None
-
-    def first_messages(self, stamp: int) -> Iterable[tuple[str, Any]]:
-        """What begins the run, as (topic, message) with this stamp [ns]."""
-        raise NotImplementedError
 
     def on_heartbeat(self, message: Any) -> None:
         """Keep who is ready, and who says that it waits for whom."""
@@ -78,12 +69,6 @@ class PacingNode(ContractNode):
         self._waiting_since = time.monotonic()
         super().act(stamp, inputs)
 
-    def publish_all(self, messages: Iterable[tuple[str, Any]]) -> None:
-        """Publish those of (topic, message) that this run has."""
-        for topic, message in messages:
-            if self.gives(topic):
-                self.publish(topic, message)
-
     def _begin_when_ready(self) -> None:
         if self.count_publishers(self._senders["/clock"].topic_name) > 1:
             self._fail(DomainInUseError(str(self.context.get_domain_id()), self._senders["/clock"].topic_name))
@@ -99,14 +84,16 @@ class PacingNode(ContractNode):
             return
         self._begun = True
         self._waiting_since = self._last_progress = time.monotonic()
-        self.publish_all(self.first_messages(stamps.CONTROL_PERIOD_NS))
+        self.publish_all(self.app.first_messages(self.state, stamps.CONTROL_PERIOD_NS))
         if not self.lockstep:
             self._timer = self.create_timer(stamps.CONTROL_PERIOD_S, self._act_in_real_time)
         self._advance()  # where nobody answers in the first period, no message would begin the run
 
     def _act_in_real_time(self) -> None:
+        if self.finished:
+            return
         stamp = self.now + stamps.CONTROL_PERIOD_NS
-        self.act(stamp, self._inputs_realtime(stamp))
+        self.act(stamp, self.latest.at(stamp))
 
     def _stop_for_silence(self) -> None:
         """Name the node at the root: the one that is missing and does not say that it waits for another."""
@@ -115,10 +102,14 @@ class PacingNode(ContractNode):
         self._fail(SilentNodeError(role, row.name, stamps.seconds(self.barrier.stamp), self.timeout_s))
 
     def _refusal_realtime(self, row: Topic, stamp: int) -> str | None:
-        latest = self.now + int(AHEAD_S * stamps.NANOSECONDS)
+        """By its own clock: nobody can answer a truth that is not told yet."""
+        latest = self.now + stamps.CONTROL_PERIOD_NS
         if stamp > latest:
             return f"simulation time, {stamps.seconds(latest):.3f} s at most"
-        return super()._refusal_realtime(row, stamp)
+        oldest = stamps.seconds(self.now) - row.max_age_s
+        if stamps.seconds(stamp) < oldest:
+            return f"{oldest:.3f} s or later"
+        return self.latest.repeats(row, stamp, self.now)
 
     def _advance(self) -> None:
         if self._begun:

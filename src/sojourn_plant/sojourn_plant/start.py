@@ -1,10 +1,10 @@
 """The plant of a scenario, settled on its ground."""
 
 from sojourn_config.scenario import STOWED, LoadedScenario
-from sojourn_mechanics.plant.model import PlantModel
-from sojourn_mechanics.plant.state import PlantState
-from sojourn_mechanics.plant.step import initial_state
-from sojourn_mechanics.terrain.height_field import HeightField
+from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.state import PlantState
+from sojourn_physics.plant.step import initial_state
+from sojourn_physics.terrain.height_field import HeightField
 
 
 def build_plant(scenario: LoadedScenario, terrain: HeightField | None = None) -> tuple[PlantModel, PlantState]:
@@ -14,7 +14,7 @@ def build_plant(scenario: LoadedScenario, terrain: HeightField | None = None) ->
         terrain: another ground than that of the scenario.
 
     Raises:
-        MechanicsError: parameters that do not fit together. ConfigError: a terrain that cannot be made.
+        MachineError: parameters that do not fit together. ConfigError: a terrain that cannot be made.
     """
     model = PlantModel(
         scenario.urdf_xml,

@@ -21,11 +21,14 @@ from sojourn_contract.messages import (
     wrench_stamped,
 )
 from sojourn_contract.topics import topic
-from sojourn_mechanics.actuators.joint_drive import MOTOR_RATE
-from sojourn_mechanics.arm.tool_params import TOOL_JOINT
-from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.plant.model import PlantModel
-from sojourn_mechanics.plant.state import PlantOutput, PlantState
+from sojourn_machine.params import FloatArray
+from sojourn_machine.tools import TOOL_JOINT
+from sojourn_physics.actuators.joint_drive import MOTOR_RATE
+from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.state import PlantOutput, PlantState
+
+SPREAD_SIZE = 6
+"""Rows of the covariance of a twist."""
 
 
 class TruthMessages:
@@ -39,6 +42,7 @@ class TruthMessages:
         self._contacts = contact_cloud()
         self._odometry = Odometry(child_frame_id="base_link")
         self._odometry.header.frame_id = "map"
+        self._spread = np.zeros(SPREAD_SIZE**2)
         self._loads = tuple(load.name for load in model.bus.loads)
         self._wrist_frame = model.machine.wrench_sensor_link or ""
 
@@ -51,6 +55,7 @@ class TruthMessages:
             currents=model.currents.copy(),
             load_power=np.zeros(len(self._loads)),
             battery_current=0.0,
+            spread=np.zeros_like(state.velocity),
             wrist_wrench=None if model.wrist is None else model.wrist.at_rest(state.configuration, model.report),
         )
         return self.messages(stamp, state, output)
@@ -67,6 +72,8 @@ class TruthMessages:
         set_quaternion(odometry.pose.pose.orientation, state.configuration[3:7])
         set_xyz(odometry.twist.twist.linear, state.velocity[:3])
         set_xyz(odometry.twist.twist.angular, state.velocity[3:6])
+        self._spread[:: SPREAD_SIZE + 1] = output.spread[:SPREAD_SIZE] ** 2
+        odometry.twist.covariance = self._spread
         rates = state.velocity[self._model.joints.columns]
         seldom = is_due(topic("/truth/electrical"), period)
         if seldom:

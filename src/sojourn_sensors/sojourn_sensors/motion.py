@@ -10,8 +10,8 @@ import numpy as np
 import pinocchio as pin
 
 from sojourn_contract.messages import quaternion, xyz
-from sojourn_mechanics.params import FloatArray
-from sojourn_mechanics.sensors.mounting import IMU_LINK, mounting
+from sojourn_machine.mounting import IMU_LINK, mounting
+from sojourn_machine.params import FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +22,16 @@ class Motion:
 
     angular_velocity: FloatArray
     specific_force: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class MotionBefore:
+    """Of the period before: what is remembered."""
+
+    velocity: FloatArray
+    """Of the IMU in map, (3,) [m/s]."""
+    orientation: FloatArray
+    """Of the base in map, quaternion x y z w."""
 
 
 class ImuMotion:
@@ -38,8 +48,6 @@ class ImuMotion:
     def __init__(self, urdf_xml: str, gravity: float) -> None:
         self._rotation_imu_to_base, self._lever = mounting(urdf_xml, IMU_LINK)
         self._gravity = np.array([0.0, 0.0, -gravity])
-        self._velocity: FloatArray | None = None
-        self._orientation: FloatArray | None = None
 
     def orientation_imu_in_map(self, orientation_base_in_map: FloatArray) -> FloatArray:
         """Quaternion x y z w of the IMU from that of the base."""
@@ -47,18 +55,17 @@ class ImuMotion:
         coefficients: FloatArray = np.array(pin.Quaternion(rotation).coeffs())
         return coefficients
 
-    def update(self, odometry: Any, dt: float) -> Motion:
-        """Motion at the end of a period of `dt` [s], from the base's true odometry."""
+    def felt(self, before: MotionBefore | None, odometry: Any, dt: float) -> tuple[MotionBefore, Motion]:
+        """Motion at the end of a period of `dt` [s], from the base's true odometry; `before` None in the first."""
         orientation = quaternion(odometry.pose.pose.orientation)
         rotation = rotation_matrix(orientation)
         angular = xyz(odometry.twist.twist.angular)
         velocity = rotation @ (xyz(odometry.twist.twist.linear) + _cross(angular, self._lever))
-        before = velocity if self._velocity is None else self._velocity
-        self._velocity = velocity
-        specific = rotation.T @ ((velocity - before) / dt - self._gravity)
-        mean = angular if self._orientation is None else rotation_vector(self._orientation, orientation) / dt
-        self._orientation = orientation
-        return Motion(self._rotation_imu_to_base.T @ mean, self._rotation_imu_to_base.T @ specific)
+        change = np.zeros(3) if before is None else velocity - before.velocity
+        specific = rotation.T @ (change / dt - self._gravity)
+        mean = angular if before is None else rotation_vector(before.orientation, orientation) / dt
+        motion = Motion(self._rotation_imu_to_base.T @ mean, self._rotation_imu_to_base.T @ specific)
+        return MotionBefore(velocity, orientation), motion
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:

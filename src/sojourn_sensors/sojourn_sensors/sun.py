@@ -1,21 +1,21 @@
 """The Sun as the sensor on the machine sees it, and what the sensor makes of that as a message."""
 
 import math
-from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Vector3Stamped
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
-from sojourn_contract.messages import quaternion, set_xyz
-from sojourn_mechanics.sensors import sun_sensor
-from sojourn_mechanics.sensors.mounting import mounting
+from sojourn_contract.messages import set_xyz
+from sojourn_machine.mounting import mounting
+from sojourn_machine.params import FloatArray
+from sojourn_physics.sensors import sun_sensor
 from sojourn_sensors.motion import rotation_matrix
 
 
 class SunReadings:
-    """Readings of the sun sensor; of a machine without one they see no Sun."""
+    """Readings of the sun sensor; of a machine without one they see no Sun. Its state is None where there is none."""
 
     def __init__(self, scenario: LoadedScenario) -> None:
         self._scenario = scenario
@@ -23,19 +23,28 @@ class SunReadings:
         self._message = Vector3Stamped()
         if self._params is not None:
             self._sensor_to_base, _ = mounting(scenario.urdf_xml, self._params.link)
-            self._state = sun_sensor.initial_state(self._params, scenario.config.seed)
             self._message.header.frame_id = self._params.link
 
-    def message(self, stamp: int, odometry: Any) -> Vector3Stamped:
-        """The reading at a stamp [ns] of a machine whose true attitude is in `odometry`."""
-        reading = np.zeros(3)
-        if self._params is not None:
-            direction = self._scenario.sun_direction(stamps.seconds(stamp))
-            sensor_to_map = rotation_matrix(quaternion(odometry.pose.pose.orientation)) @ self._sensor_to_base
-            in_sensor = sensor_to_map.T @ direction
-            in_sensor /= np.linalg.norm(in_sensor)  # the quaternion of a message is a unit one to rounding only
-            elevation = math.asin(min(max(direction[2], -1.0), 1.0))
-            self._state, reading = sun_sensor.step(self._params, self._state, in_sensor, elevation)
+    def initial_state(self) -> sun_sensor.SunSensorState | None:
+        """Drawn by the scenario's seed."""
+        if self._params is None:
+            return None
+        return sun_sensor.initial_state(self._params, self._scenario.config.seed)
+
+    def reading(
+        self, state: sun_sensor.SunSensorState | None, stamp: int, orientation: FloatArray
+    ) -> tuple[sun_sensor.SunSensorState | None, FloatArray]:
+        """Unit vector to the Sun at a stamp [ns], zeros for none, of a machine of a true attitude (x y z w)."""
+        if self._params is None or state is None:
+            return state, np.zeros(3)
+        direction = self._scenario.sun_direction(stamps.seconds(stamp))
+        in_sensor = (rotation_matrix(orientation) @ self._sensor_to_base).T @ direction
+        in_sensor /= np.linalg.norm(in_sensor)  # the quaternion of a message is a unit one to rounding only
+        elevation = math.asin(min(max(direction[2], -1.0), 1.0))
+        return sun_sensor.step(self._params, state, in_sensor, elevation)
+
+    def message(self, stamp: int, reading: FloatArray) -> Vector3Stamped:
+        """/sun_direction, in a message that is filled anew each time."""
         self._message.header.stamp = stamps.to_message(stamp)
         set_xyz(self._message.vector, reading)
         return self._message

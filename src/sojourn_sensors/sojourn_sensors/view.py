@@ -1,14 +1,15 @@
 """What the hazard camera sees from the true pose of the base."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_config.scenario import LoadedScenario
-from sojourn_contract.messages import quaternion, xyz
-from sojourn_mechanics.sensors import hazcam
+from sojourn_machine.params import FloatArray
+from sojourn_physics.sensors import hazcam
+from sojourn_physics.sensors.noise import NoiseStream
 from sojourn_sensors.motion import rotation_matrix
+
+NO_POINTS = np.zeros((0, 3), dtype=np.float32)
 
 
 class HazardView:
@@ -21,16 +22,20 @@ class HazardView:
     def __init__(self, scenario: LoadedScenario) -> None:
         params = scenario.sensors.hazcam
         self._camera = None if params is None else hazcam.hazcam_on(params, scenario.urdf_xml)
+        self._seed = scenario.config.seed
         if self._camera is not None:
             self._ground = scenario.height_field()
-            self._state = hazcam.initial_state(self._camera, scenario.config.seed)
-            hazcam.step(self._camera, self._state, self._ground, np.zeros(3), np.eye(3))  # the compiler is through
+            state = hazcam.initial_state(self._camera, self._seed)
+            hazcam.step(self._camera, state, self._ground, np.zeros(3), np.eye(3))  # the compiler is through
 
-    def look(self, odometry: Any) -> NDArray[np.float32]:
-        """Points in base_link, shape (n, 3) [m], from the base's true odometry."""
-        if self._camera is None:
-            return np.zeros((0, 3), dtype=np.float32)
-        pose = odometry.pose.pose
-        turned = rotation_matrix(quaternion(pose.orientation))
-        self._state, points = hazcam.step(self._camera, self._state, self._ground, xyz(pose.position), turned)
-        return points
+    def initial_state(self) -> NoiseStream | None:
+        """Drawn by the scenario's seed; None of a rover without a camera."""
+        return None if self._camera is None else hazcam.initial_state(self._camera, self._seed)
+
+    def look(
+        self, state: NoiseStream | None, position: FloatArray, orientation: FloatArray
+    ) -> tuple[NoiseStream | None, NDArray[np.float32]]:
+        """Points in base_link, shape (n, 3) [m], from the base's true position [m] and attitude (x y z w)."""
+        if self._camera is None or state is None:
+            return state, NO_POINTS
+        return hazcam.step(self._camera, state, self._ground, position, rotation_matrix(orientation))

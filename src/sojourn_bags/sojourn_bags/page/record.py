@@ -7,11 +7,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from sojourn_bags.completeness import RECORD
+from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import CONFIGURATION_NAME
 from sojourn_bags.page.chart import Span, strips
 from sojourn_bags.page.html import Section, figure, paragraph, table
 from sojourn_bags.page.story import ARM_SHADE, STATUS, Story
-from sojourn_bags.provenance import RUN_RECORD, VERSIONS_NAME
+from sojourn_bags.provenance import VERSIONS_NAME
 from sojourn_bags.recovery import RECOVERY_RECORD
 from sojourn_bags.summary import length_in_words, messages
 from sojourn_contract.conformance.findings import number_text

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from sojourn_analysis.vehicle.stability import tip_over_margin
 from sojourn_bags.curves import FloatArray
 from sojourn_bags.description import Run
 from sojourn_bags.errors import BagsError
@@ -16,7 +17,6 @@ from sojourn_bags.page.chart import Span, TimeAxis
 from sojourn_bags.reading import Bag, Joints, Messages
 from sojourn_bags.summary import summarise
 from sojourn_contract.conformance.findings import Report
-from sojourn_mechanics.vehicle.stability import tip_over_margin
 
 DRIVE_SHADE, ARM_SHADE = "#0072b2", "#8a00a8"
 MOST_MARGINS = 20_000

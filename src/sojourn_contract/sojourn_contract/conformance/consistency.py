@@ -5,7 +5,18 @@ rounding and what happens within the period; so it must be within
 
     [min(v_0, v_1) - slack, max(v_0, v_1) + slack],   slack = tolerance + |v_1 - v_0| / 2
 
-with the tolerance of the table. A rate that may be taken over a window of several periods (an encoder's counts) lies
+with the tolerance of the table. A jolt within the period, as of a wheel that meets a step, may leave the mean outside
+of that. Who publishes the mean square S of what the rate was within the period less what is told at its end is judged
+by what holds for every motion, since a mean's square is at most the mean square (Jensen),
+
+    |(x_1 - x_0) / dt - v_1| <= sqrt(S) + tolerance
+
+where that says more. So that nobody tells a spread for a fault, sqrt(S) counts up to LARGEST_SPREAD of the body's
+speed: it does not gain by meeting the ground. Of a joint no spread is told. A wheel of radius r that rolls up an edge
+of height h loses the part h / r of its rate at most (its centre turns about the edge), and most of it but for a moment:
+the slack is more by the table's part of the rate itself.
+
+A rate that may be taken over a window of several periods (an encoder's counts) lies
 between the least and the greatest of the mean rates over the last period, the last two, and so on to the whole window,
 within the tolerance alone. Degrees for
 radians, a flipped sign, a rate in the wrong frame and a joint in another's place show here as soon as the rover moves.
@@ -14,7 +25,7 @@ radians, a flipped sign, a rate in the wrong frame and a joint in another's plac
 from collections import deque
 from collections.abc import Callable, Sequence
 from itertools import accumulate
-from math import atan2, sqrt
+from math import atan2, hypot, sqrt
 from operator import attrgetter
 from typing import Any
 
@@ -23,6 +34,8 @@ from sojourn_contract.conformance.observation import Observation
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_contract.topic_types import FieldRule, Topic
 
+LARGEST_SPREAD = 0.25
+"""Part of a body's speed, or of its rate of turn, that it may be off within a period by what is told [-]."""
 LONGEST_PERIODS = 5
 """Messages further apart than this are not compared."""
 
@@ -71,19 +84,27 @@ class RateRule:
         for (rule, pair), means, before, after in zip(self._pairs, self._means, last[1], now, strict=True):
             means.append(pair.mean(before[0], after[0], dt))
             if len(means) == rule.rate_window:
-                found += self._compare(rule, means, before[1], after[1])
+                found += self._compare(rule, means, before[1], after[1], _spread(rule, message))
         return found
 
     def _compare(
-        self, rule: FieldRule, means: Sequence[Sequence[float]], v_0: Sequence[float], v_1: Sequence[float]
+        self,
+        rule: FieldRule,
+        means: Sequence[Sequence[float]],
+        v_0: Sequence[float],
+        v_1: Sequence[float],
+        spread: Sequence[float],
     ) -> list[Finding]:
         """Rates at both ends of a period against the mean rates of the periods of the window, the last one last."""
         found = []
+        believed = LARGEST_SPREAD * max(hypot(*v_0), hypot(*v_1)) if spread else 0.0
         for place, (name, a, b) in enumerate(zip(self._names, v_0, v_1, strict=False)):
             if rule.rate_window == 1:
                 mean = means[-1][place]
-                slack = rule.rate_tolerance + 0.5 * abs(b - a)
-                off = max(min(a, b) - mean, mean - max(a, b)) - slack
+                slack = rule.rate_tolerance + rule.rate_part * max(abs(a), abs(b))
+                off = max(min(a, b) - mean, mean - max(a, b)) - slack - 0.5 * abs(b - a)
+                if spread:
+                    off = min(off, abs(mean - b) - min(spread[place], believed) - slack)
                 change = f"{mean:.4g} {rule.unit}, the change of {rule.rate_of}"
             else:
                 sums = accumulate(mean[place] for mean in reversed(means))
@@ -157,6 +178,16 @@ class _Angular:
 
 def _rate_of_body(rule: FieldRule) -> "_Linear | _Angular":
     return _Angular(rule) if rule.rate_of.endswith("orientation") else _Linear(rule)
+
+
+def _spread(rule: FieldRule, message: Any) -> Sequence[float]:
+    """Root mean square of what each component was within the period less what is told; empty where none is told."""
+    if not rule.rate_spread:
+        return ()
+    covariance = attrgetter(rule.rate_spread)(message)
+    size = round(sqrt(len(covariance)))
+    diagonal = covariance[:: size + 1][rule.rate_spread_place :][: len(AXES)]
+    return [sqrt(max(value, 0.0)) for value in diagonal]
 
 
 def _quaternion(q: Any) -> Quaternion:

@@ -33,6 +33,8 @@ from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, TOPICS, outputs_of
 
 CLOCK = "/clock"
+LONGEST_JUMP_NS = 60 * stamps.NANOSECONDS
+"""Of /clock from one message to the next that is believed at once."""
 _STAMP, _JOINT_STATE = "stamp", "sensor_msgs/JointState"
 
 
@@ -69,7 +71,7 @@ class Judge:
         self._stamps = {name: array("q") for name in self._rows}
         self._beats: dict[str, list[Heartbeat]] = {role: [] for role in self._participants}
         self._mistyped: set[str] = set()
-        self._clock = self._first_clock = 0
+        self._clock = self._first_clock = self._doubted = 0
 
     def endpoint(self, topic: str, endpoint: Endpoint) -> None:
         """Judge the type and quality of service of a publisher or a subscription of a judged role."""
@@ -107,8 +109,7 @@ class Judge:
         else:
             self._stamps[topic].append(stamp)
         if topic == CLOCK:
-            self._clock = max(self._clock, stamp)
-            self._first_clock = self._first_clock or stamp
+            self._hear_clock(stamp)
         if rules is None:
             return
         self._count(topic)
@@ -149,6 +150,13 @@ class Judge:
     def simulated_s(self) -> float:
         """Simulation time from the first message of /clock to the last [s]."""
         return stamps.seconds(self._clock - self._first_clock)
+
+    def _hear_clock(self, stamp: int) -> None:
+        """Follow /clock; a jump far ahead counts when the next message is there, too."""
+        if not self._clock or stamp <= self._clock + LONGEST_JUMP_NS or abs(stamp - self._doubted) <= LONGEST_JUMP_NS:
+            self._clock = max(self._clock, stamp)
+            self._first_clock = self._first_clock or stamp
+        self._doubted = stamp
 
     def _newest(self) -> int:
         """Where the run has got to [ns]: by /clock, and where that is missing by whatever was sent at a rate."""

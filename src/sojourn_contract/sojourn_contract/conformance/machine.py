@@ -10,7 +10,7 @@ import numpy as np
 from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import LoadedScenario
 from sojourn_config.urdf import UrdfJoint, UrdfSummary
-from sojourn_mechanics.arm.tool_params import TOOL_JOINT, ToolParams
+from sojourn_machine.tools import TOOL_JOINT, ToolParams
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,167 @@
+"""The arm without ROS: goals and measurements in, joint references and feed-forward out, by the laws in
+`sojourn_flight.arm`.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from sojourn_arm.command import Command, command_of
+from sojourn_arm.goals import GoalReader, LastGoal
+from sojourn_arm.ground import GroundWatch, KnownGround
+from sojourn_arm.measurements import JOINTS, MEASUREMENTS, Measured, Measurements, Refusal
+from sojourn_arm.rover import ODOMETRY, Rover, RoverWatch
+from sojourn_arm.stand import LastLoads, Stand
+from sojourn_arm.tasks import Request, task_input
+from sojourn_config.scenario import LoadedScenario
+from sojourn_contract import stamps
+from sojourn_contract.absence import given_up, seen_usable
+from sojourn_contract.app import Answer, App, Period
+from sojourn_contract.barrier import is_due
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.hazcam import TOPIC as CLOUD
+from sojourn_contract.hazcam import newest_cloud
+from sojourn_contract.heartbeat import status_message, status_values
+from sojourn_contract.switches import fraction_of
+from sojourn_contract.topics import topic
+from sojourn_flight.arm.goals import GoalRefusedError, StopGoal
+from sojourn_flight.arm.model import build_arm_model, reach_from_base
+from sojourn_flight.arm.state import ArmInput, ArmOutput
+from sojourn_flight.arm.tasks import task_control
+from sojourn_flight.arm.tasks.task_control import TaskState
+
+ARM_LOAD = "arm"
+STATUS, SWITCHES = "/arm/status", "/power/switches"
+
+
+@dataclass(frozen=True, slots=True)
+class ArmAppState:
+    """What the role remembers."""
+
+    tasks: TaskState
+    """Of the laws."""
+    ground: KnownGround
+    output: ArmOutput | None = None
+    """Of the last period whose measurements could be used; None before it."""
+    command: Command = field(default_factory=Command)
+    """The last one."""
+    goal: LastGoal = field(default_factory=LastGoal)
+    pending: Request | None = None
+    """A goal that waits for the first period whose measurements can be used."""
+    granted: float = 1.0
+    """Share of its power, and of each motor's current, that the power manager lets the arm draw; none: switched off."""
+    loads: LastLoads = field(default_factory=LastLoads)
+    usable_at: int | None = None
+    """When its measurements could last be used [ns]."""
+
+
+class ArmApp(App[ArmAppState]):
+    """Role arm."""
+
+    role = "arm"
+    acts_in_silence = True
+    raw_topics = frozenset({ODOMETRY})
+
+    def __init__(self, scenario: LoadedScenario) -> None:
+        self.params = scenario.carried_arm()
+        self.model = build_arm_model(scenario.urdf_xml, self.params)
+        task_control.warm_up(self.params, self.model)
+        self._tool = scenario.tool
+        self._rated_power = next((load.power_w for load in scenario.bus.loads if load.name == ARM_LOAD), 0.0)
+        self._measurements = Measurements(self.params.joint_names, scenario.urdf_xml, scenario.gravity)
+        self._rover = RoverWatch(self.params.interlock, [wheel.joint for wheel in scenario.rover.wheels])
+        self._ground = GroundWatch(self.params, scenario, reach_from_base(self.model))
+        self._stand = Stand(self.params, scenario.urdf_xml, scenario.rover)
+        self._goals = GoalReader(self.params)
+
+    def initial_state(self) -> ArmAppState:
+        """Before the first measurement, which says where the arm is."""
+        return ArmAppState(
+            task_control.initial_state(self.params, self.model, self._tool), self._ground.initial_state()
+        )
+
+    def step(self, state: ArmAppState, period: Period) -> tuple[ArmAppState, Answer]:
+        """One step of the arm's control, with the measurements of this period."""
+        stamp, inputs, refusals = period.stamp, period.inputs, list[Refusal]()
+        rover = self._rover.rover(inputs)
+        ground = self._see(state.ground, inputs.get(CLOUD), rover, refusals)
+        state = replace(state, granted=_granted(inputs.get(SWITCHES), state.granted), ground=ground)
+        state = self._take_goals(state, period, rover, refusals)
+        measured = self._measurements.read(inputs, refusals)
+        state = replace(state, usable_at=seen_usable(stamp, state.usable_at, measured is not None))
+        if measured is not None:
+            state = self._control(state, inputs[JOINTS], measured, rover)
+        else:
+            state = replace(state, command=state.command.at_rest())
+            last_refusal = str(refusals[-1][1]) if refusals else period.last_refusal
+            if reason := given_up(MEASUREMENTS, stamp, state.usable_at, inputs, last_refusal):
+                # a stop for when it knows again where it is
+                state = replace(state, goal=state.goal.given_up(reason), pending=StopGoal())
+        return state, Answer(_messages(state, stamp), refusals)
+
+    def _see(self, ground: KnownGround, cloud: Any, rover: Rover, refusals: list[Refusal]) -> KnownGround:
+        """Take in what the hazard camera sees of the ground; a cloud that cannot be used is left out."""
+        newest = newest_cloud(cloud, ground.cloud)
+        if newest == ground.cloud:
+            return ground
+        try:
+            return replace(ground, cloud=newest, seen=self._ground.after_cloud(ground.seen, cloud, rover))
+        except RefusedMessageError as refusal:
+            refusals.append((refusal.topic, refusal))
+            return replace(ground, cloud=newest)
+
+    def _take_goals(self, state: ArmAppState, period: Period, rover: Rover, refusals: list[Refusal]) -> ArmAppState:
+        """Keep the goal that takes effect now; of several the last."""
+        for name, message in period.goals:
+            state = replace(state, goal=state.goal.begun(name, message))
+            try:
+                state = replace(state, pending=self._goals.request(name, message, period.stamp, rover))
+            except (GoalRefusedError, RefusedMessageError) as refusal:
+                state = replace(state, goal=state.goal.refused(str(refusal)))
+                refusals.append((name, RefusedMessageError(name, "goal", "refused", str(refusal))))
+        return state
+
+    def _control(self, state: ArmAppState, joints: Any, measured: Measured, rover: Rover) -> ArmAppState:
+        """Form the command of a period whose measurements can be used."""
+        request, granted = state.pending, state.granted
+        ground = state.ground if request is None else self._ground.look(state.ground, joints)
+        loads = self._stand.loads(state.loads, joints, measured)
+        why_not = rover.why_not_allowed if granted else "the power manager has switched the arm off"
+        known = ArmInput(
+            positions=measured.positions,
+            velocities=measured.velocities,
+            gravity_in_base=measured.gravity,
+            allowed=not why_not,
+            not_allowed_reason=why_not,
+            ground=ground.ground,
+            granted_power=None if granted == 1.0 else granted * self._rated_power,
+            granted_current=granted,
+        )
+        told = task_input(known, request, measured, loads.loads)
+        tasks, output, report = task_control.step(self.params, self.model, state.tasks, told, stamps.CONTROL_PERIOD_S)
+        return replace(
+            state,
+            tasks=tasks,
+            ground=ground,
+            output=output,
+            command=command_of(self.params.joint_names, output, None if tasks.tool is None else tasks.tool_command),
+            goal=state.goal.noted(output, report, request is not None),
+            pending=None,
+            loads=loads,
+        )
+
+
+def _granted(switches: Any, before: float) -> float:
+    """Share of its power that the arm has by a message of the power manager; as before where there is none."""
+    if switches is None:
+        return before
+    fraction = fraction_of(status_values(switches).get(ARM_LOAD, "on"))
+    return 1.0 if fraction is None else fraction
+
+
+def _messages(state: ArmAppState, stamp: int) -> Iterator[tuple[str, Any]]:
+    if is_due(topic(STATUS), stamp // stamps.CONTROL_PERIOD_NS):
+        values = state.goal.status(state.output)
+        level = 1 if values["state"] in ("refused", "failed") else 0
+        yield STATUS, status_message(stamp, "arm", values, values["reason"] or values["state"], level)
+    yield "/arm_command", state.command.message(stamp)

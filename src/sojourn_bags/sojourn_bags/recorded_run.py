@@ -1,0 +1,68 @@
+"""The run that a bag is of, and its recording: the same for the recorder's node and for a run without middleware."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sojourn_bags.definitions import ChannelSpec, qos_entry
+from sojourn_bags.provenance import attachments, run_attachment
+from sojourn_bags.recording import Recording
+from sojourn_bags.transforms import channel as transform_channel
+from sojourn_bags.writer import BagWriter
+from sojourn_config.paths import display
+from sojourn_contract import qos
+from sojourn_contract.barrier import awaited_inputs
+from sojourn_contract.topics import inputs_of
+
+ROLE = "recorder"
+
+
+@dataclass(frozen=True)
+class RecordedRun:
+    """Who takes part in a run and how.
+
+    Args:
+        scenario: name or file. overrides: KEY=VALUE texts that go over it. participants: all roles.
+        lockstep: mode of time. namespace: ROS namespace of the topics.
+    """
+
+    scenario: str
+    overrides: Sequence[str]
+    participants: Sequence[str]
+    lockstep: bool = True
+    namespace: str = "/"
+
+    def record(self) -> dict[str, str]:
+        """As the bag has it."""
+        path = Path(self.scenario)
+        return {
+            # not the place of the checkout on this machine
+            "scenario": display(path) if path.is_absolute() else self.scenario,
+            "lockstep": str(self.lockstep).lower(),
+            "participants": ",".join(self.participants),
+            "namespace": self.namespace,
+        }
+
+    def open(
+        self,
+        folder: Path,
+        refuse: Callable[[str, Exception], None],
+        offered: Callable[[ChannelSpec], Sequence[dict[str, Any]]] | None = None,
+    ) -> Recording:
+        """Begin the bag.
+
+        Args:
+            folder: the bag; made here. refuse: of Recording. offered: of BagWriter.
+
+        Raises:
+            BagsError: it cannot be written. ConfigError: the scenario is wrong.
+        """
+        rows = inputs_of(ROLE)
+        channels = [
+            ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, self.lockstep, row.publisher))) for row in rows
+        ]
+        described = [*attachments(self.scenario, self.overrides), run_attachment(self.record())]
+        writer = BagWriter(folder, [*channels, transform_channel()], described, offered)
+        awaited = awaited_inputs(ROLE, self.participants)
+        return Recording(writer, rows, awaited, self.participants, self.lockstep, refuse)

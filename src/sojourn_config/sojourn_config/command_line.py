@@ -1,0 +1,126 @@
+"""Options that the scripts share, with checks that answer in one sentence."""
+
+import argparse
+import math
+import os
+import re
+import signal
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from sojourn_config.command_errors import CommandError, UsageError
+from sojourn_config.errors import ConfigError
+from sojourn_config.ros_environment import HIGHEST_DOMAIN, default_domain
+from sojourn_config.shared_memory import remove_tracing_files
+
+OUTPUT_CLOSED = 128 + signal.SIGPIPE
+"""Exit status where nobody reads our output any more: what a shell reports of a program that this signal ends."""
+_NAMESPACE = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+")
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser whose errors are one sentence."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print the sentence and end with status 2."""
+        self.exit(UsageError.exit_status, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def add_place(parser: argparse.ArgumentParser) -> None:
+    """--domain and --namespace: where the nodes meet."""
+    parser.add_argument(
+        "--domain",
+        type=domain,
+        default=default_domain(),
+        metavar="N",
+        help="ROS domain, 0 to 232 (default: ROS_DOMAIN_ID, else 42)",
+    )
+    parser.add_argument(
+        "--namespace", type=namespace, default="", metavar="NS", help="ROS namespace of every topic (default: none)"
+    )
+
+
+def add_rover(parser: argparse.ArgumentParser) -> None:
+    """--rover: another machine than the scenario's."""
+    parser.add_argument("--rover", metavar="NAME", help="rover in place of the scenario's: name in config/rovers")
+
+
+def add_result(parser: argparse.ArgumentParser, names: str) -> None:
+    """--json and --bag: where the result of a comparison goes.
+
+    Args:
+        names: how the second side's topics are called in the bag, in words.
+    """
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the result into this file, too")
+    parser.add_argument("--bag", type=Path, dest="both", metavar="OUT", help=f"write a bag with both, {names}")
+
+
+def domain(text: str) -> int:
+    """A ROS domain."""
+    if not text.isdigit() or int(text) > HIGHEST_DOMAIN:
+        raise argparse.ArgumentTypeError(f"domain {text!r}: allowed is a whole number from 0 to {HIGHEST_DOMAIN}")
+    return int(text)
+
+
+def namespace(text: str) -> str:
+    """A ROS namespace, with its leading slash; empty for none."""
+    name = "/" + text.strip("/") if text.strip("/") else ""
+    if name and not _NAMESPACE.fullmatch(name):
+        raise argparse.ArgumentTypeError(f"namespace {text!r}: allowed are letters, digits and _, a letter first")
+    return name
+
+
+def positive_seconds(text: str) -> float:
+    """A duration [s] above zero."""
+    value = number(text)
+    if value <= 0.0:
+        raise argparse.ArgumentTypeError(f"{text} s: allowed is a number above 0")
+    return value
+
+
+def number(text: str) -> float:
+    """A finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is no number")
+    return value
+
+
+def whole_number(text: str) -> int:
+    """A whole number of at least zero."""
+    if not text.isdigit():
+        raise argparse.ArgumentTypeError(f"{text!r}: allowed is a whole number of at least 0")
+    return int(text)
+
+
+def count(text: str) -> int:
+    """A whole number of at least one."""
+    if not text.isdigit() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"{text!r}: allowed is a whole number of at least 1")
+    return int(text)
+
+
+def run_script(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | None = None) -> NoReturn:
+    """Main of a script: its errors as one sentence on the standard error, its status as ours."""
+    try:
+        status = main(arguments)
+        sys.stdout.flush()
+        sys.exit(status)
+    except BrokenPipeError:  # whoever read our output, such as head, has had enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the interpreter stumbles over it at its end
+        sys.exit(OUTPUT_CLOSED)
+    except CommandError as error:
+        print(error, file=sys.stderr)
+        sys.exit(error.exit_status)
+    except ConfigError as error:
+        print(error, file=sys.stderr)
+        sys.exit(UsageError.exit_status)
+    except KeyboardInterrupt:
+        sys.exit(130)
+    finally:
+        remove_tracing_files()

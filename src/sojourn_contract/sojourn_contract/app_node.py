@@ -1,0 +1,75 @@
+"""The shell round an app: gives it the messages of a period, and sends what it answers. No memory of its own."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any, ClassVar
+
+from rclpy.context import Context
+
+from sojourn_config.scenario import load_scenario
+from sojourn_contract.app import App, Period
+from sojourn_contract.node import ContractNode
+from sojourn_contract.topic_types import Topic
+
+
+class AppNode(ContractNode):
+    """A node that runs the app of its role.
+
+    Args:
+        context: rclpy context. overrides: parameter values, as the composed start gives them.
+        namespace: ROS namespace, None for the one given on the command line.
+        every_period: act at every period (the plant).
+    """
+
+    app_class: ClassVar[type[App[Any]]]
+    """Made of the scenario that the node's parameters name."""
+
+    def __init__(
+        self,
+        *,
+        context: Context | None = None,
+        overrides: Mapping[str, Any] | None = None,
+        namespace: str | None = None,
+        every_period: bool = False,
+    ) -> None:
+        kind = self.app_class
+        super().__init__(
+            kind.role,
+            context=context,
+            overrides=overrides,
+            namespace=namespace,
+            every_period=every_period,
+            raw_topics=kind.raw_topics,
+        )
+        self.acts_in_silence = kind.acts_in_silence
+        self.app = kind(load_scenario(self.scenario_name, self.scenario_overrides))
+        self.state = self.app.initial_state()
+
+    def check(self, row: Topic, message: Any) -> None:
+        """The contract's checks, then the app's own."""
+        super().check(row, message)
+        self.app.check(row, message)
+
+    def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
+        """One step of the app."""
+        period = Period(stamp, inputs, goals, self.counters.last_refusal)
+        self.state, answer = self.app.step(self.state, period)
+        for topic, refusal in answer.refusals:
+            self.refuse(topic, refusal)
+        for text in answer.errors:
+            self.get_logger().error(f"{text} at {stamp / 1e9:.2f} s")
+        self.finished = self.finished or answer.finished
+        self.publish_all(answer.messages)
+
+    def publish_all(self, messages: Iterable[tuple[str, Any]]) -> None:
+        """Publish those of (topic, message) that this run has."""
+        for topic, message in messages:
+            if self.gives(topic):
+                self.publish(topic, message)
+
+    def on_new_time(self) -> None:
+        """The clock was wrong."""
+        self.state = self.app.on_new_time(self.state)
+
+    def heartbeat_values(self) -> dict[str, str]:
+        """What the app tells of itself."""
+        return self.app.heartbeat_values(self.state, self.now)

@@ -1,0 +1,25 @@
+"""What the contract refuses of a message on its arrival, whoever takes it."""
+
+from typing import Any
+
+from sojourn_contract.checks import check_complete, check_message
+from sojourn_contract.events import parse_tick
+from sojourn_contract.heartbeat import status_values
+from sojourn_contract.switches import check_switches
+from sojourn_contract.topic_types import Topic
+
+TICK = "/operator/tick"
+SWITCHES = "/power/switches"
+MEASURED_BY = ("plant", "sensors")
+"""Publishers whose joint states are measurements: complete, or refused."""
+
+
+def check_input(row: Topic, message: Any) -> None:
+    """Raise RefusedMessageError for a message that no node may take."""
+    check_message(row.name, message)
+    if row.name == TICK:
+        parse_tick(message.frame_id)
+    elif row.name == SWITCHES:
+        check_switches(row.name, status_values(message))
+    elif row.type == "sensor_msgs/JointState" and row.publisher in MEASURED_BY:
+        check_complete(row.name, message)

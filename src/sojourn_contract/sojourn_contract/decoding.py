@@ -1,0 +1,62 @@
+"""Bytes to messages. Whatever a library or a check makes of bytes that are no such message, it is one refusal here, the
+same for every listener: nodes, recorder, supervisor and tools.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from rclpy.serialization import deserialize_message
+
+from sojourn_contract import stamps
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.types import message_class
+
+STAMP_BYTES = 12
+"""Encapsulation header, seconds and nanoseconds: every message of the contract begins with them."""
+LONGEST_REASON = 120
+
+
+@contextmanager
+def refusing(topic: str, what: str, data: bytes | None = None) -> Iterator[None]:
+    """Within it every error is a RefusedMessageError of `topic`: `what` was to be made of the message, and could not.
+
+    For the reading of what others have sent, and for nothing else: an error of our own must not look like theirs.
+    """
+    try:
+        yield
+    except RefusedMessageError:
+        raise
+    except Exception as error:
+        reason = " ".join(str(error).split())[:LONGEST_REASON] or type(error).__name__
+        size = "its content" if data is None else f"{len(data)} bytes"
+        raise RefusedMessageError(topic, "message", size, f"{what} ({reason})") from error
+
+
+def stamp_of(topic: str, data: bytes) -> int:
+    """Stamp [ns] of a serialised message. Raises RefusedMessageError for bytes that are too few to hold one."""
+    if len(data) < STAMP_BYTES:
+        raise RefusedMessageError(topic, "message", f"{len(data)} bytes", f"at least {STAMP_BYTES}, to hold a stamp")
+    return stamps.from_cdr(data)
+
+
+def decoded(topic: str, kind: str, data: bytes) -> Any:
+    """The message of type "package/Name" in these bytes. Raises RefusedMessageError where they hold none."""
+    with refusing(topic, f"a serialised {kind}", data):
+        return deserialize_message(data, message_class(kind))
+
+
+def hearing(topic: str, kind: str, take: Callable[[Any], None], refuse: Callable[[RefusedMessageError], None]) -> Any:
+    """Callback of a raw subscription that gives each message to `take`; what is none, or what `take` cannot read, is
+    given to `refuse`.
+    """
+
+    def hear(data: bytes) -> None:
+        try:
+            message = decoded(topic, kind, data)
+            with refusing(topic, f"a {kind} that can be read"):
+                take(message)
+        except RefusedMessageError as refusal:
+            refuse(refusal)
+
+    return hear

@@ -1,0 +1,29 @@
+"""The hazard camera as a node knows it: where it sits, and which of its clouds are new."""
+
+from typing import Any
+
+import numpy as np
+
+from sojourn_config.scenario import LoadedScenario
+from sojourn_contract import stamps
+from sojourn_flight.hazards.stereo_camera import StereoEye
+from sojourn_machine.mounting import mounting
+
+TOPIC = "/hazcam/points"
+
+
+def eye_of(scenario: LoadedScenario) -> StereoEye | None:
+    """The rover's hazard camera; None for a rover without one."""
+    camera = scenario.sensors.hazcam
+    if camera is None:
+        return None
+    rotation, position = mounting(scenario.urdf_xml, camera.link)
+    noise = camera.disparity_noise_px / (camera.focal_length_px * camera.baseline)
+    return StereoEye(position, np.ascontiguousarray(rotation[:, 0]), noise)
+
+
+def newest_cloud(message: Any, last: int) -> int:
+    """Stamp of a cloud [ns]: `last`, that of the one before (-1 before the first), where it is no new one. In real time
+    the latest is an input of every period.
+    """
+    return last if message is None else stamps.from_message(message.header.stamp)

@@ -1,0 +1,239 @@
+"""The drive without ROS: goals and measurements in, odometry and wheel commands out, by the laws in
+`sojourn_flight.supervision`.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from sojourn_config.scenario import LoadedScenario
+from sojourn_contract import stamps
+from sojourn_contract.absence import given_up, seen_usable
+from sojourn_contract.app import Answer, App, Period
+from sojourn_contract.barrier import is_due
+from sojourn_contract.clouds import points_of
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.hazcam import TOPIC as CLOUD
+from sojourn_contract.hazcam import eye_of, newest_cloud
+from sojourn_contract.heartbeat import status_values
+from sojourn_contract.topics import topic
+from sojourn_drive.arm_interlock import ArmInterlock
+from sojourn_drive.charge import ChargeGauge
+from sojourn_drive.goals import LastGoal, goal_of
+from sojourn_drive.measurements import WheelMeasurements
+from sojourn_drive.reports import OdometryReport, drive_report
+from sojourn_drive.sun import SunSightings
+from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.planning.energy_forecast import Supply
+from sojourn_flight.planning.goal import Goal
+from sojourn_flight.supervision.drive import LONGEST_PERIOD, DriveModel
+from sojourn_flight.supervision.drive_status import drive_status
+from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, DriveState, TwistCommand
+from sojourn_machine.errors import MachineError
+from sojourn_machine.params import FloatArray
+
+MEASUREMENTS = ("/joint_states", "/imu/data")
+Refusal = tuple[str, Exception]
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What operators want."""
+
+    last: LastGoal = field(default_factory=LastGoal)
+    pending: Goal | None = None
+    """A goal that waits for the first period whose measurements can be used."""
+    twist: tuple[int, PlanarTwist] | None = None
+    """The last velocity command and its stamp [ns]."""
+    abandoned: str = ""
+    """Why the goal has been given up for want of measurements, until the drive has heard of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """What others have said last."""
+
+    power_limit: float = 1.0
+    """Factor of the power manager on all speeds [-]."""
+    supply: Supply | None = None
+    """Of energy; None until the first reading of the battery."""
+    interlock: str = ""
+    """Why the rover may not drive, in words; empty where it may."""
+    sun: int = 0
+    cloud: int = -1
+    """Stamps of the last sighting and the last cloud that were taken [ns]."""
+    usable_at: int | None = None
+    """When its measurements could last be used [ns]."""
+
+
+@dataclass(frozen=True, slots=True)
+class DriveAppState:
+    """What the role remembers."""
+
+    drive: DriveState
+    output: DriveOutput
+    """Of the last period whose measurements could be used."""
+    asked: Asked = field(default_factory=Asked)
+    heard: Heard = field(default_factory=Heard)
+    stepped_at: int | None = None
+    """Stamp of that period [ns]; None where it is not known."""
+    tilt_rates: tuple[float, float] = (0.0, 0.0)
+    """Angular velocity of base_link about its x and y axes, as last measured [rad/s]."""
+
+
+class DriveApp(App[DriveAppState]):
+    """Role drive."""
+
+    role = "drive"
+    acts_in_silence = True
+
+    def __init__(self, scenario: LoadedScenario) -> None:
+        self._start = scenario.config.start
+        self.model = DriveModel(scenario.drive, scenario.steering, eye_of(scenario), scenario.wheel_loads())
+        self.model.warm_up()
+        self._measurements = WheelMeasurements(scenario.rover, scenario.urdf_xml)
+        self._sun = SunSightings(scenario)
+        self._charge = ChargeGauge(scenario.power_manager)
+        self._interlock = ArmInterlock(scenario.arm)
+        self._odometry = OdometryReport()
+
+    def initial_state(self) -> DriveAppState:
+        """Standing where the scenario has it start."""
+        drive = self.model.initial_state(self._start.x, self._start.y, self._start.yaw)
+        return DriveAppState(drive, self.model.at_rest(drive))
+
+    def on_new_time(self, state: DriveAppState) -> DriveAppState:
+        """A velocity of the old time would never age, and the time since the last measurement is not known."""
+        return replace(state, stepped_at=None, asked=replace(state.asked, twist=None))
+
+    def step(self, state: DriveAppState, period: Period) -> tuple[DriveAppState, Answer]:
+        """One step of the drive, with the measurements of this period."""
+        stamp = period.stamp
+        heard = self._hear(state, period.inputs)
+        asked, refusals = self._take_goals(state, heard, period.goals, stamp)
+        cloud = self._cloud(period.inputs, heard.cloud != state.heard.cloud, refusals)
+        state = replace(state, asked=asked, heard=heard)
+        stepped = self._drive(state, period, cloud, refusals)
+        usable_at = seen_usable(stamp, heard.usable_at, stepped is not None)
+        if stepped is not None:
+            state = replace(stepped, heard=replace(stepped.heard, usable_at=usable_at))
+            output = state.output
+        else:
+            last_refusal = str(refusals[-1][1]) if refusals else period.last_refusal
+            reason = given_up(MEASUREMENTS, stamp, usable_at, period.inputs, last_refusal)
+            if reason:  # nobody knows where the rover is: fail the goal, and drop a velocity
+                asked = Asked(asked.last.given_up(reason), abandoned=reason)
+            state = replace(state, asked=asked, heard=replace(heard, usable_at=usable_at))
+            output = _stopped(state.output)
+        state = replace(state, asked=replace(state.asked, last=state.asked.last.noted(output.outcomes)))
+        return state, Answer(self._messages(state, output, stamp), refusals)
+
+    def _hear(self, state: DriveAppState, inputs: Mapping[str, Any]) -> Heard:
+        heard, switches = state.heard, inputs.get("/power/switches")
+        limit = heard.power_limit
+        if switches is not None:
+            limit = self._measurements.power_limit(status_values(switches), limit)
+        driving = state.drive.mode != "idle"
+        return replace(
+            heard,
+            power_limit=limit,
+            interlock=self._interlock.why_not(inputs["/joint_states"], driving, heard.interlock),
+            supply=self._charge.supply(inputs.get("/battery_state"), heard.supply),
+            cloud=newest_cloud(inputs.get(CLOUD), heard.cloud),
+        )
+
+    def _take_goals(
+        self, state: DriveAppState, heard: Heard, goals: Sequence[tuple[str, Any]], now: int
+    ) -> tuple[Asked, list[Refusal]]:
+        """The goal that takes effect now; of several the last."""
+        asked, refusals = state.asked, list[Refusal]()
+        for name, message in goals:
+            if heard.interlock:
+                asked = replace(asked, last=asked.last.refused(message, heard.interlock))
+                none = f"none while {heard.interlock}"
+                refusals.append((name, RefusedMessageError(name, "header", "a goal now", none)))
+            elif name == "/cmd_vel":
+                linear, angular = message.twist.linear, message.twist.angular
+                stamp = stamps.from_message(message.header.stamp) or now
+                last = asked.last.pre_empted(stamp, unseen=asked.pending is not None)
+                twist = (stamp, PlanarTwist(linear.x, linear.y, angular.z))
+                asked = replace(asked, last=last, twist=twist, pending=None)
+            else:
+                last = asked.last.begun(message)
+                try:
+                    asked = replace(asked, pending=goal_of(name, message, state.drive.odometry, last.name), last=last)
+                except RefusedMessageError as refusal:
+                    asked = replace(asked, last=replace(last, state="refused", reason=str(refusal)))
+                    refusals.append((name, refusal))
+        return asked, refusals
+
+    def _cloud(self, inputs: Mapping[str, Any], is_new: bool, refusals: list[Refusal]) -> FloatArray | None:
+        """Points of a cloud that is new, shape (n, 3) [m]; None without one, and of one that is refused."""
+        try:
+            return points_of(CLOUD, inputs[CLOUD]) if is_new else None
+        except RefusedMessageError as refusal:
+            refusals.append((CLOUD, refusal))
+            return None
+
+    def _drive(
+        self, state: DriveAppState, period: Period, cloud: FloatArray | None, refusals: list[Refusal]
+    ) -> DriveAppState | None:
+        """The state after a step with the measurements of this period; None where they cannot be used, with the refusal
+        added to `refusals`.
+        """
+        joints, imu = (period.inputs[name] for name in MEASUREMENTS)
+        if joints is None or imu is None:  # refused on arrival
+            return None
+        stamp, drive = period.stamp, state.drive
+        try:
+            measured, heard = self._measured(state, period, cloud)
+            if state.stepped_at is None and stamp > stamps.CONTROL_PERIOD_NS and self.model.slip is not None:
+                drive = replace(drive, slip=self.model.slip.initial_state(at_rest=False))
+            drive, output = self.model.step(drive, measured, _since(state.stepped_at, stamp))
+        except (MachineError, RefusedMessageError) as error:
+            refusals.append(("/joint_states", error))
+            return None
+        asked = replace(state.asked, pending=None, abandoned="")
+        gyro = measured.gyro or (0.0, 0.0, 0.0)
+        return DriveAppState(drive, replace(output, tell=None), asked, heard, stamp, (gyro[0], gyro[1]))
+
+    def _measured(self, state: DriveAppState, period: Period, cloud: FloatArray | None) -> tuple[DriveInput, Heard]:
+        """What the drive is told of this period, and what has been heard with it."""
+        inputs, asked, heard = period.inputs, state.asked, state.heard
+        sun, sun_at = self._sun.sighting(period.stamp, inputs.get("/sun_direction"), heard.sun)
+        twist = None
+        if asked.twist is not None:
+            sent, wanted = asked.twist
+            twist = TwistCommand(wanted, max(period.stamp - sent, 0) * 1e-9)
+        joints, imu = (inputs[name] for name in MEASUREMENTS)
+        measured = self._measurements.drive_input(joints, imu, twist, asked.pending, heard.power_limit, sun)
+        measured = replace(measured, supply=heard.supply, cloud=cloud)
+        if asked.abandoned:
+            measured = replace(measured, stop=True, stop_reason=asked.abandoned)
+        if heard.interlock:
+            measured = replace(measured, goal=None, stop=True, stop_reason=heard.interlock)
+        return measured, replace(heard, sun=sun_at)
+
+    def _messages(self, state: DriveAppState, output: DriveOutput, stamp: int) -> Iterator[tuple[str, Any]]:
+        yield "/wheel_command", self._measurements.command(stamp, output)  # first: the plant waits for it
+        yield "/odom", self._odometry.message(stamp, output, state.tilt_rates)
+        if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
+            told = {} if output.pace is None else drive_status(self.model, state.drive, output.pace)
+            yield "/drive/status", drive_report(stamp, state.asked.last.status(state.drive), told)
+
+
+def _stopped(output: DriveOutput) -> DriveOutput:
+    """The wheels stop and the steering holds."""
+    return replace(
+        output,
+        wheel_rates=np.zeros_like(output.wheel_rates),
+        steer_rates=np.zeros_like(output.steer_rates),
+        outcomes=(),
+    )
+
+
+def _since(before: int | None, stamp: int) -> float:
+    """Time since the last period with measurements [s]: of a drive that has just started one, of a gap its end."""
+    return stamps.CONTROL_PERIOD_S if before is None else min((stamp - before) * 1e-9, LONGEST_PERIOD)

@@ -1,0 +1,80 @@
+"""A jog in the place of a task: taken or refused, and carried on a period at a time."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sojourn_flight.arm.goals import GoalRefusedError
+from sojourn_flight.arm.jogging import JogCommand, Surroundings, begin_jog, jog_on
+from sojourn_flight.arm.model import ArmModel
+from sojourn_flight.arm.pace import with_granted_power
+from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.tasks.relaxed import Relaxed
+from sojourn_flight.arm.tasks.task import Doing
+from sojourn_flight.arm.tasks.task_state import TaskInput, TaskState
+from sojourn_flight.arm.tasks.tip_motion import begin, begin_at
+from sojourn_flight.arm.trajectory import JointReference
+
+
+def take_jog(
+    params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, command: JogCommand
+) -> tuple[TaskState, str]:
+    """Begin a jog, or go on with it by a new command, in place of whatever is under way; else why it is refused.
+
+    A command that is refused stops the jog. Where the tool has met something, commands are refused until they pause.
+    """
+    paused = state.since_jog >= params.jog.pause
+    state = replace(state, since_jog=0.0)
+    try:
+        if not inputs.arm.allowed:
+            raise GoalRefusedError(f"not allowed to move: {inputs.arm.not_allowed_reason or 'no reason given'}")
+        if isinstance(state.task, Relaxed) and not paused:
+            raise GoalRefusedError(f"{state.task.reason}: no jog until the commands pause for {params.jog.pause:g} s")
+        posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
+        jog = begin_jog(params, model, command, posture, inputs.arm.ground)
+    except GoalRefusedError as error:
+        still = None if state.jog is None else replace(state.jog, command=JogCommand((0.0,) * 3, (0.0,) * 3))
+        return replace(state, refused=state.refused + 1, jog=still), str(error)
+    if state.jog is not None:
+        jog = replace(jog, share=state.jog.share, near=jog.near and state.jog.near)
+    motion = state.motion
+    if motion is None:
+        motion = begin(model, state.arm.reference) if state.arm.started else begin_at(model, inputs.arm.positions)
+    state = replace(state, name="jog", task=None, jog=jog, motion=motion, accepted=state.accepted + 1)
+    return replace(state, doing=Doing(), paused=False), ""
+
+
+def go_on_with_jog(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, dt: float) -> TaskState:
+    """A period of a jog; at its end the arm holds where it rests."""
+    if state.jog is None or state.motion is None:
+        return state
+    hindrance = held_back(params, model, state, inputs)
+    if not inputs.arm.allowed:
+        hindrance = f"not allowed to move: {inputs.arm.not_allowed_reason}"
+    granted, limited = params, inputs.arm.granted_power is not None
+    if limited:
+        granted = with_granted_power(params, inputs.arm)
+    around = Surroundings(inputs.arm.ground, inputs.arm.gravity_in_base, hindrance, limited)
+    jog, joints = jog_on(granted, model, state.jog, state.motion.joints, around, dt)
+    doing = Doing(state="moving" if jog.moving else "failed" if hindrance else "stopped", reason=jog.reason)
+    state = replace(state, jog=jog, doing=doing, motion=replace(begin(model, joints), origin=None))
+    return state if jog.moving else _rested(state, joints)
+
+
+def _rested(state: TaskState, joints: JointReference) -> TaskState:
+    """Not guided any more: the arm holds at `joints`."""
+    arm = replace(state.arm, reference=joints, target=joints.position, path=None, settling=False, status="stopped")
+    place = state.arm.tip_target if state.motion is None else state.motion.place
+    return replace(state, arm=replace(arm, tip_target=place, retreat=None), motion=None)
+
+
+def held_back(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> str:
+    """Which joint is too far from its reference, in words; empty where none is."""
+    if not state.arm.started:
+        return ""
+    behind = np.abs(state.arm.reference.position + state.arm.trim - inputs.arm.positions)
+    worst = int(np.argmax(behind))
+    if behind[worst] <= params.following_error_limit:
+        return ""
+    off = f"{behind[worst]:.3f} {model.unit(worst)}"
+    return f"{params.joint_names[worst]} is {off} from its reference: something holds it"

@@ -1,0 +1,308 @@
+"""The arm's laws with named tasks over them: one call of `step` a control period, in place of `controller.step`.
+
+A task is started by a TaskRequest. It either gives goals to the arm, which plans and checks them as those of an
+operator, or guides the reference of the tip by what the wrist's sensor feels. One goal at a time: a task that comes
+while another goal is under way is refused, or replaces it if it asks to; any other goal that is taken, and a stop,
+replaces a task. A task that has ended goes on holding what it has reached (a contact force) until the next goal.
+
+A guided motion is given up when the contact force exceeds `max_force` (the tool then gives way until it presses no
+more), when the joints are further than `following_error_limit` from their reference, when the tip cannot follow, and
+when the arm may not move (it then stops).
+
+A planned motion is given up when it meets something (contact_guard.py), and any motion that presses when a wheel of the
+rover is all but lifted. The arm then gives way to what it feels, until the next goal.
+
+A jog (jogging.py) takes the place of whatever is under way, and is watched for contacts as a planned motion is.
+
+A pause brings a planned motion to rest on its path, and the tip of a guided one; the task stands still meanwhile. Where
+less power is granted than it draws, a guided motion is slower, but for giving way.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sojourn_flight.arm import controller
+from sojourn_flight.arm.contact_guard import (
+    Felt,
+    JointReading,
+    MomentumObserver,
+    before,
+    faded,
+    lifted,
+    observe,
+    touched,
+    yielding_rates,
+)
+from sojourn_flight.arm.deflection import joint_positions
+from sojourn_flight.arm.goals import ArmGoal, GoalRefusedError, PauseGoal, PoseGoal, ResumeGoal, StopGoal
+from sojourn_flight.arm.kinematics import forward_kinematics
+from sojourn_flight.arm.model import ArmModel
+from sojourn_flight.arm.pace import granted_velocity
+from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.state import ArmInput, ArmOutput
+from sojourn_flight.arm.tasks.contact_sense import check_wrench
+from sojourn_flight.arm.tasks.ended import Ended, Released
+from sojourn_flight.arm.tasks.guided_pace import GuidedPace, next_pace, pace_limits
+from sojourn_flight.arm.tasks.jog_control import go_on_with_jog, held_back, take_jog
+from sojourn_flight.arm.tasks.relaxed import Relaxed
+from sojourn_flight.arm.tasks.requests import Pause, Resume
+from sojourn_flight.arm.tasks.start import start_task
+from sojourn_flight.arm.tasks.task import Doing, Look
+from sojourn_flight.arm.tasks.task_state import TaskInput, TaskReport, TaskState, initial_state
+from sojourn_flight.arm.tasks.tip_motion import (
+    CannotFollowError,
+    TipMotion,
+    begin,
+    begin_at,
+    move,
+    rates_of,
+    turn_joints,
+)
+from sojourn_machine.params import FloatArray
+
+__all__ = ["TaskInput", "TaskReport", "TaskState", "initial_state", "step", "warm_up"]
+
+_STILL = 1.0e-9
+"""A joint that turns slower rests [rad/s or m/s]."""
+_PAUSED = "paused; the task resume goes on"
+
+
+def warm_up(params: ArmParams, model: ArmModel) -> None:
+    """Have every compiled kernel ready, so that no later step waits for the compiler (seconds)."""
+    start = np.array(params.named_poses["unfold"])
+    tip = forward_kinematics(model, start).position
+    goal = PoseGoal((float(tip[0]), float(tip[1]), float(tip[2])))
+    rest, level = np.zeros(model.joint_count), np.array([0.0, 0.0, -1.0])
+    state = initial_state(params, model)
+    for request in (goal, StopGoal(), None):
+        state, _, _ = step(params, model, state, TaskInput(ArmInput(start, rest, level, goal=request)), 0.02)
+    controller.warm_up(params, model)
+
+
+def step(
+    params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, dt: float
+) -> tuple[TaskState, ArmOutput, TaskReport | None]:
+    """One control period of `dt` [s]. The report is None where the last goal was no task.
+
+    Raises:
+        InvalidValueError: a measurement of wrong length or not finite.
+    """
+    check_wrench(inputs.wrench)
+    state, felt = _feel(params, model, state, inputs, dt)
+    state = _watch(params, model, state, inputs, felt)
+    goal, refusal = inputs.arm.goal, ""
+    state = replace(state, since_jog=state.since_jog + dt)
+    if goal is None and inputs.jog is not None:
+        state, refusal = take_jog(params, model, state, inputs, inputs.jog)
+    elif goal is None and isinstance(inputs.task, Pause | Resume):
+        state, goal, refusal = _pause(state, isinstance(inputs.task, Pause))
+    elif goal is None:
+        state, refusal = _take_task(params, model, state, inputs)
+    if state.jog is not None:
+        state = go_on_with_jog(params, model, state, inputs, dt)
+    elif goal is None:
+        state, goal = _work(params, model, state, inputs, felt, dt)
+    asked = replace(inputs.arm, goal=goal, guide=state.motion)
+    arm, output = controller.step(params, model, state.arm, asked, dt)
+    taken = arm.goals_accepted - state.arm.goals_accepted
+    refused = arm.goals_refused - state.arm.goals_refused
+    state = replace(state, arm=arm)
+    if inputs.arm.goal is not None:
+        if taken:
+            state = replace(state, name="", task=None, motion=None, paused=False, jog=None)
+    elif goal is not None and not isinstance(goal, PauseGoal | ResumeGoal):  # of the task
+        state = replace(state, accepted=state.accepted - taken, refused=state.refused - refused)
+        if refused:
+            state = _give_up(state, Ended(arm.reason))
+    output = replace(
+        output,
+        goals_accepted=output.goals_accepted + state.accepted,
+        goals_refused=output.goals_refused + state.refused,
+        reason=refusal or output.reason,
+    )
+    if state.paused:
+        resting = float(np.max(np.abs(output.velocities))) < _STILL
+        output = replace(output, status="paused" if resting else "moving", reason=refusal or _PAUSED)
+    told = (state.task is not None or state.jog is not None) and not (state.paused or arm.paused)
+    return state, output, TaskReport(state.name, state.doing) if told else None
+
+
+def _pause(state: TaskState, begin: bool) -> tuple[TaskState, ArmGoal | None, str]:
+    """Pause or go on: a guided motion here, a planned one by a goal for the arm; else why not."""
+    if state.jog is not None and state.motion is not None:
+        why = f"{'pause' if begin else 'resume'}: the arm is jogged, and rests where the commands stop"
+        return replace(state, refused=state.refused + 1), None, why
+    if state.motion is None:
+        return state, PauseGoal() if begin else ResumeGoal(), ""
+    if begin == state.paused:
+        why = "pause: the motion is paused already" if begin else "resume: no motion is paused"
+        return replace(state, refused=state.refused + 1), None, why
+    return replace(state, paused=begin, accepted=state.accepted + 1), None, ""
+
+
+def _take_task(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> tuple[TaskState, str]:
+    """Start the task that has come, if one has; else why it is refused."""
+    request = inputs.task
+    if request is None:
+        return state, ""
+    try:
+        if not inputs.arm.allowed:
+            raise GoalRefusedError(f"not allowed to move: {inputs.arm.not_allowed_reason or 'no reason given'}")
+        under_way = _under_way(state)
+        if under_way and not request.preempt:
+            raise GoalRefusedError(f"{request.task}: {under_way} is under way (preempt: true would replace it)")
+        posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
+        feels, ground = inputs.wrench is not None, inputs.arm.ground
+        gravity = float(np.linalg.norm(inputs.arm.gravity_in_base))
+        task = start_task(params, model, request, posture, feels, ground, state.tool, gravity)
+    except GoalRefusedError as error:
+        return replace(state, refused=state.refused + 1), str(error)
+    state = replace(state, name=request.task, task=task, doing=Doing(), accepted=state.accepted + 1, paused=False)
+    return replace(state, jog=None, pace=GuidedPace()), ""
+
+
+def _under_way(state: TaskState) -> str:
+    """What the arm is at, in words; empty where it is at nothing."""
+    if state.jog is not None and state.motion is not None:
+        return state.name
+    if state.task is not None and not state.arm.paused:
+        return state.name if state.doing.state == "moving" else ""
+    return "another goal" if state.arm.path is not None or state.arm.settling else ""
+
+
+def _feel(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, dt: float) -> tuple[TaskState, Felt]:
+    """What acts on the arm from outside."""
+    arm, force, observer = inputs.arm, None, MomentumObserver()
+    if inputs.wrench is not None:
+        tip = forward_kinematics(model, arm.positions)
+        force = state.sense.contact(model, tip, inputs.wrench, arm.gravity_in_base)
+    if inputs.efforts is not None:
+        reading = JointReading(arm.positions, arm.velocities, inputs.efforts)
+        rotors, rate = not params.gear_compliance, params.contact.observer_rate
+        observer = observe(model, state.observer, rotors, reading, arm.gravity_in_base, rate, dt)
+    return replace(state, observer=observer), Felt(force, observer.residual)
+
+
+def _watch(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, felt: Felt) -> TaskState:
+    """Give up a planned motion that meets something."""
+    moves = (state.arm.path is not None and not state.arm.stopping) or state.arm.settling
+    jogged = state.jog is not None and state.motion is not None
+    if not jogged and (not moves or state.motion is not None):
+        return state if state.known is None else replace(state, known=None)
+    known = faded(state.known or before(felt, model.joint_count), felt)
+    tip = forward_kinematics(model, inputs.arm.positions)
+    reason = touched(params.contact, model, tip, known, felt)
+    if not reason and inputs.loads is not None and felt.force is not None:
+        reason = lifted(params.contact, inputs.loads, felt.force)
+    if not reason:
+        return replace(state, known=known)
+    reason = f"stopped: {reason}, and gives way"
+    here = joint_positions(params, model, inputs.arm.positions, inputs.arm.gravity_in_base) - state.arm.trim
+    doing = Doing(gives_way=True, state="failed", reason=reason)
+    name, motion = state.name or "relax", begin_at(model, np.clip(here, model.lower, model.upper))
+    state = replace(state, name=name, task=Relaxed(reason), doing=doing, motion=motion, known=None, paused=False)
+    return replace(state, jog=None)
+
+
+def _work(
+    params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, felt: Felt, dt: float
+) -> tuple[TaskState, ArmGoal | None]:
+    """Let the task look; the reference of the tip that it guides, or the goal that it gives to the arm."""
+    if state.task is None or not state.arm.started:
+        return state, None
+    look = _look(params, model, state, inputs)
+    if state.doing.state == "moving":
+        state = _guard(params, model, state, inputs, look)
+    if state.paused and state.motion is not None and not isinstance(state.task, Ended | Released):
+        velocity = np.zeros(3) if state.doing.velocity is None else state.doing.velocity
+        motion = state.motion
+        state, velocity = _at_pace(params, model, state, motion, velocity, 0.0, dt)
+        return replace(state, motion=move(model, motion, velocity, params.force_control.tip_acceleration, dt)), None
+    if state.arm.paused:
+        return state, None
+    task, doing = state.task.advance(look, dt) if state.task is not None else (None, Doing())
+    sense = state.sense if doing.bias is None else replace(state.sense, bias=state.sense.bias + doing.bias)
+    state = replace(state, task=task, sense=sense, doing=doing, tool_command=doing.tool or state.tool_command)
+    if doing.gives_way and state.motion is not None:
+        rates = yielding_rates(params.contact, model, look.tip, felt)
+        return replace(state, motion=turn_joints(model, state.motion, rates, dt)), None
+    if doing.velocity is None:
+        stop = StopGoal() if state.motion is not None and doing.goal is None else None
+        return replace(state, motion=None), doing.goal or stop
+    motion = state.motion or begin(model, state.arm.reference)
+    velocity = doing.velocity
+    if doing.state != "moving":
+        state = replace(state, pace=GuidedPace())
+    else:
+        share, slowed = granted_velocity(params, model, inputs.arm, motion, doing.velocity, look.force)
+        if slowed:
+            to_go = doing.time_to_go / max(share, 1e-3)
+            state = replace(state, doing=replace(doing, reason=slowed, time_to_go=to_go))
+        state, velocity = _at_pace(params, model, state, motion, velocity, share, dt)
+    try:
+        moved = move(model, motion, velocity, params.force_control.tip_acceleration, dt)
+    except CannotFollowError as error:
+        return _give_up(state, Ended(str(error))), StopGoal()
+    return replace(state, motion=moved), None
+
+
+def _at_pace(
+    params: ArmParams,
+    model: ArmModel,
+    state: TaskState,
+    motion: TipMotion,
+    velocity: FloatArray,
+    share: float,
+    dt: float,
+) -> tuple[TaskState, FloatArray]:
+    """A task's velocity of the tip (3,) [m/s] at the pace of this period, which is on its way to a share of it."""
+    if state.pace == GuidedPace() and share == 1.0:
+        return state, velocity
+    speed, most = float(np.linalg.norm(velocity)), params.force_control.tip_acceleration
+    limits = pace_limits(model, rates_of(model, motion, velocity), speed, most)
+    pace = next_pace(state.pace, share, limits, dt)
+    return replace(state, pace=pace), pace.share * velocity
+
+
+def _guard(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, look: Look) -> TaskState:
+    """Give up a task under way where the arm may not go on."""
+    if not inputs.arm.allowed:
+        return replace(state, task=Ended(f"not allowed to move: {inputs.arm.not_allowed_reason}"))
+    if state.motion is None:
+        return state
+    force = float(np.linalg.norm(look.force))
+    if force > params.force_control.max_force:
+        reason = f"contact force {force:.0f} N: at most {params.force_control.max_force:g} N is allowed"
+        return replace(state, task=Released(reason, -look.force / force))
+    tips = "" if inputs.loads is None else lifted(params.contact, inputs.loads, look.force)
+    if tips:
+        return replace(state, task=Released(tips, -look.force / force))
+    held = held_back(params, model, state, inputs)
+    return replace(state, task=Ended(held)) if held else state
+
+
+def _give_up(state: TaskState, ended: Ended) -> TaskState:
+    return replace(state, task=ended, motion=None, paused=False, doing=Doing(state="failed", reason=ended.reason))
+
+
+def _look(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> Look:
+    arm = inputs.arm
+    tip = forward_kinematics(model, arm.positions)
+    force, rest = np.zeros(3), np.zeros(6)
+    if inputs.wrench is not None:
+        force = state.sense.contact(model, tip, inputs.wrench, arm.gravity_in_base)
+        rest = inputs.wrench - state.sense.bias - state.sense.tool_load(model, tip, arm.gravity_in_base)
+    return Look(
+        tip=tip,
+        feels=inputs.wrench is not None,
+        force=force,
+        wrench=rest,
+        efforts=inputs.efforts,
+        positions=arm.positions,
+        gravity=arm.gravity_in_base,
+        status=state.arm.status,
+        reason=state.arm.reason,
+        control=params.force_control,
+        tool=inputs.tool,
+    )

@@ -1,0 +1,81 @@
+"""What the arm's laws with tasks over them take in, remember and give out: plain values."""
+
+import math
+from dataclasses import dataclass, field
+
+from sojourn_flight.arm import state as arm_state
+from sojourn_flight.arm.contact_guard import Before, MomentumObserver
+from sojourn_flight.arm.footing import WheelLoads
+from sojourn_flight.arm.jogging import JogCommand, Jogging
+from sojourn_flight.arm.model import ArmModel
+from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.state import ArmInput, ArmState
+from sojourn_flight.arm.tasks.contact_sense import ContactSense, contact_sense
+from sojourn_flight.arm.tasks.guided_pace import GuidedPace
+from sojourn_flight.arm.tasks.requests import TaskRequest
+from sojourn_flight.arm.tasks.task import Doing, Task, ToolCommand, ToolReading
+from sojourn_flight.arm.tasks.tip_motion import TipMotion
+from sojourn_machine.params import FloatArray
+from sojourn_machine.tools import ToolParams
+
+
+@dataclass(frozen=True, slots=True)
+class TaskInput:
+    """The arm's measurements, those of its tools, and a goal (in `arm`) or a task."""
+
+    arm: ArmInput
+    task: TaskRequest | None = None
+    wrench: FloatArray | None = None
+    """On the wrist's sensor in its frame (6,) [N], [N m]; None where it is not measured."""
+    efforts: FloatArray | None = None
+    """Of the joints as measured (n,) [N m]; None where nobody tells them."""
+    tool: ToolReading | None = None
+    """Of the tool's actuator; None where there is no tool, or nobody tells it."""
+    loads: WheelLoads | None = None
+    """Of the rover's wheels; None where it stands fast, or nobody knows."""
+    jog: JogCommand | None = None
+    """In the period in which it takes effect."""
+
+
+@dataclass(frozen=True, slots=True)
+class TaskState:
+    """All that the laws remember: those of the arm, and the task."""
+
+    arm: ArmState
+    sense: ContactSense
+    tool: ToolParams | None = None
+    """At the arm's end."""
+    tool_command: ToolCommand = field(default_factory=ToolCommand)
+    """For its actuator."""
+    name: str = ""
+    task: Task | None = None
+    doing: Doing = field(default_factory=Doing)
+    motion: TipMotion | None = None
+    accepted: int = 0
+    """Tasks taken, less the goals that tasks have given to the arm."""
+    refused: int = 0
+    paused: bool = False
+    """Of a guided motion; that of a planned one is in `arm`."""
+    observer: MomentumObserver = field(default_factory=MomentumObserver)
+    """Of torques from outside."""
+    known: Before | None = None
+    """What was felt when the planned motion under way began; None where none is."""
+    pace: GuidedPace = field(default_factory=GuidedPace)
+    """Of a guided motion."""
+    jog: Jogging | None = None
+    """None where the last goal was no jog."""
+    since_jog: float = math.inf
+    """Since the last jog's command [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class TaskReport:
+    """How the present task stands."""
+
+    name: str
+    doing: Doing
+
+
+def initial_state(params: ArmParams, model: ArmModel, tool: ToolParams | None = None) -> TaskState:
+    """State before the first step, of an arm with a tool or without."""
+    return TaskState(arm_state.initial_state(params), contact_sense(model), tool)

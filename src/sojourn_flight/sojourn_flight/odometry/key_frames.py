@@ -1,0 +1,264 @@
+"""Terrain-relative odometry: each cloud is matched with the ground of a key frame, and the odometry corrected by it.
+
+Key frames. The last few clouds, placed by the odometry, make the surface of a key frame: that of the newest of them.
+Later clouds are matched with it (`terrain_match`), until the rover has gone or turned too far from it, or its ground is
+hardly in view any more; then the last clouds make the next. Clouds that come while the rover stands are not matched:
+they would tell the same again.
+
+What a match tells goes into the odometry's filter by `relative_fix`. A match with few points, with too many off the
+surface or with residuals above their deviations is not used, nor one that does not fit there.
+
+Source: Maimone, Cheng & Matthies (2007), J. Field Robotics 24:169 (visual odometry of the Mars Exploration Rovers, with
+which they drove on slopes and in loose soil). Assumptions: a gyro carries the heading from one look to the next; the
+ground does not change.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sojourn_flight.hazards.stereo_camera import StereoEye, along_rays
+from sojourn_flight.odometry.attitude import rotation_of
+from sojourn_flight.odometry.ground_surface import GroundSurface, surface_through
+from sojourn_flight.odometry.odometry import OdometryState, wrap_angle
+from sojourn_flight.odometry.odometry_kernels import cloned, widened
+from sojourn_flight.odometry.relative_fix import fix_way, tells
+from sojourn_flight.odometry.terrain_match import Match, match
+from sojourn_flight.odometry.terrain_match_params import TerrainMatchParams
+from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.params import FloatArray
+
+LEAST_STEEPNESS = 0.05
+"""Added to the share of a ray's error that is height: the slope of the ground that it meets is not known yet [-]."""
+LEAST_VARIANCE = 1e-6
+"""Of a point's height: points are rounded to a millimetre [m^2]."""
+MOST_OUTLIERS = 0.25
+"""Part of the points beyond which a match is not used [-]."""
+LEAST_OVERLAP = 0.5
+"""Part of a cloud on the key frame's surface below which there is a new one [-]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Look:
+    """A cloud with its place; arrays in level axes along the heading it was seen with, shape (n, 3) [m]."""
+
+    points: FloatArray
+    """About base_link."""
+    errors: FloatArray
+    """By which a point is off for one standard deviation of its match."""
+    place: tuple[float, float, float, float]
+    """base_link: x, y in odom, height in the chain of the matches [m]; yaw [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class TerrainMatchState:
+    """The key frame, the last clouds, and what became of the matches."""
+
+    surface: GroundSurface | None = None
+    """Of the key frame, in its axes; None before there is one."""
+    level: float = 0.0
+    """Height of base_link at the key frame [m]."""
+    looks: tuple[Look, ...] = ()
+    """The last clouds, the newest at the end."""
+    at: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    """x, y, height of the odometry and yaw at the last cloud that was taken."""
+    matched_at: tuple[float, float] = (0.0, 0.0)
+    """x, y at the last match that was used, or at the key frame [m]."""
+    key_frames: int = 0
+    matches: int = 0
+    """That were used."""
+    rejected: int = 0
+    """That were not."""
+    text: str = "no cloud yet"
+    """What became of the last cloud, in words."""
+    points: int = 0
+    """Of the last match."""
+    deviation: float = 0.0
+    """Of the last innovation, in standard deviations [-]."""
+    doubted: bool = False
+    """The last match that fitted asked for another slip, and was not used."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class TerrainMatcher:
+    """What matching needs to know of a machine."""
+
+    params: TerrainMatchParams
+    eye: StereoEye
+
+
+def match_ground(
+    matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState, cloud: FloatArray
+) -> tuple[OdometryState, TerrainMatchState]:
+    """Both states after a cloud in base_link, shape (n, 3) [m].
+
+    Args:
+        odometry: of this period, made for key frames, see `initial_odometry`.
+
+    Raises:
+        InvalidValueError: the odometry is not made for key frames.
+    """
+    key = odometry.key
+    if key is None:
+        raise InvalidValueError("key", key, "the pose of a key frame: initial_odometry(..., key_frames=True)")
+    params = matcher.params
+    look = _look_of(matcher, odometry, state, cloud)
+    if len(look.points) < params.least_points:
+        return odometry, replace(state, text=f"only {len(look.points)} points of the ground in view", points=0)
+    moved = math.hypot(odometry.x - state.at[0], odometry.y - state.at[1])
+    turned = abs(wrap_angle(odometry.yaw - state.at[3]))
+    if state.surface is not None and max(moved, turned) < params.least_step:
+        if len(state.looks) >= params.clouds or state.matches:
+            return odometry, replace(state, text="standing, no match")
+        return _with_key_frame(matcher, odometry, _taken(params, state, look, odometry))
+    if state.surface is None:
+        return _with_key_frame(matcher, odometry, _taken(params, state, look, odometry))
+
+    turn = wrap_angle(odometry.yaw - float(key[2]))
+    ahead, left = _turned(odometry.x - float(key[0]), odometry.y - float(key[1]), -float(key[2]))
+    to_key = rotation_of(0.0, 0.0, turn)
+    guess = np.array((ahead, left, look.place[2] - state.level))
+    heading = math.sqrt(max(_relative_heading_variance(odometry), 1e-10))
+    found = match(
+        state.surface,
+        look.points @ to_key.T,
+        look.errors @ to_key.T,
+        guess,
+        params.sharing,
+        (params.tilt_sigma, heading),
+    )
+    overlap = found.points / len(look.points)
+    flaw = _flaw(params, found)
+    if not flaw and not _tells(found):
+        state = replace(state, text="the ground is too even to tell", points=found.points)
+    elif flaw:
+        state = replace(state, rejected=state.rejected + 1, text=f"rejected: {flaw}", points=found.points)
+    else:
+        look = replace(look, place=(*look.place[:2], state.level + float(guess[2] + found.shift[2]), look.place[3]))
+        odometry, state = _updated(params, odometry, state, found, guess[:2])
+        look = replace(look, place=(odometry.x, odometry.y, look.place[2], odometry.yaw))
+    state = _taken(params, state, look, odometry)
+    gone = math.hypot(float(guess[0] + found.shift[0]), float(guess[1] + found.shift[1]))
+    if gone > params.spacing or abs(turn) > params.turn or overlap < LEAST_OVERLAP:
+        return _with_key_frame(matcher, odometry, state)
+    return odometry, state
+
+
+def warm_up(matcher: TerrainMatcher, odometry: OdometryState) -> None:
+    """Have every kernel compiled: looks at a wavy ground from two places; `odometry` is left as it is."""
+    params, eye = matcher.params, matcher.eye
+    ahead, left = np.meshgrid(np.linspace(0.5, 2.0, 31), np.linspace(-0.8, 0.8, 33))
+    ground = np.stack([ahead, left, 0.05 * np.sin(4.0 * ahead) * np.cos(4.0 * left) - eye.position[2] - 0.5], axis=-1)
+    first, state = match_ground(matcher, odometry, TerrainMatchState(), ground.reshape(-1, 3))
+    second = replace(first, x=first.x + params.least_step, y=first.y + params.least_step)
+    match_ground(matcher, second, state, ground.reshape(-1, 3))
+    widened(first.covariance, 0.1, 0.1, params.lost_slip)
+
+
+def match_status(state: TerrainMatchState | None, odometry: OdometryState) -> dict[str, str | float]:
+    """Fields of /drive/status; none without a camera."""
+    if state is None:
+        return {}
+    return {
+        "terrain_match": state.text,
+        "terrain_matches": float(state.matches),
+        "terrain_rejected": float(state.rejected),
+        "terrain_key_frames": float(state.key_frames),
+        "terrain_points": float(state.points),
+        "terrain_deviation_sigma": state.deviation,
+        "terrain_slip_correction": odometry.slip_error,
+    }
+
+
+def _look_of(matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState, cloud: FloatArray) -> Look:
+    """The near points of a cloud in level axes."""
+    rays = cloud - matcher.eye.position
+    near = (rays * rays).sum(axis=1) <= matcher.params.range**2
+    level = rotation_of(odometry.roll, odometry.pitch)
+    height = odometry.z
+    if state.looks:
+        height = state.looks[-1].place[2] + odometry.z - state.at[2]
+    return Look(
+        np.ascontiguousarray(cloud[near] @ level.T),
+        np.ascontiguousarray(along_rays(matcher.eye, cloud[near]) @ level.T),
+        (odometry.x, odometry.y, height, odometry.yaw),
+    )
+
+
+def _taken(
+    params: TerrainMatchParams, state: TerrainMatchState, look: Look, odometry: OdometryState
+) -> TerrainMatchState:
+    at = (odometry.x, odometry.y, odometry.z, odometry.yaw)
+    return replace(state, looks=(*state.looks, look)[-params.clouds :], at=at)
+
+
+def _flaw(params: TerrainMatchParams, found: Match) -> str:
+    """Why a match cannot be used; empty where it can."""
+    if found.points < params.least_points:
+        return f"only {found.points} points on known ground"
+    if not found.converged and _tells(found):
+        return "no place fits"
+    if found.outliers > MOST_OUTLIERS * found.points:
+        return f"{found.outliers} of {found.points} points off the ground"
+    if found.misfit > params.misfit:
+        return f"points off the ground by {math.sqrt(found.misfit):.1f} sigma"
+    return ""
+
+
+def _tells(found: Match) -> bool:
+    """Whether the ground has relief enough for a direction."""
+    return bool(tells(np.linalg.eigh(found.information)[0]).any())
+
+
+def _updated(
+    params: TerrainMatchParams, odometry: OdometryState, state: TerrainMatchState, found: Match, guess: FloatArray
+) -> tuple[OdometryState, TerrainMatchState]:
+    """The filter's update with a match."""
+    since = odometry.x - state.matched_at[0], odometry.y - state.matched_at[1]
+    fix = fix_way(params, odometry, guess + found.shift[:2], found.information, since)
+    state = replace(state, points=found.points, deviation=fix.deviation)
+    if fix.odometry is None:
+        off = f"off by {1e3 * fix.off:.0f} mm, {fix.deviation:.1f} sigma"
+        return odometry, replace(state, rejected=state.rejected + 1, text=f"rejected: {off}")
+    if fix.widened and not state.doubted:  # one edge on even ground fits in more than one place
+        return odometry, replace(state, doubted=True, text="doubted: does the ground slip otherwise?")
+    odometry = fix.odometry
+    text = "matched: the ground slips otherwise" if fix.widened else "matched"
+    matched = replace(state, matches=state.matches + 1, matched_at=(odometry.x, odometry.y), doubted=False, text=text)
+    return odometry, matched
+
+
+def _with_key_frame(
+    matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState
+) -> tuple[OdometryState, TerrainMatchState]:
+    """A key frame at the newest look, through the last ones."""
+    params, eye = matcher.params, matcher.eye
+    x, y, level, yaw = state.looks[-1].place
+    points, variances = [], []
+    for look in state.looks:
+        ahead, left = _turned(look.place[0] - x, look.place[1] - y, -yaw)
+        turned = rotation_of(0.0, 0.0, wrap_angle(look.place[3] - yaw))
+        points.append(look.points @ turned.T + np.array((ahead, left, look.place[2] - level)))
+        length = np.sqrt((look.errors * look.errors).sum(axis=1))
+        variances.append((np.abs(look.errors[:, 2]) + LEAST_STEEPNESS * length) ** 2 + LEAST_VARIANCE)
+    reach = params.range + math.hypot(eye.position[0], eye.position[1])
+    surface = surface_through(np.concatenate(points), np.concatenate(variances), params.cell, params.radius, reach)
+    odometry = replace(
+        odometry,
+        key=np.array((odometry.x, odometry.y, odometry.yaw)),
+        covariance=cloned(odometry.covariance, params.reference_sigma**2),
+    )
+    return odometry, replace(
+        state, surface=surface, level=level, matched_at=(odometry.x, odometry.y), key_frames=state.key_frames + 1
+    )
+
+
+def _relative_heading_variance(odometry: OdometryState) -> float:
+    covariance, key = odometry.covariance, len(odometry.covariance) - 1
+    return float(covariance[2, 2] + covariance[key, key] - 2.0 * covariance[2, key])
+
+
+def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return cosine * x - sine * y, sine * x + cosine * y

@@ -1,0 +1,367 @@
+"""Slip of each wheel, from encoders, motor torques, gyro and accelerometer, and wheels that are in trouble.
+
+What is seen of it. Encoders and gyro tell the differences between the wheels, never the slip that they share: wheels
+that agree may all spin. That level comes from two sides:
+
+- torque: the force that the grade and the resistances ask for has its slip on the believed soil (`traction`);
+- acceleration: after a stop the IMU knows the speed for some seconds, which sets the soil's factor (`speed_filter`).
+
+The slip of a wheel is then s = (r w - v) / max(|r w|, |v|), with v what the motion of the body gives at the wheel
+along its rolling direction, and r the radius on which the soil shears, that of the grouser tips. What is told outside
+(`slip_status`) is counted on the rim, 1 - s_rim = (1 - s) r / r_rim, as the plant does and the field: Wong and Reece
+(1967) define it with the wheel's radius, and zero is then a wheel that rolls freely.
+
+Where there is none to tell: the way that the wheels make as one must be at least least_speed and TURNING_PART of what
+the fastest rim makes. While the machine stands, comes to a halt or turns on the spot, the body rocks by more than the
+wheels roll, and a speed over theirs says nothing; nobody is told a slip then, and odometry takes the expected one.
+
+Trouble, told in words: wheels that spin without headway (slip above a limit for a time); a wheel that turns without its
+load (off the ground, in a hole, or a broken shaft); a wheel that stands while others roll (blocked). Sources: Ojeda et
+al. (2006), IEEE Trans. Robotics 22:366; Wong (2008), Theory of Ground Vehicles, sec. 2.5 and 4.1.
+
+Not seen: slip on firm ground, where torque needs none. The camera sees it, where the ground has relief (`key_frames`).
+"""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from sojourn_flight.mobility.rolling_lines import rolling_line
+from sojourn_flight.mobility.wheel_twist import velocity_kernel
+from sojourn_flight.odometry.slip_params import SlipParams, TractionCurve
+from sojourn_flight.odometry.speed_filter import (
+    FACTOR,
+    ROCKING_LAG,
+    ROCKING_RATE,
+    SPEED,
+    bound_factor,
+    carry_gravity,
+    felt_rocking,
+    predict,
+    roll,
+    stand,
+    turn_to,
+    update,
+)
+from sojourn_flight.odometry.traction import LOWEST_SLIP, believed_slip, coefficient, in_rut
+from sojourn_machine.params import FloatArray
+
+STANDING_STILL = 1e-4
+"""Speed of the fastest rim below which the machine stands [m/s]."""
+SETTLED_AFTER = 0.5
+"""Time for which the wheels must have stood before the machine does not rock any more [s]."""
+ROCKING, ROCKING_SIGMA = 3.0, 0.002
+"""Speed of the body against its wheels: over the change of their speed in the lag [-], and at a steady pace [m/s]."""
+TURNING_SIGMA = 0.01
+"""Speed of base_link that wheels turning on the spot may leave [m/s]."""
+TURNING_PART = 0.25
+"""A machine whose wheels make less way as one than this part of the fastest rim's turns on the spot [-]."""
+TURNED_APART = 1.3
+"""Variance of two biases that were one before a turn, over theirs and its angle [1/rad]."""
+UNKNOWN_SPEED_SIGMA = 0.1
+"""Of a machine that moves already when the drive starts [m/s]."""
+ROCKING_ACCELERATION = 0.3
+"""Of a machine that has just stopped, in the one reading that gravity is taken from when the drive starts [m/s^2]."""
+ALSO = 0.5
+"""Part of the time that makes trouble of a wheel, from which others in the same state are named with it [-]."""
+IDLE_EXPECTED = 0.3
+"""Torque that a wheel must be expected to need before it can lack it [N m]."""
+
+
+class SlipInput(NamedTuple):
+    """Measurements of one period; arrays of wheels have shape (wheels,)."""
+
+    wheel_rates: FloatArray
+    """[rad/s]"""
+    commanded_rates: FloatArray
+    """[rad/s]"""
+    steer_angles: FloatArray
+    """[rad]"""
+    wheel_torques: FloatArray
+    """[N m]"""
+    gyro: FloatArray
+    """In base_link, less the bias of its z axis, shape (3,) [rad/s]."""
+    specific_force: FloatArray
+    """In base_link, shape (3,) [m/s^2]."""
+    roll_pitch: tuple[float, float]
+    """[rad]"""
+
+
+class SlipState(NamedTuple):
+    """What is believed, and what the next period needs."""
+
+    states: FloatArray
+    """Speed [m/s], drift [m/s^2], soil factor [-]; shape (3,)."""
+    covariance: FloatArray
+    """Shape (3, 3)."""
+    gravity: FloatArray
+    """In base_link, as the accelerometers feel it, shape (3,) [m/s^2]; zero before the first period."""
+    torques: FloatArray
+    """Averaged torque of each wheel less that of its rotor [N m]."""
+    rates: FloatArray
+    """Rate of each wheel [rad/s]."""
+    slip: FloatArray
+    """Of each wheel, -1 (blocked) to 1 (spins on the spot) [-]."""
+    told: bool
+    """Whether the wheels turn in such a way that the machine has a slip that can be told."""
+    shared: float
+    """Slip of the machine: 1 - speed over ground / speed of the wheels; 0 where none is told [-]."""
+    sigma: float
+    """Standard deviation of that [-]."""
+    ahead: FloatArray
+    """Where the wheels roll to, or did when they last rolled: unit vector in base_link, shape (2,)."""
+    felt: FloatArray
+    """Acceleration along x of base_link: mean [m/s^2] and variance [m^2/s^4] of late, shape (2,)."""
+    way: float
+    """Over ground since the machine began to make tracks: at the start, and after turning on the spot [m]."""
+    pace: float
+    """Speed of the wheels, averaged as the torques are [m/s]."""
+    standing_for: float
+    """Time for which no wheel has turned [s]."""
+    stuck_for: FloatArray
+    """Time for which each wheel has spun without headway [s]."""
+    idle_for: FloatArray
+    """Time for which each wheel has turned without its load [s]."""
+    blocked_for: FloatArray
+    """Time for which each wheel has stood while it should turn [s]."""
+
+
+class Machine(NamedTuple):
+    """What the kernel knows of the machine and its ground."""
+
+    table: FloatArray
+    """Of the wheels."""
+    loads: FloatArray
+    """From `wheel_load_map`, shape (wheels, 3) [N]."""
+    curves: FloatArray
+    """Limit, softness and offset on fresh ground and in a rut, shape (2, 3)."""
+
+
+class Trust(NamedTuple):
+    """The numbers of SlipParams, by their names there."""
+
+    rut_width: float
+    free_slip: float
+    rotor_inertia: float
+    torque_lag: float
+    torque_error: float
+    factor_sigma: float
+    factor_length: float
+    slip_noise: float
+    slip_noise_time: float
+    force_noise: float
+    accelerometer_bias: float
+    drift_walk: float
+    least_speed: float
+    stuck_slip: float
+    idle_torque: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SlipModel:
+    """Parameters of one machine, prepared for the kernel."""
+
+    params: SlipParams
+    machine: Machine
+    trust: Trust
+
+    @staticmethod
+    def of(params: SlipParams, table: FloatArray, loads: FloatArray) -> "SlipModel":
+        """The model of a machine."""
+        machine = Machine(table, loads, np.array([_row(params.fresh), _row(params.rut)]))
+        return SlipModel(params, machine, Trust(*(getattr(params, name) for name in Trust._fields)))
+
+    def initial_state(self, at_rest: bool = True) -> SlipState:
+        """Before the first period. at_rest: False where the machine may still rock, as after a drive that has died."""
+        zero = np.zeros(self.machine.table.shape[0])
+        params = self.params
+        drift = params.drift_sigma**2 + (0.0 if at_rest else ROCKING_ACCELERATION**2)
+        variances = (UNKNOWN_SPEED_SIGMA**2, drift, params.factor_sigma**2)
+        return SlipState(
+            states=np.array((0.0, 0.0, 1.0)),
+            covariance=np.diag(np.array(variances)),
+            gravity=np.zeros(3),
+            torques=zero,
+            rates=zero,
+            slip=zero,
+            told=False,
+            shared=0.0,
+            sigma=0.0,
+            ahead=np.array((1.0, 0.0)),
+            felt=np.zeros(2),
+            way=0.0,
+            pace=0.0,
+            standing_for=0.0,
+            stuck_for=zero,
+            idle_for=zero,
+            blocked_for=zero,
+        )
+
+
+def estimate_slip(model: SlipModel, state: SlipState, measured: SlipInput, dt: float) -> SlipState:
+    """State after one period of `dt` [s]; `measured` has been checked by the drive."""
+    if not state.gravity.any():
+        roll_angle, pitch = measured.roll_pitch
+        size = float(np.linalg.norm(measured.specific_force))
+        level = math.cos(pitch)
+        down = (math.sin(pitch), -level * math.sin(roll_angle), -level * math.cos(roll_angle))
+        state = state._replace(gravity=size * np.array(down, dtype=np.float64))
+    return SlipState(*_period(model.machine, model.trust, state, measured, dt))
+
+
+def trouble(params: SlipParams, state: SlipState, names: tuple[str, ...]) -> str:
+    """Which wheels are in trouble, in words; empty where none is."""
+
+    def named(times: FloatArray, limit: float) -> str:
+        if not (times >= limit).any():
+            return ""
+        return ", ".join(name for name, time in zip(names, times, strict=True) if time >= ALSO * limit)
+
+    found = (
+        (f"spinning without headway (slip {float(state.slip.max()):.2f})", state.stuck_for, params.stuck_time),
+        ("turning without load", state.idle_for, params.idle_time),
+        ("blocked", state.blocked_for, params.stuck_time),
+    )
+    return "; ".join(f"{text}: {wheels}" for text, times, limit in found if (wheels := named(times, limit)))
+
+
+def is_stuck(params: SlipParams, state: SlipState) -> bool:
+    """Whether a wheel spins without headway."""
+    return bool((state.stuck_for >= params.stuck_time).any())
+
+
+def further_slip(slip: float, error: float) -> float:
+    """The slip of a wheel that gets over ground less than was thought by a part `error` of its way."""
+    ground = (1.0 - slip if slip >= 0.0 else 1.0 / max(1.0 + slip, 1e-6)) * (1.0 - error)
+    return 1.0 - ground if ground <= 1.0 else 1.0 / ground - 1.0
+
+
+def slip_status(
+    model: SlipModel | None, state: SlipState | None, names: tuple[str, ...], error: float = 0.0
+) -> dict[str, str | float]:
+    """Fields of /drive/status, slips counted on the rim; none where slip is not estimated.
+
+    Args:
+        error: what the camera has found the way to be shorter than that of the estimate, over it [-].
+    """
+    if model is None or state is None:
+        return {}
+    tips_over_rim = 1.0 / (1.0 - model.params.free_slip)
+    further = 1.0 - (1.0 - error) * tips_over_rim
+    status: dict[str, str | float] = {  # exactly 0 is the slip of a wheel that stands
+        f"slip_{name}": further_slip(float(slip), further) if slip != 0.0 else 0.0
+        for name, slip in zip(names, state.slip, strict=True)
+    }
+    status["slip"] = further_slip(state.shared, further) if state.told else 0.0
+    status["slip_sigma"] = state.sigma * tips_over_rim
+    status["soil_factor"] = float(state.states[FACTOR])
+    status["soil_factor_sigma"] = math.sqrt(state.covariance[FACTOR, FACTOR])
+    status["wheels_in_trouble"] = trouble(model.params, state, names)
+    return status
+
+
+def _row(curve: TractionCurve) -> tuple[float, float, float]:
+    return curve.limit, curve.softness, curve.offset
+
+
+@njit(cache=True)
+def _period(machine: Machine, trust: Trust, old: SlipState, seen: SlipInput, dt: float) -> SlipState:
+    """The state after a period."""
+    table, rates, angles, gyro = machine.table, seen.wheel_rates, seen.steer_angles, seen.gyro
+    least_speed, force_noise = trust.least_speed, trust.force_noise
+    roll_angle, pitch = seen.roll_pitch
+    share = dt / (trust.torque_lag + dt)
+    rotor = trust.rotor_inertia * share / dt
+    inflation = 2.0 * trust.slip_noise_time / dt
+    count = table.shape[0]
+    states, covariance = old.states.copy(), old.covariance.copy()
+    gravity = carry_gravity(old.gravity, gyro, dt)
+    felt, torques = seen.specific_force + gravity, np.empty(count)
+    rocking = felt_rocking(old.felt, felt[0], dt)
+    standing, fastest = np.zeros(count), 0.0
+    for i in range(count):
+        late = seen.wheel_torques[i] - old.torques[i]
+        torques[i] = old.torques[i] + share * late - rotor * (rates[i] - old.rates[i])
+        rim = abs(table[i, 2] * rates[i])
+        fastest = max(fastest, rim)
+        standing[i] = 1.0 if rim < 0.5 * least_speed else 0.0
+    v_x, v_y, _ = velocity_kernel(table, rates, angles, np.zeros(count), gyro[2], 1.0)
+    wheels = math.hypot(v_x, v_y)
+    pace = old.pace + share * (wheels - old.pace)
+    told = wheels >= max(least_speed, TURNING_PART * fastest)
+    ahead = np.array((v_x / wheels, v_y / wheels)) if told else old.ahead
+    ahead_x, ahead_y = ahead[0], ahead[1]
+    turn_to(states, covariance, ahead_x * old.ahead[0] + ahead_y * old.ahead[1], TURNING_SIGMA)
+
+    stuck, idle, blocked = np.zeros(count), np.zeros(count), np.zeros(count)
+    slip = np.zeros(count)
+    shared, sigma = 0.0, 0.0
+    standing_for = old.standing_for + dt if fastest < STANDING_STILL else 0.0
+    if standing_for > SETTLED_AFTER:
+        stand(states, covariance, rocking, felt[0], force_noise, dt)
+        torques[:] = 0.0
+        return SlipState(
+            states, covariance, gravity, torques, rates, slip, False, shared, sigma, ahead, rocking, old.way, pace,
+            standing_for, stuck, idle, blocked,
+        )  # fmt: skip
+    acceleration = felt[0] * ahead_x + felt[1] * ahead_y
+    drift_variance = (trust.drift_walk**2 + TURNED_APART * abs(gyro[2]) * trust.accelerometer_bias**2) * dt
+    predict(
+        states, covariance, acceleration, ahead_x, wheels * dt, dt, force_noise, drift_variance, trust.factor_sigma,
+        trust.factor_length,
+    )  # fmt: skip
+    loads, way = machine.loads, old.way
+    along, levers, counts = np.empty(count), np.empty(count), np.empty(count)
+    kinds = np.zeros(count, dtype=np.int64)
+    level, nose, lean = math.cos(pitch) * math.cos(roll_angle), math.sin(pitch), math.sin(roll_angle) * math.cos(pitch)
+    for i in range(count):
+        x, y, w, known = rolling_line(table[i], angles[i], 0.0)
+        along[i] = x * v_x + y * v_y + w * gyro[2] + known
+        load = max(loads[i, 0] * level + loads[i, 1] * nose + loads[i, 2] * lean, 0.0)
+        levers[i] = table[i, 2] * load
+        kinds[i] = 1 if in_rut(table, i, ahead_x, ahead_y, trust.rut_width, way) else 0
+        counts[i] = 0.0 if standing[i] > 0.5 or old.idle_for[i] > 1.0 else 1.0
+    if not told:
+        along_ahead = v_x * ahead_x + v_y * ahead_y
+        update(states, covariance, np.array((1.0, 0.0, 0.0)), along_ahead - states[SPEED], TURNING_SIGMA**2 * inflation)
+    elif counts.sum() > 0.5:
+        pulling = np.empty(count)
+        for i in range(count):
+            pulling[i] = torques[i] if along[i] >= 0.0 else -torques[i]
+        believed, per_torque = believed_slip(pulling, levers, kinds, counts, machine.curves)
+        spread = math.hypot(trust.slip_noise, trust.torque_error * (levers * counts).sum() * per_torque)
+        # A body on its wheels rocks when they change their speed: by no more than that, nor than is felt of it.
+        swing = math.sqrt(max(rocking[1] - 2.0 * force_noise**2 / dt, 0.0)) / ROCKING_RATE
+        rocks = math.hypot(ROCKING * min(abs(wheels - pace), swing), ROCKING_SIGMA)
+        variance = (wheels * spread) ** 2 * inflation + rocks**2 * 2.0 * ROCKING_LAG / dt
+        roll(states, covariance, wheels, believed, trust.free_slip, variance)
+        bound_factor(states, trust.factor_sigma)
+        shared = min(max(1.0 - states[SPEED] / wheels, LOWEST_SLIP), 1.0)
+        sigma = math.sqrt(max(covariance[SPEED, SPEED], 0.0)) / wheels
+        for i in range(count):
+            expected = levers[i] * coefficient(machine.curves[kinds[i]], min(believed, 1.0))
+            if expected > IDLE_EXPECTED and pulling[i] < trust.idle_torque * expected and standing[i] < 0.5:
+                idle[i] = old.idle_for[i] + dt
+    if told:
+        way += max(states[SPEED], 0.0) * dt
+    elif fastest >= least_speed:  # on the spot, out of the ruts
+        way = 0.0
+    ground = 1.0 - shared
+    for i in range(count):
+        x, y, w, known = rolling_line(table[i], angles[i], 0.0)
+        over_ground = (x * v_x + y * v_y) * ground + w * gyro[2] + known
+        rim = table[i, 2] * rates[i]
+        largest = max(abs(rim), abs(over_ground))
+        if largest >= least_speed:
+            slip[i] = (rim - over_ground) / largest * (1.0 if rim + over_ground >= 0.0 else -1.0)
+        if slip[i] > trust.stuck_slip and told:
+            stuck[i] = old.stuck_for[i] + dt
+        if standing[i] > 0.5 and abs(table[i, 2] * seen.commanded_rates[i]) >= least_speed and fastest >= least_speed:
+            blocked[i] = old.blocked_for[i] + dt
+    return SlipState(
+        states, covariance, gravity, torques, rates, slip, told, shared, sigma, ahead, rocking, way, pace,
+        standing_for, stuck, idle, blocked,
+    )  # fmt: skip

@@ -1,0 +1,155 @@
+"""Speed over ground from wheels that slip and an IMU: a Kalman filter of speed, drift and soil.
+
+States: speed v over ground along the heading of the wheels' motion [m/s]; drift b, the error of the acceleration along
+x of base_link [m/s^2]; soil factor q, the slip over the one that the torques speak of (`traction`) [-].
+
+    v' = a - d_x b + n_a,     b' = n_b,     q: 1 + (q - 1) e^(-way / length), renewed to its sigma
+    moving:   v = u (1 - s_0 - q (s - s_0)) + n_s,   u speed of the wheels, s believed slip, s_0 free slip
+    standing: v = 0,  a = d_x b + n_a      what the accelerometers feel at rest is drift
+
+a = (f + g).d is strapdown: specific force and gravity along the motion, gravity carried in base_link by the gyros,
+g' = -w x g, from the last levelling. Its error keeps its direction on the ground, while a bias of the accelerometers
+turns with the body: at the levelling they cancel, and after a turn by t their difference has the variance
+2 (1 - cos t) sigma^2, here 1.3 |t| sigma^2, which is more up to a half turn but for 9 % at two radians. Speed is along
+the motion of the wheels, with its sign: where that turns, as in going backwards after forwards, so does it.
+
+A body whose wheels stand still rocks for seconds: v = 0 holds within rock / ROCKING_RATE and a = d_x b within rock,
+with rock^2 the variance of the acceleration that is felt, less that of the noise, averaged over ROCKING_LAG.
+
+White noise that is correlated over a time T counts 2 T/dt times (its spectrum at zero: 2 T, Papoulis): the error of
+the believed slip for seconds, the body's rocking for ROCKING_LAG. So where the wheels slow down at the end of a way,
+and an error of slip is little speed, they hold the speed: with the rocking taken for as lasting as the other, the drift
+of the accelerometer over a speed that goes to zero was told as a slip of 1.
+
+After a stop, a tactical IMU on a small body knows the speed to some mm/s for some ten seconds (drift of gyros times
+gravity): as long as that is better than the wheels', it finds the soil's factor, which stays.
+
+Sources: Gelb (1974), Applied Optimal Estimation, sec. 4.2; Foxlin (2005), IEEE Computer Graphics and Applications
+25(6):38 (zero-velocity updates); Skog et al. (2010), IEEE Trans. Biomedical Engineering 57(11):2657 (acceleration's
+moving variance tells of standing); Ojeda et al. (2006), IEEE Trans. Robotics 22:366 (slip from motor current).
+Assumptions: the machine moves where its wheels roll to; lever arm of the IMU times the tilt rate is small.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from sojourn_machine.params import FloatArray
+
+SPEED, DRIFT, FACTOR = 0, 1, 2
+STANDING_SIGMA = 1e-3
+"""Speed of a machine whose wheels stand [m/s]."""
+ROCKING_RATE = 5.0
+"""Slowest rocking of a body on its wheels, in angle [rad/s]."""
+ROCKING_LAG = 0.5
+"""Time over which the acceleration that is felt is averaged [s]."""
+FACTOR_BOUND = 3.0
+"""The soil's factor is held within so many standard deviations of a new soil's [-]."""
+
+
+@njit(cache=True)
+def carry_gravity(gravity: FloatArray, rate: FloatArray, dt: float) -> FloatArray:
+    """Gravity in base_link, shape (3,), after turning at `rate` [rad/s] for `dt`: exact for a constant rate."""
+    length = math.sqrt(rate[0] ** 2 + rate[1] ** 2 + rate[2] ** 2)
+    result = gravity.copy()
+    angle = length * dt
+    if angle == 0.0:
+        return result
+    x, y, z = rate[0] / length, rate[1] / length, rate[2] / length
+    sine, versine = math.sin(angle), 2.0 * math.sin(0.5 * angle) ** 2
+    along = x * gravity[0] + y * gravity[1] + z * gravity[2]
+    cross = (
+        y * gravity[2] - z * gravity[1],
+        z * gravity[0] - x * gravity[2],
+        x * gravity[1] - y * gravity[0],
+    )
+    axis = (x, y, z)
+    for k in range(3):
+        result[k] = gravity[k] - sine * cross[k] + versine * (axis[k] * along - gravity[k])
+    return result
+
+
+@njit(cache=True)
+def turn_to(states: FloatArray, covariance: FloatArray, cosine: float, sigma: float) -> None:
+    """The motion has another heading, with this cosine to the last one: its speed there, in place.
+
+    Args:
+        sigma: of the speed across the last heading [m/s].
+    """
+    across = 1.0 - cosine * cosine
+    states[SPEED] *= cosine
+    covariance[SPEED] *= cosine
+    covariance[:, SPEED] *= cosine
+    covariance[SPEED, SPEED] += across * sigma * sigma
+
+
+@njit(cache=True)
+def felt_rocking(felt: FloatArray, acceleration: float, dt: float) -> FloatArray:
+    """Mean [m/s^2] and variance [m^2/s^4] of an acceleration over ROCKING_LAG, shape (2,), with one more reading."""
+    share = dt / (ROCKING_LAG + dt)
+    off = acceleration - felt[0]
+    return np.array((felt[0] + share * off, (1.0 - share) * (felt[1] + share * off * off)))
+
+
+@njit(cache=True)
+def predict(
+    states: FloatArray, covariance: FloatArray, acceleration: float, ahead: float, way: float, dt: float,
+    force_noise: float, drift_variance: float, factor_sigma: float, factor_length: float,
+) -> None:  # fmt: skip
+    """One period, in place. `ahead`: d_x, cosine between the motion and x of base_link. `drift_variance`: gained."""
+    kept = math.exp(-way / factor_length)
+    states[SPEED] += (acceleration - ahead * states[DRIFT]) * dt
+    states[FACTOR] = 1.0 + (states[FACTOR] - 1.0) * kept
+    carried = covariance[SPEED] - ahead * dt * covariance[DRIFT]
+    covariance[SPEED] = carried
+    covariance[:, SPEED] = covariance[:, SPEED] - ahead * dt * covariance[:, DRIFT]
+    covariance[FACTOR] *= kept
+    covariance[:, FACTOR] *= kept
+    sideways = 1.0 - ahead * ahead  # across x the drift is not estimated, and may be what it is at first
+    covariance[SPEED, SPEED] += force_noise**2 * dt + sideways * (0.01**2) * dt
+    covariance[DRIFT, DRIFT] += drift_variance
+    covariance[FACTOR, FACTOR] += factor_sigma**2 * (1.0 - kept * kept)
+
+
+@njit(cache=True)
+def update(states: FloatArray, covariance: FloatArray, row: FloatArray, innovation: float, variance: float) -> None:
+    """A measurement of row . states, in place (Joseph's form)."""
+    carried = covariance @ row
+    total = row @ carried + variance
+    gain = carried / total
+    for i in range(3):
+        states[i] += gain[i] * innovation
+        for j in range(3):
+            covariance[i, j] += gain[i] * gain[j] * total - gain[i] * carried[j] - carried[i] * gain[j]
+
+
+@njit(cache=True)
+def stand(
+    states: FloatArray, covariance: FloatArray, felt: FloatArray, acceleration: float, force_noise: float, dt: float
+) -> None:
+    """Wheels that stand: no speed, and the acceleration felt along x is drift, as far as the body does not rock.
+
+    Args:
+        felt: from `felt_rocking`, along x. acceleration: felt along x now [m/s^2].
+    """
+    noise = force_noise**2 / dt
+    rock = max(felt[1] - 2.0 * noise, 0.0)
+    lasting = 1.0 / (ROCKING_RATE * dt)  # periods for which a swing goes one way
+    speed_variance = STANDING_SIGMA**2 + rock / ROCKING_RATE**2 * lasting
+    update(states, covariance, np.array((1.0, 0.0, 0.0)), -states[SPEED], speed_variance)
+    update(states, covariance, np.array((0.0, 1.0, 0.0)), acceleration - states[DRIFT], noise + rock * lasting)
+
+
+@njit(cache=True)
+def bound_factor(states: FloatArray, sigma: float) -> None:
+    """Hold the soil's factor where soils are, in place. sigma: of a new soil's factor."""
+    states[FACTOR] = min(max(states[FACTOR], max(1.0 - FACTOR_BOUND * sigma, 0.0)), 1.0 + FACTOR_BOUND * sigma)
+
+
+@njit(cache=True)
+def roll(states: FloatArray, covariance: FloatArray, wheels: float, slip: float, free: float, variance: float) -> None:
+    """Wheels that roll at the speed `wheels` [m/s] with the believed slip; `variance` of what follows [m^2/s^2]."""
+    expected = wheels * (1.0 - min(free + states[FACTOR] * (slip - free), 1.0))
+    row = np.array((1.0, 0.0, wheels * (slip - free)))
+    update(states, covariance, row, expected - states[SPEED], variance)

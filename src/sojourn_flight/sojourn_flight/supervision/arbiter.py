@@ -1,0 +1,114 @@
+"""Who commands the rover in a period: nobody, a goal, or an operator's twist; and how goals begin and end.
+
+A goal ends the older goal; a twist command that came after the goal ends the goal; a stop request ends both. What a
+goal will take of the battery, and the obstacles that are known, may refuse it (`energy_forecast`, `avoidance`). A twist
+that the wheels do not allow is refused as a whole (`allowed_motion`): the rover stands, and says what it can do.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.odometry.odometry import OdometryState
+from sojourn_flight.planning.clothoid import Pose
+from sojourn_flight.planning.energy_forecast import EnergyAccount, Supply, account_step, forecast_way, shortage
+from sojourn_flight.planning.goal import Goal, GoalOutcome
+from sojourn_flight.planning.goal_follower import FollowerState, accept, stop
+from sojourn_flight.supervision.avoidance import accepted, guarded
+from sojourn_flight.supervision.avoidance_types import AvoidanceState
+from sojourn_flight.supervision.drive_types import Mode, TwistCommand
+from sojourn_flight.supervision.driven_machine import DrivenMachine
+
+NO_MOTION = PlanarTwist(0.0, 0.0, 0.0)
+WORTH_TELLING = 1e-3
+"""Sideways speed by which a twist that is driven differs from the one asked for, and the status says so [m/s]."""
+
+
+@dataclass(slots=True)
+class Arbiter:
+    """What commands the rover in this period; lives within one step only."""
+
+    mode: Mode
+    follower: FollowerState | None
+    since_override: float
+    text: str
+    outcomes: list[GoalOutcome]
+    energy: EnergyAccount
+    avoidance: AvoidanceState | None
+    twist_refused: bool = False
+    """Whether an operator's twist is not driven because the wheels do not allow it."""
+
+    def end_goal(self, outcome: GoalOutcome, mode: Mode = "idle") -> None:
+        """Notes how a goal ended."""
+        self.outcomes.append(outcome)
+        self.follower = None
+        self.mode = mode
+        self.text = f"{outcome.kind}: {outcome.reason}"
+
+    def take_stop(self, reason: str) -> None:
+        """A stop request ends goal and twist."""
+        if self.follower is not None:
+            self.end_goal(stop(self.follower, reason))
+        self.mode, self.text, self.since_override = "idle", f"stopped: {reason}", 0.0
+
+    def take_goal(self, model: DrivenMachine, goal: Goal, here: OdometryState, supply: Supply | None) -> None:
+        """A new goal ends the older one, unless it is refused."""
+        answer = accept(model.params.follower, model.turning, goal, Pose(here.x, here.y, here.yaw))
+        account = EnergyAccount()
+        if isinstance(answer, FollowerState) and model.params.energy is not None:
+            forecast = forecast_way(model.params.energy, answer.path, goal, here.z, here.yaw)
+            account = EnergyAccount(forecast, judged=supply is not None)
+            short = shortage(model.params.energy, forecast, supply) if supply is not None else None
+            if short is not None:
+                answer = GoalOutcome("refused", short, goal, math.nan)
+        if model.avoidance is not None and self.avoidance is not None:
+            answer, self.avoidance = accepted(model.avoidance, self.avoidance, goal, answer, here)
+        if isinstance(answer, GoalOutcome):
+            self.outcomes.append(answer)
+            if self.follower is None and self.mode == "idle":
+                self.text = f"refused: {answer.reason}"
+            return
+        if self.follower is not None:
+            self.end_goal(stop(self.follower, "pre-empted by a newer goal"))
+        self.follower, self.mode, self.since_override, self.energy = answer, goal.kind, 0.0, account
+
+    def watch_energy(self, model: DrivenMachine, supply: Supply | None, dt: float) -> None:
+        """Count what the goal takes; a goal that came before the first reading of the battery is judged by it."""
+        self.energy = account_step(self.energy, supply, self.follower is not None, dt)
+        costs, forecast = model.params.energy, self.energy.forecast
+        if self.energy.judged or self.follower is None or supply is None or costs is None or forecast is None:
+            return
+        self.energy = replace(self.energy, judged=True)
+        short = shortage(costs, forecast, supply)
+        if short is not None:
+            way = self.follower
+            self.end_goal(GoalOutcome("refused", short, way.goal, way.distance_to_go))
+
+    def take_twist(self, model: DrivenMachine, command: TwistCommand | None, dt: float) -> PlanarTwist:
+        """The operator's twist, if it is fresh and newer than the last goal or stop."""
+        timeout = model.params.cmd_vel_timeout
+        newer = command is not None and command.age < self.since_override - 0.5 * dt
+        if command is not None and newer and command.age <= timeout:
+            if self.follower is not None:
+                self.end_goal(stop(self.follower, "pre-empted by /cmd_vel"))
+            self.mode, self.text = "cmd_vel", "driving by /cmd_vel"
+            twist, reason = model.mobility.fit(command.twist)
+            self.twist_refused = reason != ""
+            if self.twist_refused:
+                self.text = f"refused: /cmd_vel: {reason}"
+            elif abs(twist.v_y - command.twist.v_y) > WORTH_TELLING:
+                self.text += f" at v_y = {twist.v_y:.3f} m/s, as the fixed wheels roll"
+            return twist
+        if self.mode == "cmd_vel":
+            self.mode, self.text = "idle", f"stopped: /cmd_vel is older than {timeout:.2f} s"
+        return NO_MOTION
+
+    def keep_clear(self, model: DrivenMachine, wanted: PlanarTwist, here: OdometryState) -> PlanarTwist:
+        """The motion wanted, or none where it would lead into an obstacle."""
+        if model.avoidance is None or self.avoidance is None or wanted == NO_MOTION:
+            return wanted
+        self.avoidance, free = guarded(model.avoidance, self.avoidance, wanted, here, by_hand=self.mode == "cmd_vel")
+        if free:
+            return wanted
+        self.text = f"stopped before {self.avoidance.obstacle}"
+        return NO_MOTION

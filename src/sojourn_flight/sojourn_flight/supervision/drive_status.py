@@ -1,0 +1,59 @@
+"""What the drive tells of itself once a second, from its state and the commands of the period."""
+
+import math
+
+import numpy as np
+
+from sojourn_flight.mobility.motor_watch import failures
+from sojourn_flight.odometry.key_frames import match_status
+from sojourn_flight.odometry.slip_estimation import slip_status
+from sojourn_flight.planning.energy_forecast import account_status
+from sojourn_flight.supervision.drive_types import DriveState, Pace
+from sojourn_flight.supervision.driven_machine import DrivenMachine
+
+
+def drive_status(machine: DrivenMachine, state: DriveState, pace: Pace) -> dict[str, str | float]:
+    """Fields of /drive/status after a period; the unit is the last part of a name."""
+    commands = pace.commands
+    wheels = machine.geometry.names
+    odometry, way, outcome, seen = state.odometry, state.follower, state.last_outcome, state.avoidance
+    followed = way if way is not None else outcome
+    return {
+        **slip_status(machine.slip, state.slip, wheels, odometry.slip_error),
+        "mode": state.mode,
+        "failed_motors": failures(state.motors, wheels),
+        "text": state.text,
+        "phase": way.phase.value if way is not None else "",
+        "astern": float(way is not None and way.astern),
+        "goal": way.goal.name if way is not None else "",
+        "distance_to_go_m": way.distance_to_go if way is not None else 0.0,
+        "lateral_error_m": way.lateral_error if way is not None else 0.0,
+        "lateral_rms_m": followed.lateral_rms if followed is not None else 0.0,
+        "lateral_max_m": followed.lateral_max if followed is not None else 0.0,
+        **account_status(state.energy, way.distance_to_go if way is not None else None),
+        "waypoint": float(way.index) if way is not None else 0.0,
+        "waypoints": float(len(way.goal.points)) if way is not None else 0.0,
+        "outcome": outcome.kind if outcome is not None else "",
+        "outcome_goal": outcome.goal.name if outcome is not None else "",
+        "outcome_reason": outcome.reason if outcome is not None else "",
+        "obstacle": str(seen.obstacle) if seen is not None and seen.obstacle is not None else "",
+        "detours": float(seen.detours) if seen is not None else 0.0,
+        "distance_m": odometry.distance,
+        "speed_m_s": math.hypot(odometry.v_x, odometry.v_y),
+        "yaw_rate_rad_s": odometry.yaw_rate,
+        "gyro_bias_rad_s": odometry.gyro_bias,
+        "heading_sigma_rad": math.sqrt(odometry.covariance[2, 2]),
+        "sun": state.heading.text,
+        "sun_fixes": float(state.heading.fixes),
+        "sun_rejected": float(state.heading.rejected),
+        "sun_deviation_sigma": state.heading.deviation,
+        **match_status(state.terrain, odometry),
+        "wheel_disagreement_m_s": odometry.residual,
+        "yaw_rate_difference_rad_s": odometry.yaw_rate_difference,
+        "encoder_jumps": float(odometry.encoder_jumps),
+        "steer_error_rad": commands.steer_error,
+        "steering_residual_m_s": float(np.abs(commands.residual).max()),
+        "speed_factor": commands.speed_factor,
+        "limit_factor": pace.cut,
+        "power_limit": pace.power_limit,
+    }

@@ -1,0 +1,164 @@
+"""What goes into the drive and comes out of it in a period, and what it remembers in between. No ROS types.
+
+Arrays have one number for each wheel, in the order of the geometry. Positions [m], angles [rad], time [s].
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+from sojourn_flight.mobility.easing import NOTHING, Behind
+from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.motor_watch import MotorState
+from sojourn_flight.mobility.rate_limiter import LimiterState
+from sojourn_flight.mobility.wheel_commands import WheelCommands
+from sojourn_flight.mobility.wheel_spin import WheelSpinState
+from sojourn_flight.odometry.heading_fix import HeadingFixState, SunSighting
+from sojourn_flight.odometry.key_frames import TerrainMatchState
+from sojourn_flight.odometry.odometry import OdometryState
+from sojourn_flight.odometry.slip_estimation import SlipState
+from sojourn_flight.planning.energy_forecast import EnergyAccount, Supply
+from sojourn_flight.planning.goal import Goal, GoalOutcome
+from sojourn_flight.planning.goal_follower import FollowerState
+from sojourn_flight.supervision.avoidance_types import AvoidanceState
+from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.params import FloatArray
+
+Mode = Literal["idle", "goal", "waypoints", "cmd_vel"]
+
+
+@dataclass(frozen=True, slots=True)
+class TwistCommand:
+    """The operator's newest /cmd_vel.
+
+    Raises:
+        InvalidValueError: if a number is not finite or the age is negative.
+    """
+
+    twist: PlanarTwist
+    """Wanted motion of base_link."""
+    age: float
+    """Time since its stamp [s]."""
+
+    def __post_init__(self) -> None:
+        for name, value in zip(self.twist._fields, self.twist, strict=True):
+            if not math.isfinite(value):
+                raise InvalidValueError(f"cmd_vel {name}", value, "a finite number")
+        if not (math.isfinite(self.age) and self.age >= 0.0):
+            raise InvalidValueError("cmd_vel age", self.age, "a finite number, 0 s or more")
+
+
+@dataclass(frozen=True, slots=True)
+class DriveInput:
+    """What is known at the start of a period. Arrays have shape (wheels,) in the order of the geometry."""
+
+    wheel_positions: FloatArray
+    """[rad]"""
+    wheel_rates: FloatArray
+    """[rad/s]"""
+    steer_angles: FloatArray
+    """[rad]; 0 for fixed wheels"""
+    wheel_efforts: FloatArray | None = None
+    """Torques of the drives [N m], None where they are not measured."""
+    gyro: tuple[float, float, float] | None = None
+    """Angular velocity in base_link [rad/s], None without a gyro."""
+    specific_force: tuple[float, float, float] | None = None
+    """What the accelerometers feel, in base_link [m/s^2], None without them."""
+    roll_pitch: tuple[float, float] | None = None
+    """[rad], None to take the ground as level."""
+    sun: SunSighting | None = None
+    """A reading of the sun sensor that came in this period."""
+    cloud: FloatArray | None = None
+    """Points of the hazard camera that came in this period, in base_link, shape (n, 3) [m]."""
+    twist: TwistCommand | None = None
+    """Newest /cmd_vel, every period until it is replaced; its age tells when it came."""
+    goal: Goal | None = None
+    """A goal or path that arrived in this period, in odom."""
+    stop: bool = False
+    """A stop request that arrived in this period."""
+    stop_reason: str = "stop requested"
+    supply: Supply | None = None
+    """The newest reading of the battery, None as long as none has come."""
+    power_limit: float = 1.0
+    """Factor of the power manager on all speeds, 0 to 1 [-]."""
+    accelerometer_ahead: float = 0.0
+    """How far the accelerometers are before the origin of base_link [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class DriveState:
+    """Everything the drive remembers."""
+
+    mode: Mode
+    odometry: OdometryState
+    limiter: LimiterState | None
+    """None before the first period, when the steering's present angles are taken over."""
+    follower: FollowerState | None
+    """The goal on its way."""
+    last_outcome: GoalOutcome | None
+    """How the last goal ended."""
+    since_override: float
+    """Time since the last goal or stop request [s]; a twist command older than that does not count."""
+    stuck_for: float
+    """Time the wheels have waited for the steering [s]."""
+    motors: MotorState
+    """Which motors have failed."""
+    text: str
+    """What the drive is doing, in words."""
+    twist_refused: bool = False
+    """Whether an operator's twist is not driven because the wheels do not allow it; `text` says why."""
+    energy: EnergyAccount = field(default_factory=EnergyAccount)
+    """Of the goal on its way, or of the last one."""
+    slip: SlipState | None = None
+    """Slip of the wheels, None where it is not estimated."""
+    mean_slip: float = 0.0
+    """Of the machine, averaged, see `slip_policy` [-]."""
+    spin: WheelSpinState = field(default_factory=WheelSpinState)
+    """Speed by the accelerometer, of a machine that asks it."""
+    heading: HeadingFixState = field(default_factory=HeadingFixState)
+    """What became of the sightings of the Sun."""
+    terrain: TerrainMatchState | None = None
+    """Key frame and matches of the hazard camera; None without one."""
+    behind: Behind = NOTHING
+    """Corrections that are not in the published odometry yet."""
+    avoidance: AvoidanceState | None = None
+    """Obstacles; None without obstacle handling."""
+
+
+class Pace(NamedTuple):
+    """How fast a period was driven, and why no faster."""
+
+    power_limit: float
+    cut: float
+    """Factors on all speeds, of the power manager and of the limits [-]."""
+    commands: WheelCommands
+
+
+@dataclass(frozen=True, slots=True)
+class DriveOutput:
+    """Result of one period. Wheel arrays have shape (wheels,)."""
+
+    wheel_rates: FloatArray
+    """Commands [rad/s]."""
+    steer_angles: FloatArray
+    """Commands [rad], 0 for fixed wheels."""
+    steer_rates: FloatArray
+    """Feed-forward of the steering [rad/s]."""
+    odometry: OdometryState
+    """Pose of base_link in odom and twist in base_link."""
+    pose_covariance: FloatArray
+    """x, y, z, roll, pitch, yaw; shape (6, 6)."""
+    twist_covariance: FloatArray
+    """v_x, v_y, v_z, w_x, w_y, w_z; shape (6, 6)."""
+    outcomes: tuple[GoalOutcome, ...]
+    """Goals that ended in this period."""
+    pace: Pace | None = None
+    """None before the first step."""
+    tell: Callable[[], dict[str, str | float]] | None = None
+    """Makes the fields of /drive/status, which are wanted once in many periods; None of an output that is kept."""
+
+    @property
+    def status(self) -> dict[str, str | float]:
+        """Fields of /drive/status; none before the first step."""
+        return {} if self.tell is None else self.tell()

@@ -1,0 +1,47 @@
+"""How a support meets the ground, as a machine's file says it: a contact law by its name, with its own parameters.
+
+The laws themselves are physics, and are found by their names when they are needed: see `registry`. So what reads a
+machine's file knows no law, and a law may come from any package.
+"""
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, ConfigDict, Field, SerializeAsAny, field_validator
+
+from sojourn_machine.params import Params
+from sojourn_machine.registry import Registry
+
+CONTACT_LAWS: "Registry[type[ContactChoice]]" = Registry("sojourn.contact_laws", "contact model")
+"""Parameter sets of the laws that a wheel may have, by their names."""
+
+
+class ContactChoice(Params):
+    """A contact law by its name, the table `contact` of a wheel. Each law has a subclass with its parameters."""
+
+    model: str = Field(description="contact model")
+
+
+class _Name(Params):
+    """The key of the table that says which law it is; the others are that law's to judge."""
+
+    model_config = ConfigDict(extra="ignore")
+    model: str
+
+    @field_validator("model")
+    @classmethod
+    def _registered(cls, name: str) -> str:
+        CONTACT_LAWS.get(name)
+        return name
+
+
+def _chosen(value: Any) -> Any:
+    """The parameter set of the law that a table names, read from the table."""
+    if not isinstance(value, Mapping):
+        return value
+    return CONTACT_LAWS.get(_Name.model_validate(value).model).model_validate(value)
+
+
+Contact = Annotated[SerializeAsAny[ContactChoice], BeforeValidator(_chosen)]
+DEFAULT_CONTACT: Any = {"model": "rigid_wheel_on_soil"}
+"""What a wheel has where its file says nothing; read like a file's."""

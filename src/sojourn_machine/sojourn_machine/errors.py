@@ -1,0 +1,37 @@
+"""Errors of values. Every one of them says which quantity was wrong, its value and what is allowed."""
+
+from collections.abc import Sequence
+
+from sojourn_machine.names import names_text
+
+
+class MachineError(Exception):
+    """Base of every error raised by sojourn_machine and by the models that stand on it."""
+
+
+class InvalidValueError(MachineError, ValueError):
+    """A number that a model cannot accept.
+
+    Args:
+        name: the quantity, as the caller knows it.
+        value: what was given.
+        allowed: what would have been accepted, in words.
+    """
+
+    def __init__(self, name: str, value: object, allowed: str) -> None:
+        self.name = name
+        self.value = value
+        self.allowed = allowed
+        super().__init__(f"{name} = {value!r}: allowed is {allowed}")
+
+
+class UnknownNameError(MachineError, ValueError):
+    """A name that nothing is registered under.
+
+    Args:
+        thing: what was asked for, in words. name: as it was given. valid: the names that there are.
+    """
+
+    def __init__(self, thing: str, name: str, valid: Sequence[str]) -> None:
+        self.thing, self.name, self.valid = thing, name, tuple(valid)
+        super().__init__(f"{thing} {name!r} is unknown, {names_text(name, self.valid)}")

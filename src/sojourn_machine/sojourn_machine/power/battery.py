@@ -1,0 +1,316 @@
+"""A rechargeable battery pack: open-circuit voltage, one polarisation pair, heat, state of charge.
+
+Equations (Plett 2015, "Battery Management Systems", vol. 1, ch. 2, equivalent circuit with one RC pair).
+The current I is positive out of the pack (discharge). Pack of n_s cells in series and n_p strings in
+parallel, cells alike:
+
+    d soc/dt = -eta I / Q            Q = n_p capacity 3600 s/h; eta = 1 in discharge, efficiency in charge
+    dv/dt    = I / C1 - v / (R1 C1)  polarisation voltage v, solved exactly for a current constant over dt
+    V        = OCV(soc) - v - R0(T) I
+    H dT/dt  = heat - G (T - T_surroundings)
+    heat     = R0 I^2 + v^2 / R1 + OCV times the charging current that is not stored
+
+OCV is linear between the points of its table, so that the stored chemical energy, the integral of Q OCV
+d(soc), and the inverse of OCV are closed forms, and the energy balance of a step is exact to rounding:
+chemical energy out = terminal energy + heat + growth of the energy C1 v^2 / 2 in the polarisation
+capacitor. R0 and R1 are linear between the points of their tables of temperature and constant beyond them;
+within a step they keep the value of its start.
+
+Assumptions: cells balanced and at one temperature; no entropic heat, no ageing, no hysteresis; low
+temperature shows as resistance and not as lost capacity. Once full, charge is not stored: it becomes heat.
+Below empty the OCV table is extrapolated, so that the last step keeps its energy balance; `thevenin` then
+reports a source of 0 V (the protection switch has opened), which keeps a caller from drawing more.
+Valid for currents up to a few times the capacity per hour, steps short against a minute for the temperature.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.params import FloatArray, Params
+from sojourn_machine.power.battery_kernels import (
+    step_kernel,
+    table_clamped,
+    table_extrapolated,
+    table_integral,
+    thevenin_kernel,
+)
+
+SECONDS_PER_HOUR = 3600.0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PackTables:
+    """The tables of a whole pack as contiguous arrays for the kernels."""
+
+    soc: FloatArray
+    """States of charge [1]."""
+    ocv: FloatArray
+    """Open-circuit voltage of the pack at `soc` [V]."""
+    temperature: FloatArray
+    """Temperatures of the resistances [K]."""
+    ohmic: FloatArray
+    """Ohmic resistance of the pack at `temperature` [ohm]."""
+    polarisation: FloatArray
+    """Polarisation resistance of the pack at `temperature` [ohm]."""
+
+
+class BatteryParams(Params):
+    """A pack of like cells. All electrical and thermal numbers are of one cell, at the start of life."""
+
+    name: str = Field(min_length=1, description="name of the pack, used in telemetry")
+    cells_series: int = Field(ge=1, le=1000, description="cells in series [1]")
+    cells_parallel: int = Field(ge=1, le=1000, description="strings in parallel [1]")
+    capacity_ah: float = Field(gt=0.0, le=1000.0, description="charge of a full cell [Ah]")
+    soc_points: tuple[float, ...] = Field(
+        min_length=2, description="states of charge of the OCV table, rising from 0 to 1 [1]"
+    )
+    ocv_points: tuple[float, ...] = Field(
+        min_length=2, description="open-circuit voltage of a cell at soc_points, strictly rising [V]"
+    )
+    resistance_temperatures: tuple[float, ...] = Field(
+        min_length=1, description="temperatures of the resistance tables, strictly rising [K]"
+    )
+    resistance_ohmic: tuple[float, ...] = Field(
+        min_length=1, description="ohmic resistance R0 of a cell at resistance_temperatures [ohm]"
+    )
+    resistance_polarisation: tuple[float, ...] = Field(
+        min_length=1, description="polarisation resistance R1 of a cell at resistance_temperatures [ohm]"
+    )
+    capacitance_polarisation: float = Field(gt=0.0, le=1e7, description="polarisation capacitance C1 of a cell [F]")
+    coulombic_efficiency: float = Field(gt=0.5, le=1.0, description="part of the charging current that is stored [1]")
+    charge_current_limit: float = Field(ge=0.0, le=1e4, description="largest charging current of a cell [A]")
+    discharge_current_limit: float = Field(gt=0.0, le=1e4, description="largest discharging current of a cell [A]")
+    heat_capacity: float = Field(gt=0.0, le=1e6, description="heat capacity of a cell with its share of housing [J/K]")
+    thermal_conductance: float = Field(
+        ge=0.0, le=100.0, description="conductance from the whole pack to its surroundings [W/K]"
+    )
+    temperature_surroundings: float = Field(
+        gt=20.0, lt=1000.0, description="temperature of the surroundings unless the caller gives one [K]"
+    )
+    temperature_discharge_min: float = Field(gt=20.0, lt=1000.0, description="coldest temperature to discharge at [K]")
+    temperature_charge_min: float = Field(gt=20.0, lt=1000.0, description="coldest temperature to charge at [K]")
+    temperature_max: float = Field(gt=20.0, lt=1000.0, description="hottest temperature to operate at [K]")
+
+    @model_validator(mode="after")
+    def _check_tables(self) -> Self:
+        if len(self.ocv_points) != len(self.soc_points):
+            raise ValueError(
+                f"ocv_points has {len(self.ocv_points)} values: allowed is {len(self.soc_points)}, "
+                "as many as soc_points"
+            )
+        _require_rising("soc_points", self.soc_points)
+        _require_rising("ocv_points", self.ocv_points)
+        _require_rising("resistance_temperatures", self.resistance_temperatures)
+        if self.soc_points[0] != 0.0 or self.soc_points[-1] != 1.0:
+            raise ValueError("soc_points: allowed is a table that starts at 0 and ends at 1")
+        if self.ocv_points[0] <= 0.0:
+            raise ValueError(f"ocv_points[0] = {self.ocv_points[0]}: allowed is above 0 V")
+        for name in ("resistance_ohmic", "resistance_polarisation"):
+            values = getattr(self, name)
+            if len(values) != len(self.resistance_temperatures):
+                raise ValueError(
+                    f"{name} has {len(values)} values: allowed is {len(self.resistance_temperatures)}, "
+                    "as many as resistance_temperatures"
+                )
+            if min(values) <= 0.0:
+                raise ValueError(f"{name}: allowed is above 0 ohm everywhere")
+        if not self.temperature_discharge_min <= self.temperature_charge_min < self.temperature_max:
+            raise ValueError(
+                "temperature limits: allowed is temperature_discharge_min <= temperature_charge_min < temperature_max"
+            )
+        return self
+
+    @cached_property
+    def tables(self) -> PackTables:
+        """The tables scaled from a cell to the pack, made once."""
+        scale = self.cells_series / self.cells_parallel
+        return PackTables(
+            soc=np.array(self.soc_points, dtype=np.float64),
+            ocv=self.cells_series * np.array(self.ocv_points, dtype=np.float64),
+            temperature=np.array(self.resistance_temperatures, dtype=np.float64),
+            ohmic=scale * np.array(self.resistance_ohmic, dtype=np.float64),
+            polarisation=scale * np.array(self.resistance_polarisation, dtype=np.float64),
+        )
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """As pydantic's, but a changed copy makes its own tables."""
+        copied = super().model_copy(update=update, deep=deep)
+        copied.__dict__.pop("tables", None)
+        return copied
+
+    @property
+    def charge_capacity(self) -> float:
+        """Charge of the full pack [C]."""
+        return self.cells_parallel * self.capacity_ah * SECONDS_PER_HOUR
+
+    @property
+    def capacitance(self) -> float:
+        """Polarisation capacitance of the pack [F]."""
+        return self.capacitance_polarisation * self.cells_parallel / self.cells_series
+
+    @property
+    def energy_capacity_wh(self) -> float:
+        """Chemical energy between full and empty [Wh]."""
+        return stored_energy(self, 1.0) / SECONDS_PER_HOUR
+
+
+@dataclass(frozen=True, slots=True)
+class BatteryState:
+    """What a pack remembers. Energies and charge are sums since `initial_state`."""
+
+    soc: float
+    """State of charge [1]; a little below 0 is possible in the step that empties the pack."""
+    polarisation_voltage: float
+    """Voltage of the polarisation pair of the pack, positive in discharge [V]."""
+    temperature: float
+    """Temperature of the cells [K]."""
+    charge_drawn: float = 0.0
+    """Net charge through the terminals, out positive [C]."""
+    energy_terminal: float = 0.0
+    """Net energy through the terminals, out positive [J]."""
+    energy_heat: float = 0.0
+    """Heat released in the cells [J]."""
+
+
+def initial_state(params: BatteryParams, soc: float, temperature: float | None = None) -> BatteryState:
+    """A rested pack at a state of charge [0..1] and a temperature [K], by default its surroundings'."""
+    if not 0.0 <= soc <= 1.0:
+        raise InvalidValueError(f"{params.name} state of charge", soc, "0 to 1")
+    start = params.temperature_surroundings if temperature is None else temperature
+    _require_temperature(params, start)
+    return BatteryState(soc=float(soc), polarisation_voltage=0.0, temperature=float(start))
+
+
+def open_circuit_voltage(params: BatteryParams, soc: float) -> float:
+    """Open-circuit voltage of the rested pack at a state of charge [V]."""
+    return float(table_extrapolated(params.tables.soc, params.tables.ocv, soc))
+
+
+def soc_from_open_circuit_voltage(params: BatteryParams, voltage: float) -> float:
+    """State of charge [0..1] of a rested pack whose terminals show `voltage` [V]; exact within the table."""
+    return float(np.interp(voltage, params.tables.ocv, params.tables.soc))
+
+
+def resistances(params: BatteryParams, temperature: float) -> tuple[float, float]:
+    """Ohmic and polarisation resistance of the pack at a temperature [K], both [ohm]."""
+    tables = params.tables
+    return (
+        float(table_clamped(tables.temperature, tables.ohmic, temperature)),
+        float(table_clamped(tables.temperature, tables.polarisation, temperature)),
+    )
+
+
+def thevenin(params: BatteryParams, state: BatteryState) -> tuple[float, float]:
+    """Source voltage (OCV less polarisation) [V] and series resistance [ohm] that hold for a control period.
+
+    The terminal voltage at a current I (out positive) is `source - resistance * I`. The polarisation
+    voltage moves in tens of seconds, so both may be kept for 20 ms. An empty pack is switched off by its
+    protection: 0 V.
+    """
+    tables = params.tables
+    source, resistance = thevenin_kernel(
+        tables.soc,
+        tables.ocv,
+        tables.temperature,
+        tables.ohmic,
+        state.soc,
+        state.polarisation_voltage,
+        state.temperature,
+    )
+    return float(source), float(resistance)
+
+
+def terminal_voltage(params: BatteryParams, state: BatteryState, current: float) -> float:
+    """Voltage [V] at the terminals while `current` [A, out positive] flows. An empty pack gives 0 V."""
+    source, resistance = thevenin(params, state)
+    return source - resistance * current if state.soc > 0.0 else 0.0
+
+
+def stored_energy(params: BatteryParams, soc: float) -> float:
+    """Chemical energy above empty at a state of charge [J]."""
+    return params.charge_capacity * float(table_integral(params.tables.soc, params.tables.ocv, soc))
+
+
+def step(
+    params: BatteryParams,
+    state: BatteryState,
+    current: float,
+    dt: float,
+    temperature_surroundings: float | None = None,
+) -> BatteryState:
+    """The state after `current` [A, out of the pack positive] has flowed for `dt` [s].
+
+    Args:
+        temperature_surroundings: [K], the value of the parameters unless given.
+
+    Raises:
+        InvalidValueError: current, dt or temperature not finite, dt not positive.
+    """
+    around = params.temperature_surroundings if temperature_surroundings is None else temperature_surroundings
+    if not np.isfinite(current):
+        raise InvalidValueError(f"{params.name} current [A]", current, "a finite number")
+    if not (np.isfinite(dt) and dt > 0.0):
+        raise InvalidValueError("dt [s]", dt, "a finite number above 0")
+    _require_temperature(params, around)
+    tables = params.tables
+    soc, polarisation, temperature, energy_terminal, heat = step_kernel(
+        tables.soc,
+        tables.ocv,
+        tables.temperature,
+        tables.ohmic,
+        tables.polarisation,
+        params.charge_capacity,
+        params.capacitance,
+        params.coulombic_efficiency,
+        params.heat_capacity * params.cells_series * params.cells_parallel,
+        params.thermal_conductance,
+        state.soc,
+        state.polarisation_voltage,
+        state.temperature,
+        float(current),
+        float(dt),
+        float(around),
+    )
+    return BatteryState(
+        soc=soc,
+        polarisation_voltage=polarisation,
+        temperature=temperature,
+        charge_drawn=state.charge_drawn + current * dt,
+        energy_terminal=state.energy_terminal + energy_terminal,
+        energy_heat=state.energy_heat + heat,
+    )
+
+
+def limits_exceeded(params: BatteryParams, state: BatteryState, current: float) -> tuple[str, ...]:
+    """The limits that the pack is beyond at `current` [A, out positive], in words; empty when all is well."""
+    found: list[str] = []
+    if current > params.discharge_current_limit * params.cells_parallel:
+        found.append("discharge current above its limit")
+    if -current > params.charge_current_limit * params.cells_parallel:
+        found.append("charge current above its limit")
+    if state.temperature > params.temperature_max:
+        found.append("too hot")
+    if state.temperature < params.temperature_discharge_min:
+        found.append("too cold to discharge")
+    elif current < 0.0 and state.temperature < params.temperature_charge_min:
+        found.append("too cold to charge")
+    if state.soc <= 0.0:
+        found.append("empty")
+    return tuple(found)
+
+
+def _require_rising(name: str, values: tuple[float, ...]) -> None:
+    for i in range(1, len(values)):
+        if not values[i] > values[i - 1]:
+            raise ValueError(f"{name}[{i}] = {values[i]}: allowed is above {values[i - 1]}, the value before it")
+
+
+def _require_temperature(params: BatteryParams, temperature: float) -> None:
+    if not (np.isfinite(temperature) and temperature > 0.0):
+        raise InvalidValueError(f"{params.name} temperature [K]", temperature, "a finite number above 0")

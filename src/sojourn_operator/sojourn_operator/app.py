@@ -1,0 +1,106 @@
+"""The scripted operator without ROS: sends the goals of a scenario over the topics that any operator uses.
+
+In lock-step it looks at the machine every fifth period, stamps its goals five periods ahead and then says with a tick
+how many it has sent; drive, arm and plant wait for that tick, and so a scripted run is the same every time.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from std_msgs.msg import Header
+
+from sojourn_config.scenario import LoadedScenario
+from sojourn_contract import stamps
+from sojourn_contract.app import NOTHING, Answer, App, Period
+from sojourn_contract.decoding import decoded
+from sojourn_contract.events import format_tick
+from sojourn_contract.heartbeat import status_values
+from sojourn_contract.messages import quaternion, xyz
+from sojourn_contract.topics import topic
+from sojourn_operator.actions import Action, ArmGround, ArmTo
+from sojourn_operator.goal_messages import goal_message, report_of
+from sojourn_operator.ground import ground_point
+from sojourn_operator.scenario_steps import script_steps
+from sojourn_operator.script import OperatorScript, Report, ScriptState
+
+TRUTH, TICK = "/truth/odom", "/operator/tick"
+_STATUSES = {"/drive/status": "drive", "/arm/status": "arm"}
+_LOOK_NS = topic(TICK).every * stamps.CONTROL_PERIOD_NS
+
+
+@dataclass(frozen=True, slots=True)
+class OperatorState:
+    """What the role remembers."""
+
+    script: ScriptState
+    reports: Mapping[str, Report] = field(default_factory=dict)
+    """Last word of drive and arm."""
+    sent: Mapping[str, int] = field(default_factory=dict)
+    """Goals sent on each topic."""
+    truth: bytes = b""
+    """Last good /truth/odom, as it came."""
+    looked: int = 0
+    """Stamp of the last look [ns]."""
+    has_said_end: bool = False
+    drive_status: Mapping[str, str] = field(default_factory=dict)
+    """Latest status of the drive, for whoever shows the progress."""
+
+
+class OperatorApp(App[OperatorState]):
+    """Role operator."""
+
+    role = "operator"
+    raw_topics = frozenset({TRUTH})
+
+    def __init__(self, scenario: LoadedScenario) -> None:
+        self.script = OperatorScript(script_steps(scenario), scenario.config.duration_limit_s)
+        needs_ground = any(isinstance(action, ArmGround) for action, _ in self.script.steps)
+        self._terrain = scenario.height_field() if needs_ground else None
+
+    def initial_state(self) -> OperatorState:
+        """Before the first step."""
+        return OperatorState(self.script.begin())
+
+    def step(self, state: OperatorState, period: Period) -> tuple[OperatorState, Answer]:
+        """Keep the latest reports; at every fifth period let the script look at them."""
+        stamp, inputs = period.stamp, period.inputs
+        for name, who in _STATUSES.items():
+            status = inputs.get(name)
+            if status is not None:
+                state = replace(state, reports={**state.reports, who: report_of(status)})
+                if who == "drive":
+                    state = replace(state, drive_status=status_values(status))
+        truth = inputs.get(TRUTH) or state.truth
+        state = replace(state, truth=truth) if isinstance(truth, bytes) else state
+        if stamp // _LOOK_NS == state.looked // _LOOK_NS:
+            return state, NOTHING
+        state = replace(state, looked=stamp)
+        if state.has_said_end:
+            return state, NOTHING
+        script, goal = self.script.look(state.script, stamp, state.reports)
+        sent, messages = dict(state.sent), []
+        if goal is not None:
+            messages.append((goal.topic, goal_message(self._looked_up(goal.action, truth), goal.stamp)))
+            sent[goal.topic] = sent.get(goal.topic, 0) + 1
+        tick = format_tick(sent, script.finished)
+        messages.append((TICK, Header(stamp=stamps.to_message(stamp), frame_id=tick)))
+        return replace(state, script=script, sent=sent, has_said_end=script.finished), Answer(messages)
+
+    def heartbeat_values(self, state: OperatorState, stamp: int) -> dict[str, str]:
+        """Where in the script it is."""
+        done = f"{len(state.script.results)} of {len(self.script.steps)}"
+        return {"step": self.script.position(state.script), "steps done": done}
+
+    def _looked_up(self, action: Action, truth: Any) -> Action:
+        """The action with its place in numbers.
+
+        The ground is looked up in the scenario's terrain from the true pose, as a person would pick a target in the
+        picture of the stereo cameras.
+        """
+        if not isinstance(action, ArmGround) or self._terrain is None or not truth:
+            return action
+        here = decoded(TRUTH, topic(TRUTH).type, truth) if isinstance(truth, bytes) else truth
+        pose = here.pose.pose
+        x, y, z = ground_point(self._terrain, xyz(pose.position), quaternion(pose.orientation), action)
+        return ArmTo(x, y, z)

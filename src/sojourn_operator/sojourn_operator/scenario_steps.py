@@ -1,0 +1,101 @@
+"""The steps of a scenario as the scripted operator carries them out, and the check of a scenario before a run."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from sojourn_config.paths import available, resolve
+from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_config.steps import (
+    ArmGroundStep,
+    ArmJointsStep,
+    ArmPathStep,
+    ArmPoseStep,
+    ArmTaskStep,
+    DriveGoalStep,
+    DriveRouteStep,
+    StepAction,
+)
+from sojourn_operator.actions import (
+    Action,
+    ArmAlong,
+    ArmGround,
+    ArmJoints,
+    ArmTask,
+    ArmTo,
+    DriveAlong,
+    DriveTo,
+    TipPoint,
+    Wait,
+    receiver_of,
+)
+
+
+@dataclass(frozen=True)
+class PreparedScenario:
+    """A scenario that has been checked.
+
+    Args:
+        name: as the nodes load it: a name in config/scenarios, or an absolute path.
+        overrides: KEY=VALUE texts that every node puts over the files. loaded: all of it.
+    """
+
+    name: str
+    overrides: tuple[str, ...]
+    loaded: LoadedScenario
+
+
+def prepare_scenario(name: str, overrides: Sequence[str] = ()) -> PreparedScenario:
+    """Load and check everything that a scenario names. Raises ConfigError with every problem found."""
+    loaded = load_scenario(name, overrides)
+    path = resolve("scenarios", name, ("command line", "scenario"))
+    known = name if Path(name).stem == name else str(path.resolve())
+    return PreparedScenario(known, tuple(overrides), loaded)
+
+
+def script_steps(scenario: LoadedScenario) -> list[tuple[Action, float | None]]:
+    """Steps of a scenario, each with its limit [s] or None."""
+    joints = scenario.arm_joints
+    return [(_action(step.action, joints), step.timeout_s) for step in scenario.config.steps]
+
+
+def needed_roles(scenario: LoadedScenario) -> tuple[str, ...]:
+    """Roles that carry out the steps of a scenario."""
+    roles = {receiver_of(action) for action, _ in script_steps(scenario)}
+    return tuple(role for role in ("drive", "arm") if role in roles)
+
+
+def course_of(rover: str, otherwise: str) -> str:
+    """The scenario made for a rover, ROVER_course, if there is one."""
+    own = f"{Path(rover).stem}_course"
+    return own if own in available("scenarios") else otherwise
+
+
+def absent_roles(scenario: LoadedScenario) -> dict[str, str]:
+    """Roles that this machine has no use for, and why."""
+    reasons = {}
+    if scenario.arm is None:
+        reasons["arm"] = "has no arm"
+    if scenario.driving is None:
+        reasons["drive"] = "stands fast, it has no wheels"
+    return reasons
+
+
+def _action(step: StepAction, joints: Sequence[str]) -> Action:
+    match step:
+        case DriveGoalStep():
+            return DriveTo(step.x, step.y, step.yaw)
+        case DriveRouteStep():
+            return DriveAlong(tuple((point.x, point.y) for point in step.points), step.yaw)
+        case ArmPoseStep():
+            return ArmTo(step.x, step.y, step.z, step.frame, step.orientation)
+        case ArmGroundStep():
+            return ArmGround(step.x, step.y, step.height)
+        case ArmJointsStep():
+            return ArmJoints(tuple(zip(joints, step.positions or (), strict=False)), step.name or "")
+        case ArmPathStep():
+            points = (TipPoint(p.x, p.y, p.z, p.orientation, p.on_arc) for p in step.points)
+            return ArmAlong(tuple(points), step.frame)
+        case ArmTaskStep():
+            return ArmTask(step.name, tuple(step.texts.items()))
+    return Wait(step)

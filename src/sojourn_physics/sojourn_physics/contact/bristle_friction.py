@@ -1,0 +1,89 @@
+"""Friction that remembers: bristles between wheel and ground, bent along, across and by a twist.
+
+Displacements u = (u_x, u_y) of the bristles and their twist ψ about the normal (r_ψ u: arm r times ψ),
+with the slip velocity w of the wheel's lowest point over the ground and the rate of yaw ω:
+
+    du_x/dt = w_x - V u_x/λ_x,   du_y/dt = w_y - V u_y/λ_y,   dψ/dt = -ω - V ψ/λ_y,   V = |r_e ω_wheel|
+    ξ = (k_x u_x, k_y u_y, k_y r ψ)/(3 μ N),   x = min(|ξ|, 1)
+    (F_x, F_y, M_z/r) = μ N (3 x - 3 x² + x³) ξ/|ξ|
+
+(Fromm 1941 and Pacejka 2012, Tire and Vehicle Dynamics, ch. 3, for the brush; ch. 7 for the relaxation
+lengths λ; the ellipsoid of force and moment: Howe & Cutkosky 1996, Int. J. Robotics Research 15:557). In
+steady rolling u/λ is the theoretical slip, and k λ the slip stiffness; at rest nothing of u is given up, so
+that what is parked stays parked. Beyond full sliding, |ξ| = 1, bristles slip and are not bent further: only
+what they store can come back.
+
+Near rest the rate of bending leads the displacement (as in `shear_memory`), which damps the swing of a parked
+machine; in steady rolling nothing bends, and it adds nothing. With k_x = k_y the force is the gradient of a
+convex potential of u: no motion takes energy out of it.
+"""
+
+import math
+
+from numba import njit
+
+from sojourn_machine.params import FloatArray
+from sojourn_physics.contact.contact_law import StateColumn
+from sojourn_physics.contact.shear_memory import LEAD_SPEED
+
+BRISTLE_LEAD = 0.02
+"""Time by which the rate leads the displacement of bristles at rest [s]: shorter than in soil, for they are
+stiffer and damp less (estimate)."""
+
+_U_X = int(StateColumn.SHEAR_ALONG)
+_U_Y = int(StateColumn.SHEAR_SIDE)
+_TWIST = int(StateColumn.TWIST)
+
+
+@njit(cache=True)
+def bristle_lead(speed: float) -> float:
+    """Lead [s] at a speed of the rim [m/s]."""
+    ratio = speed / LEAD_SPEED
+    return BRISTLE_LEAD / (1.0 + ratio * ratio)
+
+
+@njit(cache=True)
+def bristle_forces(
+    slip_x: float,
+    slip_y: float,
+    yaw_rate: float,
+    rim_speed: float,
+    stiffness_x: float,
+    stiffness_y: float,
+    arm: float,
+    limit: float,
+    relaxation_x: float,
+    relaxation_y: float,
+    dt: float,
+    state: FloatArray,
+) -> tuple[float, float, float, float]:
+    """Advance the bristles and give their force.
+
+    Args:
+        slip_x, slip_y: velocity of the rim over the ground [m/s]. yaw_rate: [rad/s].
+        rim_speed: at which the contact is renewed [m/s].
+        stiffness_x, stiffness_y: of the bristles [N/m]. arm: of the twist [m]. limit: μ N [N].
+        relaxation_x, relaxation_y: λ, more than 0 [m].
+
+    Returns:
+        F_x, F_y [N], M_z [N m], and x, the part of full sliding (0..1).
+    """
+    if limit <= 0.0:
+        state[_U_X] = state[_U_Y] = state[_TWIST] = 0.0
+        return 0.0, 0.0, 0.0, 0.0
+    speed = abs(rim_speed)
+    u_x = (state[_U_X] + dt * slip_x) / (1.0 + dt * speed / relaxation_x)
+    u_y = (state[_U_Y] + dt * slip_y) / (1.0 + dt * speed / relaxation_y)
+    twist = (state[_TWIST] - dt * yaw_rate) / (1.0 + dt * speed / relaxation_y)
+    scale_x, scale_y = stiffness_x / (3.0 * limit), stiffness_y / (3.0 * limit)
+    bent = math.sqrt((scale_x * u_x) ** 2 + scale_y * scale_y * (u_y * u_y + (arm * twist) ** 2))
+    if bent > 1.0:
+        u_x, u_y, twist = u_x / bent, u_y / bent, twist / bent
+    ahead = bristle_lead(speed) / dt
+    xi_x = scale_x * (u_x + ahead * (u_x - state[_U_X]))
+    xi_y = scale_y * (u_y + ahead * (u_y - state[_U_Y]))
+    xi_z = scale_y * arm * (twist + ahead * (twist - state[_TWIST]))
+    state[_U_X], state[_U_Y], state[_TWIST] = u_x, u_y, twist
+    x = math.sqrt(xi_x * xi_x + xi_y * xi_y + xi_z * xi_z)
+    gain = limit * (3.0 - 3.0 * x + x * x) if x < 1.0 else limit / x
+    return gain * xi_x, gain * xi_y, gain * xi_z * arm, min(x, 1.0)

@@ -1,0 +1,83 @@
+"""Laws 1, 2 and 4: wheels with Coulomb friction on firm ground; they differ in what gives way.
+
+    1  rigid wheel on rigid ground           the ground alone, as stiff as its parameters say
+    2  wheel and ground in series            a linear spring in the wheel as well
+    4  compliant wheel on rigid ground       load against deflection as measured, to the bump stop and beyond
+
+Friction is that of `bristle_friction` with the bristles of a dry contact: full sliding after a displacement
+`break_away`, k = 3 μ N/break_away; the contact's length is the relaxation length. A wheel is b wide, so that
+its resistance to a turn on the spot is μ N b/4 (a line of even pressure).
+
+Range of validity: hard, dry, clean contact; no hydrodynamics, no wear; speeds of rovers.
+"""
+
+from typing import ClassVar, Literal
+
+from numba import njit
+from pydantic import Field
+
+from sojourn_machine.params import FloatArray
+from sojourn_physics.contact.bristle_friction import bristle_forces
+from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, WheelColumn
+from sojourn_physics.contact.firm_wheel import (
+    CompliantWheelParams,
+    FirmColumn,
+    FirmWheelParams,
+    finish_firm,
+    firm_load,
+    firm_slip,
+    friction_of,
+    half_length,
+)
+
+ARM_PER_WIDTH = 0.25
+"""Arm of the friction moment of a turn on the spot, over the width."""
+
+_RADIUS = int(WheelColumn.RADIUS)
+_WIDTH = int(WheelColumn.WIDTH)
+_BREAK_AWAY = int(FirmColumn.BREAK_AWAY)
+_PENETRATION = int(MotionColumn.PENETRATION)
+_YAW_RATE = int(MotionColumn.YAW_RATE)
+
+
+class RigidWheelOnRigidGroundParams(FirmWheelParams):
+    """Law 1."""
+
+    number: ClassVar[ContactModel] = ContactModel.RIGID_WHEEL_ON_RIGID_GROUND
+    model: Literal["rigid_wheel_on_rigid_ground"] = Field(description="contact model")
+    break_away: float = Field(default=1e-3, ge=1e-5, le=0.1, description="displacement before full sliding [m]")
+
+
+class WheelAndGroundInSeriesParams(FirmWheelParams):
+    """Law 2."""
+
+    number: ClassVar[ContactModel] = ContactModel.WHEEL_AND_GROUND_IN_SERIES
+    model: Literal["wheel_and_ground_in_series"] = Field(description="contact model")
+    stiffness: float = Field(gt=0.0, le=1e8, description="of the wheel [N/m]")
+    damping: float = Field(default=1.0, ge=0.0, le=100.0, description="Hunt-Crossley damping of the wheel [s/m]")
+    break_away: float = Field(default=1e-3, ge=1e-5, le=0.1, description="displacement before full sliding [m]")
+
+
+class CompliantWheelOnRigidGroundParams(CompliantWheelParams):
+    """Law 4."""
+
+    number: ClassVar[ContactModel] = ContactModel.COMPLIANT_WHEEL_ON_RIGID_GROUND
+    model: Literal["compliant_wheel_on_rigid_ground"] = Field(description="contact model")
+    break_away: float = Field(default=5e-3, ge=1e-5, le=0.1, description="displacement before full sliding [m]")
+
+
+@njit(cache=True)
+def coulomb_wheel(
+    wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
+) -> None:
+    """The three laws; arguments as in `contact_law`."""
+    load = firm_load(wheel, soil, motion, out)
+    slip_x, slip_y, rim_speed, rolling, loaded = firm_slip(wheel, motion, out)
+    length = 2.0 * half_length(wheel[_RADIUS], motion[_PENETRATION])
+    limit = friction_of(wheel, soil) * load
+    stiffness = 3.0 * limit / wheel[_BREAK_AWAY]
+    force_x, force_y, moment_z, _ = bristle_forces(
+        slip_x, slip_y, motion[_YAW_RATE], rim_speed, stiffness, stiffness, ARM_PER_WIDTH * wheel[_WIDTH], limit,
+        length, length, dt, state,
+    )  # fmt: skip
+    finish_firm(wheel, motion, force_x, force_y, moment_z, rim_speed, rolling, loaded, length, dt, state, out)

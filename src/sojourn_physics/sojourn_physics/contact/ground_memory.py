@@ -1,0 +1,148 @@
+"""A wheel and the ruts: what it meets of the ground's past, and what it leaves behind.
+
+A wheel reads the memory of the ground (`terrain/memory.py`) ahead of its contact and writes it behind, at
+
+    x_read = x + [D (l + c) -+ l] forward,   x_write = x - D (l + c) forward,   l = sqrt(2 r z)
+
+with its lowest point x, the sense of travel D in -1..1 that the contact remembers, the length l from the lowest point
+to where the rim enters the ground, and the cell c of the memory. A rigid wheel bridges what is shorter than its
+contact: hence the mean over 2 l, which is also the way on which it rolls over the edge of a rut. So no wheel meets
+what it is just pressing down itself; one that turns back meets its own rut, within about a contact length. It writes
+only once it rolls, |D| >= 0.5, so that a parked wheel changes nothing, and rest stays a fixed point.
+
+The rut lowers and tilts the contact plane as any other ground does, so that its sides take as much energy from a wheel
+that climbs out as they gave when it rolled in; the soil below follows the law of `soil/repeated_loading.py`. Behind
+the wheel that soil springs back by e = p_u/k_u, and so carries it up to an exit angle with lambda = e/h instead of the
+soil's own one, as far as the depth z has been reached before: lambda = lambda_0 + (e/h - lambda_0) z_r/z. On virgin
+soil the exit angle stays the one that goes with the soil's parameters.
+
+Of the soil that is pressed down the share `compacted_share` of the soil is compacted; the rest is found beside the rut
+(`terrain.memory`). No measured share is at hand. An upper bound: lunar soil of relative density 0.65, between 1.10 and
+1.89 Mg/m3 (Carrier, Olhoeft & Mendell 1991, Lunar Sourcebook, ch. 9), can give way by 20 % in the layer that a wheel
+feels, about as deep as it is wide: more than a rut is deep. So most of it goes there; dense sand and wet clay, which
+keep their volume, go aside.
+
+Assumptions: the rut is the mean over that length and the wheel's width (strips of ground that do not hold each other
+up); depths along the normal count as vertical; a wheel that is itself compliant meets the law of the depth that a
+rigid one would have.
+"""
+
+import math
+
+from numba import njit
+
+from sojourn_machine.params import FloatArray
+from sojourn_physics.contact.contact_law import StateColumn, WheelColumn
+from sojourn_physics.contact.wheel_on_soil import pressure_modulus
+from sojourn_physics.soil.params import FORM_BEKKER, SoilColumn
+from sojourn_physics.soil.repeated_loading import equivalent_law, rut_depth
+from sojourn_physics.terrain.memory_access import read_ground, write_ground
+from sojourn_physics.terrain.memory_tiles import MemoryTables
+
+ROLLING = 0.5
+"""Least |D| at which a wheel leaves a rut."""
+
+# What `look_ahead` keeps for `settle_soil` and `leave_rut`
+GREATEST, RUT, MODULUS, EXPONENT, PLACE_X, PLACE_Y, REACH = range(7)
+PAST_COLUMNS = 7
+
+_RADIUS = int(WheelColumn.RADIUS)
+_WIDTH = int(WheelColumn.WIDTH)
+_U_X = int(StateColumn.SHEAR_ALONG)
+_U_Y = int(StateColumn.SHEAR_SIDE)
+_TRAVEL = int(StateColumn.TRAVEL)
+_FORM = int(SoilColumn.FORM)
+_N = int(SoilColumn.N)
+_K_C = int(SoilColumn.K_C)
+_K_PHI = int(SoilColumn.K_PHI)
+_EXIT_LAMBDA = int(SoilColumn.EXIT_LAMBDA)
+_K_0 = int(SoilColumn.UNLOADING_STIFFNESS)
+_COMPACTED = int(SoilColumn.COMPACTED_SHARE)
+_A_U = int(SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE)
+
+
+@njit(cache=True)
+def look_ahead(
+    memory: MemoryTables,
+    wheel: FloatArray,
+    x: float,
+    y: float,
+    forward: FloatArray,
+    travel: float,
+    depth: float,
+    past: FloatArray,
+) -> tuple[float, float, float]:
+    """Read what the ground ahead of a wheel has seen.
+
+    Args:
+        memory: tables of a MemoryBoard. wheel: row of `WheelColumn`.
+        x, y: lowest point of the rim in map [m]. forward: horizontal unit vector, (3,). travel: D.
+        depth: of that point below the ground as it was once [m]. past: (PAST_COLUMNS,), written.
+
+    Returns:
+        how far the ground lies below what it was, by ruts and digging [m], and the gradients of that by x and y [-].
+    """
+    pool, slots, _, place = memory
+    length = min(math.sqrt(2.0 * wheel[_RADIUS] * depth), wheel[_RADIUS])
+    reach = length + place[2]
+    ahead = travel * reach
+    greatest, rut, dug, slope_x, slope_y = read_ground(
+        pool, slots, place, x + ahead * forward[0], y + ahead * forward[1], forward[0], forward[1],
+        2.0 * length, wheel[_WIDTH],
+    )  # fmt: skip
+    past[GREATEST] = greatest
+    past[RUT] = rut
+    past[PLACE_X] = x
+    past[PLACE_Y] = y
+    past[REACH] = reach
+    return rut + dug, slope_x, slope_y
+
+
+@njit(cache=True)
+def settle_soil(wheel: FloatArray, depth: float, soil: FloatArray, past: FloatArray) -> None:
+    """Turn the virgin soil's row, (columns,), into that of the ground which a wheel `depth` [m] below the rut meets."""
+    modulus, exponent = pressure_modulus(soil, wheel[_WIDTH]), soil[_N]
+    past[MODULUS] = modulus
+    past[EXPONENT] = exponent
+    rut = past[RUT]
+    if rut > 0.0:
+        reached = rut + depth
+        greatest = max(reached, past[GREATEST])
+        springs_back = reached - rut_depth(modulus, exponent, greatest, soil[_K_0], soil[_A_U])
+        given = max(soil[_EXIT_LAMBDA], 0.0)
+        recovered = min(max(springs_back / depth, given), 1.0)
+        soil[_EXIT_LAMBDA] = given + (recovered - given) * rut / reached
+        soil[_FORM] = FORM_BEKKER
+        soil[_K_C] = 0.0
+        soil[_K_PHI], soil[_N] = equivalent_law(modulus, exponent, past[GREATEST], past[RUT], depth)
+
+
+@njit(cache=True)
+def leave_rut(
+    memory: MemoryTables,
+    wheel: FloatArray,
+    soil: FloatArray,
+    sinkage: float,
+    forward: FloatArray,
+    state: FloatArray,
+    past: FloatArray,
+) -> None:
+    """Write behind a rolling wheel what it has done to the ground, down to `sinkage` [m] below what it met; other
+    arguments as above and in `contact_law`.
+    """
+    travel = state[_TRAVEL]
+    if abs(travel) < ROLLING:
+        return
+    greatest = past[RUT] + sinkage
+    rut = rut_depth(past[MODULUS], past[EXPONENT], greatest, soil[_K_0], soil[_A_U])
+    if rut <= 0.0:
+        return
+    pool, slots, pages, place = memory
+    sense = 1.0 if travel > 0.0 else -1.0
+    behind = travel * past[REACH]
+    shear = math.sqrt(state[_U_X] * state[_U_X] + state[_U_Y] * state[_U_Y])
+    write_ground(
+        pool, slots, pages, place, past[PLACE_X] - behind * forward[0], past[PLACE_Y] - behind * forward[1],
+        sense * forward[0], sense * forward[1], wheel[_WIDTH], greatest, rut, shear,
+        1.0 - soil[_COMPACTED],
+    )  # fmt: skip

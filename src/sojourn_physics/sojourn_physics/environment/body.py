@@ -1,0 +1,72 @@
+"""A planet, moon or asteroid as the machine on its surface feels it.
+
+    g = GM / R^2              (mean gravity of a sphere; the centrifugal part is left out, 0.2 % of g on Mars)
+    S = S_1 / a^2             (inverse-square law; S_1 = 1361 W/m2 at 1 au: Kopp & Lean 2011)
+
+In orbit a machine falls with its station: nothing has weight. Left out are the tide, some 1e-6 m/s2 a metre off the
+station's centre of mass, and drag.
+
+Range: g is the mean over the body. For Phobos, Eros and Itokawa, which are far from round, it is good to a
+factor of about 1.5. S is at the mean distance; over an orbit of eccentricity e it goes from S / (1 + e)^2
+to S / (1 - e)^2.
+"""
+
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.params import Params
+
+SOLAR_FLUX_AT_1_AU = 1361.0
+"""Total solar irradiance at 1 au [W/m2]."""
+
+
+class BodyParams(Params):
+    """One body, or an orbit about one. The field names are the keys of the files in `config/bodies`."""
+
+    name: str = Field(min_length=1, pattern=r"^[a-z][a-z0-9_]*$", description="name of the body, as its file")
+    citation: str = Field(min_length=1, description="where the numbers are from")
+    estimates: tuple[str, ...] = Field(
+        default=(), description="fields of this set that are rounded guesses or not well known"
+    )
+    gravitational_parameter: float = Field(gt=0.0, le=1e18, description="GM [m3/s2]")
+    radius: float = Field(gt=0.0, le=1e9, description="mean radius [m]")
+    semi_major_axis_au: float = Field(gt=0.0, le=1e3, description="mean distance from the Sun [au]")
+    orbital_eccentricity: float = Field(ge=0.0, lt=1.0, description="eccentricity of the orbit about the Sun")
+    temperature_min: float = Field(ge=0.0, le=2000.0, description="coldest surface temperature [K]")
+    temperature_max: float = Field(ge=0.0, le=2000.0, description="hottest surface temperature [K]")
+    solar_day_hours: float = Field(gt=0.0, description="noon to noon at the surface [h]")
+    surface_pressure: float = Field(default=0.0, ge=0.0, description="atmospheric pressure, 0 for none [Pa]")
+    surface_density: float = Field(default=0.0, ge=0.0, description="atmospheric density, 0 for none [kg/m3]")
+    free_fall: bool = Field(default=False, description="in orbit: nothing weighs anything; radius is the orbit's")
+
+    @model_validator(mode="after")
+    def _fields_agree(self) -> Self:
+        if self.temperature_max < self.temperature_min:
+            allowed = f"at least temperature_min = {self.temperature_min:g} K"
+            raise InvalidValueError("temperature_max", self.temperature_max, allowed)
+        if (self.surface_pressure > 0.0) != (self.surface_density > 0.0):
+            allowed = f"more than 0 with surface_pressure = {self.surface_pressure:g} Pa, or both 0"
+            raise InvalidValueError("surface_density", self.surface_density, allowed)
+        unknown = sorted(set(self.estimates) - set(type(self).model_fields))
+        if unknown:
+            raise InvalidValueError("estimates", unknown, "names of fields of a body")
+        return self
+
+    @property
+    def surface_gravity(self) -> float:
+        """Acceleration that weight comes from, positive downwards [m/s2]; zero in free fall."""
+        if self.free_fall:
+            return 0.0
+        return self.gravitational_parameter / self.radius**2
+
+    @property
+    def solar_flux(self) -> float:
+        """Sunlight above the atmosphere at the mean distance from the Sun [W/m2]."""
+        return SOLAR_FLUX_AT_1_AU / self.semi_major_axis_au**2
+
+    @property
+    def solar_day(self) -> float:
+        """Noon to noon at the surface [s]."""
+        return self.solar_day_hours * 3600.0

@@ -1,0 +1,394 @@
+"""One control period of the plant: the recipe of a step.
+
+Semi-implicit Euler at the physics step (velocity first, then configuration with the new velocity), implicit
+in the joints' stiff terms. For each physics step:
+
+    1  placements, Jacobian and mass matrix of the machine       (Pinocchio)
+    2  contact forces, joint torques and their slopes            (`kernels.applied_forces`)
+    3  bias forces, factorisation of the mass matrix             (Pinocchio)
+    4  acceleration, couplings, new velocity, energy             (`kernels.advance_velocity`)
+    5  configuration on the group                                (Pinocchio)
+
+The tool at the arm's end, the battery and the bus take one step a control period, these with the mean power of the
+motors; the bus voltage holds for the next period.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.params import FloatArray
+from sojourn_machine.power import battery, loads
+from sojourn_physics.actuators.joint_drive import ANGLE, MOTOR_RATE, SPRING_REST, SPRING_STIFFNESS, STATE_ROWS
+from sojourn_physics.contact.contact_law import STATE_COLUMNS, WheelColumn
+from sojourn_physics.plant.kernels import (
+    ENERGY_SUMS,
+    SOIL_WORK,
+    advance_velocity,
+    applied_forces,
+)
+from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.state import EnergyAccount, PlantCommand, PlantOutput, PlantState, zeros_command
+from sojourn_physics.plant.tools.mounted_tool import NO_ENERGY
+
+SETTLED_SPEED = 1e-6
+"""The machine has settled when nothing moves faster [m/s], [rad/s]."""
+SETTLED_PERIODS = 25
+"""For so many control periods: what swings in the play of a gear stands still at its turning points, too."""
+ON_ONE_LINE = 1e-9
+"""Square of the width over the length of a base whose wheels stand on one line [-]."""
+PLACEMENT_TRIES = 5
+PLACEMENT_TOLERANCE = 1e-3
+"""How near to where it was asked for the machine has to rest [m], [rad]."""
+LOWERED_PERIODS = 100
+"""For so many control periods a machine that is set down again is held against gaining speed."""
+
+
+def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[PlantState, PlantOutput]:
+    """Advance one control period.
+
+    Args:
+        model: the machine and its ground; its working memory is used, its parameters are not changed.
+        state: at the start of the period; not changed.
+        command: holds for the whole period.
+
+    Returns:
+        the state at the end, and what was seen on the way.
+
+    Raises:
+        InvalidValueError: a command of another shape or not finite; a state that has become infinite.
+    """
+    _check_command(model, command)
+    new = state.copy()
+    configuration, velocity = new.configuration, new.velocity
+    dt = model.simulation.physics_step
+    sums = np.zeros(ENERGY_SUMS)
+    load_energy = np.zeros(len(model.bus.loads))
+    response = np.zeros_like(model.coupling)
+    couplings = list(zip(response, model.coupling, strict=True))
+    multibody, data = model.multibody, model.data
+    joints, contacts, terrain = model.joints, model.contacts, model.terrain
+    # Bound to locals: twenty times through here is most of what the plant costs outside its kernels.
+    conditions, parameters = model.conditions, joints.parameters
+    if conditions is not None and state.conditions is not None:
+        parameters = conditions.now(state.conditions)
+    joint_tables = (parameters, joints.kinds, joints.columns)
+    current_limits = (command.load_fractions * state.served)[joints.loads]
+    if command.motor_health is not None:
+        current_limits *= command.motor_health
+    model.memory.load(state.ground)
+    if model.tool is not None and state.tool is not None:
+        model.tool.prepare(state.tool)
+    ground = (terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim, model.memory.tables)
+    contact_tables = (
+        contacts.wheels, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count,
+    )  # fmt: skip
+    memory = (new.joints, new.contacts, command.reference, current_limits)
+    outputs = (model.report, model.work, model.contact_force, model.force, model.armature, model.mass_matrix)
+    efforts, currents, load_power = model.efforts, model.currents, model.load_power
+    touching = None if model.wrist is None or not len(model.wrist.contacts) else model.wrist.contacts
+    wrist_force: FloatArray = np.zeros((0 if touching is None else len(touching), 3))
+    squares: FloatArray = np.zeros(0 if conditions is None else len(currents))
+    on_map, rates = True, []
+    for i in range(model.simulation.substeps):
+        pin.crba(multibody, data, configuration, pin.Convention.WORLD)
+        all_on_map = applied_forces(
+            *joint_tables, *contact_tables, model.placements, model.jacobian, velocity, *ground, *memory,
+            (i + 1) * dt, state.bus_voltage, dt, *outputs,
+        )  # fmt: skip
+        on_map = on_map and all_on_map
+        if touching is not None:
+            wrist_force += model.report[touching, 6:9]
+        pin.nonLinearEffects(multibody, data, configuration, velocity)
+        pin.cholesky.decompose(multibody, data)
+        acceleration = pin.cholesky.solve(multibody, data, model.force - model.bias)
+        for row, coupling in couplings:
+            row[:] = pin.cholesky.solve(multibody, data, coupling)
+        velocity = advance_velocity(
+            *joint_tables, joints.loads, velocity, acceleration, model.coupling, response, model.contact_force, dt,
+            model.work, new.joints, efforts, currents, load_power, load_energy, sums,
+        )  # fmt: skip
+        configuration = pin.integrate(multibody, configuration, velocity * dt)
+        rates.append(velocity)
+        if conditions is not None:
+            squares += currents * currents
+    if not (np.isfinite(configuration).all() and np.isfinite(velocity).all()):
+        raise InvalidValueError("state of the plant", f"infinite at tick {state.tick + 1}", "finite numbers")
+    wrist = None
+    if model.wrist is not None:
+        report = model.report.copy()
+        report[model.wrist.contacts, 6:9] = wrist_force / model.simulation.substeps
+        mean = (velocity - state.velocity) / model.simulation.control_period
+        wrist = model.wrist.wrench(configuration, velocity, mean, report)
+    if conditions is not None and state.conditions is not None:
+        squares /= model.simulation.substeps
+        period = model.simulation.control_period
+        new = replace(new, conditions=conditions.after(state.conditions, parameters, squares, current_limits, period))
+    spread = np.sqrt(np.mean(np.square(np.array(rates) - velocity), axis=0))
+    return _close_period(model, new, configuration, velocity, command, sums, load_energy, on_map, wrist, spread)
+
+
+def _check_command(model: PlantModel, command: PlantCommand) -> None:
+    shape = (3, len(model.joints.names))
+    if command.reference.shape != shape or command.load_fractions.shape != (len(model.bus.loads),):
+        raise InvalidValueError(
+            "shapes of the command",
+            (command.reference.shape, command.load_fractions.shape),
+            f"{shape} and one a load",
+        )
+    if command.tool is not None and not (command.tool.shape == (3,) and np.isfinite(command.tool).all()):
+        raise InvalidValueError("command of the tool", command.tool.tolist(), "3 finite numbers")
+    if command.motor_health is not None and command.motor_health.shape != shape[1:]:
+        raise InvalidValueError("shape of the motors' health", command.motor_health.shape, f"{shape[1:]}")
+    if not (np.isfinite(command.reference).all() and np.isfinite(command.load_fractions).all()):
+        raise InvalidValueError("command", "NaN or infinity", "finite numbers")
+
+
+def _close_period(
+    model: PlantModel,
+    state: PlantState,
+    configuration: FloatArray,
+    velocity: FloatArray,
+    command: PlantCommand,
+    sums: FloatArray,
+    load_energy: FloatArray,
+    on_map: bool,
+    wrist: FloatArray | None,
+    spread: FloatArray,
+) -> tuple[PlantState, PlantOutput]:
+    """Tool, supply, energy account and events of the period that has passed."""
+    period = model.simulation.control_period
+    mechanical = mechanical_energy(model, configuration, velocity, state.joints)
+    tool, drawn, gained = state.tool, NO_ENERGY, 0.0
+    if model.tool is not None and tool is not None:
+        supplied = float(command.load_fractions[model.tool.load] * state.served)
+        tool, drawn = model.tool.advance(model, tool, state.contacts, command.tool, supplied, state.bus_voltage)
+        load_energy[model.tool.load] += drawn.electrical
+        if state.tool is not None and tool.payload != state.tool.payload:
+            model.tool.prepare(tool)
+            gained = mechanical_energy(model, configuration, velocity, state.joints) - mechanical
+    source, resistance = battery.thevenin(model.battery, state.battery)
+    bus, supply = loads.step(
+        model.bus, state.bus, source, resistance, command.load_fractions, load_energy / period, period
+    )
+    new_battery = battery.step(model.battery, state.battery, supply.current, period)
+    old = state.energy
+    energy = EnergyAccount(
+        electrical=old.electrical + float(sums[0]) + drawn.electrical,
+        winding_heat=old.winding_heat + float(sums[1]) + drawn.winding_heat,
+        friction_heat=old.friction_heat + float(sums[2]) + drawn.friction_heat,
+        stop_heat=old.stop_heat + float(sums[3]),
+        soil_work=old.soil_work + float(sums[SOIL_WORK]) + drawn.soil_work - gained,
+        mechanical=mechanical + gained,
+    )
+    x, y = configuration[3], configuration[4]
+    upright = 1.0 - 2.0 * (x * x + y * y)  # cosine between the base's z axis and up
+    new = PlantState(
+        tick=state.tick + 1,
+        configuration=configuration,
+        velocity=velocity,
+        joints=state.joints,
+        contacts=state.contacts,
+        ground=model.memory.store(),
+        battery=new_battery,
+        bus=bus,
+        bus_voltage=supply.voltage,
+        served=supply.served,
+        energy=energy,
+        rolled_over=state.rolled_over or bool(upright < model.roll_over_cosine),
+        off_terrain=state.off_terrain or not on_map,
+        tool=tool,
+        conditions=state.conditions,
+    )
+    output = PlantOutput(
+        contacts=model.report.copy(),
+        efforts=model.efforts.copy(),
+        currents=model.currents.copy(),
+        load_power=supply.load_power,
+        battery_current=supply.current,
+        spread=spread,
+        wrist_wrench=wrist,
+    )
+    return new, output
+
+
+def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: FloatArray, joints: FloatArray) -> float:
+    """Kinetic energy, turning rotors included, potential energy over z = 0, and what the springs hold [J]."""
+    multibody, data = model.multibody, model.data
+    kinetic = pin.computeKineticEnergy(multibody, data, configuration, velocity)
+    rotors = 0.5 * float(np.sum(model.joints.armature * velocity**2))
+    rotors += 0.5 * float(np.sum(model.joints.rotors * joints[MOTOR_RATE] ** 2))
+    table = model.joints.parameters
+    stretch = joints[ANGLE] - table[:, SPRING_REST]
+    springs = 0.5 * float(np.sum(table[:, SPRING_STIFFNESS] * stretch**2))
+    return float(kinetic + rotors + springs + pin.computePotentialEnergy(multibody, data, configuration))
+
+
+def initial_state(
+    model: PlantModel, x: float, y: float, yaw: float, soc: float, angles: dict[str, float] | None = None
+) -> PlantState:
+    """The machine at rest on the ground, settled on its soil; a fixed base stands square on it, its arm settled.
+
+    A machine put down on uneven ground slides a little until it rests. It is then moved back as it stands and lowered
+    there, until it rests where it was asked for.
+
+    Args:
+        x, y: of the base in map [m]. yaw: [rad]. soc: state of charge [0..1].
+        angles: joint angles to start from and to hold while settling, by name [rad]; zero for all others.
+
+    Raises:
+        InvalidValueError: unknown joint; a place where the machine does not come to rest as asked for.
+        OutsideTerrainError: no ground there.
+    """
+    configuration = pin.neutral(model.multibody)
+    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    for name, angle in (angles or {}).items():
+        index = int(model.reference_rows([name])[0])
+        joint = model.multibody.joints[index + 2]
+        if joint.nq == 2:
+            configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
+        else:
+            configuration[joint.idx_q] = angle
+        command.reference[0, index] = angle
+    wanted = np.array([x, y, yaw])
+    start = _put_down(model, configuration, command, wanted, soc)
+    state = _settled(model, start, command)
+    for _ in range(PLACEMENT_TRIES):
+        offset = wanted - _place(state)
+        offset[2] = np.remainder(offset[2] + np.pi, 2.0 * np.pi) - np.pi
+        if np.abs(offset).max() < PLACEMENT_TOLERANCE:
+            return state
+        moved = replace(start, configuration=_moved(model, state, offset), joints=state.joints, contacts=state.contacts)
+        state = _settled(model, moved, command, LOWERED_PERIODS)
+    raise InvalidValueError(
+        f"start at x {x:g} m, y {y:g} m, yaw {yaw:g} rad",
+        f"at rest {1e3 * np.hypot(*offset[:2]):.1f} mm and {1e3 * abs(offset[2]):.1f} mrad off",
+        f"a place where the machine rests within {1e3 * PLACEMENT_TOLERANCE:g} mm and mrad of it",
+    )
+
+
+def _place(state: PlantState) -> FloatArray:
+    """x, y [m] and heading [rad] of the base, shape (3,)."""
+    x_axis = pin.Quaternion(state.configuration[3:7]).toRotationMatrix()[:, 0]
+    return np.array([*state.configuration[:2], np.arctan2(x_axis[1], x_axis[0])])
+
+
+def _moved(model: PlantModel, state: PlantState, offset: FloatArray) -> FloatArray:
+    """Configuration of a standing machine moved by x, y [m] and yaw [rad], shape (3,), and raised and tilted as the
+    ground under its wheels is, in the mean of the least squares.
+    """
+    configuration = state.configuration.copy()
+    pin.forwardKinematics(model.multibody, model.data, configuration)
+    tables, base = model.contacts, configuration[:2]
+    wheels = np.array([model.data.oMi[int(tables.bodies[i])].translation[:2] for i in range(tables.wheel_count)])
+    turn = pin.utils.rotate("z", float(offset[2]))
+    there = base + offset[:2] + (wheels - base) @ turn[:2, :2].T
+    rises = [model.terrain.height(*b) - model.terrain.height(*a) for a, b in zip(wheels, there, strict=True)]
+    rise, slope_x, slope_y = _plane_through(there - base - offset[:2], np.array(rises))
+    tilt = pin.exp3(np.array([slope_y, -slope_x, 0.0]))
+    rotation = tilt @ turn @ pin.Quaternion(configuration[3:7]).toRotationMatrix()
+    configuration[:3] += (offset[0], offset[1], rise)
+    configuration[3:7] = pin.Quaternion(rotation).coeffs()
+    return configuration
+
+
+def _plane_through(places: FloatArray, heights: FloatArray) -> tuple[float, float, float]:
+    """Height at the origin and both slopes of the plane of least squares through heights (n,) at places (n, 2) [m].
+
+    By hand, as no linear algebra library adds up in the same order on every processor. Places on one line: level.
+    """
+    (x, y), (mean_x, mean_y), mean = places.T, places.mean(axis=0), float(heights.mean())
+    x, y, height = x - mean_x, y - mean_y, heights - mean
+    xx, xy, yy = (math.fsum(a * b) for a, b in ((x, x), (x, y), (y, y)))
+    xh, yh = math.fsum(x * height), math.fsum(y * height)
+    determinant = xx * yy - xy * xy
+    if determinant <= ON_ONE_LINE * (xx + yy) ** 2:
+        return mean, 0.0, 0.0
+    slope_x, slope_y = (xh * yy - yh * xy) / determinant, (yh * xx - xh * xy) / determinant
+    return mean - slope_x * float(mean_x) - slope_y * float(mean_y), slope_x, slope_y
+
+
+def _put_down(model: PlantModel, posture: FloatArray, command: PlantCommand, aim: FloatArray, soc: float) -> PlantState:
+    """Over the ground at aim = (x, y, yaw) in this posture, square on it, its lowest wheel touching."""
+    x, y, yaw = aim
+    height, slope_x, slope_y = _ground(model, x, y)
+    normal = np.array([-slope_x, -slope_y, 1.0]) / np.sqrt(1.0 + slope_x**2 + slope_y**2)
+    heading = np.array([np.cos(yaw), np.sin(yaw), 0.0])
+    forward = heading - np.dot(heading, normal) * normal
+    forward /= np.linalg.norm(forward)
+    rotation = np.column_stack([forward, np.cross(normal, forward), normal])
+    configuration = posture.copy()
+    configuration[:3] = np.array([x, y, height]) + _standing_height(model, configuration) * normal
+    configuration[3:7] = pin.Quaternion(rotation).coeffs()
+    joints = np.zeros((STATE_ROWS, len(model.joints.names)))
+    joints[0] = command.reference[0]
+    supply = battery.initial_state(model.battery, soc)
+    source, _ = battery.thevenin(model.battery, supply)
+    return PlantState(
+        tick=0,
+        configuration=configuration,
+        velocity=np.zeros(model.multibody.nv),
+        joints=joints,
+        contacts=np.zeros((len(model.contacts.names), STATE_COLUMNS)),
+        ground=model.untouched_ground,
+        battery=supply,
+        bus=loads.BusState(),
+        bus_voltage=source,
+        served=1.0,
+        tool=None if model.tool is None else model.tool.first(),
+        conditions=None if model.conditions is None else model.conditions.first(),
+    )
+
+
+def _settled(model: PlantModel, start: PlantState, command: PlantCommand, lowered: int = 0) -> PlantState:
+    """Left alone until it rests.
+
+    Args:
+        lowered: control periods for which speed is taken away at the end of each (dynamic relaxation: Cundall 1976,
+            Explicit finite-difference methods in geomechanics), so that the machine comes down without a swing.
+    """
+    state, quiet = start, 0
+    for period in range(round(model.simulation.settle_time / model.simulation.control_period)):
+        state, _ = step(model, state, command)
+        quiet = quiet + 1 if np.abs(state.velocity).max() < SETTLED_SPEED else 0
+        if quiet >= SETTLED_PERIODS:
+            break
+        if period < lowered:
+            state = replace(state, velocity=np.zeros_like(state.velocity))
+    # settling costs nothing and wears nothing
+    return replace(
+        state,
+        tick=0,
+        ground=start.ground,
+        battery=start.battery,
+        bus=start.bus,
+        bus_voltage=start.bus_voltage,
+        served=1.0,
+        energy=EnergyAccount(mechanical=state.energy.mechanical),
+        tool=start.tool,
+        conditions=start.conditions,
+    )
+
+
+def _ground(model: PlantModel, x: float, y: float) -> tuple[float, float, float]:
+    height = model.terrain.height(x, y)
+    normal = model.terrain.normal(x, y)
+    return height, -float(normal[0] / normal[2]), -float(normal[1] / normal[2])
+
+
+def _standing_height(model: PlantModel, configuration: FloatArray) -> float:
+    """Height of the base over the plane that its lowest wheel touches, base level [m]; 0 of one without wheels."""
+    level = configuration.copy()
+    level[:7] = 0.0
+    level[6] = 1.0
+    pin.forwardKinematics(model.multibody, model.data, level)
+    tables = model.contacts
+    wheels = range(tables.wheel_count)
+    heights = (
+        float(tables.wheels[i, WheelColumn.RADIUS] - model.data.oMi[int(tables.bodies[i])].translation[2])
+        for i in wheels
+    )
+    return max(heights, default=0.0)

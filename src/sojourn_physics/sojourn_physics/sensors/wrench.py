@@ -1,0 +1,65 @@
+"""Force/torque sensor of six axes, between the last joint of an arm and its tool.
+
+    measured = resolution * round((truth + bias + sigma n) / resolution), kept within the range of the axis
+
+The bias is drawn once at the reset (1 sigma = `bias`); n is standard normal and new in every period. Order of the axes:
+force x y z, moment x y z, in the frame of the sensor. Told is what the tool and all that it carries does to the arm: a
+tool that hangs pulls down, one that stands on the ground pushes up. A reading at the end of the range is saturated.
+
+Assumption: white noise at the rate of the reading; no cross-talk between axes, no drift with temperature.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field
+
+from sojourn_machine.params import FloatArray, Params
+from sojourn_physics.sensors.noise import NoiseStream, draw, initial_stream, quantise
+
+AXES = 6
+
+
+class AxesParams(Params):
+    """Three axes alike: of force [N] or of moment [N m]."""
+
+    resolution: float = Field(gt=0.0, le=1e3, description="step of the reading [N] or [N m]")
+    noise: float = Field(ge=0.0, le=1e3, description="standard deviation of the noise [N] or [N m]")
+    bias: float = Field(ge=0.0, le=1e3, description="standard deviation of the bias of an axis [N] or [N m]")
+    largest: float = Field(gt=0.0, le=1e6, description="end of the range, both ways [N] or [N m]")
+
+
+class WrenchSensorParams(Params):
+    """The sensor of a machine's wrist; where it sits is in the machine's file."""
+
+    force: AxesParams = Field(description="the three axes of force [N]")
+    moment: AxesParams = Field(description="the three axes of moment [N m]")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class WrenchSensorState:
+    """Bias of the run, columns of the axes (6,) and the random stream."""
+
+    bias: FloatArray
+    noise: FloatArray
+    resolution: FloatArray
+    largest: FloatArray
+    stream: NoiseStream
+
+
+def initial_state(params: WrenchSensorParams, seed: int) -> WrenchSensorState:
+    """Sensor at the start of a run, its bias drawn."""
+
+    def axes(name: str) -> FloatArray:
+        return np.repeat([getattr(params.force, name), getattr(params.moment, name)], AXES // 2).astype(np.float64)
+
+    stream, row = draw(initial_stream(seed, "wrist", AXES))
+    return WrenchSensorState(row * axes("bias"), axes("noise"), axes("resolution"), axes("largest"), stream)
+
+
+def step(state: WrenchSensorState, truth: FloatArray) -> tuple[WrenchSensorState, FloatArray]:
+    """Measure `truth`, (6,) [N], [N m]; returns the state and the reading, alike."""
+    stream, noise = draw(state.stream)
+    reading = quantise(truth, state.bias, state.noise, noise, state.resolution)
+    reading = np.minimum(np.maximum(reading, -state.largest), state.largest)
+    return WrenchSensorState(state.bias, state.noise, state.resolution, state.largest, stream), reading

@@ -1,0 +1,84 @@
+"""The plant without ROS: the simulated machine and its ground. Commands in, the truth of the next period out."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from sojourn_config.scenario import LoadedScenario
+from sojourn_contract import stamps
+from sojourn_contract.app import Answer, App, Period
+from sojourn_contract.events import parse_tick
+from sojourn_contract.topic_types import Topic
+from sojourn_physics.plant.faults import HeldAngles, MotorFaults
+from sojourn_physics.plant.state import PlantState
+from sojourn_physics.plant.step import step
+from sojourn_plant.commands import COMMANDS, Commands, HeldCommands
+from sojourn_plant.start import build_plant
+from sojourn_plant.truth import TruthMessages
+
+TICK = "/operator/tick"
+_EVENTS = {"rolled_over": "the rover has rolled over", "off_terrain": "the rover has left the terrain"}
+
+
+@dataclass(frozen=True, slots=True)
+class PlantAppState:
+    """What the role remembers."""
+
+    machine: PlantState
+    commands: HeldCommands
+    locked: HeldAngles
+    """Of motors that have failed."""
+
+
+class PlantApp(App[PlantAppState]):
+    """Role plant."""
+
+    role = "plant"
+
+    def __init__(self, scenario: LoadedScenario) -> None:
+        self.model, self._start = build_plant(scenario)
+        self._commands = Commands(self.model)
+        self._faults = MotorFaults(self.model, scenario.config.faults)
+        self._truth = TruthMessages(self.model)
+
+    def initial_state(self) -> PlantAppState:
+        """The machine at rest where the scenario has it start."""
+        return PlantAppState(self._start, self._commands.holding(self._start.motor_angles), {})
+
+    def first_messages(self, state: PlantAppState, stamp: int) -> Iterator[tuple[str, Any]]:
+        """Truth of the machine as it stands, with which a run begins, at a stamp [ns]."""
+        return self._truth.first(stamp, state.machine)
+
+    def check(self, row: Topic, message: Any) -> None:
+        """Refuse commands that the machine cannot follow."""
+        if row.name in COMMANDS:
+            self._commands.check(row, message)
+
+    def step(self, state: PlantAppState, period: Period) -> tuple[PlantAppState, Answer]:
+        """Take the commands of this period, step the machine, tell the truth of the next."""
+        if _ends(period.inputs):
+            return state, Answer(finished=True)
+        before, stamp = state.machine, period.stamp
+        commands = self._commands.take(state.commands, period.inputs)
+        asked = self._commands.at(commands, stamp)
+        command, locked = self._faults.on(asked, state.locked, before.joints[0], stamps.seconds(stamp))
+        machine, output = step(self.model, before, command)
+        new = [text for flag, text in _EVENTS.items() if getattr(machine, flag) and not getattr(before, flag)]
+        messages = self._truth.messages(stamp + stamps.CONTROL_PERIOD_NS, machine, output)
+        return replace(state, machine=machine, commands=commands, locked=locked), Answer(messages, errors=new)
+
+    def heartbeat_values(self, state: PlantAppState, stamp: int) -> dict[str, str]:
+        """Events of the machine, motors that have failed by the scenario, and lost commands."""
+        faults = [f"{fault.joint} {fault.kind}" for fault in self._faults.acting(stamps.seconds(stamp))]
+        return {
+            "faults": ", ".join(faults),
+            "rolled over": str(state.machine.rolled_over).lower(),
+            "off the terrain": str(state.machine.off_terrain).lower(),
+            "lost commands": ", ".join(state.commands.lost(stamp)),
+        }
+
+
+def _ends(inputs: Mapping[str, Any]) -> bool:
+    """Whether the operator's tick ends the run."""
+    tick = inputs.get(TICK)
+    return tick is not None and parse_tick(tick.frame_id)[1]

@@ -1,0 +1,59 @@
+"""The recorder of a run without middleware: the same bag as that of the recorder's node."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from sojourn_bags.completeness import Completeness
+from sojourn_bags.recorded_run import ROLE, RecordedRun
+from sojourn_contract import stamps
+from sojourn_contract.heartbeat import RUNNING, Counters, beats, heartbeat_message
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import topic
+from sojourn_stack.encoding import Encoder
+
+TICK, HEARTBEATS = "/recorder/tick", "/diagnostics"
+TICK_PERIODS = topic(TICK).every
+
+
+class DirectRecorder:
+    """Takes what was said, and writes the bag.
+
+    Args:
+        folder: the bag; made here. run: that it is of.
+
+    Raises:
+        BagsError: it cannot be written. ConfigError: the scenario is wrong.
+    """
+
+    def __init__(self, folder: Path, run: RecordedRun) -> None:
+        self._run = run
+        self._counters = Counters()
+        self._encoder = Encoder()
+        self._recording = run.open(folder, self._refuse)
+        self._now = 0
+
+    def take(self, said: Sequence[tuple[Topic, Any]]) -> None:
+        """What was said in a period, in its order."""
+        for row, message in said:
+            if row.logged:
+                self._take(row, message)
+        self._recording.writer.flush_if_due()
+
+    def finish(self) -> Completeness:
+        """Write what is left and close the bag, with its account."""
+        return self._recording.finish(self._run.record())
+
+    def _take(self, row: Topic, message: Any) -> None:
+        self._recording.take(row, stamps.of_message(message), self._encoder.encoded(row, message))
+        while collected := self._recording.collect():
+            before, self._now = self._now, collected
+            if beats(before, collected):
+                self._counters.count_published(HEARTBEATS)
+                self._take(topic(HEARTBEATS), heartbeat_message(ROLE, RUNNING, collected, self._counters))
+        while period := self._recording.write_period():
+            if period % TICK_PERIODS == 0:
+                self._counters.count_published(TICK)
+
+    def _refuse(self, name: str, refusal: Exception) -> None:
+        self._counters.count_refused(name, str(refusal))

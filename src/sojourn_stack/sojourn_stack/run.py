@@ -1,0 +1,77 @@
+"""One run, from its scenario to its result: no signals, no environment, no globals, so that many may follow one another
+in one process.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from sojourn_bags.completeness import Completeness
+from sojourn_bags.recorded_run import RecordedRun
+from sojourn_config.scenario import load_scenario
+from sojourn_operator.script import StepResult
+from sojourn_stack.apps import make_apps
+from sojourn_stack.recorder import DirectRecorder
+from sojourn_stack.stack import Stack, StackState
+
+OPERATOR = "operator"
+
+
+@dataclass(frozen=True)
+class RunSpec:
+    """What to run.
+
+    Args:
+        scenario: name or file. participants: roles that take part. overrides: KEY=VALUE texts that go over it.
+        bag: folder of the bag to write, made by the run; None for none.
+    """
+
+    scenario: str
+    participants: tuple[str, ...]
+    overrides: tuple[str, ...] = ()
+    bag: Path | None = None
+
+
+@dataclass(frozen=True)
+class Result:
+    """How it went.
+
+    Args:
+        state: at the end. steps: what became of the operator's. completeness: of the bag, None without one.
+    """
+
+    state: StackState
+    steps: Sequence[StepResult]
+    completeness: Completeness | None
+
+
+def run(spec: RunSpec, goes_on: Callable[[StackState], bool] = lambda state: True) -> Result:
+    """Run until the operator is through, or as long as `goes_on`, asked after each control period, says so.
+
+    Raises:
+        ConfigError, MachineError: the scenario is wrong. BagsError: the bag cannot be written.
+        WaitingError: a role waits for what nobody sends.
+    """
+    stack = Stack(make_apps(load_scenario(spec.scenario, spec.overrides), spec.participants), spec.participants)
+    recorder = None
+    if spec.bag is not None:
+        recorder = DirectRecorder(spec.bag, RecordedRun(spec.scenario, spec.overrides, spec.participants))
+    try:
+        state, said = stack.begin()
+        while True:
+            if recorder is not None:
+                recorder.take(said)
+            if state.finished or not goes_on(state):
+                break
+            state, said = stack.step(state)
+        if recorder is not None:
+            recorder.take(stack.farewells(state))
+    finally:
+        completeness = None if recorder is None else recorder.finish()
+    return Result(state, step_results(state), completeness)
+
+
+def step_results(state: StackState) -> Sequence[StepResult]:
+    """What has become of the operator's steps so far."""
+    operator = state.roles.get(OPERATOR)
+    return () if operator is None else operator.app.script.results

@@ -1,0 +1,90 @@
+"""Bench of the whole loop, recorder running: speed, start-up and memory, composed and as processes."""
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from rich.console import Console
+
+from sojourn_bringup import start
+from sojourn_bringup.screen import Screen
+from sojourn_config.command_errors import CommandError
+from sojourn_contract.stamps import CONTROL_PERIOD_S
+from sojourn_studies.bench_step import SCENARIO, Yardstick
+
+KINDS = ("composed", "processes")
+TARGETS = {"composed, times real time": (">=", 6.0), "processes, times real time": (">=", 5.0)}
+
+
+def bench_loop(kind: str, seconds: float, rounds: int, tell: Callable[[str], None]) -> dict[str, float]:
+    """Medians over rounds; each is held against a Y that is measured just before and just after it.
+
+    Args:
+        kind: one of KINDS. seconds: simulated time of a round [s]. tell: takes a line of progress.
+    """
+    yardstick, runs = Yardstick(), []
+    for number in range(rounds):
+        before = yardstick.microseconds()
+        run = run_loop(kind, seconds)
+        unit = 0.5 * (before + yardstick.microseconds())
+        speed = run[f"{kind}, times real time"]
+        run[f"{kind}, Y of that time [us]"] = unit
+        run[f"{kind}, period of the loop [Y]"] = CONTROL_PERIOD_S / speed * 1e6 / unit
+        runs.append(run)
+        tell(f"{kind}, run {number + 1} of {rounds}: {speed:.1f} times real time")
+    return {name: statistics.median(run[name] for run in runs) for name in runs[0]}
+
+
+def run_loop(kind: str, seconds: float) -> dict[str, float]:
+    """Speed, start-up and memory of one run, in a process of its own. Raises CommandError if it fails."""
+    with tempfile.TemporaryDirectory(prefix="sojourn-bench-") as folder:
+        command = [sys.executable, "-m", "sojourn_studies.bench", "--child", kind, "--seconds", str(seconds)]
+        command += ["--run-dir", str(Path(folder) / "run"), "--began", repr(time.monotonic())]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise CommandError(f"the bench of {kind} failed: {done.stderr.strip() or done.stdout.strip()}")
+    figures: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
+    return figures
+
+
+def child(given: argparse.Namespace) -> int:
+    """One run of the loop, in a process that `run_loop` has started; prints its figures as JSON."""
+    wishes = [SCENARIO, "--run-dir", given.run_dir, "--domain", str(given.domain)]
+    wishes += ["--set", f"duration_limit_s={given.seconds}"]
+    screen = Screen(Console(file=open(os.devnull, "w")))  # noqa: SIM115 - for the life of the process
+    plan = start.make_plan(start.parser().parse_args(wishes), screen)
+    figures: dict[str, float] = {}
+    if given.child == "composed":
+        from sojourn_bringup.composed import ComposedRun
+
+        composed = ComposedRun(plan, screen)
+        outcome = composed.run()
+        began = composed.stopwatch.began_at
+        figures["composed, memory [MB]"] = _memory_mb()
+    else:
+        from sojourn_bringup.supervisor import Supervisor
+
+        supervisor = Supervisor(plan, screen)
+        outcome = supervisor.run()
+        began = supervisor.stopwatch.began_at
+        for role, node in supervisor.nodes.items():
+            figures[f"processes, memory of {role} [MB]"] = node.peak_memory_mb
+    if not outcome.wall_time_s or outcome.sim_time_s < 0.9 * given.seconds:
+        print(outcome.message, file=sys.stderr)
+        return 1
+    figures[f"{given.child}, times real time"] = outcome.sim_time_s / outcome.wall_time_s
+    figures[f"{given.child}, start-up [s]"] = began - given.began
+    print(json.dumps(figures))
+    return 0
+
+
+def _memory_mb() -> float:
+    fields = Path("/proc/self/statm").read_text().split()
+    return int(fields[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6

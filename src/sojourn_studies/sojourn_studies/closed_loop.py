@@ -1,0 +1,179 @@
+"""Plant, sensors and drive of a scenario in one loop, without ROS: for measurements that need many runs.
+
+The conversions are those of the nodes, so that the drive gets what it would get over the topics, to the last bit, but
+for the power manager: all loads stay on. The drive goes the way that it is given: the camera serves its odometry, and
+the handling of obstacles only where that is asked for. The arm holds its pose.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import Imu
+
+from sojourn_config.scenario import LoadedScenario
+from sojourn_contract import stamps
+from sojourn_contract.barrier import is_due
+from sojourn_contract.hazcam import eye_of
+from sojourn_contract.messages import fill_joint_state, joint_state, quaternion, set_quaternion, set_xyz
+from sojourn_contract.topics import topic
+from sojourn_drive.measurements import WheelMeasurements
+from sojourn_drive.sun import SunSightings
+from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.planning.goal import Goal
+from sojourn_flight.supervision.drive import DriveModel
+from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
+from sojourn_machine.params import FloatArray
+from sojourn_machine.tools import TOOL_JOINT
+from sojourn_physics.plant.faults import HeldAngles, MotorFaults
+from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.state import PlantOutput, PlantState
+from sojourn_physics.plant.step import step as step_plant
+from sojourn_physics.sensors import suite
+from sojourn_plant.commands import Commands
+from sojourn_plant.start import build_plant
+from sojourn_sensors.motion import ImuMotion, MotionBefore
+from sojourn_sensors.sun import SunReadings
+from sojourn_sensors.view import HazardView
+
+STORE = "battery"
+
+
+class ClosedLoop:
+    """A run that is stepped by hand.
+
+    Args:
+        scenario: with its seed: that of the ground and of all sensors.
+        placed: the plant and its first state; None to build them. avoids: whether obstacles are handled.
+    """
+
+    def __init__(
+        self, scenario: LoadedScenario, placed: tuple[PlantModel, PlantState] | None = None, avoids: bool = False
+    ) -> None:
+        self.scenario = scenario
+        self.plant, self.truth = build_plant(scenario) if placed is None else placed
+        params = scenario.drive if avoids else scenario.drive.model_copy(update={"obstacles": None})
+        self.drive = DriveModel(params, scenario.steering, eye_of(scenario), loads=scenario.wheel_loads())
+        self.drive.warm_up()
+        start = scenario.config.start
+        self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
+        self.output: DriveOutput = self.drive.at_rest(self.drive_state)
+        self.told: PlantOutput | None = None
+        """What the plant tells of the last period."""
+        self.period = 0
+        self._wheels = WheelMeasurements(scenario.rover, scenario.urdf_xml)
+        self._view, self._eye = HazardView(scenario), self.drive.eye
+        self._seen = self._view.initial_state()
+        self._sightings, self._sun = SunSightings(scenario), SunReadings(scenario)
+        self._sun_state, self._sighted = self._sun.initial_state(), 0
+        self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
+        self._moved: MotionBefore | None = None
+        self._tilt_rates = (0.0, 0.0)
+        self._faults = MotorFaults(self.plant, scenario.config.faults)
+        self._locked: HeldAngles = {}
+        self._commands = Commands(self.plant)
+        self._held = self._commands.holding(self.truth.motor_angles)
+        self._odometry, self._imu = Odometry(), Imu()
+        self._tell_odometry()
+        self._sensors = suite.initial_state(
+            scenario.sensors,
+            scenario.config.seed,
+            (*self.plant.joints.names, *(() if self.plant.tool is None else (TOOL_JOINT,))),
+            self._with_tool(self.truth.joints[0], 0),
+            (STORE,),
+            self._motion.orientation_imu_in_map(quaternion(self._odometry.pose.pose.orientation)),
+            scenario.gravity,
+        )
+        self._joints = joint_state(self._sensors.layout.joint_names)
+
+    def step(
+        self,
+        goal: Goal | None = None,
+        twist: PlanarTwist | None = None,
+        change: Callable[[DriveInput], DriveInput] = lambda measured: measured,
+    ) -> DriveOutput:
+        """One control period; `goal` and `twist` come in it, and `change` is what becomes of the measurements."""
+        self.period += 1
+        stamp = self.period * stamps.CONTROL_PERIOD_NS
+        measured = self._measure(stamp, goal, None if twist is None else TwistCommand(twist, 0.0))
+        if measured.gyro is not None:
+            self._tilt_rates = measured.gyro[:2]
+        self.drive_state, self.output = self.drive.step(self.drive_state, change(measured), stamps.CONTROL_PERIOD_S)
+        self._move(stamp)
+        return self.output
+
+    def _move(self, stamp: int) -> None:
+        """The plant's part of the period that ends at `stamp` [ns]."""
+        self._held = self._commands.take(self._held, {"/wheel_command": self._wheels.command(stamp, self.output)})
+        asked = self._commands.at(self._held, stamp)
+        command, self._locked = self._faults.on(asked, self._locked, self.truth.joints[0], stamps.seconds(stamp))
+        self.truth, self.told = step_plant(self.plant, self.truth, command)
+
+    @property
+    def true_pose(self) -> tuple[float, float, float]:
+        """x, y [m] and heading [rad] of base_link in map."""
+        x_axis = pin.Quaternion(self.truth.configuration[3:7]).toRotationMatrix()[:, 0]
+        x, y = self.truth.configuration[:2]
+        return float(x), float(y), float(np.arctan2(x_axis[1], x_axis[0]))
+
+    @property
+    def tilt_rates(self) -> tuple[float, float]:
+        """Angular velocity of base_link about its x and y axes, as last measured [rad/s]."""
+        return self._tilt_rates
+
+    @property
+    def true_slip(self) -> FloatArray:
+        """Slip of each wheel in the last period, counted on its grouser tips, as the drive does [-].
+
+        The plant counts it on the rim.
+        """
+        wheels = self.scenario.rover.wheels
+        if self.told is None:
+            return np.zeros(len(wheels))
+        tips = np.array([wheel.shear_radius / wheel.radius for wheel in wheels])
+        told = self.told.contacts[: len(wheels), 4]
+        over_rim = np.where(told >= 0.0, 1.0 - told, 1.0 / np.maximum(1.0 + told, 1e-3))  # ground over rim
+        over_tips = over_rim / tips
+        return np.asarray(np.where(over_tips <= 1.0, 1.0 - over_tips, 1.0 / np.maximum(over_tips, 1.0) - 1.0))
+
+    def _measure(self, stamp: int, goal: Goal | None, twist: TwistCommand | None) -> DriveInput:
+        self._tell_odometry()
+        self._moved, motion = self._motion.felt(self._moved, self._odometry, stamps.CONTROL_PERIOD_S)
+        efforts = self.plant.efforts if self.told is None else self.told.efforts
+        truth = suite.SensorTruth(
+            joint_position=self._with_tool(self.truth.joints[0], 0),
+            joint_effort=self._with_tool(efforts, 1),
+            angular_velocity_imu_in_imu=motion.angular_velocity,
+            specific_force_imu_in_imu=motion.specific_force,
+            bus_voltage=np.array([28.0]),
+            bus_current=np.zeros(1),
+            bus_temperature=np.array([293.0]),
+        )
+        self._sensors, read = suite.step(self.scenario.sensors, self._sensors, truth, stamps.CONTROL_PERIOD_S)
+        joints = fill_joint_state(self._joints, stamp, read.joint_position, read.joint_velocity, read.joint_effort)
+        set_quaternion(self._imu.orientation, read.imu.orientation)
+        set_xyz(self._imu.angular_velocity, read.imu.angular_velocity)
+        set_xyz(self._imu.linear_acceleration, read.imu.specific_force)
+        sun = None
+        if is_due(topic("/sun_direction"), self.period):
+            self._sun_state, reading = self._sun.reading(self._sun_state, stamp, self.truth.configuration[3:7])
+            sun, self._sighted = self._sightings.sighting(stamp, self._sun.message(stamp, reading), self._sighted)
+        measured = self._wheels.drive_input(joints, self._imu, twist, goal, 1.0, sun)
+        if self._eye is not None and is_due(topic("/hazcam/points"), self.period):
+            position, orientation = self.truth.configuration[:3], self.truth.configuration[3:7]
+            self._seen, cloud = self._view.look(self._seen, position, orientation)
+            measured = replace(measured, cloud=cloud.astype(np.float64))
+        return measured
+
+    def _with_tool(self, of_joints: FloatArray, place: int) -> FloatArray:
+        """What the sensors measure of the joints and, at the end, of the tool: position (0) or effort (1)."""
+        tool = self.truth.tool
+        return of_joints if tool is None else np.append(of_joints, (tool.position, tool.effort)[place])
+
+    def _tell_odometry(self) -> None:
+        set_xyz(self._odometry.pose.pose.position, self.truth.configuration[:3])
+        set_quaternion(self._odometry.pose.pose.orientation, self.truth.configuration[3:7])
+        set_xyz(self._odometry.twist.twist.linear, self.truth.velocity[:3])
+        set_xyz(self._odometry.twist.twist.angular, self.truth.velocity[3:6])

@@ -1,0 +1,69 @@
+"""Has every kernel compiled and kept, so that no run waits for the compiler: one step of each model of a scenario."""
+
+import numpy as np
+
+from sojourn_analysis.arm.workspace import tip_samples
+from sojourn_analysis.vehicle.law_wheel import LawWheel
+from sojourn_analysis.wheels.wheel_bench import measure
+from sojourn_config.arms import load_arm
+from sojourn_config.load import load_params
+from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_contract.hazcam import eye_of
+from sojourn_flight.arm import controller
+from sojourn_flight.arm.inverse import pose_goal
+from sojourn_flight.arm.model import build_arm_model
+from sojourn_flight.arm.spline_path import spline_through
+from sojourn_flight.arm.time_optimal import MotionLimits, fastest_timing
+from sojourn_flight.power_manager import law as manager
+from sojourn_flight.supervision.drive import DriveModel
+from sojourn_physics.contact.wheel_shape import WheelShape
+from sojourn_physics.plant.state import zeros_command
+from sojourn_physics.plant.step import step
+from sojourn_physics.sensors import hazcam, suite
+from sojourn_physics.soil.params import SoilParams
+from sojourn_plant.start import build_plant
+
+SCENARIO = "lunar_sample"
+"""Has all kinds of ground in it."""
+
+
+def main() -> None:
+    """Compile; prints nothing, takes about a minute the first time and some seconds after."""
+    scenario = load_scenario(SCENARIO)
+    _step_plant(scenario)
+    suite.warm_up(scenario.sensors, scenario.gravity)
+    _look_and_drive(scenario)
+    wheel = load_params("wheels", "explorer", WheelShape)
+    measure(wheel, load_params("soils", "cmu_sand", SoilParams), load=50.0, slips_of_carriage=[0.2])
+    LawWheel(scenario.rover.wheels[0], scenario.soil, scenario.gravity, greatest=0.005).forces(50.0, 0.1)
+    arm = scenario.carried_arm()
+    controller.warm_up(arm, build_arm_model(scenario.urdf_xml, arm))
+    manager.warm_up(scenario.power_manager)
+    _use_arm()
+
+
+def _use_arm() -> None:
+    arm = load_arm("puma560")
+    pose_goal(arm, np.array([0.5, 0.1, 0.6]), np.eye(3))
+    tip_samples(arm.chain, np.zeros((1, arm.joint_count)))
+    path = spline_through(np.stack([arm.lower, arm.upper]), np.array([0.0, 1.0]))
+    limits = MotionLimits(arm.max_velocity, np.ones(arm.joint_count), arm.max_effort)
+    fastest_timing(arm, path, limits, np.zeros(3), intervals=10)
+
+
+def _look_and_drive(scenario: LoadedScenario) -> None:
+    params = scenario.sensors.hazcam
+    if params is not None:
+        camera = hazcam.hazcam_on(params, scenario.urdf_xml)
+        state = hazcam.initial_state(camera, scenario.config.seed)
+        hazcam.step(camera, state, scenario.height_field(), np.zeros(3), np.eye(3))
+    DriveModel(scenario.drive, scenario.steering, eye_of(scenario), loads=scenario.wheel_loads()).warm_up()
+
+
+def _step_plant(scenario: LoadedScenario) -> None:
+    model, state = build_plant(scenario)
+    step(model, state, zeros_command(len(model.joints.names), len(model.bus.loads)))
+
+
+if __name__ == "__main__":
+    main()

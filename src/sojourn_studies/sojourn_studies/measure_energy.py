@@ -1,0 +1,130 @@
+"""Measures in the plant what driving costs: the figures of `energy:` in config/nodes/drive.yaml.
+
+    scripts/lib/python -m sojourn_studies.measure_energy --rover explorer
+
+Plant, sensors and drive run in one loop without ROS (closed_loop). The machine goes straight to a goal on planes of the
+scenario's soil, up and down; energy and time for each metre of way are those between the first 1.5 m, after which rear
+wheels run in the ruts of the front ones, and the last half metre. Energy is that of the loads `drive` and `steer` at
+the bus: motors, gears, soil and grade together. The cost of a stop is what the whole drive takes more than its metres.
+A turn on the spot is measured twice: what a larger angle takes more is the cost of a radian, the rest that of a turn;
+a machine that does not turn on the spot has none. A fast one needs more way to speed up and to brake.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from sojourn_config import command_line
+from sojourn_config.command_errors import CommandError
+from sojourn_config.scenario import LoadedScenario
+from sojourn_flight.planning.goal import Goal
+from sojourn_flight.supervision.drive_types import DriveOutput
+from sojourn_studies.closed_loop import ClosedLoop
+from sojourn_studies.measure_slip import on_plane
+
+GRADES_DEG = (-8.0, -4.0, 0.0, 4.0, 8.0)
+FIRST, MEASURED, LAST = 1.5, 4.0, 0.5
+TURNS = (0.25 * math.pi, 0.75 * math.pi)
+MOTION = ("drive", "steer")
+
+
+class Spent(NamedTuple):
+    """Energy of drive and steering, that of all other loads [J], and time [s]."""
+
+    motion: float = 0.0
+    house: float = 0.0
+    seconds: float = 0.0
+
+    def since(self, earlier: "Spent") -> "Spent":
+        """What came after an earlier reading."""
+        return Spent(*(now - then for now, then in zip(self, earlier, strict=True)))
+
+
+class MeteredLoop(ClosedLoop):
+    """A closed loop with a meter at its bus."""
+
+    def __init__(self, scenario: LoadedScenario) -> None:
+        super().__init__(scenario)
+        self.spent = Spent()
+        self._moves = [load.name in MOTION for load in self.plant.bus.loads]
+
+    def tick(self, goal: Goal | None = None) -> DriveOutput:
+        """One period, with what it took."""
+        output = self.step(goal=goal)
+        powers = self.told.load_power if self.told is not None else ()
+        motion = sum(float(power) for power, moves in zip(powers, self._moves, strict=True) if moves)
+        period = self.plant.simulation.control_period
+        spent, total = self.spent, float(sum(powers))
+        self.spent = Spent(
+            spent.motion + motion * period, spent.house + (total - motion) * period, spent.seconds + period
+        )
+        return output
+
+    def to_go(self) -> float:
+        """Along the path [m]."""
+        return self.drive_state.follower.distance_to_go if self.drive_state.follower is not None else 0.0
+
+    def reach(self, output: DriveOutput) -> None:
+        """Go on to the end. Raises CommandError if the goal is not reached."""
+        while not output.outcomes:
+            output = self.tick()
+        (outcome,) = output.outcomes
+        if outcome.kind != "reached":
+            raise CommandError(f"{self.scenario.name}: {outcome.kind}, {outcome.reason}")
+
+
+def on_grade(scenario: str, overrides: Sequence[str], grade_deg: float) -> tuple[Spent, Spent]:
+    """For a metre of way on a grade, and for starting and stopping once."""
+    loop = MeteredLoop(on_plane(scenario, overrides, abs(grade_deg), 0.0 if grade_deg > 0.0 else 180.0))
+    limits = loop.scenario.drive.limits
+    first, last = max(FIRST, limits.max_speed**2 / limits.max_acceleration), max(LAST, limits.max_speed**2)
+    output, origin = loop.tick(Goal.at(first + MEASURED + last, 0.0)), loop.truth.configuration[:3]
+    while loop.to_go() > MEASURED + last:
+        output = loop.tick()
+    begin, start = loop.spent, loop.truth.configuration[:3]
+    while loop.to_go() > last:
+        output = loop.tick()
+    part = loop.spent.since(begin)
+    way = math.dist(loop.truth.configuration[:3], start)
+    metre = Spent(*(value / way for value in part))
+    loop.reach(output)
+    whole = math.dist(loop.truth.configuration[:3], origin)
+    return metre, loop.spent.since(Spent(*(value * whole for value in metre)))
+
+
+def turning(scenario: str, overrides: Sequence[str]) -> tuple[Spent, Spent]:
+    """For a radian of a turn on the spot, and for setting the wheels for it."""
+    found = []
+    for angle in TURNS:
+        loop = MeteredLoop(on_plane(scenario, overrides, 0.0, 0.0))
+        if not loop.drive.turning.on_the_spot:
+            return Spent(), Spent()
+        loop.reach(loop.tick(Goal.at(0.0, 0.0, angle)))
+        found.append(loop.spent)
+    radian = Spent(*(value / (TURNS[1] - TURNS[0]) for value in found[1].since(found[0])))
+    return radian, found[0].since(Spent(*(value * TURNS[0] for value in radian)))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure and print, as config/nodes/drive.yaml has it."""
+    parser = command_line.Parser(prog="measure_energy", description="Measure what driving costs.")
+    parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
+    command_line.add_rover(parser)
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+    given = parser.parse_args(arguments)
+    overrides = [*given.set, *([] if given.rover is None else [f"rover={given.rover}"])]
+    grades = {grade: on_grade(given.scenario, overrides, grade) for grade in GRADES_DEG}
+    print(f"grades_deg: {list(GRADES_DEG)}")
+    print(f"energy_per_metre: {[round(metre.motion, 1) for metre, _ in grades.values()]}")
+    print(f"time_per_metre: {[round(metre.seconds, 2) for metre, _ in grades.values()]}")
+    metre, stop = grades[0.0]
+    print(f"stop_energy: {stop.motion:.1f}\nstop_time: {stop.seconds:.1f}")
+    print(f"house_power: {metre.house / metre.seconds:.1f}")
+    radian, turn = turning(given.scenario, overrides)
+    print(f"turn_energy: {turn.motion:.1f}\nturn_time: {turn.seconds:.1f}")
+    print(f"energy_per_radian: {radian.motion:.1f}\ntime_per_radian: {radian.seconds:.2f}")
+    return 0
+
+
+if __name__ == "__main__":
+    command_line.run_script(main)

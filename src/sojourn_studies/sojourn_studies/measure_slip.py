@@ -1,0 +1,88 @@
+"""Measures in the plant what the odometry expects of the slip, for `odometry:` in a rover's file in config/nodes.
+
+    scripts/lib/python -m sojourn_studies.measure_slip --rover explorer
+
+The machine drives straight ahead on planes of the scenario's soil, up, down and across, at a steady rate of its wheels
+near its top speed. Slip is the part of the travel of the grouser tips that does not become way; side slip is the way
+aside over the way ahead, both as the machine is headed. They are means over the way after the first metres, so that
+rear wheels run in the ruts of the front ones.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from sojourn_config import command_line
+from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_physics.plant.state import zeros_command
+from sojourn_physics.plant.step import step
+from sojourn_plant.start import build_plant
+
+GRADES_DEG = (-8.0, -4.0, 0.0, 4.0, 8.0)
+ACROSS_DEG = (2.0, 4.0, 8.0)
+PART_OF_SPEED = 0.8
+"""Speed of the rims as a part of the largest speed that the drive may ask for [-]."""
+BEGIN, LENGTH = 2.0, 3.0
+"""Travel of the rims [m] at full speed before the measurement, and in it."""
+
+
+def on_plane(scenario: str, overrides: Sequence[str], slope_deg: float, uphill_deg: float) -> LoadedScenario:
+    """The scenario on a plane instead of its own ground."""
+    plane = ["terrain.kind=flat"]
+    if slope_deg:
+        plane = ["terrain.kind=slope", f"terrain.slope_deg={slope_deg}", f"terrain.slope_direction_deg={uphill_deg}"]
+    start = ["start.x=0.0", "start.y=0.0", "start.yaw=0.0", "steps=[]"]
+    return load_scenario(scenario, [*overrides, "terrain.size_x=80.0", "terrain.size_y=20.0", *plane, *start])
+
+
+def drive(scenario: LoadedScenario) -> tuple[float, float]:
+    """Slip along and way to the left over way ahead [-]."""
+    model, state = build_plant(scenario)
+    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command.reference[0] = state.motor_angles
+    wheels = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
+    radii = np.array([wheel.shear_radius for wheel in model.machine.wheels])
+    speed = PART_OF_SPEED * scenario.drive.limits.max_speed
+    speeding_up = speed / scenario.drive.limits.max_acceleration
+    period = model.simulation.control_period
+    for number in range(round((2.0 * speeding_up + BEGIN / speed) / period)):
+        command.reference[1, wheels] = min(number * period / speeding_up, 1.0) * speed / radii
+        state, _ = step(model, state, command)
+    angles = state.joints[0, wheels].copy()
+    way = np.zeros(2)
+    for _ in range(round(LENGTH / speed / period)):
+        before = state.configuration[:3]
+        state, _ = step(model, state, command)
+        moved = pin.Quaternion(state.configuration[3:7]).toRotationMatrix().T @ (state.configuration[:3] - before)
+        way += moved[:2]
+    turned = float(np.mean(radii * (state.joints[0, wheels] - angles)))
+    return 1.0 - float(way[0]) / turned, float(way[1] / way[0])
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure and print."""
+    parser = command_line.Parser(prog="measure_slip", description="Measure the slip that the odometry should expect.")
+    parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
+    command_line.add_rover(parser)
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+    given = parser.parse_args(arguments)
+    overrides = [*given.set, *([] if given.rover is None else [f"rover={given.rover}"])]
+    slips = {}
+    for grade in GRADES_DEG:
+        slips[grade], _ = drive(on_plane(given.scenario, overrides, abs(grade), 0.0 if grade > 0.0 else 180.0))
+        print(f"grade {grade:+.0f} deg: slip {slips[grade]:.3f}", flush=True)
+    rise = math.tan(math.radians(4.0))
+    print(f"mean_slip: {slips[0.0]:.3f}")
+    print(f"slip_per_grade: {(slips[4.0] - slips[-4.0]) / (2.0 * rise):.2f}")
+    for slope in ACROSS_DEG:
+        _, aside = drive(on_plane(given.scenario, overrides, slope, 90.0))
+        print(
+            f"across {slope:.0f} deg: side slip for each grade {-aside / math.tan(math.radians(slope)):.2f}", flush=True
+        )
+    return 0
+
+
+if __name__ == "__main__":
+    command_line.run_script(main)

@@ -1,0 +1,304 @@
+"""Tasks over the arm's laws: one goal at a time, what ends a guided motion, and the force loop in its limits."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sojourn_config.scenario import load_scenario
+from sojourn_flight.arm.dynamics import rigid_effort
+from sojourn_flight.arm.force_control import ForceControlParams, force_speed, hybrid_velocity, impedance_velocity
+from sojourn_flight.arm.goals import NamedGoal, StopGoal
+from sojourn_flight.arm.kinematics import forward_kinematics
+from sojourn_flight.arm.model import build_arm_model
+from sojourn_flight.arm.motion_load import motor_efforts, power_drawn
+from sojourn_flight.arm.state import ArmInput
+from sojourn_flight.arm.tasks import task_control
+from sojourn_flight.arm.tasks.contact_sense import sensor_rotation
+from sojourn_flight.arm.tasks.guided_pace import GuidedPace, PaceLimits, next_pace
+from sojourn_flight.arm.tasks.requests import parse_task
+
+SCENARIO = load_scenario("flat_drive")
+PARAMS = SCENARIO.arm
+ARM = build_arm_model(SCENARIO.urdf_xml, PARAMS)
+GRAVITY = np.array([0.0, 0.0, -1.62])
+DT = 0.02
+
+
+class IdealArm:
+    """Joints that are where they are told to be; the ground's force on the tool is given by hand."""
+
+    def __init__(self) -> None:
+        self.joints = np.array(PARAMS.named_poses["unfold"])
+        self.rates = np.zeros(5)
+        self.force = np.zeros(3)
+        self.feels, self.allowed = True, True
+        self.granted: float | None = None
+        self.power: list[float] = []
+        self.state = task_control.initial_state(PARAMS, ARM)
+        self.tips: list[np.ndarray] = []
+        self.period()
+
+    def period(self, goal: Any = None, task: Any = None) -> None:
+        tip = forward_kinematics(ARM, self.joints)
+        self.tips.append(tip.position)
+        wrench = self.state.sense.tool_load(ARM, tip, GRAVITY)
+        wrench[:3] += sensor_rotation(ARM, tip).T @ self.force
+        reason = "" if self.allowed else "a test"
+        arm = ArmInput(self.joints, self.rates, GRAVITY, goal, self.allowed, reason, granted_power=self.granted)
+        inputs = task_control.TaskInput(arm, task, wrench if self.feels else None)
+        self.state, self.said, self.report = task_control.step(PARAMS, ARM, self.state, inputs, DT)
+        assert np.all(np.abs(self.said.velocities) <= ARM.max_velocity + 1e-9)
+        assert np.all(np.abs(self.said.velocities - self.rates) <= 1.5 * ARM.max_acceleration * DT + 1e-9)
+        self.joints, self.rates = self.said.positions.copy(), self.said.velocities.copy()
+        outside = -tip.jacobian[:3].T @ self.force
+        rigid = rigid_effort(ARM, self.joints, self.rates, np.zeros(5), GRAVITY) + outside
+        motor = motor_efforts(PARAMS, rigid[None, :], self.rates[None, :])
+        self.power.append(float(power_drawn(PARAMS, motor, self.rates[None, :])[0]))
+
+    def run(self, seconds: float) -> None:
+        for _ in range(round(seconds / DT)):
+            self.period()
+
+    def start(self, name: str, **numbers: Any) -> None:
+        self.period(task=parse_task(name, numbers))
+
+
+@pytest.fixture
+def arm() -> IdealArm:
+    return IdealArm()
+
+
+def test_a_guarded_move_runs_straight_at_its_speed(arm: IdealArm) -> None:
+    arm.start("guarded_move", distance=0.08, speed=0.01)
+    arm.run(5.0)
+    tips = np.array(arm.tips[3:])
+    steps = np.linalg.norm(np.diff(tips, axis=0), axis=1) / DT
+    assert steps.max() <= 0.0101 and steps[20:].min() > 0.0099
+    assert np.abs(tips[:, :2] - tips[0, :2]).max() < 1e-4
+    assert arm.report.doing.state == "moving" and 0.5 < arm.report.doing.progress < 0.7
+
+
+@pytest.mark.parametrize("goal", [StopGoal(), NamedGoal("stow")], ids=["stop", "goal"])
+def test_a_goal_or_a_stop_replaces_a_task(arm: IdealArm, goal: Any) -> None:
+    arm.start("guarded_move")
+    arm.run(0.5)
+    arm.period(goal=goal)
+    assert arm.report is None and arm.said.status == "moving"
+    arm.run(30.0)
+    assert arm.said.status in ("stopped", "reached") and not arm.rates.any()
+
+
+def test_a_second_task_is_refused_or_replaces_as_it_asks(arm: IdealArm) -> None:
+    arm.start("guarded_move")
+    arm.start("stow")
+    assert arm.report.name == "guarded_move" and arm.said.goals_refused == 1
+    assert "guarded_move is under way" in arm.said.reason
+    arm.start("stow", preempt=True)
+    assert arm.report.name == "stow"
+    arm.run(30.0)
+    assert arm.report.doing.state == "reached"
+    assert np.allclose(arm.joints, PARAMS.named_poses["stow"], atol=1e-3)
+    assert arm.said.goals_accepted == 2
+
+
+def test_too_much_force_is_given_way_to(arm: IdealArm) -> None:
+    arm.start("guarded_move", force=60.0)
+    arm.run(1.0)
+    arm.force = np.array([0.0, 0.0, 90.0])
+    arm.run(0.1)
+    assert arm.report.doing.state == "failed" and "contact force 90 N" in arm.report.doing.reason
+    height = arm.tips[-1][2]
+    arm.run(1.0)
+    assert arm.tips[-1][2] > height + 0.005, "away from what presses"
+
+
+def test_without_leave_to_move_a_task_ends_and_the_arm_stops(arm: IdealArm) -> None:
+    arm.start("guarded_move")
+    arm.run(1.0)
+    arm.allowed = False
+    arm.run(1.0)
+    assert arm.report.doing.state == "failed" and "not allowed to move: a test" in arm.report.doing.reason
+    assert not arm.rates.any()
+    arm.start("stow")
+    assert arm.said.goals_refused == 1
+
+
+def test_a_pause_rests_in_the_middle_of_a_task_and_resuming_goes_on(arm: IdealArm) -> None:
+    """Of a guided motion, and of one that a task has planned; another task meanwhile is refused."""
+    arm.start("guarded_move", distance=0.08, speed=0.01)
+    arm.run(2.0)
+    arm.start("pause")
+    arm.run(0.5)
+    here = arm.tips[-1]
+    assert arm.report is None and arm.said.status == "paused" and "resume goes on" in arm.said.reason
+    arm.start("pause")
+    assert "paused already" in arm.said.reason
+    arm.start("stow")
+    assert "guarded_move is under way" in arm.said.reason
+    arm.run(5.0)
+    assert arm.tips[-1] == pytest.approx(here, abs=1e-5)
+    arm.start("resume")
+    arm.run(2.0)
+    assert arm.report is not None and arm.report.doing.state == "moving"
+    assert 0.015 < here[2] - arm.tips[-1][2] < 0.021
+
+    arm.start("stow", preempt=True)
+    arm.run(1.0)
+    arm.start("pause")
+    arm.run(2.0)
+    assert arm.said.status == "paused" and not arm.rates.any()
+    arm.start("resume")
+    arm.run(30.0)
+    assert arm.report.name == "stow" and arm.report.doing.state == "reached"
+    arm.start("resume")
+    assert "no motion is paused" in arm.said.reason
+
+
+def test_a_lost_contact_is_sought_with_bounded_speed(arm: IdealArm) -> None:
+    arm.start("hold_force", force=20.0, distance=0.1)
+    arm.force = np.array([0.0, 0.0, 20.0])
+    arm.run(0.5)
+    here = arm.tips[-1][2]
+    arm.run(0.5)
+    assert arm.tips[-1][2] == pytest.approx(here, abs=1e-5)
+    arm.force = np.zeros(3)
+    arm.run(2.0)
+    assert 0.003 < here - arm.tips[-1][2] < 2.0 * PARAMS.force_control.max_speed
+
+
+def test_a_sensor_that_falls_silent_ends_the_task(arm: IdealArm) -> None:
+    arm.start("guarded_move")
+    arm.run(0.5)
+    arm.feels = False
+    arm.run(0.5)
+    assert arm.report.doing.state == "failed" and "says nothing" in arm.report.doing.reason
+    assert not arm.rates.any()
+
+
+def test_a_tare_takes_the_bias_out(arm: IdealArm) -> None:
+    arm.force = np.array([0.4, -0.3, 0.5])  # of the sensor, the tool hanging free
+    arm.start("tare", seconds=0.5)
+    arm.run(1.0)
+    assert arm.report.doing.state == "reached"
+    arm.start("guarded_move", force=5.0)
+    arm.run(0.5)
+    assert arm.report.doing.figures["contact_force_n"] == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(("ratio", "stable"), [(0.9, True), (1.1, False)])
+def test_the_force_loop_is_stable_up_to_its_bound(ratio: float, stable: bool) -> None:
+    """k T/D < π/2 for a contact of stiffness k with a dead time T: by simulation of small errors."""
+    params = ForceControlParams(damping=1000.0, deadband=0.0, max_speed=1.0)
+    delay, dt = 200, 1e-3
+    stiffness = ratio * 0.5 * math.pi * params.damping / (delay * dt)
+    place, old = 0.0, [1.0] * delay
+    errors = []
+    for _ in range(20000):
+        place += dt * force_speed(params, 10.0, old[0])
+        old = [*old[1:], stiffness * place]
+        errors.append(abs(stiffness * place - 10.0))
+    assert (max(errors[-2000:]) < 0.5 * max(errors[2000:4000])) == stable
+
+
+def test_hybrid_control_keeps_force_and_motion_apart() -> None:
+    params, direction = ForceControlParams(), np.array([0.0, 0.6, -0.8])
+    along = np.array([0.01, 0.02, 0.03])
+    velocity = hybrid_velocity(params, direction, 20.0, -20.0 * direction, along)
+    assert velocity @ direction == pytest.approx(0.0, abs=1e-15)
+    assert velocity == pytest.approx(along - (along @ direction) * direction)
+    pressing = hybrid_velocity(params, direction, 20.0, np.zeros(3), np.zeros(3))
+    assert pressing == pytest.approx((20.0 - params.deadband) / params.damping * direction)
+
+
+def test_impedance_is_that_of_mass_spring_and_damper() -> None:
+    """Against the closed form of the step response, critically damped."""
+    mass, stiffness, force, dt = 2.0, 200.0, 10.0, 1e-4
+    damping = 2.0 * math.sqrt(mass * stiffness)
+    place = speed = 0.0
+    for _ in range(3000):
+        speed = impedance_velocity(mass, damping, stiffness, place, speed, force, dt)
+        place += dt * speed
+    time, rate = 3000 * dt, math.sqrt(stiffness / mass)
+    assert place == pytest.approx(force / stiffness * (1.0 - (1.0 + rate * time) * math.exp(-rate * time)), rel=2e-3)
+
+
+def test_a_guided_motion_is_slower_while_less_power_is_granted(arm: IdealArm) -> None:
+    """It used to run at its speed whatever was granted."""
+    arm.start("guarded_move", distance=0.2, speed=0.02, direction="0 0 1")
+    arm.run(2.0)
+    full, still = max(arm.power), arm.power[0]
+    arm.granted = still + 0.4 * (full - still)
+    arm.run(0.5)
+    first = len(arm.power)
+    arm.run(3.0)
+    assert max(arm.power[first:]) <= arm.granted * 1.001
+    speeds = np.linalg.norm(np.diff(arm.tips, axis=0), axis=1) / DT
+    assert 0.15 * 0.02 < speeds[first:].max() < 0.8 * 0.02
+    share = speeds[-1] / 0.02
+    assert f"slower, at {100.0 * share:.0f} % of the speed planned" in arm.report.doing.reason
+    arm.granted = 0.5 * still
+    arm.run(1.0)
+    assert "waits" in arm.report.doing.reason and np.abs(arm.rates).max() < 1e-9 and arm.report.doing.state == "moving"
+    arm.granted = None
+    arm.run(10.0)
+    assert arm.report.doing.reason == "no contact of 10 N within 200 mm"
+    assert np.abs(np.array(arm.tips)[:, :2] - arm.tips[0][:2]).max() < 2e-4, "on its line all the way"
+
+
+def test_an_arm_that_must_give_way_is_not_held_up_by_the_power_granted(arm: IdealArm) -> None:
+    arm.start("guarded_move", force=60.0)
+    arm.run(1.0)
+    arm.granted = 1e-6
+    arm.force = np.array([0.0, 0.0, 90.0])
+    arm.run(0.1)
+    height = arm.tips[-1][2]
+    arm.run(1.0)
+    assert arm.tips[-1][2] > height + 0.005
+
+
+def test_pausing_going_on_and_slowing_a_guided_motion_keeps_the_jerk_of_the_joints(arm: IdealArm) -> None:
+    """A pause used to be a step of acceleration: third differences of the reference,
+    to which the gears' twist and play are added."""
+    arm.start("guarded_move", distance=0.3, speed=0.04, direction="0 0 1")
+    arm.run(1.5)
+    places = [arm.state.arm.reference.position]
+    full, still = max(arm.power), arm.power[0]
+    for task, granted in (("pause", None), ("resume", None), ("", still + 0.4 * (full - still)), ("", None)):
+        arm.granted = granted
+        if task:
+            arm.start(task)
+            places.append(arm.state.arm.reference.position)
+        for _ in range(60):
+            arm.period()
+            places.append(arm.state.arm.reference.position)
+        if task == "pause":
+            assert np.abs(arm.rates).max() < 1e-9
+    assert np.all(np.abs(np.diff(places, 2, axis=0)) / DT**2 <= ARM.max_acceleration)
+    assert np.all(np.abs(np.diff(places, 3, axis=0)) / DT**3 <= ARM.max_jerk)
+    speeds = np.linalg.norm(np.diff(arm.tips, axis=0), axis=1) / DT
+    assert speeds[-1] == pytest.approx(0.04, rel=1e-3)
+
+
+@given(
+    wanted=st.lists(st.tuples(st.floats(0.0, 1.0), st.integers(1, 80)), min_size=1, max_size=8),
+    change=st.floats(0.2, 10.0),
+    sharpness=st.floats(0.5, 100.0),
+)
+@settings(max_examples=100, deadline=None)
+def test_the_pace_of_a_guided_motion_comes_to_what_is_wanted_within_its_limits(
+    wanted: Any, change: float, sharpness: float
+) -> None:
+    pace, limits = GuidedPace(), PaceLimits(change, sharpness)
+    rows = [1.0] * 3
+    for share, periods in (*wanted, (wanted[-1][0], 1500)):
+        for _ in range(periods):
+            pace = next_pace(pace, share, limits, DT)
+            rows.append(pace.share)
+    assert pace == GuidedPace(wanted[-1][0], 0.0)
+    assert np.abs(np.diff(rows)).max() <= change * DT * (1.0 + 1e-9)
+    assert np.abs(np.diff(rows, 2)).max() <= sharpness * DT**2 * (1.0 + 1e-6) + 1e-9
+    assert min(rows) >= 0.0 and max(rows) <= 1.0

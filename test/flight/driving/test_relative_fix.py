@@ -1,0 +1,67 @@
+"""The update with a way from the key frame: it must hold afterwards, and what it is not about must stay."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sojourn_flight.odometry.odometry import OdometryState, initial_odometry
+from sojourn_flight.odometry.relative_fix import fix_way
+from sojourn_flight.supervision.params import DriveParams
+
+SINCE = (0.1, 0.0)
+
+
+def believed(params: DriveParams, yaw: float, seed: int, sigma: float = 0.02) -> OdometryState:
+    """A pose a metre from its key frame, all errors correlated, of about `sigma`."""
+    factor = np.random.default_rng(seed).standard_normal((9, 9))
+    start = initial_odometry(params.odometry, 1.0, -2.0, yaw, key_frames=True)
+    key = np.array((1.0 - math.cos(yaw + 0.3), -2.0 - math.sin(yaw + 0.3), yaw))
+    return replace(start, key=key, covariance=sigma**2 * factor @ factor.T / 9.0)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(-3.0, 3.0), st.floats(-0.01, 0.01), st.floats(-0.01, 0.01), st.integers(0, 50))
+def test_a_way_without_error_holds_after_the_update(
+    drive_params: DriveParams, yaw: float, off_x: float, off_y: float, seed: int
+) -> None:
+    """Whatever the covariance: position, key frame and its heading move until the way between is the one seen."""
+    assert drive_params.terrain_match is not None
+    odometry = believed(drive_params, yaw, seed)
+    way = np.array((math.cos(0.3) + off_x, math.sin(0.3) + off_y))
+    fixed = fix_way(drive_params.terrain_match, odometry, way, 1e12 * np.eye(2), SINCE).odometry
+    assert fixed is not None and fixed.key is not None
+    x, y, heading = fixed.key
+    apart = np.array((fixed.x - x, fixed.y - y))
+    c, s = math.cos(heading), math.sin(heading)
+    np.testing.assert_allclose((c * apart[0] + s * apart[1], c * apart[1] - s * apart[0]), way, atol=5e-4)
+    assert np.linalg.eigvalsh(fixed.covariance).min() > -1e-12
+
+
+def test_one_direction_alone_leaves_the_other(drive_params: DriveParams) -> None:
+    """Information along the key frame's x axis only, independent errors: nothing is learnt across it."""
+    assert drive_params.terrain_match is not None
+    odometry = believed(drive_params, 0.0, 1)
+    odometry = replace(odometry, covariance=np.diag(np.diag(odometry.covariance)))
+    trust = drive_params.terrain_match.model_copy(update={"slip_walk": 0.0})
+    way = np.array((odometry.x - odometry.key[0] + 0.01, 0.0)) if odometry.key is not None else np.zeros(2)
+    fixed = fix_way(trust, odometry, way, np.diag((1e6, 0.0)), SINCE).odometry
+    assert fixed is not None
+    assert fixed.x > odometry.x + 0.003
+    assert fixed.y == pytest.approx(odometry.y, abs=1e-12)
+    assert fixed.covariance[1, 1] == pytest.approx(odometry.covariance[1, 1])
+
+
+def test_what_no_slip_explains_is_refused(drive_params: DriveParams) -> None:
+    """A way of 0.1 m since the last match, and one that is 0.5 m off; one that is 0.06 m off is another slip."""
+    assert drive_params.terrain_match is not None
+    odometry = believed(drive_params, 0.0, 2, sigma=0.003)
+    seen = np.array((math.cos(0.3), math.sin(0.3)))
+    far = fix_way(drive_params.terrain_match, odometry, seen - (0.5, 0.0), 1e5 * np.eye(2), SINCE)
+    assert far.odometry is None and far.off == pytest.approx(0.5)
+    slip = fix_way(drive_params.terrain_match, odometry, seen - (0.06, 0.0), 1e5 * np.eye(2), SINCE)
+    assert slip.odometry is not None and slip.widened
+    assert slip.odometry.slip_error == pytest.approx(0.6, abs=0.15)

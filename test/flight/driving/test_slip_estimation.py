@@ -1,0 +1,354 @@
+"""Slip: the belief inverted, loads against statics, the speed filter against many made-up drives, wheels in trouble."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+from scipy.stats import chi2
+
+from sojourn_analysis.vehicle.wheel_loads import StandingMachine
+from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
+from sojourn_flight.mobility.wheel_load_map import wheel_load_map
+from sojourn_flight.odometry import speed_filter
+from sojourn_flight.odometry.slip_estimation import (
+    SlipInput,
+    SlipModel,
+    SlipState,
+    estimate_slip,
+    further_slip,
+    slip_status,
+    trouble,
+)
+from sojourn_flight.odometry.slip_params import SlipParams
+from sojourn_flight.odometry.traction import believed_slip, coefficient, in_rut, slope
+from sojourn_flight.supervision.params import SteeringGeometryParams
+from sojourn_machine.params import FloatArray
+
+CURVES = np.array([[0.58, 0.40, 0.06], [0.58, 0.59, 0.01]])
+KINDS = np.array([0, 0, 1, 1, 1, 1])
+DT = 0.02
+GRAVITY = 1.625
+
+
+@settings(deadline=None)
+@given(st.floats(-0.5, 0.95), st.lists(st.floats(1.0, 20.0), min_size=6, max_size=6))
+def test_the_belief_gives_back_the_slip_that_makes_its_torques(slip: float, loads: list[float]) -> None:
+    levers = np.array(loads)
+    torques = levers * np.array([coefficient(CURVES[kind], slip) for kind in KINDS])
+    found, per_torque = believed_slip(torques, levers, KINDS, np.ones(6), CURVES)
+    assert found == pytest.approx(slip, abs=1e-8)
+    step = 1e-6
+    ahead = sum(lever * coefficient(CURVES[kind], slip + step) for lever, kind in zip(levers, KINDS, strict=True))
+    assert per_torque == pytest.approx(step / (ahead - torques.sum()), rel=1e-4)
+    assert slope(CURVES[0], slip) > 0.0
+
+
+def test_a_wheel_that_does_not_count_and_torque_beyond_all_traction() -> None:
+    levers, counts = np.full(6, 6.0), np.array([1.0, 1.0, 1.0, 1.0, 1.0, 0.0])
+    torques = levers * np.array([coefficient(CURVES[kind], 0.3) for kind in KINDS])
+    torques[5] = -50.0
+    assert believed_slip(torques, levers, KINDS, counts, CURVES)[0] == pytest.approx(0.3, abs=1e-8)
+    assert believed_slip(levers, levers, KINDS, counts, CURVES)[0] == pytest.approx(1.0, abs=1e-8)
+
+
+def test_ruts_are_behind_and_on_the_same_track(explorer: SteeringGeometryParams) -> None:
+    table = explorer.table()
+
+    def behind(x: float, y: float, way: float) -> list[bool]:
+        return [in_rut(table, wheel, x, y, 0.08, way) for wheel in range(6)]
+
+    assert behind(1.0, 0.0, 0.5) == [False] * 6, "nobody has reached the place of another yet"
+    assert behind(1.0, 0.0, 1.0) == [False, False, True, True, True, True]
+    assert behind(-1.0, 0.0, 1.0) == [True, True, True, True, False, False]
+    assert behind(0.0, 1.0, 2.0) == [False, True, False, True, False, True]
+    assert behind(math.sqrt(0.5), math.sqrt(0.5), 2.0) == [False] * 6
+
+
+@pytest.fixture(scope="module")
+def scenario() -> LoadedScenario:
+    return load_scenario("flat_drive")
+
+
+def test_expected_loads_are_those_of_statics(scenario: LoadedScenario) -> None:
+    """Exactly on level ground, where no force along the ground is needed; nearly on a slope of 8 degrees."""
+    angles = dict(zip(scenario.arm.joint_names, scenario.arm.named_poses["stow"], strict=True))
+    loads = wheel_load_map(scenario.urdf_xml, scenario.rover, scenario.gravity, angles)
+    machine = StandingMachine(scenario.urdf_xml, scenario.rover, scenario.gravity)
+    level = machine.loads(machine.stand(lambda x, y: 0.0, angles=angles)).normal
+    np.testing.assert_allclose(loads[:, 0], level, rtol=2e-3)
+    assert loads[:, 0].sum() == pytest.approx(machine.mass * scenario.gravity, rel=1e-9)
+    np.testing.assert_allclose(loads[:, 1:].sum(axis=0), 0.0, atol=1e-6)
+    slope = math.radians(8.0)
+    for rise_x, rise_y in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0)):
+        stance = machine.stand(
+            lambda x, y, rise_x=rise_x, rise_y=rise_y: math.tan(slope) * (rise_x * x + rise_y * y), angles=angles
+        )
+        up = np.array((0.0, 0.0, 1.0)) @ Rotation.from_quat(stance.configuration[3:7]).as_matrix()
+        expected = loads @ np.array((up[2], -up[0], up[1]))
+        np.testing.assert_allclose(expected, machine.loads(stance).normal, rtol=0.1)
+
+
+@settings(deadline=None)
+@given(st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3))
+def test_gravity_is_carried_as_the_body_turns(rate: list[float]) -> None:
+    before, turn = np.array((0.3, -0.2, -1.6)), np.array(rate)
+    after = speed_filter.carry_gravity(before, turn, 0.5)
+    np.testing.assert_allclose(after, Rotation.from_rotvec(-0.5 * turn).apply(before), atol=1e-12)
+
+
+def made_up_drive(params: SlipParams, seed: int) -> tuple[FloatArray, FloatArray]:
+    """Five seconds at rest, then half a minute at 0.06 m/s on wheels that slip: error of the states, covariance."""
+    random = np.random.default_rng(seed)
+    factor, drift = 1.0 + params.factor_sigma * random.standard_normal(), params.drift_sigma * random.standard_normal()
+    states, covariance = (
+        np.array((0.0, 0.0, 1.0)),
+        np.diag((1e-2, params.drift_sigma**2, params.factor_sigma**2)).astype(float),
+    )
+    speed, noise, believed, felt = 0.0, 0.0, 0.2, np.zeros(2)
+    kept = math.exp(-DT / params.slip_noise_time)
+    for period in range(1750):
+        drift += params.drift_walk * math.sqrt(DT) * random.standard_normal()
+        shake = params.force_noise / math.sqrt(DT) * random.standard_normal()
+        if period < 250:
+            felt = speed_filter.felt_rocking(felt, drift + shake, DT)
+            speed_filter.stand(states, covariance, felt, drift + shake, params.force_noise, DT)
+            continue
+        noise = kept * noise + math.sqrt(1.0 - kept * kept) * params.slip_noise * random.standard_normal()
+        wheels = 0.06
+        after = wheels * (1.0 - factor * believed - noise)
+        acceleration, speed = (after - speed) / DT, after
+        speed_filter.predict(
+            states,
+            covariance,
+            acceleration + drift + shake,
+            1.0,
+            0.0,
+            DT,
+            params.force_noise,
+            params.drift_walk**2 * DT,
+            params.factor_sigma,
+            params.factor_length,
+        )
+        variance = (wheels * params.slip_noise) ** 2 * 2.0 * params.slip_noise_time / DT
+        speed_filter.roll(states, covariance, wheels, believed, 0.0, variance)
+    return np.array((speed, drift, factor)) - states, covariance
+
+
+def test_the_speed_filter_knows_how_good_it_is(scenario: LoadedScenario) -> None:
+    """NEES of all three states over seeds; and the soil's factor is found far better than it was known."""
+    params = scenario.drive.slip
+    assert params is not None
+    loose = params.model_copy(update={"slip_noise": 0.02, "slip_noise_time": 1.0})
+    runs = [made_up_drive(loose, seed) for seed in range(40)]
+    squares = [error @ np.linalg.solve(covariance, error) for error, covariance in runs]
+    assert np.mean(squares) < chi2.ppf(0.9995, 3 * len(runs)) / len(runs)
+    assert np.mean(squares) > 0.25 * 3.0, "it may doubt itself, but not by a factor of two"
+    factors = [error[2] for error, _ in runs]
+    assert np.sqrt(np.mean(np.square(factors))) < 0.4 * params.factor_sigma
+
+
+def model_of(scenario: LoadedScenario) -> SlipModel:
+    params, loads = scenario.drive.slip, scenario.wheel_loads()
+    assert params is not None and loads is not None
+    return SlipModel.of(params, scenario.steering.table(), loads)
+
+
+@pytest.fixture
+def model(scenario: LoadedScenario) -> SlipModel:
+    return model_of(scenario)
+
+
+def roll(
+    model: SlipModel,
+    state: SlipState,
+    seconds: float,
+    slip: float,
+    rates: FloatArray,
+    commands: FloatArray | None = None,
+    torque_of: FloatArray | None = None,
+    force: FloatArray | None = None,
+) -> SlipState:
+    """Wheels that turn at these rates on the believed soil, on level ground, with one slip; in steady motion, or with a
+    specific force.
+    """
+    levers = model.machine.table[:, 2] * model.machine.loads[:, 0]
+    share = np.ones(6) if torque_of is None else torque_of
+    for _ in range(round(seconds / DT)):
+        kinds = [int(in_rut(model.machine.table, i, 1.0, 0.0, model.params.rut_width, state.way)) for i in range(6)]
+        torques = share * levers * np.array([coefficient(model.machine.curves[kind], slip) for kind in kinds])
+        felt = np.array((0.0, 0.0, GRAVITY)) if force is None else force
+        seen = SlipInput(
+            rates, rates if commands is None else commands, np.zeros(6), torques, np.zeros(3), felt, (0.0, 0.0)
+        )
+        state = estimate_slip(model, state, seen, DT)
+    return state
+
+
+def moving(model: SlipModel, speed: float, slip: float) -> SlipState:
+    """A state that knows its speed."""
+    state = model.initial_state()
+    covariance = state.covariance.copy()
+    covariance[0, 0] = 1e-6
+    force = np.array((0.0, 0.0, -GRAVITY))
+    return state._replace(states=np.array((speed * (1.0 - slip), 0.0, 1.0)), covariance=covariance, gravity=force)
+
+
+@settings(max_examples=8, deadline=None)
+@given(slip=st.floats(0.0, 0.5), speed=st.floats(0.03, 0.1))
+def test_slip_of_a_machine_on_the_believed_soil(slip: float, speed: float, scenario: LoadedScenario) -> None:
+    model = model_of(scenario)
+    rates = np.full(6, speed / 0.131)
+    state = roll(model, moving(model, speed, slip), 10.0, slip, rates)
+    np.testing.assert_allclose(state.slip, slip, atol=0.03)
+    assert abs(state.shared - slip) < 3.0 * state.sigma
+    assert trouble(model.params, state, tuple("abcdef")) == ""
+
+
+def test_wheels_that_disagree_have_each_its_own_slip(model: SlipModel) -> None:
+    """One wheel turns a fifth faster than the others: its slip is more by what the kinematics say."""
+    rates = np.full(6, 0.5)
+    rates[2] = 0.6
+    state = roll(model, moving(model, 0.0655, 0.2), 5.0, 0.2, rates)
+    others = np.delete(state.slip, 2)
+    assert np.ptp(others) < 0.03
+    assert 1.0 - state.slip[2] == pytest.approx((1.0 - others.mean()) / 1.2, abs=0.01)
+
+
+def test_wheels_in_trouble_are_named(model: SlipModel) -> None:
+    names = tuple("abcdef")
+    rates, free = np.full(6, 0.5), np.ones(6)
+    free[4] = 0.0
+    state = roll(model, moving(model, 0.0655, 0.3), 1.0, 0.3, rates)
+    assert "without load" not in trouble(model.params, roll(model, state, 1.5, 0.3, rates, torque_of=free), names)
+    assert (
+        trouble(model.params, roll(model, state, 4.5, 0.3, rates, torque_of=free), names) == "turning without load: e"
+    )
+    stood = rates.copy()
+    stood[1] = 0.0
+    state = roll(model, moving(model, 0.0655, 0.1), 2.0, 0.1, stood, commands=rates)
+    assert trouble(model.params, state, names).endswith("blocked: b")
+    assert state.slip[1] == pytest.approx(-1.0)
+    assert trouble(model.params, roll(model, state, 0.1, 0.1, rates), names) == ""
+
+
+def test_a_machine_that_spins_on_the_spot_is_stuck_within_two_seconds(model: SlipModel) -> None:
+    """Torque at the limit from one moment to the next, and the accelerometers have felt the stop."""
+    rates = np.full(6, 0.5)
+    state = roll(model, moving(model, 0.0655, 0.2), 5.0, 0.2, rates)
+    stopping = SlipInput(
+        rates,
+        rates,
+        np.zeros(6),
+        model.machine.table[:, 2] * model.machine.loads[:, 0] * 0.55,
+        np.zeros(3),
+        np.array((-state.states[0] / 0.2, 0.0, GRAVITY)),
+        (0.0, 0.0),
+    )
+    for _ in range(10):
+        state = estimate_slip(model, state, stopping, DT)
+    still = stopping._replace(specific_force=np.array((0.0, 0.0, GRAVITY)))
+    for _ in range(90):
+        state = estimate_slip(model, state, still, DT)
+    assert trouble(model.params, state, tuple("abcdef")).startswith("spinning without headway")
+    assert trouble(model.params, state, tuple("abcdef")).endswith("a, b, c, d, e, f")
+
+
+def test_the_slip_does_not_run_away_while_the_wheels_slow_down(scenario: LoadedScenario) -> None:
+    """A machine that brakes evenly with a constant slip, the accelerometer off by 1.5 of its deviations from when on.
+
+    -0.57 was told of 0.25 as long as the change of the wheels' speed counted as a doubt of what they say: in the plant
+    1.0 of 0.3 at the end of a way along 12 degrees.
+    """
+    model, slip, drift = model_of(scenario), 0.25, 1.5e-3
+    state = roll(model, moving(model, 0.1, slip), 8.0, slip, np.full(6, 0.1 / model.machine.table[0, 2]))
+    told, speed = [], 0.1
+    for _ in range(round(4.6 / DT)):
+        speed -= 0.02 * DT
+        force = np.array((drift - 0.02 * (1.0 - slip), 0.0, GRAVITY))
+        state = roll(model, state, DT, slip, np.full(6, speed / model.machine.table[0, 2]), force=force)
+        told.append((state.shared, state.sigma))
+    slips, sigmas = np.array(told).T
+    assert speed == pytest.approx(0.008) and state.told
+    assert np.abs(slips - slip).max() < 0.2
+    assert (np.abs(slips - slip) < 3.0 * sigmas).all()
+
+
+def halt(model: SlipModel, state: SlipState, speed: float) -> SlipState:
+    """Wheels that roll at `speed` [m/s] stop within a fifth of a second, and the body with them."""
+    slowing, stands = np.array((-speed / 0.2, 0.0, GRAVITY)), np.zeros(6)
+    for period in range(10):
+        rates = np.full(6, speed * (1.0 - 0.1 * (period + 1)) / 0.131)
+        seen = SlipInput(rates, rates, stands, stands, np.zeros(3), slowing, (0.0, 0.0))
+        state = estimate_slip(model, state, seen, DT)
+    return roll(model, state, 0.1, 0.0, stands)
+
+
+@pytest.mark.parametrize("speed", [0.1, -0.1])
+def test_a_machine_that_stops_has_no_speed_left_and_no_slip(model: SlipModel, speed: float) -> None:
+    """Backwards as forwards: the speed is along the motion of the wheels, also when they have just come to rest."""
+    state = moving(model, abs(speed), 0.0)
+    state = state._replace(ahead=np.array((math.copysign(1.0, speed), 0.0)), way=1.0)
+    stopped = halt(model, roll(model, state, 0.5, 0.0, np.full(6, speed / 0.131)), speed)
+    assert abs(stopped.states[0]) < 0.015
+    assert stopped.way >= 1.0, "it still stands in its ruts"
+    for state in (stopped, roll(model, stopped, 2.0, 0.0, np.zeros(6))):
+        assert not state.told and state.shared == 0.0
+        told = slip_status(model, state, tuple("abcdef"))
+        assert [told[key] for key in told if key.startswith("slip")] == [0.0] * 8
+
+
+def test_wheels_that_turn_on_the_spot_tell_no_slip_of_the_machine(model: SlipModel, scenario: LoadedScenario) -> None:
+    """Base_link goes aside by a little more than least_speed while the rims go ten times as fast."""
+    state, turning = moving(model, 0.0, 0.0), np.array((0.0, 0.0, 0.08))
+    wheels = wheels_from_twist(scenario.steering.table(), PlanarTwist(0.007, 0.0, 0.08), np.zeros(6))
+    for _ in range(100):
+        seen = SlipInput(
+            wheels.wheel_rates, wheels.wheel_rates, wheels.steer_angles, np.zeros(6), turning,
+            np.array((0.0, 0.0, GRAVITY)), (0.0, 0.0),
+        )  # fmt: skip
+        state = estimate_slip(model, state, seen, DT)
+    assert not state.told and state.shared == 0.0 and state.way == 0.0
+    assert state.states[2] == pytest.approx(1.0, abs=1e-3), "and nothing is learned of the soil"
+
+
+def test_a_turn_makes_the_levelling_doubtful(model: SlipModel) -> None:
+    """Against the spread of b cos t - b for biases that the levelling took for tilt, in both axes of base_link, while
+    the speed, which would tell of the drift, is forgotten in each period.
+    """
+    state, random, drift = moving(model, 0.0, 0.0), np.random.default_rng(1), 1e-12
+    bias = model.params.accelerometer_bias * random.standard_normal((2, 20_000))
+    rates, turned = np.full(6, 1e-3), 0.0
+    for _ in range(1000):
+        seen = SlipInput(
+            rates, rates, np.zeros(6), np.zeros(6), np.array((0.0, 0.0, 0.1)), np.array((0.0, 0.0, GRAVITY)), (0.0, 0.0)
+        )
+        known = state._replace(states=np.array((0.0, 0.0, 1.0)), covariance=np.diag((1e-9, drift, 1e-6)))
+        state = estimate_slip(model, known, seen, DT)
+        drift = float(state.covariance[1, 1])
+        turned += 0.1 * DT
+    spread = np.std(bias[0] * math.cos(turned) + bias[1] * math.sin(turned) - bias[0])
+    assert 0.9 * spread < math.sqrt(drift) < 1.3 * spread
+
+
+def test_a_body_that_rocks_at_a_stand_is_not_taken_for_one_at_rest(model: SlipModel) -> None:
+    """Wheels stand and the body swings by 20 mm/s at 1.3 Hz for three seconds: the drift is not learned from that."""
+    state, rate, stands = moving(model, 0.0, 0.0), 2.0 * math.pi * 1.3, np.zeros(6)
+    for period in range(150):
+        swing = 0.02 * rate * math.cos(rate * DT * period)
+        seen = SlipInput(stands, stands, stands, stands, np.zeros(3), np.array((swing, 0.0, GRAVITY)), (0.0, 0.0))
+        state = estimate_slip(model, state, seen, DT)
+        assert abs(state.states[1]) < 3.0 * math.sqrt(state.covariance[1, 1]), "the true drift is none"
+    assert abs(state.states[1]) < 2e-3
+
+
+@pytest.mark.parametrize("slip", [-0.5, 0.0, 0.3, 0.9])
+@pytest.mark.parametrize("error", [-0.4, 0.0, 0.6])
+def test_further_slip_is_that_of_the_shorter_way(slip: float, error: float) -> None:
+    """Against the definition: a rim of 1 m/s or, of a wheel that drags, ground of 1 m/s."""
+    rim, ground = (1.0, 1.0 - slip) if slip >= 0.0 else (1.0 + slip, 1.0)
+    ground *= 1.0 - error
+    assert further_slip(slip, error) == pytest.approx((rim - ground) / max(rim, ground))

@@ -1,0 +1,206 @@
+"""The scripted operator without ROS: which goal it sends when, and what it makes of the answers."""
+
+from collections.abc import Sequence
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
+from sojourn_operator.actions import (
+    Action,
+    ArmAlong,
+    ArmJoints,
+    ArmTask,
+    ArmTo,
+    DriveAlong,
+    DriveTo,
+    TipPoint,
+    Wait,
+    receiver_of,
+)
+from sojourn_operator.goal_messages import goal_message
+from sojourn_operator.script import (
+    FINAL_STATES,
+    LEAD_NS,
+    Goal,
+    OperatorScript,
+    Report,
+    StepResult,
+    results_as_data,
+    results_from_data,
+)
+
+LOOK = 5 * CONTROL_PERIOD_NS
+DRIVE, ARM = DriveTo(3.0, 1.0), ArmJoints(name="unfold")
+ALONG = ArmAlong((TipPoint(1.0, 0.2, 0.0, on_arc=True), TipPoint(1.0, 0.0, 0.0, (0.0, 1.0, 0.0, 0.0))), "map")
+
+
+class Operator:
+    """A script and how far it is."""
+
+    def __init__(self, script: OperatorScript, done: Sequence[StepResult] = ()) -> None:
+        self.script, self.state = script, script.begin(done)
+
+    def look(self, now: int, reports: dict[str, Report]) -> Goal | None:
+        self.state, goal = self.script.look(self.state, now, reports)
+        return goal
+
+    @property
+    def results(self) -> list[StepResult]:
+        return list(self.state.results)
+
+    @property
+    def finished(self) -> bool:
+        return self.state.finished
+
+    @property
+    def succeeded(self) -> bool:
+        return self.script.has_succeeded(self.state)
+
+
+def script(*steps: Action, limit_s: float = 100.0, timeout_s: float | None = None) -> Operator:
+    return Operator(OperatorScript([(step, timeout_s) for step in steps], limit_s))
+
+
+def answer(goal: Goal | None, state: str, reason: str = "") -> dict[str, Report]:
+    """A report of drive or arm about a goal."""
+    assert goal is not None
+    return {receiver_of(goal.action): Report(state, goal.stamp, reason)}
+
+
+def test_goals_go_out_one_after_another_five_periods_ahead() -> None:
+    operator = script(DRIVE, ARM)
+    first = operator.look(LOOK, {})
+    assert first == Goal("/goal_pose", LOOK + LEAD_NS, DRIVE)
+    assert LEAD_NS == 5 * CONTROL_PERIOD_NS
+    assert operator.look(2 * LOOK, answer(first, "moving")) is None
+    second = operator.look(3 * LOOK, answer(first, "reached"))
+    assert second == Goal("/arm/joint_goal", 3 * LOOK + LEAD_NS, ARM)
+    assert not operator.finished
+    assert operator.look(4 * LOOK, answer(second, "reached")) is None
+    assert operator.finished and operator.succeeded
+    assert [result.outcome for result in operator.results] == ["reached", "reached"]
+    assert operator.results[0].start_s == pytest.approx(0.1) and operator.results[0].end_s == pytest.approx(0.3)
+
+
+def test_each_kind_of_goal_has_its_topic() -> None:
+    topics = []
+    for action in (DRIVE, DriveAlong(((1.0, 0.0), (2.0, 0.0))), ArmTo(1.0, 0.0, 0.0), ARM, ALONG, ArmTask("tare")):
+        goal = script(action).look(LOOK, {})
+        assert goal is not None
+        topics.append(goal.topic)
+    assert topics == ["/goal_pose", "/waypoints", "/arm/goal_pose", "/arm/joint_goal", "/arm/path", "/arm/task"]
+
+
+def test_a_path_of_the_tip_as_a_message_has_its_arcs_marked() -> None:
+    path = goal_message(ALONG, 2_000_000_000)
+    assert (path.header.frame_id, path.header.stamp.sec) == ("map", 2)
+    assert [pose.header.frame_id for pose in path.poses] == ["arc", "map"]
+    assert [(pose.pose.position.x, pose.pose.position.y) for pose in path.poses] == [(1.0, 0.2), (1.0, 0.0)]
+    assert (path.poses[0].pose.orientation.w, path.poses[1].pose.orientation.y) == (1.0, 1.0)
+
+
+def test_an_answer_about_another_goal_ends_nothing() -> None:
+    operator = script(DRIVE)
+    goal = operator.look(LOOK, {})
+    assert goal is not None
+    for stamp in (0, goal.stamp - 1, goal.stamp + 1):
+        operator.look(2 * LOOK, {"drive": Report("reached", stamp)})
+        assert operator.results == []
+    operator.look(3 * LOOK, {"arm": Report("reached", goal.stamp)})
+    assert operator.results == []
+
+
+@pytest.mark.parametrize("state", ["refused", "stopped", "failed"])
+def test_a_step_that_fails_ends_the_script_with_its_reason(state: str) -> None:
+    operator = script(DRIVE, ARM)
+    goal = operator.look(LOOK, {})
+    assert operator.look(2 * LOOK, answer(goal, state, "a rock")) is None
+    assert operator.finished and not operator.succeeded
+    assert [(result.outcome, result.reason) for result in operator.results] == [(state, "a rock")]
+    assert operator.look(3 * LOOK, {}) is None
+
+
+def test_a_wait_sends_nothing_and_lasts_as_long_as_it_says() -> None:
+    operator = script(Wait(1.0), DRIVE)
+    assert operator.look(LOOK, {}) is None
+    stamps = [LOOK * number for number in range(2, 20)]
+    goals = {stamp: operator.look(stamp, {}) for stamp in stamps}
+    sent = [stamp for stamp, goal in goals.items() if goal is not None]
+    assert sent == [LOOK + NANOSECONDS]
+    assert operator.results[0].outcome == "waited"
+
+
+def test_a_step_without_an_answer_times_out() -> None:
+    operator = script(DRIVE, ARM, timeout_s=1.0)
+    operator.look(LOOK, {})
+    operator.look(LOOK + NANOSECONDS - LOOK, {})
+    assert operator.results == []
+    operator.look(LOOK + NANOSECONDS, {})
+    assert operator.results[0].outcome == "timed out" and "1 s" in operator.results[0].reason
+    assert operator.finished
+
+
+def test_the_limit_of_the_run_ends_the_script() -> None:
+    operator = script(DRIVE, limit_s=2.0)
+    operator.look(LOOK, {})
+    operator.look(2 * NANOSECONDS, {})
+    assert operator.finished and operator.results[0].outcome == "timed out"
+    late = script(DRIVE, limit_s=2.0)
+    assert late.look(2 * NANOSECONDS, {}) is None
+    assert late.finished and not late.succeeded
+
+
+def test_an_empty_script_is_done_at_once() -> None:
+    operator = script()
+    assert operator.look(LOOK, {}) is None
+    assert operator.finished and operator.succeeded
+
+
+def test_an_operator_that_was_started_again_goes_on_where_the_first_stopped() -> None:
+    first = script(DRIVE, ARM)
+    goal = first.look(LOOK, {})
+    first.look(2 * LOOK, answer(goal, "reached"))
+    done = results_from_data(results_as_data(first.results))
+    assert done == first.results
+    second = Operator(first.script, done)
+    resumed = second.look(20 * LOOK, {})
+    assert resumed is not None and resumed.action == ARM
+    second.look(21 * LOOK, answer(resumed, "reached"))
+    assert second.succeeded
+
+
+def test_an_operator_started_again_after_a_failure_stays_ended() -> None:
+    again = Operator(OperatorScript([(DRIVE, None)], 10.0), [StepResult("drive", "refused", "", 0.0, 1.0)])
+    assert again.look(LOOK, {}) is None
+    assert again.finished and not again.succeeded
+
+
+_states = st.sampled_from(["idle", "moving", *FINAL_STATES])
+_actions = st.sampled_from([DRIVE, ARM, ArmTo(1.0, 0.0, 0.0), Wait(0.3)])
+
+
+@settings(max_examples=60, deadline=None)
+@given(steps=st.lists(_actions, max_size=5), answers=st.lists(_states, min_size=1, max_size=60))
+def test_whatever_is_answered_goals_are_in_order_and_the_script_ends(steps: list[Action], answers: list[str]) -> None:
+    """Never two goals at once, every goal later than the last, nothing after the end, at most one bad result."""
+    operator = script(*steps, limit_s=30.0, timeout_s=2.0)
+    reports: dict[str, Report] = {}
+    goals: list[Goal] = []
+    now = 0
+    while not operator.finished and now < 40 * NANOSECONDS:
+        now += LOOK
+        goal = operator.look(now, reports)
+        if goal is not None:
+            goals.append(goal)
+        if goals:
+            state = answers[(now // LOOK) % len(answers)]
+            reports[receiver_of(goals[-1].action)] = Report(state, goals[-1].stamp)
+    assert operator.finished
+    assert [goal.stamp for goal in goals] == sorted({goal.stamp for goal in goals})
+    wanted = [step for step in steps if not isinstance(step, Wait)]
+    assert [goal.action for goal in goals] == wanted[: len(goals)]
+    assert all(result.good for result in operator.results[:-1])
+    assert operator.succeeded == (len(operator.results) == len(steps) and all(r.good for r in operator.results))
+    assert operator.look(now + LOOK, reports) is None

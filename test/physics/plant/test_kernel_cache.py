@@ -1,0 +1,73 @@
+"""Compiled kernels are kept by the version of all their sources together."""
+
+import os
+import shutil
+import time
+from pathlib import Path
+
+import numba
+import pytest
+
+from sojourn_machine import kernel_cache
+
+
+@pytest.fixture
+def packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Copies of the packages' sources that the cache takes for its own; numba's setting is put back."""
+    folders = []
+    for folder in kernel_cache.package_folders():
+        copy = tmp_path / folder.name
+        shutil.copytree(folder, copy, ignore=shutil.ignore_patterns("__pycache__"))
+        folders.append(copy)
+    assert [folder.name for folder in folders] == list(kernel_cache.PACKAGES)
+    monkeypatch.setattr(kernel_cache, "package_folders", lambda: iter(folders))
+    monkeypatch.setattr(kernel_cache, "HOME", tmp_path / "sojourn_machine" / "__pycache__")
+    monkeypatch.setattr(numba.config, "CACHE_DIR", numba.config.CACHE_DIR)
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    return tmp_path
+
+
+def test_the_digest_follows_every_kernel_file(packages: Path) -> None:
+    first = kernel_cache.sources_digest()
+    assert kernel_cache.sources_digest() == first
+    (packages / "sojourn_machine" / "errors.py").write_text("# no kernel in here\n", encoding="utf-8")
+    assert kernel_cache.sources_digest() == first
+    seen = {first}
+    for name in (
+        "sojourn_physics/contact/wheel_on_soil.py",
+        "sojourn_flight/odometry/odometry_kernels.py",
+        "sojourn_machine/power/battery_kernels.py",
+    ):
+        file = packages / name
+        file.write_text(file.read_text(encoding="utf-8") + "\n# another version\n", encoding="utf-8")
+        seen.add(kernel_cache.sources_digest())
+    assert len(seen) == 4
+
+
+def test_the_digest_follows_a_file_that_moves(packages: Path) -> None:
+    first = kernel_cache.sources_digest()
+    contact = packages / "sojourn_physics" / "contact"
+    (contact / "wheel_on_soil.py").rename(contact / "wheel.py")
+    assert kernel_cache.sources_digest() != first
+
+
+def test_only_folders_that_nobody_uses_are_removed(packages: Path) -> None:
+    home = packages / "sojourn_machine" / "__pycache__"
+    folders = {name: home / f"{kernel_cache.PREFIX}{name}" for name in ("old", "fresh")}
+    other = home / "something_else"
+    for folder in (*folders.values(), other):
+        folder.mkdir(parents=True)
+    long_ago = time.time() - 2.0 * kernel_cache.KEPT_S
+    for folder in (folders["old"], other):
+        os.utime(folder, (long_ago, long_ago))
+    kernel_cache.use_versioned_cache()
+    assert not folders["old"].exists()
+    assert folders["fresh"].exists() and other.exists()
+    assert Path(numba.config.CACHE_DIR) == home / (kernel_cache.PREFIX + kernel_cache.sources_digest())
+
+
+def test_the_choice_of_the_user_stands(packages: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "elsewhere")
+    before = numba.config.CACHE_DIR
+    kernel_cache.use_versioned_cache()
+    assert before == numba.config.CACHE_DIR

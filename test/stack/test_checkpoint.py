@@ -1,0 +1,165 @@
+"""The state of a run as a file: what is gone on from it, here or in another process, is the unbroken run."""
+
+import json
+import subprocess
+import sys
+import zipfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sojourn_config.scenario import load_scenario
+from sojourn_stack.apps import make_apps
+from sojourn_stack.checkpoint import TREE, CheckpointError, load, save
+from sojourn_stack.stack import RoleState, Stack, StackState
+
+ROLES = ("plant", "sensors", "drive", "power", "operator")
+SCENARIO, OVERRIDES = "flat_drive", ("faults=[{joint: wheel_front_left_joint, kind: locked, at_s: 0.5}]",)
+GO_ON = """
+import sys
+from pathlib import Path
+sys.path.insert(0, {folder!r})
+from test_checkpoint import made, said_in
+from sojourn_stack.checkpoint import load
+print(said_in(made(), load(Path({file!r})), 12))
+"""
+
+
+def made() -> Stack:
+    return Stack(make_apps(load_scenario(SCENARIO, OVERRIDES), ROLES), ROLES)
+
+
+def said_in(stack: Stack, state: StackState, periods: int) -> str:
+    """What is said in some periods, as text."""
+    told = []
+    for _ in range(periods):
+        state, said = stack.step(state)
+        told += [f"{row.name} {message}" for row, message in said]
+    return "\n".join(told)
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> dict[int, tuple[Path, str]]:
+    """The file of the state after some periods, and what the unbroken run says in the twelve after it."""
+    folder, stack = tmp_path_factory.mktemp("checkpoints"), made()
+    state, _ = stack.begin()
+    files: dict[int, tuple[Path, str]] = {}
+    for periods in (3, 49, 110):
+        while state.period <= periods:
+            state, _ = stack.step(state)
+        file = folder / f"{periods}.checkpoint"
+        save(state, file)
+        files[periods] = file, said_in(stack, state.branch(), 12)
+    return files
+
+
+@pytest.mark.parametrize("periods", [3, 49, 110])
+def test_another_stack_goes_on_from_the_file(kept: dict[int, tuple[Path, str]], periods: int) -> None:
+    file, told = kept[periods]
+    assert said_in(made(), load(file), 12) == told and "/wheel_command" in told
+
+
+def test_another_process_goes_on_from_the_file(kept: dict[int, tuple[Path, str]]) -> None:
+    file, told = kept[110]
+    program = GO_ON.format(folder=str(Path(__file__).parent), file=str(file))
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=600, check=False)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.rstrip("\n") == told
+
+
+def test_what_is_saved_is_what_the_unbroken_run_goes_on_from(tmp_path: Path) -> None:
+    stack = made()
+    state, _ = stack.begin()
+    for _ in range(60):
+        state, _ = stack.step(state)
+    save(state, tmp_path / "one")
+    branch = state.branch()
+    unbroken = said_in(stack, state, 20)
+    assert said_in(stack, load(tmp_path / "one"), 20) == unbroken
+    assert said_in(stack, branch, 20) == unbroken
+
+
+def changed(file: Path, where: Path, change: Any) -> Path:
+    """A copy of a checkpoint whose tree is changed."""
+    with zipfile.ZipFile(file) as old, zipfile.ZipFile(where, "w") as new:
+        for name in old.namelist():
+            data = old.read(name)
+            new.writestr(name, json.dumps(change(json.loads(data))) if name == TREE else data)
+    return where
+
+
+def test_a_state_of_another_version_is_named_with_its_role(kept: dict[int, tuple[Path, str]], tmp_path: Path) -> None:
+    def lacks(tree: Any) -> Any:
+        del tree["roles"]["drive"]["fields"]["app"]["fields"]["asked"]["fields"]["twist"]
+        return tree
+
+    with pytest.raises(CheckpointError, match=r"drive\.app\.asked: a Asked of another version: it differs in twist"):
+        load(changed(kept[3][0], tmp_path / "old", lacks))
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("subprocess:Popen", "a class of subprocess: allowed is one of ours"),
+        ("sojourn_stack.checkpoint:load", "is no class of values"),
+        ("sojourn_stack.stack:Stack", "is no class of values"),
+        ("sojourn_stack.stack:Nothing", "there is no"),
+    ],
+)
+def test_only_classes_of_values_of_ours_are_made(
+    kept: dict[int, tuple[Path, str]], tmp_path: Path, name: str, reason: str
+) -> None:
+    def other(tree: Any) -> Any:
+        tree["roles"]["power"]["fields"]["app"]["class"] = name
+        return tree
+
+    with pytest.raises(CheckpointError, match=reason):
+        load(changed(kept[3][0], tmp_path / "foreign", other))
+
+
+def test_files_that_are_none_are_refused(kept: dict[int, tuple[Path, str]], tmp_path: Path) -> None:
+    cut_off = tmp_path / "cut_off"
+    cut_off.write_bytes(kept[3][0].read_bytes()[:1000])
+    text = tmp_path / "text"
+    text.write_text("no checkpoint", encoding="utf-8")
+    later = changed(kept[3][0], tmp_path / "later", lambda tree: tree | {"format": 99})
+    for file, reason in ((cut_off, "no checkpoint"), (text, "no checkpoint"), (later, "format 99: allowed is 1")):
+        with pytest.raises(CheckpointError, match=reason):
+            load(file)
+    with pytest.raises(OSError, match="nowhere"):
+        load(tmp_path / "nowhere")
+
+
+@dataclass(frozen=True)
+class Holder:
+    value: Any
+
+
+@pytest.mark.parametrize("value", [print, object(), np.array([None]), Holder(1.0), {1, 2}])
+def test_what_cannot_be_kept_is_named(tmp_path: Path, value: Any) -> None:
+    state = StackState(1, {"drive": RoleState({"inside": (1, value)})}, {})
+    with pytest.raises(CheckpointError, match=r"drive\.app\['inside'\]\[1\]: .*cannot be kept"):
+        save(state, tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+
+
+numbers = st.floats(allow_nan=False) | st.integers() | st.booleans() | st.none() | st.text() | st.binary()
+values = st.recursive(
+    numbers, lambda inner: st.lists(inner) | st.tuples(inner, inner) | st.dictionaries(st.text() | st.integers(), inner)
+)
+
+
+@given(value=values, array=st.lists(st.floats(width=32)))
+def test_plain_values_come_back_as_they_were(tmp_path_factory: pytest.TempPathFactory, value: Any, array: Any) -> None:
+    file = tmp_path_factory.mktemp("one") / "state"
+    state = StackState(7, {"drive": RoleState((value, np.array(array, dtype=np.float32)))}, {}, finished=True)
+    save(state, file)
+    found = load(file)
+    assert replace(found, roles={}) == replace(state, roles={})
+    assert found.roles["drive"].app[0] == value
+    np.testing.assert_array_equal(found.roles["drive"].app[1], state.roles["drive"].app[1])
