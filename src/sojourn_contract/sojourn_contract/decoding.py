@@ -9,12 +9,11 @@ from typing import Any
 from rclpy.serialization import deserialize_message
 
 from sojourn_contract import stamps
-from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.errors import RefusedMessageError, unreadable
 from sojourn_contract.types import message_class
 
 STAMP_BYTES = 12
 """Encapsulation header, seconds and nanoseconds: every message of the contract begins with them."""
-LONGEST_REASON = 120
 
 
 @contextmanager
@@ -28,9 +27,7 @@ def refusing(topic: str, what: str, data: bytes | None = None) -> Iterator[None]
     except RefusedMessageError:
         raise
     except Exception as error:
-        reason = " ".join(str(error).split())[:LONGEST_REASON] or type(error).__name__
-        size = "its content" if data is None else f"{len(data)} bytes"
-        raise RefusedMessageError(topic, "message", size, f"{what} ({reason})") from error
+        raise unreadable(topic, what, error, data) from error
 
 
 def stamp_of(topic: str, data: bytes) -> int:
