@@ -171,7 +171,8 @@ class PointField(NamedTuple):
     name: str
     offset: int
     datatype: int
-    count: int = 1
+    elements: int = 1
+    """Its `count` in ROS."""
 
 
 FLOAT32, FLOAT64 = 7, 8

@@ -1,6 +1,7 @@
 """State of an energy store."""
 
 import struct
+from typing import Any
 
 from sojourn_contract.codecs.cdr import Reader, Writer
 from sojourn_contract.values import BatteryState
@@ -31,8 +32,8 @@ class BatteryStateCodec:
         """The value in these bytes."""
         reader = Reader(data)
         stamp, frame = reader.header()
-        numbers = [reader.number("f") for _ in range(7)]
-        kinds = [int(reader.number("B")) for _ in range(3)]
-        present = bool(reader.number("B"))
-        cells = [tuple(reader.sequence(_CELLS).tolist()) for _ in range(2)]
-        return BatteryState(stamp, frame, *numbers, *kinds, present, *cells, reader.text(), reader.text())
+        fields: list[Any] = [reader.number("f") for _ in range(7)]
+        fields += [int(reader.number("B")) for _ in range(3)]
+        fields.append(bool(reader.number("B")))
+        fields += [tuple(reader.sequence(_CELLS).tolist()) for _ in range(2)]
+        return BatteryState._make((stamp, frame, *fields, reader.text(), reader.text()))

@@ -43,7 +43,7 @@ def _write_form(writer: Writer, form: Form) -> None:
         writer.text(field.name)
         writer.number("I", field.offset)
         writer.number("B", field.datatype)
-        writer.number("I", field.count)
+        writer.number("I", field.elements)
     writer.number("B", is_bigendian)
     writer.number("I", point_step)
     writer.number("I", row_step)

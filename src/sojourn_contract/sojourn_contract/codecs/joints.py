@@ -48,7 +48,7 @@ class JointStateCodec:
                 array = np.frombuffer(data, kind, count, at).astype(np.float64)
                 at += 8 * count
             arrays.append(array)
-        return JointState(stamps.from_cdr(data), names, *arrays, frame)
+        return JointState._make((stamps.from_cdr(data), names, *arrays, frame))
 
 
 class JointTrajectoryCodec:
@@ -77,7 +77,7 @@ class JointTrajectoryCodec:
 
 def _point(reader: Reader) -> TrajectoryPoint:
     arrays = [reader.sequence() for _ in range(4)]
-    return TrajectoryPoint(*arrays, reader.stamp())
+    return TrajectoryPoint._make((*arrays, reader.stamp()))
 
 
 def _write_names(writer: Writer, names: Names) -> None:

@@ -1,4 +1,6 @@
-"""Values of the contract as messages of the ROS library, field by field: the independent route of the codecs' tests."""
+"""Values of the contract as messages of the ROS library, field by field, and back over its own serialisation: what a
+foreign node says and hears, and the independent route of the codecs' tests.
+"""
 
 import array
 from typing import Any
@@ -7,12 +9,14 @@ from builtin_interfaces.msg import Duration, Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, TwistStamped, Vector3, Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry, Path
+from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2, PointField
 from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from sojourn_contract import values
+from sojourn_contract.codecs import CODECS
 
 
 def ros_message(value: values.Message) -> Any:
@@ -20,12 +24,34 @@ def ros_message(value: values.Message) -> Any:
     return _MAKERS[type(value)](value)
 
 
-def _time(stamp: int) -> Time:
+def is_ros(message: Any) -> bool:
+    """Whether it is a message of the ROS library."""
+    return hasattr(message, "get_fields_and_field_types")
+
+
+def as_ros(message: Any) -> Any:
+    """A value, or a message of the ROS library, as the latter."""
+    return message if is_ros(message) else ros_message(message)
+
+
+def serialized(message: Any) -> bytes:
+    """CDR of a value, or of a message of the ROS library, by that library."""
+    return bytes(serialize_message(as_ros(message)))
+
+
+def value_of(message: Any) -> values.Message:
+    """The value that a message of the ROS library stands for, by its bytes."""
+    kind = f"{type(message).__module__.partition('.')[0]}/{type(message).__name__}"
+    return CODECS[kind].decode(serialized(message))
+
+
+def ros_time(stamp: int) -> Time:
+    """A stamp [ns]."""
     return Time(sec=stamp // 10**9, nanosec=stamp % 10**9)
 
 
 def _header(value: values.Message) -> Header:
-    return Header(stamp=_time(value.stamp), frame_id=value.frame)
+    return Header(stamp=ros_time(value.stamp), frame_id=value.frame)
 
 
 def _vector(numbers: Any) -> Vector3:
@@ -114,7 +140,9 @@ def _battery(value: values.BatteryState) -> BatteryState:
 def _cloud(value: values.PointCloud2) -> PointCloud2:
     fields = value._asdict()
     del fields["stamp"], fields["frame"]
-    fields["fields"] = [PointField(**one._asdict()) for one in value.fields]
+    fields["fields"] = [
+        PointField(name=one.name, offset=one.offset, datatype=one.datatype, count=one.elements) for one in value.fields
+    ]
     fields["data"] = array.array("B", value.data)
     return PointCloud2(header=_header(value), **fields)
 
@@ -134,7 +162,7 @@ def _diagnostics(value: values.DiagnosticArray) -> DiagnosticArray:
 
 
 _MAKERS = {
-    values.Clock: lambda value: Clock(clock=_time(value.stamp)),
+    values.Clock: lambda value: Clock(clock=ros_time(value.stamp)),
     values.Header: _header,
     values.JointState: _joint_state,
     values.JointTrajectory: _trajectory,
