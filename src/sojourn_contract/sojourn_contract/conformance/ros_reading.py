@@ -1,4 +1,4 @@
-"""What the judge reads of messages of the ROS library: their stamps, and diagnostics as values."""
+"""What the judge reads of messages as a library of ROS, or of bags, has made them: parts of them as values."""
 
 from typing import Any
 
@@ -24,9 +24,9 @@ def stamp_of(message: Any) -> int:
 
 
 def diagnostics_of(message: Any) -> DiagnosticArray:
-    """A diagnostic_msgs/DiagnosticArray as a value."""
+    """A diagnostic_msgs/DiagnosticArray as a value, without levels, which the libraries tell in different ways."""
     status = [
-        DiagnosticStatus(one.name, tuple((pair.key, pair.value) for pair in one.values), one.message, one.level[0])
+        DiagnosticStatus(one.name, tuple((pair.key, pair.value) for pair in one.values), one.message)
         for one in message.status
     ]
     return DiagnosticArray(stamp_of(message), tuple(status))
