@@ -30,8 +30,8 @@ def is_ros(message: Any) -> bool:
 
 
 def as_ros(message: Any) -> Any:
-    """A value, or a message of the ROS library, as the latter."""
-    return message if is_ros(message) else ros_message(message)
+    """A value as a message of the ROS library; such a message, or bytes, as they are."""
+    return message if is_ros(message) or isinstance(message, bytes) else ros_message(message)
 
 
 def serialized(message: Any) -> bytes:
