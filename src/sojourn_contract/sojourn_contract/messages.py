@@ -15,12 +15,10 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import BatteryState, JointState, PointCloud2, PointField
 
 from sojourn_contract import stamps
+from sojourn_machine.contact_report import ReportColumn
 
 ABSOLUTE_ZERO_C = -273.15
-CONTACT_FIELDS = (
-    "x", "y", "z", "sinkage", "slip_ratio", "slip_angle", "force_x", "force_y", "force_z", "torque", "soil",
-    "deflection", "rolling_resistance", "compaction_resistance", "bulldozing_resistance", "power",
-)  # fmt: skip
+CONTACT_FIELDS = tuple(column.name.lower() for column in ReportColumn)
 """Fields of /truth/contacts, all float64."""
 
 
