@@ -16,9 +16,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, contact_angles, travel, wheel_forces
 from sojourn_physics.contact.wheel_shape import WheelShape

@@ -4,8 +4,8 @@ Pinocchio's terms and the solution stand between them (see `step`).
 """
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.actuators.joint_drive import joint_torques, settle_joints
 from sojourn_physics.contact.contact_set import contact_forces

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.terrain.memory_tiles import TILE, Tile, find_page, new_page
 
