@@ -6,8 +6,9 @@ from typing import Any, TypeAlias
 from sojourn_arm.measurements import Measured
 from sojourn_contract.heartbeat import status_values
 from sojourn_flight.arm.footing import WheelLoads
-from sojourn_flight.arm.goals import ArmGoal, GoalRefusedError
+from sojourn_flight.arm.goals import ArmGoal
 from sojourn_flight.arm.jogging import JogCommand
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput
 from sojourn_flight.arm.tasks.requests import TASKS, TaskRequest, parse_task
 from sojourn_flight.arm.tasks.task_control import TaskInput, TaskReport

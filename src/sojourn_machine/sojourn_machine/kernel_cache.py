@@ -13,8 +13,6 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import numba
-
 HOME = Path(__file__).resolve().parent / "__pycache__"
 PACKAGES = ("sojourn_machine", "sojourn_physics", "sojourn_flight", "sojourn_analysis")
 """Those with kernels in them; one that is not installed is left out."""
@@ -44,16 +42,16 @@ def sources_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def use_versioned_cache() -> None:
-    """Point numba at the folder of the present sources, and remove folders that nobody has used for a while.
+def cache_folder() -> Path | None:
+    """Folder of the present sources; those that nobody has used for a while are removed.
 
-    Where this folder cannot be written, or NUMBA_CACHE_DIR is set, numba's own choice stands.
+    None where it cannot be written, or where NUMBA_CACHE_DIR is set: numba's own choice stands.
     """
     if "NUMBA_CACHE_DIR" in os.environ or not os.access(HOME.parent, os.W_OK):
-        return
+        return None
     folder = HOME / (PREFIX + sources_digest())
     if not folder.exists():
         for old in HOME.glob(PREFIX + "*"):
             if time.time() - old.stat().st_mtime > KEPT_S:
                 shutil.rmtree(old, ignore_errors=True)
-    numba.config.CACHE_DIR = str(folder)
+    return folder

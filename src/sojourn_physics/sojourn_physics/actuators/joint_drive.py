@@ -39,8 +39,7 @@ with them.
 import math
 from typing import NamedTuple
 
-from numba import njit
-
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.actuators.gear_play import on_joint, tooth_torque
 from sojourn_physics.actuators.series_drive import series_current, series_torque, torque_at_full_voltage

@@ -18,9 +18,9 @@ over an even pressure. Range: z below D/6, n up to 1.3, wheels larger than 0.5 m
 import math
 from typing import ClassVar, Literal
 
-from numba import njit
 from pydantic import Field
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
     ContactModel,

@@ -20,8 +20,7 @@ convex potential of u: no motion takes energy out of it.
 
 import math
 
-from numba import njit
-
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import StateColumn
 from sojourn_physics.contact.shear_memory import LEAD_SPEED

@@ -18,9 +18,9 @@ change with the load here.
 from enum import IntEnum
 from typing import ClassVar, Literal
 
-from numba import njit
 from pydantic import Field
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bristle_friction import bristle_forces
 from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, StateColumn, WheelColumn

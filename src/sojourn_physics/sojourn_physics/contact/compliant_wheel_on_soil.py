@@ -33,9 +33,9 @@ import math
 from enum import IntEnum
 from typing import ClassVar, Literal
 
-from numba import njit
 from pydantic import Field
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
     ContactModel,

@@ -27,8 +27,7 @@ modules.
 import math
 from enum import IntEnum
 
-from numba import njit
-
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 

@@ -6,9 +6,9 @@ Jacobian. Pads on bodies have a law and a geometry of their own (`pad_on_soil`).
 """
 
 import numpy as np
-from numba import njit
 
 from sojourn_machine.contact_report import FORCE, PLACE, ReportColumn
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.contact.contact_law import (
     MOTION_COLUMNS,

@@ -1,7 +1,6 @@
 """The contact law of a wheel, by the number in its row."""
 
-from numba import njit
-
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bekker_wheel import bekker_wheel
 from sojourn_physics.contact.brush import brush

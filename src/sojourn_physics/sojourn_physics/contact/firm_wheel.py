@@ -18,9 +18,9 @@ import math
 from enum import IntEnum
 from typing import ClassVar
 
-from numba import njit
 from pydantic import Field
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import MotionColumn, OutColumn, WheelColumn, tell_slip
 from sojourn_physics.contact.law_params import FIRM_GROUND, ContactLawParams

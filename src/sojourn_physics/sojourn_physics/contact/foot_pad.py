@@ -17,9 +17,9 @@ Range of validity: flat round pads, z up to their radius.
 import math
 from typing import ClassVar, Literal
 
-from numba import njit
 from pydantic import Field
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, OutColumn, StateColumn, WheelColumn
 from sojourn_physics.contact.hysteresis import effective_shear

@@ -30,8 +30,7 @@ rigid one would have.
 import math
 from typing import NamedTuple
 
-from numba import njit
-
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import StateColumn, WheelColumn
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus

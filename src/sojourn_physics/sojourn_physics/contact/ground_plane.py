@@ -15,8 +15,8 @@ rock and not shot off it.
 import math
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import WheelColumn
 from sojourn_physics.contact.tables import Ground

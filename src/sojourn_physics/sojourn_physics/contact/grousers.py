@@ -41,8 +41,7 @@ Range: grousers straight across the rim, wholly in the soil. `test/validation/te
 
 import math
 
-from numba import njit
-
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.soil.params import SoilColumn
 

@@ -30,8 +30,8 @@ Assumption: damping does not depend on amplitude; soil strained by less than 0.0
 import math
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import SLIDERS, StateColumn
 

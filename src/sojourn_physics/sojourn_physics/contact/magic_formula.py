@@ -30,9 +30,9 @@ import math
 from enum import IntEnum
 from typing import ClassVar, Literal
 
-from numba import njit
 from pydantic import Field
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bristle_friction import bristle_lead
 from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, OutColumn, StateColumn, WheelColumn

@@ -22,9 +22,9 @@ hole that a drill has made lies `TAKEN` below the ground. The tool writes these 
 import math
 
 import numpy as np
-from numba import njit
 
 from sojourn_machine.contact_report import PLACE, ReportColumn
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import WheelColumn
 from sojourn_physics.contact.hysteresis import effective_shear

@@ -10,8 +10,7 @@ at most, s = sin θ1, c = cos θ1, and d = max(z - r, 0) what is sunk beyond tha
 
 import math
 
-from numba import njit
-
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.soil.params import SoilColumn
 

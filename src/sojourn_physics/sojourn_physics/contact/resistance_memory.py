@@ -6,8 +6,7 @@ H in -1..1 remembers the sense of motion over the length L (Dahl 1968, Aerospace
 law). In steady motion H is the sign of v, at rest it stays. What a reversal gives back is less than R_0 L.
 """
 
-from numba import njit
-
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import StateColumn
 

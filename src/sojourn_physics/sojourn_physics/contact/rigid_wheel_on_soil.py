@@ -10,9 +10,9 @@ Assumptions and range of validity: those of `wheel_on_soil` and `shear_memory`.
 import math
 from typing import ClassVar, Literal
 
-from numba import njit
 from pydantic import Field
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
     ContactModel,

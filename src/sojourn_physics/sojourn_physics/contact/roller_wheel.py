@@ -22,10 +22,10 @@ from enum import IntEnum
 from typing import ClassVar, Literal
 
 import numpy as np
-from numba import njit
 from pydantic import Field, field_validator
 
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bristle_friction import bristle_forces
 from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, StateColumn, WheelColumn

@@ -18,8 +18,7 @@ estimate), for swings too small for the sliders, gone at driving speed.
 
 import math
 
-from numba import njit
-
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import MotionColumn, StateColumn
 from sojourn_physics.contact.hysteresis import effective_shear

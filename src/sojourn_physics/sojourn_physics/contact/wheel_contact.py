@@ -11,8 +11,7 @@ whose top is taken to be twice as high as its mean round the contact.
 
 import math
 
-from numba import njit
-
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import MotionColumn, WheelColumn
 from sojourn_physics.contact.ground_memory import RUT, Rim, look_ahead, settle_soil

@@ -60,8 +60,8 @@ Gauss-Legendre on each side of θm, and, braked, on each side of the angle where
 import math
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.grousers import dug_depth, shear_strength
 from sojourn_physics.contact.pushed_soil import front_push, side_push

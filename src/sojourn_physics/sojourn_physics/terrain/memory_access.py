@@ -4,8 +4,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import IntArray
 from sojourn_physics.terrain.memory_tiles import DUG, RUT, SHEAR, SINKAGE, TILE, MemoryTables, find_page, new_page
 

@@ -7,9 +7,9 @@ the page of a tile here, or takes a new one.
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 
 Tile: TypeAlias = NDArray[np.float32]
