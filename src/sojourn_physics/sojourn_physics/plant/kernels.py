@@ -6,11 +6,9 @@ Pinocchio's terms and the solution stand between them (see `step`).
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
-from numba.experimental import structref
 
 from sojourn_machine.contact_report import ReportColumn
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import njit, structref, types
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.actuators.joint_drive import (
     ANGLE,
