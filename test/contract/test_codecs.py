@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from rclpy.serialization import deserialize_message, serialize_message
-from ros_messages import ros_message
 
+from ros_messages import ros_message
 from sojourn_contract import values
 from sojourn_contract.codecs import CODECS, decode
 from sojourn_contract.errors import RefusedMessageError

@@ -18,8 +18,9 @@ from sojourn_bags.digest import digest
 from sojourn_bags.provenance import run_of
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.replay import Replay, replay
+from sojourn_bags.replay_choices import ROLES_TO_REPLAY
 from sojourn_bags.replay_harness import ReplaySettings
-from sojourn_bags.replay_script import ROLES_TO_REPLAY, Step
+from sojourn_bags.replay_script import Step
 from sojourn_bags.run_configuration import run_configuration
 from sojourn_bringup.process_table import process
 from sojourn_bringup.record_reference import DIGEST

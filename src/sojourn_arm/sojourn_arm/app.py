@@ -24,8 +24,9 @@ from sojourn_contract.hazcam import newest_cloud
 from sojourn_contract.heartbeat import status_message, status_values
 from sojourn_contract.switches import fraction_of
 from sojourn_contract.topics import topic
-from sojourn_flight.arm.goals import GoalRefusedError, StopGoal
+from sojourn_flight.arm.goals import StopGoal
 from sojourn_flight.arm.model import build_arm_model, reach_from_base
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput, ArmOutput
 from sojourn_flight.arm.tasks import task_control
 from sojourn_flight.arm.tasks.task_control import TaskState

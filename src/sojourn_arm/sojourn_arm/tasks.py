@@ -7,8 +7,9 @@ from sojourn_arm.measurements import Measured
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.values import DiagnosticArray
 from sojourn_flight.arm.footing import WheelLoads
-from sojourn_flight.arm.goals import ArmGoal, GoalRefusedError
+from sojourn_flight.arm.goals import ArmGoal
 from sojourn_flight.arm.jogging import JogCommand
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput
 from sojourn_flight.arm.tasks.requests import TASKS, TaskRequest, parse_task
 from sojourn_flight.arm.tasks.task_control import TaskInput, TaskReport

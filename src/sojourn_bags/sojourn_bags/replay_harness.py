@@ -21,6 +21,7 @@ from sojourn_bags.completeness import OUTSIDE_THE_RECORD
 from sojourn_bags.errors import UnansweredError
 from sojourn_bags.reading import Messages
 from sojourn_bags.replay_answers import Answers
+from sojourn_bags.replay_choices import DEFAULT_TIMEOUT_S
 from sojourn_bags.replay_script import HEARTBEATS, Script, Step
 from sojourn_contract import qos, stamps
 from sojourn_contract.codecs import decode, encode
@@ -42,7 +43,6 @@ READY_REPEAT_S = 0.2
 DRAIN_S = 2.0
 """Wall time without a message after which what is still missing at the end is not waited for."""
 ACKNOWLEDGE_S = 5.0
-DEFAULT_TIMEOUT_S = 10.0
 RECORDER_TICK = "/recorder/tick"
 
 

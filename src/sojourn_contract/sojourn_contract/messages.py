@@ -13,14 +13,12 @@ from sojourn_contract.values import (
     PointField,
     WrenchStamped,
 )
+from sojourn_machine.contact_report import ReportColumn
 
 ABSOLUTE_ZERO_C = -273.15
 CHARGING, DISCHARGING, LITHIUM_ION = 1, 2, 2
 """Of the enumerations in sensor_msgs/BatteryState."""
-CONTACT_FIELDS = (
-    "x", "y", "z", "sinkage", "slip_ratio", "slip_angle", "force_x", "force_y", "force_z", "torque", "soil",
-    "deflection", "rolling_resistance", "compaction_resistance", "bulldozing_resistance", "power",
-)  # fmt: skip
+CONTACT_FIELDS = tuple(column.name.lower() for column in ReportColumn)
 """Fields of /truth/contacts, all float64."""
 _CONTACT_FIELDS = tuple(PointField(name, 8 * place, FLOAT64) for place, name in enumerate(CONTACT_FIELDS))
 _CONTACT_STEP = 8 * len(CONTACT_FIELDS)

@@ -23,6 +23,7 @@ from sojourn_flight.mobility.kinematics import PlanarTwist
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.supervision.drive import DriveModel
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
+from sojourn_machine.contact_report import ReportColumn
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import TOOL_JOINT
 from sojourn_physics.plant.faults import HeldAngles, MotorFaults
@@ -129,7 +130,7 @@ class ClosedLoop:
         if self.told is None:
             return np.zeros(len(wheels))
         tips = np.array([wheel.shear_radius / wheel.radius for wheel in wheels])
-        told = self.told.contacts[: len(wheels), 4]
+        told = self.told.contacts[: len(wheels), ReportColumn.SLIP_RATIO]
         over_rim = np.where(told >= 0.0, 1.0 - told, 1.0 / np.maximum(1.0 + told, 1e-3))  # ground over rim
         over_tips = over_rim / tips
         return np.asarray(np.where(over_tips <= 1.0, 1.0 - over_tips, 1.0 / np.maximum(over_tips, 1.0) - 1.0))
