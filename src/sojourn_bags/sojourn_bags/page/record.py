@@ -113,7 +113,7 @@ def _changes(story: Story, beats: Mapping[str, list[tuple[float, Heartbeat]]]) -
                 dict.fromkeys(text for text in (values.get("state", ""), values.get("reason", "")) if text)
             )
             if words != before:
-                changes.append((float(time), topic, words))
+                changes.append((float(time), name, words))
             before = words
     if not changes:
         return ""
