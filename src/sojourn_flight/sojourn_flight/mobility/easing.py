@@ -45,5 +45,5 @@ def eased(rolled: OdometryState, fixed: OdometryState, behind: Behind, dt: float
     x, y, turn = left * x, left * y, turn - min(max(turn, -CORRECTION_RATE * dt), CORRECTION_RATE * dt)
     covariance = fixed.covariance.copy()
     covariance[:3, :3] += np.outer((x, y, turn), (x, y, turn))
-    pose = {"x": fixed.x - x, "y": fixed.y - y, "yaw": wrap_angle(fixed.yaw - turn)}
-    return replace(fixed, **pose, covariance=covariance), (x, y, turn)
+    pose = fixed.x - x, fixed.y - y, wrap_angle(fixed.yaw - turn)
+    return replace(fixed, x=pose[0], y=pose[1], yaw=pose[2], covariance=covariance), (x, y, turn)

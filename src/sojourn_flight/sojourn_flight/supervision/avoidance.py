@@ -281,12 +281,17 @@ def _go_back(
 def from_loose_ground(
     avoidance: Avoidance, state: AvoidanceState, odometry: OdometryState, policy: SlipPolicyParams, slip: float
 ) -> AvoidanceState:
-    """The state of a rover whose wheels slip by a mean `slip` [-]: the ground ahead is closed, and it goes back."""
+    """The state of a rover whose wheels slip by a mean `slip` [-]: the ground ahead is closed, and it goes back.
+
+    Not where the goal lies in that ground: no other way leads there, and the rover goes on slowly while it can.
+    """
     if state.route is None or state.back is not None:
         return state
     here = Pose(odometry.x, odometry.y, odometry.yaw)
     ahead = avoidance.params.outline.front + policy.loose_radius
     place = (here.x + ahead * math.cos(here.heading), here.y + ahead * math.sin(here.heading))
+    if math.dist(place, state.route.goal.points[-1]) < policy.loose_radius + avoidance.straight:
+        return state
     map_ = with_slip(state.map, place, policy.loose_radius, slip, odometry.distance)
     state = judged_anew(avoidance, replace(state, map=map_), odometry)
     back = way_back(state.track, here, state.room, None, policy.back)
