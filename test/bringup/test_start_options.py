@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sojourn_bringup import demo, start
+from sojourn_bringup import demo, demonstration, start, start_run
 from sojourn_bringup.instance import DomainInUseError, RoleTokens
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_table import ROLE_NAMES
@@ -37,7 +37,7 @@ class Lines(Screen):
 def plan_of(tmp_path: Path, *arguments: str, scenario: str = "flat_drive") -> tuple[RunPlan, list[str]]:
     screen = Lines()
     words = [scenario, "--domain", DOMAIN, "--run-dir", str(tmp_path / "run"), *arguments]
-    return start.make_plan(start.parser().parse_args(words), screen), screen.said
+    return start_run.make_plan(start.parser().parse_args(words), screen), screen.said
 
 
 def test_everything_takes_part_unless_told_otherwise(tmp_path: Path) -> None:
@@ -173,11 +173,11 @@ def test_a_role_is_held_by_one_run_at_a_time(tmp_path: Path) -> None:
 
 def test_the_demo_passes_its_wishes_on_and_answers_under_its_own_name(capsys: pytest.CaptureFixture[str]) -> None:
     given_to_demo = demo.parser().parse_args(["--seed", "4", "--set", "a=1", "--domain", "9", "--run-dir", "x"])
-    passed = start.parser("demo").parse_args(demo.start_arguments(given_to_demo))
+    passed = start.parser("demo").parse_args(demonstration.start_arguments(given_to_demo))
     assert (passed.scenario, passed.seed, passed.overrides, passed.domain) == ("lunar_sample", 4, ["a=1"], 9)
     assert passed.run_dir == Path("x")
     with pytest.raises(SystemExit):
-        start.parser("demo").parse_args(demo.start_arguments(demo.parser().parse_args(["--seed", "x"])))
+        start.parser("demo").parse_args(demonstration.start_arguments(demo.parser().parse_args(["--seed", "x"])))
     assert capsys.readouterr().err.startswith("demo: ")
 
 
@@ -219,11 +219,11 @@ def test_a_machine_that_stands_fast_has_no_role_drive(tmp_path: Path) -> None:
 
 
 def test_the_demonstration_of_a_rover_takes_its_own_course_or_the_common_one() -> None:
-    assert demo.scenario_of(None, None) == "lunar_sample"
-    assert demo.scenario_of(None, "skid") == "machine_course"
-    assert demo.scenario_of(None, "micro") == "micro_course"
-    assert demo.scenario_of(None, "ssrms") == "ssrms_course"
-    assert demo.scenario_of("flat_drive", "micro") == "flat_drive"
+    assert demonstration.scenario_of(None, None) == "lunar_sample"
+    assert demonstration.scenario_of(None, "skid") == "machine_course"
+    assert demonstration.scenario_of(None, "micro") == "micro_course"
+    assert demonstration.scenario_of(None, "ssrms") == "ssrms_course"
+    assert demonstration.scenario_of("flat_drive", "micro") == "flat_drive"
 
 
 def test_a_reader_that_has_had_enough_brings_no_traceback() -> None:

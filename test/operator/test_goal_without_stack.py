@@ -7,7 +7,8 @@ import time
 import pytest
 
 from sojourn_config.command_errors import CommandError
-from sojourn_operator.goal_client import ANSWER_S, main
+from sojourn_operator.goal_client import main
+from sojourn_operator.goal_sending import ANSWER_S
 
 
 @pytest.mark.parametrize(("arguments", "who"), [(["drive", "1", "0"], "drive"), (["stop"], "drive or arm")])

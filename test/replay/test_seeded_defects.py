@@ -18,8 +18,9 @@ from sojourn_bags.errors import UnansweredError
 from sojourn_bags.judging import machine_of
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.replay import replay
+from sojourn_bags.replay_choices import ROLES_TO_REPLAY
 from sojourn_bags.replay_harness import ReplaySettings
-from sojourn_bags.replay_script import ROLES_TO_REPLAY, script_of
+from sojourn_bags.replay_script import script_of
 from sojourn_bags.run_configuration import RunConfiguration, run_configuration
 from sojourn_bringup.process_table import process
 from sojourn_bringup.references import default_reference

@@ -16,8 +16,7 @@ from sojourn_config.errors import ConfigError
 from sojourn_config.paths import urdf_folder
 from sojourn_flight.arm.control_laws import LAWS
 from sojourn_studies import arm_control
-from sojourn_studies.arm_report import KEYS
-from sojourn_studies.arm_test import main, parser
+from sojourn_studies.arm_test import KEYS, main, parser
 
 NOMINAL = ["--q", "0", "0.7853981634", "3.1415926536", "0", "0.7853981634", "0"]
 

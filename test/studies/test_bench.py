@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from sojourn_config.command_errors import CommandError, UsageError
-from sojourn_studies import bench
+from sojourn_studies import bench, bench_parts
 from sojourn_studies.bench_step import YARDSTICK
 
 
@@ -27,15 +27,15 @@ def test_figures_go_into_a_new_file_with_a_yardstick_of_the_same_run(
 
 
 def test_without_a_file_named_they_go_into_a_folder_of_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bench, "repository_root", lambda: tmp_path)
-    first, second = bench.place_of(None), bench.place_of(None)
+    monkeypatch.setattr(bench_parts, "repository_root", lambda: tmp_path)
+    first, second = bench_parts.place_of(None), bench_parts.place_of(None)
     assert first.parent.parent == second.parent.parent == tmp_path / "runs" and first.parent != second.parent
     assert not (tmp_path / "runs" / "latest").exists(), "that is the newest run, and this is none"
 
 
 def test_a_file_without_a_folder_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="there is no folder"):
-        bench.place_of(tmp_path / "nowhere" / "figures.json")
+        bench_parts.place_of(tmp_path / "nowhere" / "figures.json")
 
 
 def test_the_loop_is_told_in_the_yardstick_of_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -46,17 +46,23 @@ def test_the_loop_is_told_in_the_yardstick_of_its_time(monkeypatch: pytest.Monke
         def microseconds(self) -> float:
             return next(units)
 
-    monkeypatch.setattr(bench.bench_loop, "Yardstick", Clock)
+    monkeypatch.setattr(bench_parts.bench_loop, "Yardstick", Clock)
     speeds = iter([5.0, 2.0, 5.0])
-    monkeypatch.setattr(bench.bench_loop, "run_loop", lambda kind, seconds: {f"{kind}, times real time": next(speeds)})
-    figures = bench.bench_loop.bench_loop("composed", 1.0, 3, lines.append)
+    monkeypatch.setattr(
+        bench_parts.bench_loop, "run_loop", lambda kind, seconds: {f"{kind}, times real time": next(speeds)}
+    )
+    figures = bench_parts.bench_loop.bench_loop("composed", 1.0, 3, lines.append)
     assert figures["composed, period of the loop [Y]"] == pytest.approx(400.0)
     assert figures["composed, times real time"] == 5.0 and len(lines) == 3
 
 
+def test_every_part_has_its_name_among_the_options() -> None:
+    assert tuple(bench_parts.PARTS) == bench.PART_NAMES
+
+
 def test_all_parts_are_shorter_without_full() -> None:
-    for name, quick in bench.QUICK._asdict().items():
-        assert quick < bench.FULL._asdict()[name], name
+    for name, quick in bench_parts.QUICK._asdict().items():
+        assert quick < bench_parts.FULL._asdict()[name], name
 
 
 def test_a_part_that_cannot_be_measured_is_told_of_and_the_others_go_on(
@@ -65,8 +71,8 @@ def test_a_part_that_cannot_be_measured_is_told_of_and_the_others_go_on(
     def cannot(*_given: object) -> dict[str, float]:
         raise CommandError("the machine is too busy")
 
-    monkeypatch.setitem(bench.PARTS, "commands", cannot)
-    monkeypatch.setitem(bench.PARTS, "ground", lambda *_given: {"a figure": 7.0})
+    monkeypatch.setitem(bench_parts.PARTS, "commands", cannot)
+    monkeypatch.setitem(bench_parts.PARTS, "ground", lambda *_given: {"a figure": 7.0})
     file = tmp_path / "figures.json"
     assert bench.main(["--only", "commands", "--only", "ground", "--json", str(file)]) == 1
     assert json.loads(file.read_text(encoding="utf-8")) == {"a figure": 7.0}

@@ -19,7 +19,7 @@ def printed(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
     out = tmp_path_factory.mktemp("sheet") / "lrv.html"
     with pytest.MonkeyPatch.context() as patch:
         lines: list[str] = []
-        patch.setattr("sojourn_studies.rover_datasheet.print", lambda text: lines.append(text), raising=False)
+        patch.setattr("sojourn_studies.datasheet_of_rover.print", lambda text: lines.append(text), raising=False)
         assert main(["lrv", "--json", "--out", str(out)]) == 0
     return "\n".join(lines), out.read_text(encoding="utf-8")
 
@@ -82,7 +82,7 @@ def test_a_folder_is_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     class Nothing:
         sections = comparisons = ()
 
-    monkeypatch.setattr("sojourn_studies.rover_datasheet.datasheet", lambda subject: Nothing)
+    monkeypatch.setattr("sojourn_studies.datasheet_of_rover.datasheet", lambda subject: Nothing)
     with pytest.raises(UsageError, match="cannot be written"):
         main(["lrv", "--out", str(tmp_path)])
 

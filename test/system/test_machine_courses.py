@@ -9,7 +9,7 @@ from programs import demos
 
 from sojourn_bags.machine import euler_angles, poses_of
 from sojourn_bags.reading import Bag, read_bag
-from sojourn_bringup.demo import scenario_of
+from sojourn_bringup.demonstration import scenario_of
 from sojourn_config.load import load_params
 from sojourn_config.paths import available
 from sojourn_config.rover import RoverConfig
@@ -60,7 +60,7 @@ def test_course(rover: str, runs: dict[str, tuple[int, str, Path]]) -> None:
 
 def test_who_is_not_asked_for_the_step_cannot_climb_it_by_the_data_sheet() -> None:
     from sojourn_analysis.vehicle.step_climbing import highest_step
-    from sojourn_studies.rover_datasheet import subject_of
+    from sojourn_studies.datasheet_of_rover import subject_of
 
     for rover in ROVERS:
         course = load_scenario(scenario_of(None, rover), [f"rover={rover}"])

@@ -16,8 +16,8 @@ from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.reading import read_bag
 from sojourn_bags.replay import replay
+from sojourn_bags.replay_choices import ROLES_TO_REPLAY
 from sojourn_bags.replay_harness import ReplaySettings
-from sojourn_bags.replay_script import ROLES_TO_REPLAY
 from sojourn_bags.run_configuration import run_configuration
 from sojourn_bringup.process_table import process
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sojourn_analysis.wheels.test_bed import GRAVITY
 from sojourn_analysis.wheels.trials import Trials, predict, summary
-from sojourn_analysis.wheels.wheel_bench import GRAVITY
 from sojourn_config.load import load_params
 from sojourn_machine.params import FloatArray
 from sojourn_physics.soil.params import SoilParams, kernel_row

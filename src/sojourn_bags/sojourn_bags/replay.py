@@ -12,11 +12,10 @@ from sojourn_bags.candidate import Candidate
 from sojourn_bags.comparison import compare, stamps_of
 from sojourn_bags.comparison_result import Comparison
 from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.replay_choices import PREFIX
 from sojourn_bags.replay_harness import Listener, ReplayHarness, ReplaySettings
 from sojourn_bags.replay_script import ReplayScript, script_of
 from sojourn_bags.run_configuration import RunConfiguration
-
-PREFIX = "/replay"
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,13 @@ from sojourn_bags.contract_version import check_contract
 from sojourn_bags.errors import ReplayError
 from sojourn_bags.provenance import run_of
 from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.replay_choices import ROLES_TO_REPLAY
 from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.events import parse_tick
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import OPERATOR_LAG, inputs_of, outputs_of, topic
 
-ROLES_TO_REPLAY = ("plant", "sensors", "drive", "arm", "power")
 CLOCK, TICK, HEARTBEATS = "/clock", "/operator/tick", "/diagnostics"
 
 

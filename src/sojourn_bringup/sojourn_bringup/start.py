@@ -2,24 +2,11 @@
 
 import argparse
 from collections.abc import Sequence
-from contextlib import nullcontext
 from pathlib import Path
-from typing import Literal
 
-from sojourn_bringup.instance import RoleTokens
-from sojourn_bringup.outcome import Outcome
-from sojourn_bringup.plan import RunPlan, add_patience, check_lockstep, replacement_of
-from sojourn_bringup.process_table import PROCESSES, ROLE_NAMES, check_roles, process, role_list
-from sojourn_bringup.run_folder import make_run_folder
-from sojourn_bringup.screen import Screen, default_screen
+from sojourn_bringup.plan import add_patience
+from sojourn_bringup.process_table import role_list
 from sojourn_config import command_line
-from sojourn_config.command_errors import UsageError
-from sojourn_config.scenario import LoadedScenario
-from sojourn_config.shared_memory import remove_tracing_files
-from sojourn_operator.scenario_steps import absent_roles, needed_roles, prepare_scenario
-
-Layout = Literal["processes", "composed", "direct"]
-"""The three ways to run one graph."""
 
 
 def parser(program: str = "start.py") -> argparse.ArgumentParser:
@@ -78,133 +65,12 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
     return result
 
 
-def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
-    """Check all that was asked for and make the run's folder. Nothing has started then.
-
-    Raises:
-        UsageError, ConfigError: what was asked for cannot be. DomainInUseError: another run has the domain.
-    """
-    replacements = _commands(given.replace, "--replace")
-    shadows = _commands(given.shadow, "--shadow")
-    overrides = list(given.overrides)
-    for key in ("rover", "seed"):
-        value = getattr(given, key)
-        overrides += [] if value is None else [f"{key}={value}"]
-    scenario = prepare_scenario(given.scenario, overrides)
-    participants = _participants(given, scenario.loaded, screen)
-    started = tuple(role for role in participants if not given.only or role in given.only)
-    machine = scenario.loaded.config.rover
-    for role, reason in absent_roles(scenario.loaded).items():
-        if role in {*given.only, *replacements, *shadows}:
-            raise UsageError(f"the rover {machine} {reason}: there is no role {role} in its runs")
-    for role in given.only:
-        if role in given.without:
-            raise UsageError(f"--only and --without both name {role}")
-    for role in replacements:
-        if role not in started:
-            raise UsageError(f"--replace names {role}, which is not started here")
-    for role in shadows:
-        if not process(role).can_be_shadowed:
-            allowed = ", ".join(row.role for row in PROCESSES if row.can_be_shadowed)
-            raise UsageError(f"--shadow names {role}, allowed is one of {allowed}")
-        if role not in participants:
-            raise UsageError(f"--shadow names {role}, which does not take part: there is nothing to compare with")
-    if (given.composed or given.direct) and (replacements or shadows or len(started) < len(participants)):
-        option = "--composed" if given.composed else "--direct"
-        raise UsageError(f"{option} runs every role in one process: it does not go with --replace, --shadow or --only")
-    if given.direct and given.realtime:
-        raise UsageError("--direct runs as fast as it can: it does not go with --realtime")
-    if "plant" not in participants:
-        raise UsageError("nothing moves without plant: to start it elsewhere, name here what to start with --only")
-    if not given.realtime:
-        check_lockstep(participants)
-    # before a folder is made for a run that cannot be
-    with nullcontext() if given.direct else RoleTokens(given.domain, given.namespace, started):
-        run_dir = make_run_folder(given.run_dir)
-    return RunPlan(
-        scenario=scenario.name,
-        overrides=scenario.overrides,
-        run_dir=run_dir,
-        participants=participants,
-        started=started,
-        replacements=replacements,
-        shadows=shadows,
-        realtime=given.realtime,
-        domain=given.domain,
-        namespace=given.namespace,
-        on_network=given.network,
-        lockstep_timeout_s=given.lockstep_timeout,
-        start_timeout_s=given.start_timeout,
-    )
-
-
-def _commands(texts: Sequence[str], option: str) -> dict[str, str]:
-    """Command by role. Raises UsageError for an unknown role, for no command, and for a role named twice."""
-    found: dict[str, str] = {}
-    for text in texts:
-        role, command = replacement_of(text, option)
-        check_roles((role,), option)
-        if role in found:
-            raise UsageError(f"{option} names {role} twice: {found[role]} and {command}")
-        found[role] = command
-    return found
-
-
-def _participants(given: argparse.Namespace, scenario: LoadedScenario, screen: Screen) -> tuple[str, ...]:
-    """Roles that take part: all but those left out, and no scripted operator where it could not do its steps."""
-    without = {*given.without, *absent_roles(scenario)}
-    if "operator" not in without:
-        needed = needed_roles(scenario)
-        lacking = [role for role in needed if role in without]
-        if not scenario.config.steps:
-            screen.say("the scenario has no steps: send goals with scripts/goal, end with Ctrl-C")
-            without.add("operator")
-        elif lacking:
-            screen.say(f"the operator is left out too: its steps need {' and '.join(lacking)}")
-            without.add("operator")
-    return tuple(role for role in ROLE_NAMES if role not in without)
-
-
-def layout_of(given: argparse.Namespace) -> Layout:
-    """Which way was asked for."""
-    return "direct" if given.direct else "composed" if given.composed else "processes"
-
-
-def run_plan(plan: RunPlan, layout: Layout, screen: Screen) -> Outcome:
-    """Run to the end, in one process or in many; nothing is left behind."""
-    # here and not above, because the libraries read the environment when they are loaded
-    try:
-        if layout == "direct":  # it meets nobody on any domain
-            from sojourn_bringup.direct import DirectRun
-
-            with screen:
-                return DirectRun(plan, screen).run()
-        with RoleTokens(plan.domain, plan.namespace, plan.started), screen:
-            if layout == "composed":
-                from sojourn_bringup.composed import ComposedRun
-
-                return ComposedRun(plan, screen).run()
-            from sojourn_bringup.supervisor import Supervisor
-
-            return Supervisor(plan, screen).run()
-    finally:
-        remove_tracing_files()
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Start a run and return its status: 0 done, 1 failed, 2 bad usage or configuration, 130 interrupted."""
     given = parser().parse_args(arguments)
-    screen = default_screen()
-    plan = make_plan(given, screen)
-    screen.say(f"run {plan.run_dir}, domain {plan.domain}{', namespace ' + plan.namespace if plan.namespace else ''}")
-    outcome = run_plan(plan, layout_of(given), screen)
-    for result in outcome.results:
-        reason = f" ({result.reason})" if result.reason else ""
-        screen.say(f"{result.start_s:8.2f} s  {result.step}: {result.outcome}{reason}")
-    screen.say(
-        f"{outcome.message} after {outcome.sim_time_s:.2f} s of simulation, {outcome.wall_time_s:.1f} s of wall time"
-    )
-    return outcome.status
+    from sojourn_bringup.start_run import run  # not above: --help needs none of it
+
+    return run(given)
 
 
 if __name__ == "__main__":

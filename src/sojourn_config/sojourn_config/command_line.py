@@ -91,6 +91,11 @@ def number(text: str) -> float:
     return value
 
 
+def number_list(text: str) -> list[float]:
+    """Finite numbers with commas between them."""
+    return [number(part) for part in text.split(",")]
+
+
 def whole_number(text: str) -> int:
     """A whole number of at least zero."""
     if not text.isdigit():

@@ -5,7 +5,7 @@ from typing import Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
-from sojourn_flight.arm.goals import GoalRefusedError
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.tasks.requests import parse_task
 from sojourn_machine.params import Params
 

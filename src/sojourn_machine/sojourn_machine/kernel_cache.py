@@ -13,12 +13,12 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import numba
-
 HOME = Path(__file__).resolve().parent / "__pycache__"
 PACKAGES = ("sojourn_machine", "sojourn_physics", "sojourn_flight", "sojourn_analysis")
 """Those with kernels in them; one that is not installed is left out."""
 PREFIX = "kernels-"
+MARKS = (b"njit", b"IntEnum")
+"""What tells a file that counts: kernels, and columns that are compiled into them as numbers."""
 KEPT_S = 86400.0
 """A folder that was touched within this time may be in use by another process [s]."""
 
@@ -32,26 +32,26 @@ def package_folders() -> Iterator[Path]:
 
 
 def sources_digest() -> str:
-    """Digest of every file of these packages that has kernels in it."""
+    """Digest of every file of these packages that has kernels, or their columns, in it."""
     digest = hashlib.sha256()
     for package in package_folders():
         for path in sorted(package.rglob("*.py")):
             text = path.read_bytes()
-            if b"njit" in text:
+            if any(mark in text for mark in MARKS):
                 digest.update(path.relative_to(package.parent).as_posix().encode() + text)
     return digest.hexdigest()[:16]
 
 
-def use_versioned_cache() -> None:
-    """Point numba at the folder of the present sources, and remove folders that nobody has used for a while.
+def cache_folder() -> Path | None:
+    """Folder of the present sources; those that nobody has used for a while are removed.
 
-    Where this folder cannot be written, or NUMBA_CACHE_DIR is set, numba's own choice stands.
+    None where it cannot be written, or where NUMBA_CACHE_DIR is set: numba's own choice stands.
     """
     if "NUMBA_CACHE_DIR" in os.environ or not os.access(HOME.parent, os.W_OK):
-        return
+        return None
     folder = HOME / (PREFIX + sources_digest())
     if not folder.exists():
         for old in HOME.glob(PREFIX + "*"):
             if time.time() - old.stat().st_mtime > KEPT_S:
                 shutil.rmtree(old, ignore_errors=True)
-    numba.config.CACHE_DIR = str(folder)
+    return folder

@@ -1,1 +1,1 @@
-import sojourn_machine  # noqa: F401 - holds the arithmetic before numpy is loaded, and keeps the kernels
+import sojourn_machine  # noqa: F401 - holds the arithmetic before numpy is loaded

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import Any
 
 from sojourn_bringup.screen import wide_console
 from sojourn_flight.arm.closed_form import (
@@ -14,17 +14,15 @@ from sojourn_flight.arm.closed_form import (
 from sojourn_flight.arm.inverse import InverseAnswer, pointing_goal, pose_goal, position_goal
 from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION
 from sojourn_flight.arm.redundancy import (
-    SecondaryTask,
     Sphere,
     better_posture,
     measure_of,
 )
+from sojourn_flight.arm.secondary_task import SecondaryTask
 from sojourn_flight.arm.self_collision import SelfCollision
 from sojourn_flight.arm.serial_arm import SerialArm
 from sojourn_machine.params import FloatArray
 from sojourn_studies.arm_report import row_text
-
-PREFERENCES = get_args(SecondaryTask)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,38 +14,6 @@ from sojourn_flight.arm.self_collision import SelfCollision
 from sojourn_flight.arm.serial_arm import SerialArm
 from sojourn_machine.params import FloatArray
 
-KEYS = {
-    "arm, joints, joint_kinds": "name, joint names, revolute or prismatic, in chain order",
-    "q, qd, qdd": "what was asked for [rad or m, per s, per s2]",
-    "gravity_m_s2": "gravity vector in the base, 3",
-    "payload_kg": "mass held at the tip",
-    "tip_position_m": "of the tip in the base, 3",
-    "tip_quaternion_xyzw": "of the tip in the base, 4",
-    "tip_rotation": "the same as a matrix, 3 x 3",
-    "tip_rotation_vector_rad": "the same, axis times angle",
-    "tip_roll_pitch_yaw_rad": "the same, about fixed x, y, z",
-    "tip_euler_zyz_rad": "the same, about moving z, y, z",
-    "orientation_singularities": "forms of the above that are not unique here, in words",
-    "jacobian": "6 x n: rows vx vy vz wx wy wz of the tip in the base",
-    "mass_matrix_kg_m2": "n x n, with J_m G^2 of the motors",
-    "gravity_torques_n_m": "n: what holds the arm and its payload at rest",
-    "coriolis_torques_n_m": "n: C(q, qd) qd, Coriolis and centrifugal",
-    "friction_torques_n_m": "n: Coulomb, viscous, Stribeck",
-    "inverse_dynamics_n_m": "n: M qdd + C qd + g, motors' inertia included, friction not",
-    "drive_torques_n_m": "n: the same with friction",
-    "manipulability": "Yoshikawa: product of the Jacobian's singular values",
-    "manipulability_translation": "the same of its first three rows: of a planar arm l1 l2 |sin q2|",
-    "manipulability_rotation": "the same of its last three rows",
-    "smallest_singular_value": "of the Jacobian with lengths in reaches of the arm; 0: singular",
-    "condition_number": "of the same; null: singular",
-    "largest_payload_kg": "further mass that can be held here; null without weight",
-    "collision": "links of the arm that overlap, in words; empty where none do",
-    "beyond_limits, overloaded": "joints out of range, or asked for more than they can give, in words",
-    "inverse_kinematics": "with --to: status (solved, singular, collision, limits, unreachable), q, errors, branches; "
-    "with --prefer: secondary",
-}
-"""Keys of --json and what they hold."""
-
 
 def figures_of(
     arm: SerialArm, q: FloatArray, qd: FloatArray, qdd: FloatArray, gravity: FloatArray, found: Posture

@@ -12,7 +12,7 @@ import numpy as np
 
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.arm.dynamics import rigid_effort
-from sojourn_flight.arm.goals import ArmGoal, GoalRefusedError, JointGoal, NamedGoal, PoseGoal, TrajectoryGoal
+from sojourn_flight.arm.goals import ArmGoal, JointGoal, NamedGoal, PoseGoal, TrajectoryGoal
 from sojourn_flight.arm.ground_plane import GroundPlane
 from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.kinematics import forward_kinematics
@@ -20,6 +20,7 @@ from sojourn_flight.arm.model import ArmModel, build_arm_model
 from sojourn_flight.arm.motion_load import motor_efforts, power_drawn
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.planning import plan_goal
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.trajectory import JointReference, at_rest
 from sojourn_machine.params import FloatArray
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from sojourn_bringup import start
+from sojourn_bringup import start, start_run
 from sojourn_bringup.screen import Screen
 from sojourn_config.command_errors import CommandError
 from sojourn_contract.stamps import CONTROL_PERIOD_S
@@ -59,7 +59,7 @@ def child(given: argparse.Namespace) -> int:
     wishes = [SCENARIO, "--run-dir", given.run_dir, "--domain", str(given.domain)]
     wishes += ["--set", f"duration_limit_s={given.seconds}"]
     screen = Screen(Console(file=open(os.devnull, "w")))  # noqa: SIM115 - for the life of the process
-    plan = start.make_plan(start.parser().parse_args(wishes), screen)
+    plan = start_run.make_plan(start.parser().parse_args(wishes), screen)
     figures: dict[str, float] = {}
     if given.child == "composed":
         from sojourn_bringup.composed import ComposedRun

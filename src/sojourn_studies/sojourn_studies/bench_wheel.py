@@ -4,9 +4,9 @@ import statistics
 import time
 
 import numpy as np
-from numba import njit
 
 from sojourn_config.load import load_params
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, travel, wheel_forces
 from sojourn_physics.soil.params import SoilParams, kernel_row

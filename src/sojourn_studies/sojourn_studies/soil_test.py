@@ -1,32 +1,9 @@
 """A soil as a designer asks it: what a pad may press, how deep it stands, what it holds: scripts/soil_test."""
 
 import argparse
-import json
-import math
 from collections.abc import Sequence
-from typing import Any
 
-from rich.markup import escape
-from rich.table import Table
-
-from sojourn_analysis.soil.footing import pad_sinkage, safe_load, ultimate_pressure
 from sojourn_config import command_line
-from sojourn_config.command_errors import UsageError
-from sojourn_config.load import load_params
-from sojourn_machine.errors import InvalidValueError, MachineError
-from sojourn_physics.environment.body import BodyParams
-from sojourn_physics.soil.params import SoilParams
-from sojourn_physics.soil.pressure_sinkage import modulus, pressure
-from sojourn_physics.soil.regolith import mean_density, soil_at
-from sojourn_physics.soil.relative_density import relative_density_at
-from sojourn_physics.soil.repeated_loading import rut_depth
-from sojourn_physics.soil.shear import shear_limit, shear_stress
-from sojourn_studies.wheel_test import number_list, print_table
-
-LUNAR = "lunar_"
-"""Soils whose name begins so have a depth: see `regolith`."""
-SHEARED = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
-"""Displacements for which the shear stress is told [mm]."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -39,14 +16,21 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("--body", default="moon", metavar="NAME", help="of config/bodies: its gravity (%(default)s)")
     result.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of the soil")
     result.add_argument(
-        "--diameter", type=number_list, default=[0.05, 0.1, 0.2, 0.3], metavar="M[,M...]", help="of round pads [m]"
+        "--diameter",
+        type=command_line.number_list,
+        default=[0.05, 0.1, 0.2, 0.3],
+        metavar="M[,M...]",
+        help="of round pads [m]",
     )
     result.add_argument("--load", type=command_line.number, default=50.0, metavar="N", help="on each pad (%(default)s)")
     result.add_argument(
         "--safety", type=command_line.number, default=3.0, metavar="F", help="factor of safety (%(default)s)"
     )
     result.add_argument(
-        "--depth", type=number_list, metavar="M[,M...]", help="lunar soil at these depths in place of its mean [m]"
+        "--depth",
+        type=command_line.number_list,
+        metavar="M[,M...]",
+        help="lunar soil at these depths in place of its mean [m]",
     )
     result.add_argument("--json", action="store_true", help="print JSON")
     return result
@@ -55,101 +39,9 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the tables."""
     given = parser().parse_args(arguments)
-    try:
-        return _run(given)
-    except MachineError as error:
-        raise UsageError(str(error)) from error
+    from sojourn_studies.soil_figures import run  # not above: --help needs none of it
 
-
-def _run(given: argparse.Namespace) -> int:
-    soil = load_params("soils", given.soil, SoilParams, given.set)
-    if soil.kind == "rigid":
-        raise UsageError(f"soil {soil.name}: it is rock; allowed is a soil that yields")
-    if not (math.isfinite(given.load) and given.load > 0.0):
-        raise UsageError(f"--load {given.load:g}: allowed is more than 0 N")
-    gravity = load_params("bodies", given.body, BodyParams).surface_gravity
-    found: dict[str, Any] = {
-        "soil": soil.name,
-        "gravity": gravity,
-        "density": soil.density,
-        "relative_density": _relative_density(soil),
-        "pads": [pad(soil, gravity, diameter, given.load, given.safety) for diameter in given.diameter],
-        "shear": shear(soil, given.load / (0.25 * math.pi * given.diameter[0] ** 2)),
-    }
-    if given.depth is not None:
-        found["depths"] = [layer(soil, gravity, depth, given.diameter[0]) for depth in given.depth]
-    if given.json:
-        print(json.dumps(found, indent=1))
-        return 0
-    relative = found["relative_density"]
-    dense = "" if relative is None else f", relative density {relative:.2f}"
-    print(f"soil {soil.name}: {soil.density:g} kg/m3{dense}; gravity {gravity:.3f} m/s2\n")
-    print(f"round pads under {given.load:g} N, factor of safety {given.safety:g}")
-    print_rows(found["pads"])
-    print(f"\nshear under the first of them, {found['shear']['normal_pa'] / 1e3:.2f} kPa:")
-    print_rows(
-        [{"displacement_mm": mm, "stress_pa": pa} for mm, pa in zip(SHEARED, found["shear"]["stress_pa"], strict=True)]
-    )
-    if given.depth is not None:
-        print("\nover depth (Lunar Sourcebook, ch. 9); a pad of the first diameter fails the soil there at")
-        print_rows(found["depths"])
-    return 0
-
-
-def pad(soil: SoilParams, gravity: float, diameter: float, load: float, safety: float) -> dict[str, float]:
-    """A round pad on the surface: pressures [kPa], safe load [N], sinkage, and rut when it is lifted again [mm]."""
-    stands = pad_sinkage(soil, load, diameter)
-    stiffness = modulus(soil, 0.5 * diameter)
-    rut = rut_depth(stiffness, soil.n, stands, soil.unloading_stiffness, soil.unloading_stiffness_per_sinkage)
-    return {
-        "diameter_m": diameter,
-        "pressure_kpa": pressure(soil, 0.5 * diameter, stands) / 1e3,
-        "fails_at_kpa": ultimate_pressure(soil, diameter, gravity, "round") / 1e3,
-        "safe_load_n": safe_load(soil, diameter, gravity, 0.0, safety),
-        "sinkage_mm": 1e3 * stands,
-        "rut_mm": 1e3 * rut,
-    }
-
-
-def shear(soil: SoilParams, normal: float) -> dict[str, Any]:
-    """Shear stress [Pa] at `SHEARED` under a normal pressure [Pa]."""
-    limit = shear_limit(soil.cohesion, soil.friction_angle, normal)
-    stresses = [shear_stress(limit, 1e-3 * mm, soil.shear_modulus, soil.residual_shear_ratio) for mm in SHEARED]
-    return {"normal_pa": normal, "displacement_mm": list(SHEARED), "stress_pa": stresses}
-
-
-def layer(soil: SoilParams, gravity: float, depth: float, diameter: float) -> dict[str, float]:
-    """Lunar soil at a depth [m], and what a round pad there bears under the soil above it.
-
-    Raises:
-        InvalidValueError: a soil that is not lunar, or a depth that is not known.
-    """
-    if not soil.name.startswith(LUNAR):
-        raise InvalidValueError("--depth of soil", soil.name, f"one whose name begins with {LUNAR}")
-    there = soil_at(soil, depth)
-    above = mean_density(depth) * gravity * depth
-    return {
-        "depth_m": depth,
-        "density_kg_m3": there.density,
-        "mean_density_kg_m3": mean_density(depth),
-        "cohesion_pa": there.cohesion,
-        "friction_angle_deg": there.friction_angle_deg,
-        "fails_at_kpa": ultimate_pressure(there, diameter, gravity, "round", above) / 1e3,
-    }
-
-
-def _relative_density(soil: SoilParams) -> float | None:
-    return None if soil.density_range is None else relative_density_at(soil.density, *soil.density_range)
-
-
-def print_rows(rows: Sequence[dict[str, float]]) -> None:
-    """Rows of one kind as a table; the unit is the end of each name."""
-    table = Table(box=None, pad_edge=False)
-    for name in rows[0]:
-        table.add_column(escape(name), justify="right")
-    for row in rows:
-        table.add_row(*(f"{value:.4g}" for value in row.values()))
-    print_table(table)
+    return run(given)
 
 
 if __name__ == "__main__":

@@ -4,11 +4,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import matplotlib
 import numpy as np
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from sojourn_analysis.wheels.law_bench import Bed
 from sojourn_analysis.wheels.wheel_bench import BenchResult, OverloadError
@@ -37,7 +35,9 @@ def draw(path: Path, bed: Bed, angles: Sequence[float], marked: Sequence[BenchRe
     low = min([0.0, *(one.slip for one in marked)])
     high = max([0.95, *(one.slip for one in marked)])
     slips = np.linspace(low, high, POINTS).tolist()
-    figure, axes = plt.subplots(2, 2, figsize=(10.0, 7.0), sharex=True, constrained_layout=True)
+    figure = Figure(figsize=(10.0, 7.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(2, 2, sharex=True)
     drawn = draw_soils(bed.soil, DRAWS, SEED) if bed.soil.spread else []
     for number, angle in enumerate(angles):
         colour = f"C{number}"
@@ -62,8 +62,6 @@ def draw(path: Path, bed: Bed, angles: Sequence[float], marked: Sequence[BenchRe
         figure.savefig(path, dpi=120)
     except (OSError, ValueError) as error:
         raise UsageError(f"--plot {path}: cannot be written ({error})") from error
-    finally:
-        plt.close(figure)
 
 
 def _curve(bed: Bed, slips: Sequence[float], angle: float) -> dict[str, np.ndarray]:

@@ -8,10 +8,10 @@ import pytest
 
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.arm.collision import refined
-from sojourn_flight.arm.goals import GoalRefusedError
 from sojourn_flight.arm.ground import GroundUnderWheels, plane_through
 from sojourn_flight.arm.ground_plane import GroundPlane
 from sojourn_flight.arm.kinematics import forward_kinematics, inverse_kinematics
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.tasks.start import check_line
 from sojourn_machine.errors import InvalidValueError
 

@@ -13,12 +13,13 @@ from hypothesis import strategies as st
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.arm.collision import check_posture
 from sojourn_flight.arm.dynamics import rigid_effort
-from sojourn_flight.arm.goals import ArmGoal, GoalRefusedError, JointGoal, NamedGoal, PoseGoal, StopGoal
+from sojourn_flight.arm.goals import ArmGoal, JointGoal, NamedGoal, PoseGoal, StopGoal
 from sojourn_flight.arm.ground_plane import GroundPlane
 from sojourn_flight.arm.jogging import JogCommand, Surroundings, begin_jog, jog_on
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import build_arm_model
 from sojourn_flight.arm.motion_load import motor_efforts, power_drawn
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput
 from sojourn_flight.arm.tasks import task_control
 from sojourn_flight.arm.tasks.requests import TaskRequest, parse_task

@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.arm import motion_load
 from sojourn_flight.arm.dynamics import rigid_effort
-from sojourn_flight.arm.goals import ArmGoal, GoalRefusedError, JointGoal, NamedGoal, TrajectoryGoal
+from sojourn_flight.arm.goals import ArmGoal, JointGoal, NamedGoal, TrajectoryGoal
 from sojourn_flight.arm.model import ArmModel, build_arm_model
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.planning import plan_goal
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.trajectory import JointReference, at_rest
 
 MOON = np.array([0.0, 0.0, -1.625])

@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sojourn_flight.arm.collision import check_posture
-from sojourn_flight.arm.goals import GoalRefusedError, JointGoal, PoseGoal
+from sojourn_flight.arm.goals import JointGoal, PoseGoal
 from sojourn_flight.arm.ground_plane import GroundPlane
 from sojourn_flight.arm.planning import plan_goal
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import GroundRelief, relief_of
 from sojourn_flight.arm.trajectory import at_rest
 from sojourn_flight.hazards.obstacle_map import LAYERS, ObstacleMap, add_points

@@ -9,10 +9,11 @@ import pinocchio
 import pytest
 
 from sojourn_flight.arm.collision import check_posture, check_samples, path_samples, refined
-from sojourn_flight.arm.goals import GoalRefusedError, JointGoal, PoseGoal
+from sojourn_flight.arm.goals import JointGoal, PoseGoal
 from sojourn_flight.arm.ground_plane import GroundPlane
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.planning import plan_goal
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.sampling_planner import MOST_POSTURES, Detours, SamplingPlanner
 from sojourn_flight.arm.trajectory import at_rest
 from sojourn_flight.arm.ways import Plan

@@ -14,13 +14,14 @@ from scipy.spatial.transform import Rotation
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.arm import controller
 from sojourn_flight.arm.cartesian_path import TipPath, arc, line
-from sojourn_flight.arm.goals import GoalRefusedError, JointGoal, PathGoal, PathPoint, PauseGoal, PoseGoal, ResumeGoal
+from sojourn_flight.arm.goals import JointGoal, PathGoal, PathPoint, PauseGoal, PoseGoal, ResumeGoal
 from sojourn_flight.arm.ground_plane import GroundPlane
 from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import build_arm_model
 from sojourn_flight.arm.motion_load import peak
 from sojourn_flight.arm.planning import plan_goal
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput, initial_state
 from sojourn_flight.arm.tip_route import routes_along
 from sojourn_flight.arm.trajectory import at_rest

@@ -11,11 +11,12 @@ from sojourn_config.arm_config import ArmConfig
 from sojourn_config.load import load_params
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.arm.collision import check_posture
-from sojourn_flight.arm.goals import GoalRefusedError, PoseGoal, pose_goal, pose_target
+from sojourn_flight.arm.goals import PoseGoal, pose_goal, pose_target
 from sojourn_flight.arm.kinematics import forward_kinematics, inverse_kinematics
 from sojourn_flight.arm.model import ArmModel, build_arm_model
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.planning import plan_goal
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.trajectory import at_rest
 
 

@@ -2,10 +2,11 @@
 
 import os
 import shutil
+import subprocess
+import sys
 import time
 from pathlib import Path
 
-import numba
 import pytest
 
 from sojourn_machine import kernel_cache
@@ -13,7 +14,7 @@ from sojourn_machine import kernel_cache
 
 @pytest.fixture
 def packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Copies of the packages' sources that the cache takes for its own; numba's setting is put back."""
+    """Copies of the packages' sources that the cache takes for its own."""
     folders = []
     for folder in kernel_cache.package_folders():
         copy = tmp_path / folder.name
@@ -22,7 +23,6 @@ def packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     assert [folder.name for folder in folders] == list(kernel_cache.PACKAGES)
     monkeypatch.setattr(kernel_cache, "package_folders", lambda: iter(folders))
     monkeypatch.setattr(kernel_cache, "HOME", tmp_path / "sojourn_machine" / "__pycache__")
-    monkeypatch.setattr(numba.config, "CACHE_DIR", numba.config.CACHE_DIR)
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     return tmp_path
 
@@ -37,11 +37,13 @@ def test_the_digest_follows_every_kernel_file(packages: Path) -> None:
         "sojourn_physics/contact/wheel_on_soil.py",
         "sojourn_flight/odometry/odometry_kernels.py",
         "sojourn_machine/power/battery_kernels.py",
+        "sojourn_machine/contact_report.py",  # columns are compiled into kernels as numbers
+        "sojourn_physics/soil/params.py",
     ):
         file = packages / name
         file.write_text(file.read_text(encoding="utf-8") + "\n# another version\n", encoding="utf-8")
         seen.add(kernel_cache.sources_digest())
-    assert len(seen) == 4
+    assert len(seen) == 6
 
 
 def test_the_digest_follows_a_file_that_moves(packages: Path) -> None:
@@ -60,14 +62,24 @@ def test_only_folders_that_nobody_uses_are_removed(packages: Path) -> None:
     long_ago = time.time() - 2.0 * kernel_cache.KEPT_S
     for folder in (folders["old"], other):
         os.utime(folder, (long_ago, long_ago))
-    kernel_cache.use_versioned_cache()
+    assert kernel_cache.cache_folder() == home / (kernel_cache.PREFIX + kernel_cache.sources_digest())
     assert not folders["old"].exists()
     assert folders["fresh"].exists() and other.exists()
-    assert Path(numba.config.CACHE_DIR) == home / (kernel_cache.PREFIX + kernel_cache.sources_digest())
 
 
 def test_the_choice_of_the_user_stands(packages: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", "elsewhere")
-    before = numba.config.CACHE_DIR
-    kernel_cache.use_versioned_cache()
-    assert before == numba.config.CACHE_DIR
+    assert kernel_cache.cache_folder() is None
+
+
+def test_numba_keeps_our_kernels_in_the_folder_of_their_sources(tmp_path: Path) -> None:
+    """Also where somebody has loaded numba before us, who would read the environment again at the next compilation."""
+    program = """
+import numba
+from sojourn_machine import kernel_cache
+from sojourn_machine.kernels import njit
+njit(lambda x: x + 1)(1)
+assert numba.config.CACHE_DIR == str(kernel_cache.cache_folder() or ""), numba.config.CACHE_DIR
+"""
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    subprocess.run([sys.executable, "-c", program], cwd=tmp_path, env=environment, check=True)

@@ -17,12 +17,12 @@ Collisions are not looked at. A map of samples: a cell without any may yet be re
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.arm.chain import Chain, tip_kinematics
 from sojourn_flight.arm.dynamics import gravity_effort
 from sojourn_flight.arm.inverse_search import spread
 from sojourn_flight.arm.serial_arm import SerialArm
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 
 BANDS, SECTORS = 6, 8

@@ -7,8 +7,8 @@ speeds of 1e-9 to 1e3 m/s and rates alike, any camber below 87 degrees, any memo
 import math
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
     MOTION_COLUMNS,

@@ -16,16 +16,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from sojourn_analysis.wheels.test_bed import GRAVITY
 from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, contact_angles, travel, wheel_forces
 from sojourn_physics.contact.wheel_shape import WheelShape
 from sojourn_physics.soil.params import SoilParams, kernel_row
 
-GRAVITY = 9.80665
-"""Of a test bed on Earth [m/s^2]."""
 DEEPEST = 1.5
 """Sinkage at which a wheel counts as lost, over its radius."""
 SCAN_STEPS = 40

@@ -12,8 +12,8 @@ Valid for chains of revolute and prismatic joints of one degree of freedom; no l
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 

@@ -31,7 +31,7 @@ import numpy as np
 from sojourn_flight.arm.collision import check_posture
 from sojourn_flight.arm.deflection import joint_positions, motor_positions
 from sojourn_flight.arm.feedforward import feedforward_effort
-from sojourn_flight.arm.goals import GoalRefusedError, PauseGoal, PoseGoal, ResumeGoal, StopGoal
+from sojourn_flight.arm.goals import PauseGoal, PoseGoal, ResumeGoal, StopGoal
 from sojourn_flight.arm.ground_plane import GroundPlane
 from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.kinematics import forward_kinematics
@@ -46,6 +46,7 @@ from sojourn_flight.arm.pace import (
 )
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.planning import plan_goal
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import flat_relief
 from sojourn_flight.arm.state import ArmInput, ArmOutput, ArmState, ArmStatus, initial_state
 from sojourn_flight.arm.tasks.tip_motion import TipMotion

@@ -16,12 +16,9 @@ from sojourn_flight.arm.kinematics import direction_from_quaternion
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.orientation import from_quaternion
 from sojourn_flight.arm.params import ArmParams
-from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_flight.arm.refusal import GoalRefusedError
+from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
-
-
-class GoalRefusedError(MachineError):
-    """A goal that is not carried out; the message is the reason, with numbers."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,9 +15,9 @@ One radian weighs as much as a given length. A start that stops getting better i
 from functools import lru_cache
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.arm.chain import Chain, tip_kinematics
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 POSITION, POINTING, POSE = 0, 1, 2

@@ -18,13 +18,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sojourn_flight.arm.collision import check_posture, check_samples, path_samples
-from sojourn_flight.arm.goals import GoalRefusedError
 from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION
 from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import share_within
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground
 from sojourn_flight.arm.tip_plan import task_of
 from sojourn_flight.arm.trajectory import JointReference, at_rest, stop, towards_rates

@@ -9,8 +9,8 @@ and after `duration` the path stays at its first and last points (at rest).
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 

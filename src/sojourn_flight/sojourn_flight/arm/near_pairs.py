@@ -4,9 +4,9 @@ Shapes are held by spheres about their centres, which move with the joints: T_0i
 """
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.arm.chain import Chain, joint_frames
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 
 

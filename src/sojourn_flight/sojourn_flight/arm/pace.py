@@ -12,13 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from sojourn_flight.arm.goals import GoalRefusedError
 from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import rate_within, share_within
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.path_clock import ClockLimits, PathClock, advance, sample
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput, ArmState
 from sojourn_flight.arm.tasks.tip_motion import TipMotion, rates_of
 from sojourn_flight.arm.trajectory import JointReference

@@ -23,7 +23,6 @@ from sojourn_flight.arm.collision import (
 )
 from sojourn_flight.arm.goals import (
     ArmGoal,
-    GoalRefusedError,
     JointGoal,
     NamedGoal,
     PathGoal,
@@ -45,6 +44,7 @@ from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import peak, slower
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.redundancy import Sphere, better_posture, measure_of
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground, GroundRelief, depth_below
 from sojourn_flight.arm.sampling_planner import Detours
 from sojourn_flight.arm.tip_plan import checked_path, timed_path

@@ -13,7 +13,6 @@ taken by central differences.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from sojourn_flight.arm.inverse import task_jacobian
 from sojourn_flight.arm.inverse_search import POINTING, POSE, search
 from sojourn_flight.arm.kinematics import TipPose, forward_kinematics
 from sojourn_flight.arm.manipulability import manipulability
+from sojourn_flight.arm.secondary_task import SecondaryTask
 from sojourn_machine.params import FloatArray
 
 Measure = Callable[[FloatArray], float]
@@ -29,10 +29,6 @@ Measure = Callable[[FloatArray], float]
 _DIFFERENCE = 1.0e-5
 _SMALLEST_STEP = 1.0e-4
 _FLAT = 1.0e-9
-
-
-SecondaryTask = Literal["centred", "manipulability", "clear"]
-"""Joints near the middle of their ranges; manipulability; distance from obstacles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sojourn_flight.arm.chain import Chain, joint_frames
 from sojourn_flight.arm.ground_plane import GroundPlane
 from sojourn_flight.hazards.obstacle_map import COUNT, MEAN, ObstacleMap
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 
 _LOOKS = 3

@@ -16,12 +16,12 @@ import contextlib
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.arm.dynamics import coriolis_effort, gravity_effort, mass_matrix, rigid_effort
 from sojourn_flight.arm.serial_arm import SerialArm
 from sojourn_flight.arm.spline_path import SplinePath
 from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 _MARGINS = (1.0, 0.997, 0.99, 0.97, 0.94, 0.9)

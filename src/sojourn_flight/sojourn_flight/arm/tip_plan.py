@@ -14,12 +14,13 @@ from scipy.spatial.transform import Rotation
 
 from sojourn_flight.arm.cartesian_path import TipPath, arc, line
 from sojourn_flight.arm.collision import check_path, check_samples, refined
-from sojourn_flight.arm.goals import GoalRefusedError, PathGoal, PoseGoal, pose_target
+from sojourn_flight.arm.goals import PathGoal, PoseGoal, pose_target
 from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION
 from sojourn_flight.arm.joint_path import JointPath, join
 from sojourn_flight.arm.kinematics import TipPose, forward_kinematics
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground
 from sojourn_flight.arm.tip_following import CartesianPathError, FollowedPath, joints_along
 from sojourn_flight.arm.tip_route import routes_along

@@ -13,12 +13,12 @@ from typing import TypeAlias
 import numpy as np
 
 from sojourn_flight.arm.collision import check_path, check_samples, refined
-from sojourn_flight.arm.goals import GoalRefusedError
 from sojourn_flight.arm.joint_path import JointPath, join
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import slower
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground
 from sojourn_flight.arm.sampling_planner import MARGINS, Detours
 from sojourn_flight.arm.trajectory import JointReference, TrajectoryError, at_rest, point_to_point, stop

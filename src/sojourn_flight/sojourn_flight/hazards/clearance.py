@@ -14,12 +14,12 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sojourn_flight.hazards.obstacle_map import ObstacleMap
 from sojourn_flight.hazards.obstacle_params import OutlineParams
 from sojourn_flight.hazards.traversability import FREE
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 CIRCLES = 3

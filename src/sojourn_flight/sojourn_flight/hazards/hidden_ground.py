@@ -21,8 +21,8 @@ gap between a near edge and what is seen beyond it); the bound is this module's.
 import math
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 SECTORS = 18

@@ -21,11 +21,11 @@ centred on the robot, drift of its pose).
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.hazards.hidden_ground import hidden_strips, is_hidden
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
 from sojourn_flight.hazards.stereo_camera import StereoEye, height_variances
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 COUNT, LOW, HIGH, MEAN, NOISE, SIGHT, SEEN_AT, HIDDEN, SLIP, LAYERS = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9

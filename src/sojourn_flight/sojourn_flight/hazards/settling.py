@@ -23,11 +23,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sojourn_flight.hazards.obstacle_map import COUNT, MEAN, NOISE
 from sojourn_flight.hazards.obstacle_params import TiltLimits
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 FOOTING = 0.25

@@ -25,9 +25,9 @@ import math
 from statistics import NormalDist
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.hazards.obstacle_map import COUNT, HIGH, LOW, MEAN, NOISE
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 PLAUSIBLE = 0.99

@@ -22,13 +22,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sojourn_flight.hazards.obstacle_map import COUNT, HIDDEN, HIGH, LOW, MEAN, SLIP, ObstacleMap
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
 from sojourn_flight.hazards.settling import SettlingGround
 from sojourn_flight.hazards.steps import grounds, step_at
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 FREE, STEP, DROP, BUMP, HIDDEN_GROUND, LOOSE = 0, 1, 2, 3, 4, 5

@@ -16,10 +16,10 @@ filled from the local map's).
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sojourn_flight.hazards.obstacle_params import ObstacleMapParams
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 COST, SLOPE_X, SLOPE_Y, SEEN_AT, LAYERS = 0, 1, 2, 3, 4

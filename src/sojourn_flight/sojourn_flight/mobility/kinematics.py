@@ -31,11 +31,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.mobility.rolling_lines import rolling_line, sliding_line
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 NO_SPEED = 1e-10

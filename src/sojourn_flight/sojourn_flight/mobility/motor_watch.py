@@ -22,12 +22,12 @@ degrees, Spirit with a wheel that was dragged (Arvidson et al. 2011, J. Geophys.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sojourn_flight.mobility.rate_limiter import LimiterState
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
 from sojourn_flight.supervision.params import MotionLimits, MotorWatchParams
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 BoolArray = NDArray[np.bool_]

@@ -28,11 +28,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.mobility.rolling_lines import rolling_line
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
 from sojourn_flight.supervision.params import MotionLimits, SteeringTransitionParams
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 _RADIUS = int(WheelTableColumn.RADIUS)

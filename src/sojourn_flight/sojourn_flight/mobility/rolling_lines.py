@@ -19,9 +19,8 @@ Assumptions: plane ground, point contact, vertical pivot. Exact for any speed (p
 
 import math
 
-from numba import njit
-
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 _PIVOT_X = int(WheelTableColumn.PIVOT_X)

@@ -11,12 +11,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.mobility.kinematics import checked_wheels
 from sojourn_flight.mobility.rolling_lines import rolling_line, sliding_line
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 NO_PIVOT = 1e-12

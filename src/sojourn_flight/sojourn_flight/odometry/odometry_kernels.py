@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.mobility.wheel_twist import twist_kernel, velocity_kernel
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 START_POSITION_VARIANCE = 1e-6

@@ -27,7 +27,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.mobility.rolling_lines import rolling_line
 from sojourn_flight.mobility.wheel_twist import velocity_kernel
@@ -47,6 +46,7 @@ from sojourn_flight.odometry.speed_filter import (
     update,
 )
 from sojourn_flight.odometry.traction import LOWEST_SLIP, believed_slip, coefficient, in_rut
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 STANDING_STILL = 1e-4

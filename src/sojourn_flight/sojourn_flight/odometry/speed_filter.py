@@ -33,8 +33,8 @@ Assumptions: the machine moves where its wheels roll to; lever arm of the IMU ti
 import math
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 SPEED, DRIFT, FACTOR = 0, 1, 2

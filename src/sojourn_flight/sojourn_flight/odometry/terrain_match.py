@@ -34,9 +34,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.odometry.ground_surface import GroundSurface, surface_at
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 UNKNOWNS = 6

@@ -14,8 +14,7 @@ Not seen: firm ground, where torque needs no slip; a soil stronger or weaker tha
 
 import math
 
-from numba import njit
-
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 
 LOWEST_SLIP, HIGHEST_SLIP = -0.6, 1.0

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Piece, Pose, sample_path
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 SPACING = 0.05

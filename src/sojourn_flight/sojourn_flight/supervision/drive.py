@@ -17,7 +17,6 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from sojourn_flight.mobility.easing import eased
 from sojourn_flight.mobility.kinematics import PlanarTwist, limited_twist
@@ -54,6 +53,7 @@ from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, Driv
 from sojourn_flight.supervision.driven_machine import DrivenMachine
 from sojourn_flight.supervision.slip_policy import mean_slip, speed_part
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 LONGEST_PERIOD = 1.0

@@ -5,8 +5,8 @@ length in y.
 """
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 

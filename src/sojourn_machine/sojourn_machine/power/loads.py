@@ -24,11 +24,11 @@ from functools import cached_property
 from typing import Any, Literal, Self, TypeAlias
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, Params
 
 BoolArray: TypeAlias = NDArray[np.bool_]

@@ -15,7 +15,7 @@ Assumptions: whether a flank is touched is decided at the start of the step; one
 Range: any stiffness (implicit); what is faster than the step is damped, not resolved.
 """
 
-from numba import njit
+from sojourn_machine.kernels import njit
 
 
 @njit(cache=True)

@@ -14,7 +14,7 @@ Rates and torques are those of the motor's shaft unless told otherwise. Range: t
 
 import math
 
-from numba import njit
+from sojourn_machine.kernels import njit
 
 
 @njit(cache=True)

@@ -9,8 +9,7 @@ with Terzaghi's factors of `soil.bearing` from tan φ.
 
 import math
 
-from numba import njit
-
+from sojourn_machine.kernels import njit
 from sojourn_physics.soil.bearing import COHESION_FACTOR_WITHOUT_FRICTION
 
 MAX_TANGENT = math.tan(math.radians(60.0))

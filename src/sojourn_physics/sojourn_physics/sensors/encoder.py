@@ -17,10 +17,10 @@ from math import pi
 from typing import Literal, Self
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray, Params
 
 

@@ -26,11 +26,11 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.kernels import njit
 from sojourn_machine.mounting import mounting
 from sojourn_machine.params import FloatArray, Params
 from sojourn_physics.sensors.noise import NoiseStream, draw, initial_stream

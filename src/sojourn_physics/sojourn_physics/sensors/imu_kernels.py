@@ -1,8 +1,8 @@
 """Numba kernels of the IMU's attitude. Equations and sources in `imu`; quaternions x y z w, body in world."""
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from zlib import crc32
 
 import numpy as np
-from numba import njit
 
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 ROWS = 256

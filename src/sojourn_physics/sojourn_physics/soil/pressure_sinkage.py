@@ -17,9 +17,8 @@ states D > 0.5 m).
 
 import math
 
-from numba import njit
-
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.kernels import njit
 from sojourn_physics.soil.params import FORM_BEKKER, FORM_REECE, SoilParams
 
 

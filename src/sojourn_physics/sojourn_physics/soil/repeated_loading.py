@@ -20,7 +20,7 @@ Exact on the reloading line (n' = 1, k' = k_u) and on virgin soil (n' = n, k' = 
 Shear leaves nothing behind that a Janosi soil would feel: reloaded, it has to be sheared anew (Wong 2008, sec. 2.4.4).
 """
 
-from numba import njit
+from sojourn_machine.kernels import njit
 
 LEAST_EXPONENT = 0.05
 """Least n': a crust far stiffer than what is under it comes near to a constant pressure."""

@@ -15,9 +15,8 @@ Assumes one direction of shear and a constant normal stress.
 
 import math
 
-from numba import njit
-
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.kernels import njit
 
 
 def hump_coefficients(residual_ratio: float | None) -> tuple[float, float]:

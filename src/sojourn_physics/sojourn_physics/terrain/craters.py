@@ -24,9 +24,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy.linalg import solve_banded
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.terrain.params import CraterLawParams, CraterParams
 

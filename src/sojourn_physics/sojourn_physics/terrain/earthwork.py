@@ -21,8 +21,8 @@ the caller to keep. Assumption: soil is as dense in a heap as it was in the grou
 import math
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.terrain.height_field import HeightArray, HeightField, sample_ground
 from sojourn_physics.terrain.memory import MemoryBoard

@@ -28,10 +28,10 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 MAX_NODES = 500_000_000

@@ -4,17 +4,25 @@
 the page of a tile here, or takes a new one.
 """
 
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 
 Tile: TypeAlias = NDArray[np.float32]
-MemoryTables: TypeAlias = tuple[Tile, IntArray, IntArray, FloatArray]
-"""Pool, slots, pages and place of a MemoryBoard, for the kernels."""
+
+
+class MemoryTables(NamedTuple):
+    """A MemoryBoard (see there), for the kernels."""
+
+    pool: Tile
+    slots: IntArray
+    pages: IntArray
+    place: FloatArray
+
 
 TILE = 32
 """Nodes along the side of a tile."""

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numba import njit
 from scipy import interpolate, ndimage
 
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.terrain.height_field import HeightField, Interpolation, sample_ground
 

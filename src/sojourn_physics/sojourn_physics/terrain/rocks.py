@@ -18,8 +18,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.terrain.height_field import SoilArray
 from sojourn_physics.terrain.params import RockLawParams, RockParams

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from sojourn_flight.arm.goals import GoalRefusedError
 from sojourn_flight.arm.jogging import JogCommand, Surroundings, begin_jog, jog_on
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.pace import with_granted_power
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.tasks.relaxed import Relaxed
 from sojourn_flight.arm.tasks.task import Doing
 from sojourn_flight.arm.tasks.task_state import TaskInput, TaskState

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, TypeAlias
 
 from pydantic import BeforeValidator, Field, ValidationError
 
-from sojourn_flight.arm.goals import GoalRefusedError
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_machine.params import Params
 
 

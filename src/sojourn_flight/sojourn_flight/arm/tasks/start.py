@@ -6,10 +6,11 @@ from typing import TypeVar, get_args
 import numpy as np
 
 from sojourn_flight.arm.collision import check_samples, refined
-from sojourn_flight.arm.goals import GoalRefusedError, NamedGoal, PoseGoal
+from sojourn_flight.arm.goals import NamedGoal, PoseGoal
 from sojourn_flight.arm.kinematics import forward_kinematics, nearby_solution
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground, depth_below
 from sojourn_flight.arm.tasks.dig import DigTask
 from sojourn_flight.arm.tasks.drill import DrillTask

@@ -35,11 +35,12 @@ from sojourn_flight.arm.contact_guard import (
     yielding_rates,
 )
 from sojourn_flight.arm.deflection import joint_positions
-from sojourn_flight.arm.goals import ArmGoal, GoalRefusedError, PauseGoal, PoseGoal, ResumeGoal, StopGoal
+from sojourn_flight.arm.goals import ArmGoal, PauseGoal, PoseGoal, ResumeGoal, StopGoal
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.pace import granted_velocity
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput, ArmOutput
 from sojourn_flight.arm.tasks.contact_sense import check_wrench
 from sojourn_flight.arm.tasks.ended import Ended, Released

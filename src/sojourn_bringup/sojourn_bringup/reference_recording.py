@@ -1,0 +1,79 @@
+"""Reference bags recorded, compared with those in their places, and put there: the work of scripts/record_reference."""
+
+import argparse
+import difflib
+import shutil
+import tempfile
+from pathlib import Path
+
+from sojourn_bags.comparison import compare
+from sojourn_bags.comparison_result import Verdict
+from sojourn_bags.comparison_words import comparison_lines
+from sojourn_bags.completeness import RECORD
+from sojourn_bags.description import Run
+from sojourn_bags.digest import digest
+from sojourn_bags.errors import BagsError
+from sojourn_bags.reading import Bag, read_bag
+from sojourn_bringup import start, start_run
+from sojourn_bringup.record_reference import DIGEST
+from sojourn_bringup.references import REFERENCES, Reference, references_folder
+from sojourn_bringup.screen import Screen
+from sojourn_config.command_errors import CommandError
+
+
+def record(reference: Reference, folder: Path, domain: int) -> Bag:
+    """Run the scenario and return its bag, which is in `folder`. Raises CommandError if it went otherwise."""
+    arguments = [str(references_folder() / f"{reference.name}.yaml"), "--composed", "--run-dir", str(folder)]
+    arguments += ["--domain", str(domain)]
+    for text in reference.overrides:
+        arguments += ["--set", text]
+    screen = Screen()
+    plan = start_run.make_plan(start.parser().parse_args(arguments), screen)
+    outcome = start_run.run_plan(plan, "composed", screen)
+    found = tuple(result.outcome for result in outcome.results)
+    if found != reference.outcomes:
+        raise CommandError(
+            f"{reference.name}: the steps ended {', '.join(found) or 'not at all'}, and should end "
+            f"{', '.join(reference.outcomes)}: {outcome.message}"
+        )
+    bag = read_bag(plan.bag())
+    if bag.records[RECORD]["complete"] != "true":
+        raise CommandError(f"{reference.name}: the bag is not complete: {bag.records[RECORD]['gaps']}")
+    return bag
+
+
+def renew(reference: Reference, domain: int) -> list[str]:
+    """Record a reference bag and put it in its place unless it is the same. Returns what has changed, as lines."""
+    place = references_folder() / reference.name
+    with tempfile.TemporaryDirectory(prefix="sojourn-reference-") as base:
+        bag = record(reference, Path(base) / "run", domain)
+        lines = _changes(place, bag)
+        if not lines:
+            return [f"{reference.name}: unchanged"]
+        shutil.rmtree(place, ignore_errors=True)
+        shutil.copytree(bag.path.parent, place / "bag")
+        (place / DIGEST).write_text(digest(read_bag(place)), encoding="utf-8")
+    return [*lines, f"{reference.name}: renewed, {(place / 'bag' / bag.path.name).stat().st_size / 1e6:.2f} MB"]
+
+
+def _changes(place: Path, bag: Bag) -> list[str]:
+    """What is different from the bag in its place, in lines; empty where nothing is."""
+    try:
+        before = read_bag(place)
+        comparison = compare(before.topics, bag.topics)
+        old, new = Run.of_bag(before), Run.of_bag(bag)
+        text = (place / DIGEST).read_text(encoding="utf-8")
+    except (BagsError, OSError, ValueError) as error:
+        return [f"nothing to compare with: {error}"]
+    same = (old.resolved, old.overrides, old.files) == (new.resolved, new.overrides, new.files)
+    if comparison.verdict is Verdict.IDENTICAL and same:
+        return []
+    changes = difflib.unified_diff(text.splitlines(), digest(bag).splitlines(), "before", "now", lineterm="", n=0)
+    return [*changes, *comparison_lines(comparison, "before", "now")]
+
+
+def run(given: argparse.Namespace) -> int:
+    """Renew every reference bag and tell what has changed."""
+    for reference in REFERENCES:
+        print("\n".join(renew(reference, given.domain)))
+    return 0

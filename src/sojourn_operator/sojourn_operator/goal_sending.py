@@ -1,0 +1,236 @@
+"""Sends a goal and follows it: the work of scripts/goal."""
+
+import argparse
+import os
+import time
+from typing import Any
+
+import rclpy
+from rclpy.experimental import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from sojourn_config.command_errors import CommandError
+from sojourn_config.ros_environment import ros_variables
+from sojourn_contract import qos
+from sojourn_contract.codecs import encode
+from sojourn_contract.decoding import hearing
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.heartbeat import status_values
+from sojourn_contract.process import StopFlag
+from sojourn_contract.stamps import seconds
+from sojourn_contract.topics import topic
+from sojourn_contract.types import message_class
+from sojourn_contract.values import Clock, DiagnosticArray, Message
+from sojourn_operator.actions import ArmTask, ArmTo, DriveAlong, DriveTo
+from sojourn_operator.goal_messages import goal_message, report_of, stamped, stop_messages
+from sojourn_operator.script import FINAL_STATES, REACHED
+
+ANSWER_S = 5.0
+"""Wall time within which a running stack must be found."""
+SHOW_S = 1.0
+STATUS_TOPICS = {"drive": "/drive/status", "arm": "/arm/status"}
+GOAL_TOPICS = {DriveTo: "/goal_pose", DriveAlong: "/waypoints", ArmTo: "/arm/goal_pose", ArmTask: "/arm/task"}
+STOP_TOPICS = {"drive": "/cmd_vel", "arm": "/arm/stop"}
+UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
+"""Name that ROS gives to a node of which it knows an endpoint only, so far."""
+STOP_SETTLE_S = 0.2
+STOPPED_S = 10.0
+"""Wall time within which drive and arm must say that they stand; their statuses come once a simulated second."""
+INTERRUPTED = 130
+
+
+class NoStackError(CommandError):
+    """Nobody answers."""
+
+
+class GoalClient:
+    """Talks to a running stack. A context manager.
+
+    Args:
+        domain, namespace: where the stack is.
+    """
+
+    def __init__(self, domain: int, namespace: str) -> None:
+        self.domain, self.namespace = domain, namespace
+        self.now = 0
+        """Simulation time [ns]; zero until a stamped status has come."""
+        self.statuses: dict[str, DiagnosticArray] = {}
+        self.stop = StopFlag()
+        self._last_stamp = 0
+
+    def __enter__(self) -> "GoalClient":
+        os.environ.update(ros_variables(self.domain))
+        self.stop.install()
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        self._node = rclpy.create_node(
+            "goal", namespace=self.namespace or None, enable_rosout=False, start_parameter_services=False
+        )
+        self._executor = EventsExecutor()
+        self._executor.add_node(self._node)
+        self._clock = self._node.create_subscription(
+            message_class("rosgraph_msgs/Clock"),
+            "clock",
+            hearing(topic("/clock"), self._on_clock, self._pass_over),
+            qos.profile(topic("/clock"), False),
+            raw=True,
+        )
+        self._readers = [self._listen(who, name) for who, name in STATUS_TOPICS.items()]
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self._executor.remove_node(self._node)
+        self._node.destroy_node()
+        rclpy.try_shutdown()
+
+    def send(self, who: str, name: str, message: Message) -> None:
+        """Publish a goal on a topic once its role listens. Raises NoStackError if it does not within ANSWER_S."""
+        sender = self._sender(name)
+        end = time.monotonic() + ANSWER_S
+        while not self._is_heard(sender) or not self.now:
+            if time.monotonic() > end:
+                what = "its simulation time does not run" if self._is_heard(sender) else f"nobody acts on {name}"
+                raise NoStackError(self._nobody(who, what))
+            self._wait()
+        sender.publish(encode(topic(name), stamped(message, self.now)))
+        self._last_stamp = self.now
+
+    def halt(self) -> tuple[bool, str]:
+        """Stop whoever listens, drive and arm, and wait until their statuses say that they stand.
+
+        A stop carries no stamp: it is never too old, and needs no clock. Raises NoStackError if nobody listens within
+        ANSWER_S. Returns whether they stand, and in words what they say.
+        """
+        messages = stop_messages(0)
+        senders = {name: self._sender(name) for name, _ in messages}
+        end = time.monotonic() + ANSWER_S
+        while not any(self._is_heard(sender) for sender in senders.values()):
+            if time.monotonic() > end:
+                raise NoStackError(self._nobody("drive or arm", f"nobody acts on {' or '.join(senders)}"))
+            self._wait()
+        self.spin(STOP_SETTLE_S)  # whoever has not been found by now does not take part
+        told = [name for name, sender in senders.items() if self._is_heard(sender)]
+        for name, message in messages:
+            if name in told:
+                senders[name].publish(encode(topic(name), message))
+        waiting = [who for who, name in STOP_TOPICS.items() if name in told]
+        self.statuses.clear()
+        end = time.monotonic() + STOPPED_S
+        while time.monotonic() < end and not self.stop.is_set:
+            self.spin(0.05)
+            if all(self._stands(who) for who in waiting):
+                return True, ", ".join(f"{who}: {report_of(self.statuses[who]).state}" for who in waiting)
+        moving = " and ".join(who for who in waiting if not self._stands(who))
+        return False, f"stop sent, but {moving} did not say within {STOPPED_S:g} s that it stands"
+
+    def _stands(self, who: str) -> bool:
+        status = self.statuses.get(who)
+        return status is not None and report_of(status).state != "moving"
+
+    def follow(self, who: str, timeout_s: float) -> tuple[str, str]:
+        """Show the progress of the goal just sent until it ends. Returns outcome and reason."""
+        begin = shown = time.monotonic()
+        while not self.stop.is_set and time.monotonic() - begin < timeout_s:
+            self.spin(0.05)
+            status = self.statuses.get(who)
+            if status is None:
+                continue
+            report = report_of(status)
+            if report.goal_stamp == self._last_stamp and report.state in FINAL_STATES:
+                return report.state, report.reason
+            if time.monotonic() - shown > SHOW_S and report.goal_stamp == self._last_stamp:
+                shown = time.monotonic()
+                print(f"{seconds(self.now):9.2f} s  {report.state}, {_to_go(who, status_values(status))}", flush=True)
+        if self.stop.is_set:
+            return "interrupted", "the goal goes on: stop it with scripts/goal stop"
+        return "not finished", f"within {timeout_s:g} s of wall time; the goal goes on"
+
+    def _is_heard(self, sender: Any) -> bool:
+        """Whether somebody who acts on it gets what is sent, and all others who want it. The recorder does not act."""
+        listeners = self._node.get_subscriptions_info_by_topic(sender.topic_name)
+        acting = [listener for listener in listeners if listener.node_name not in ("recorder", UNKNOWN_NODE)]
+        return bool(acting) and sender.get_subscription_count() >= len(listeners)
+
+    def _wait(self) -> None:
+        if self.stop.is_set:
+            raise KeyboardInterrupt
+        self.spin(0.05)
+
+    def _sender(self, name: str) -> Any:
+        row = topic(name)
+        return self._node.create_publisher(message_class(row.type), name.lstrip("/"), qos.profile(row, lockstep=True))
+
+    def _nobody(self, who: str, what: str) -> str:
+        place = f"domain {self.domain}" + (f", namespace {self.namespace}" if self.namespace else "")
+        return f"no running stack for {who} on {place}: {what} (start one with scripts/start.py)"
+
+    def spin(self, wall_s: float) -> None:
+        """Take what arrives for so long [s]."""
+        end = time.monotonic() + wall_s
+        while (left := end - time.monotonic()) > 0.0:
+            self._executor.spin_once(timeout_sec=left)
+
+    def _listen(self, who: str, name: str) -> Any:
+        def keep(message: DiagnosticArray) -> None:
+            report_of(message)  # which refuses what is no report
+            self.statuses[who] = message
+
+        row = topic(name)
+        hear = hearing(row, keep, self._pass_over)
+        profile = qos.profile(row, lockstep=True)
+        return self._node.create_subscription(message_class(row.type), name.lstrip("/"), hear, profile, raw=True)
+
+    def _pass_over(self, refusal: RefusedMessageError) -> None:
+        """Of what cannot be read."""
+        self._node.get_logger().warning(f"refused: {refusal}", throttle_duration_sec=1.0)
+
+    def _on_clock(self, message: Clock) -> None:
+        self.now = message.stamp
+
+
+def _to_go(who: str, values: dict[str, str]) -> str:
+    if who == "drive":
+        errors = (float(values.get(name, "nan")) for name in ("lateral_error_m", "lateral_rms_m"))
+        beside, rms = (round(error, 3) + 0.0 for error in errors)  # + 0.0: no minus before a zero
+        aside = f"{beside:+.3f} m beside the path ({rms:.3f} m RMS)"
+        energy = ""
+        if "energy_forecast_wh" in values:
+            energy = f", {float(values['energy_used_wh']):.2f} Wh used, {float(values['energy_to_go_wh']):.2f} to go"
+        return f"{values.get('distance_to_go', '?')} m to go, {aside}{energy} ({values.get('phase', '')})"
+    return f"{100.0 * float(values.get('progress', 0.0)):.0f} % done, {values.get('time_to_go', '?')} s to go"
+
+
+def _action(given: argparse.Namespace) -> DriveTo | DriveAlong | ArmTo | ArmTask:
+    """The goal that was asked for."""
+    if given.command == "drive":
+        return DriveTo(given.x, given.y, given.yaw, given.frame, given.z)
+    if given.command == "route":
+        if len(given.points) % 2:
+            raise CommandError(f"points: {len(given.points)} numbers, allowed is an even count: X Y for each point")
+        return DriveAlong(tuple(zip(given.points[::2], given.points[1::2], strict=True)), given.yaw, given.frame)
+    if given.command == "task":
+        return ArmTask(given.name, tuple(_key_and_value(text) for text in given.values))
+    return ArmTo(given.x, given.y, given.z, given.frame)
+
+
+def _key_and_value(text: str) -> tuple[str, str]:
+    key, found, value = text.partition("=")
+    if not found or not key:
+        raise CommandError(f"{text!r}: allowed is KEY=VALUE")
+    return key, value.replace(",", " ")
+
+
+def run(given: argparse.Namespace) -> int:
+    """Send a goal; 0 only if it was reached (a stop: if drive and arm say that they stand)."""
+    action = _action(given) if given.command != "stop" else None
+    with GoalClient(given.domain, given.namespace) as client:
+        if action is None:
+            stands, words = client.halt()
+            print(words)
+            return 0 if stands else 1
+        who = "arm" if isinstance(action, ArmTo | ArmTask) else "drive"
+        client.send(who, GOAL_TOPICS[type(action)], goal_message(action, 0))
+        outcome, reason = client.follow(who, given.timeout)
+    print(f"{outcome}{': ' + reason if reason else ''}")
+    if outcome == "interrupted":
+        return INTERRUPTED
+    return 0 if outcome == REACHED else 1
