@@ -6,9 +6,9 @@ twist is good for.
 """
 
 import math
-from dataclasses import replace
 
 from sojourn_flight.odometry.odometry import OdometryState, wrap_angle
+from sojourn_machine.evolution import replace
 
 CORRECTION_SPEED, CORRECTION_RATE = 0.005, 0.02
 """How fast a correction is made at least [m/s], [rad/s]."""
