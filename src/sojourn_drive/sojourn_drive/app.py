@@ -95,7 +95,7 @@ class DriveApp(App[DriveAppState]):
         self._start = scenario.config.start
         self.model = DriveModel(scenario.drive, scenario.steering, eye_of(scenario), scenario.wheel_loads())
         self.model.warm_up()
-        self._measurements = WheelMeasurements(scenario.rover, scenario.urdf_xml)
+        self._measurements = WheelMeasurements(scenario.machine, scenario.urdf_xml)
         self._sun = SunSightings(scenario)
         self._charge = ChargeGauge(scenario.power_manager)
         self._interlock = ArmInterlock(scenario.arm)

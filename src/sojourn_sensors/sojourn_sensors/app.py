@@ -80,7 +80,7 @@ class SensorsApp(App[SensorsState]):
         self._truth = TruthReader(self._motion)
         self._sun = SunReadings(scenario)
         self._view = HazardView(scenario)
-        self._wrist_frame = scenario.rover.wrench_sensor_link or ""
+        self._wrist_frame = scenario.machine.wrench_sensor_link or ""
         suite.warm_up(self.params, self._gravity)
 
     def initial_state(self) -> SensorsState:
