@@ -3,7 +3,7 @@
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 from sojourn_arm.command import Command, command_of
@@ -30,6 +30,7 @@ from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput, ArmOutput
 from sojourn_flight.arm.tasks import task_control
 from sojourn_flight.arm.tasks.task_control import TaskState
+from sojourn_machine.evolution import replace
 
 ARM_LOAD = "arm"
 STATUS, SWITCHES = "/arm/status", "/power/switches"

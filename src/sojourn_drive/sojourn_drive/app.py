@@ -3,7 +3,7 @@
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,7 @@ from sojourn_flight.supervision.drive import LONGEST_PERIOD, DriveModel
 from sojourn_flight.supervision.drive_status import drive_status
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, DriveState, TwistCommand
 from sojourn_machine.errors import MachineError
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 MEASUREMENTS = ("/joint_states", "/imu/data")

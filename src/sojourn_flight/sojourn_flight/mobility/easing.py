@@ -10,11 +10,11 @@ back with every look, would say that it is good to two centimetres and be ten of
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from sojourn_flight.odometry.odometry import OdometryState, wrap_angle
+from sojourn_machine.evolution import replace
 
 CORRECTION_SPEED, CORRECTION_RATE = 0.005, 0.02
 """How fast a correction is made at least [m/s], [rad/s]."""

@@ -24,7 +24,6 @@ impossible: it may be seen from elsewhere. Positions in odom.
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -45,6 +44,7 @@ from sojourn_flight.planning.way_round import Slopes, static_costs, sure_slopes
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, ClosedPlace, Guidance
 from sojourn_flight.supervision.path_check import closed_ahead, nearest_obstacle, slope_at, tilts_of
 from sojourn_flight.supervision.slip_policy import SlipPolicyParams
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 NEAR_GOAL = 3.0
