@@ -16,7 +16,7 @@ import pinocchio as pin
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_physics.contact.contact_set import contact_forces
-from sojourn_physics.contact.tables import Kinematics
+from sojourn_physics.contact.tables import Kinematics, Touch
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantState, zeros_command
 from sojourn_physics.plant.step import step
@@ -84,13 +84,13 @@ class Yardstick:
 
 def _floor_calls(model: PlantModel, state: PlantState) -> dict[str, Callable[[], Any]]:
     multibody, data, q, v = model.multibody, model.data, state.configuration.copy(), state.velocity.copy()
-    memory, report, force = state.contacts.copy(), model.report.copy(), np.zeros(multibody.nv)
+    touch = Touch(state.contacts.copy(), model.report.copy(), np.zeros(multibody.nv), model.work.tables.workspace)
     pin.computeJointJacobians(multibody, data, q)
-    contacts, ground = model.contacts.tables, model.ground
+    contacts, ground = model.work.tables.contacts, model.work.tables.ground
     machine = Kinematics(model.placements.copy(), np.asfortranarray(model.jacobian.copy()), v)
 
     def contact() -> None:
-        contact_forces(contacts, ground, machine, model.simulation.physics_step, memory, report, force)
+        contact_forces(contacts, ground, machine, model.simulation.physics_step, touch)
 
     return {**_yardstick_calls(model, state), "contact kernel": contact}
 

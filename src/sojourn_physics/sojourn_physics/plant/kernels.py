@@ -3,12 +3,11 @@
 Pinocchio's terms and the solution stand between them (see `step`).
 """
 
+import math
 from typing import NamedTuple
 
-import numpy as np
-
 from sojourn_machine.contact_report import ReportColumn
-from sojourn_machine.kernels import njit, structref, types
+from sojourn_machine.kernels import kernel, njit, structref, types
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.actuators.joint_drive import (
     ANGLE,
@@ -21,7 +20,7 @@ from sojourn_physics.actuators.joint_drive import (
     settle_joints,
 )
 from sojourn_physics.contact.contact_set import contact_forces
-from sojourn_physics.contact.tables import Contacts, Ground, Kinematics
+from sojourn_physics.contact.tables import Contacts, Ground, Kinematics, Touch, Workspace
 
 COUPLING_DRIFT_GAIN = 0.1
 """Part of a coupling's drift that is taken back in one step."""
@@ -44,6 +43,10 @@ class Multibody(NamedTuple):
     """A, (couplings, nv)."""
     response: FloatArray
     """A M⁻¹, (couplings, nv)."""
+    factor: FloatArray
+    """(couplings, couplings): Cholesky's, of A M⁻¹ Aᵀ."""
+    impulse: FloatArray
+    """(couplings,): of the last step."""
 
 
 class Motion(NamedTuple):
@@ -92,6 +95,7 @@ class PlantTables(NamedTuple):
     readings: JointReadings
     report: FloatArray
     """(contacts, REPORT_COLUMNS)"""
+    workspace: Workspace
     sums: Sums
     dt: float
     """[s]"""
@@ -118,8 +122,8 @@ def open_period(tables: PlantTables) -> Period:
     return Period(tables)
 
 
-@njit(cache=True)
-def apply_forces(period: Period, step: int) -> bool:
+@kernel
+def apply_to_tables(tables: PlantTables, step: int) -> bool:
     """Generalised force of contacts and joints; the joints' rotor inertia and implicit slopes go onto the
     mass matrix.
 
@@ -129,19 +133,18 @@ def apply_forces(period: Period, step: int) -> bool:
     Returns:
         whether all contacts are on the map.
     """
-    tables: PlantTables = period.tables
     multibody, motion, forces, work, dt = tables.multibody, tables.motion, tables.forces, tables.work, tables.dt
     velocity = motion.rates[step]
     forces.contacts[:] = 0.0
     machine = Kinematics(multibody.placements, multibody.jacobian, velocity)
-    on_map: bool = contact_forces(
-        tables.contacts, tables.ground, machine, dt, motion.contacts, tables.report, forces.contacts
-    )
+    touch = Touch(motion.contacts, tables.report, forces.contacts, tables.workspace)
+    on_map: bool = contact_forces(tables.contacts, tables.ground, machine, dt, touch)
     total = tables.sums.contact_force
     for i in range(total.shape[0]):
         for k in range(3):
             total[i, k] += tables.report[i, ReportColumn.FORCE_X + k]
-    work.force[:] = forces.contacts
+    for k in range(velocity.shape[0]):
+        work.force[k] = forces.contacts[k]
     joint_torques(tables.joints, tables.command, (step + 1) * dt, velocity, dt, motion.joints, work)
     for column in tables.joints.columns:
         multibody.mass_matrix[column, column] += work.armature[column]
@@ -150,18 +153,16 @@ def apply_forces(period: Period, step: int) -> bool:
     return on_map
 
 
-@njit(cache=True)
-def _coupling_impulse(coupling: FloatArray, response: FloatArray, error: FloatArray) -> FloatArray:
-    """Impulses that take the errors of rate away: (A M⁻¹ Aᵀ)⁻¹ e, by Cholesky's factors; not finite where it cannot be.
+@kernel
+def _solve_impulse(multibody: Multibody) -> None:
+    """Impulses that take errors of rate away, in their place: (A M⁻¹ Aᵀ)⁻¹ e, by Cholesky's factors; not finite where
+    it cannot be.
 
     In plain loops: a library would add up in an order of its own, by the processor and its cores.
-
-    Args:
-        coupling: A, (couplings, nv). response: A M⁻¹, (couplings, nv). error: e, (couplings,).
     """
-    count = error.shape[0]
-    factor = np.zeros((count, count))
-    impulse = error.copy()
+    coupling, response = multibody.coupling, multibody.response
+    factor, impulse = multibody.factor, multibody.impulse
+    count = impulse.shape[0]
     for i in range(count):
         for j in range(i + 1):
             entry = 0.0
@@ -169,7 +170,7 @@ def _coupling_impulse(coupling: FloatArray, response: FloatArray, error: FloatAr
                 entry += coupling[i, k] * response[j, k]
             for k in range(j):
                 entry -= factor[i, k] * factor[j, k]
-            factor[i, j] = entry / factor[j, j] if j < i else np.sqrt(entry)
+            factor[i, j] = entry / factor[j, j] if j < i else math.sqrt(entry)
         for k in range(i):
             impulse[i] -= factor[i, k] * impulse[k]
         impulse[i] /= factor[i, i]
@@ -177,15 +178,13 @@ def _coupling_impulse(coupling: FloatArray, response: FloatArray, error: FloatAr
         for k in range(i + 1, count):
             impulse[i] -= factor[k, i] * impulse[k]
         impulse[i] /= factor[i, i]
-    return impulse
 
 
-@njit(cache=True)
+@kernel
 def _close_loops(multibody: Multibody, columns: IntArray, angles: FloatArray, dt: float, velocity: FloatArray) -> None:
     """Take from a velocity, (nv,), what the couplings do not allow. angles: of the joints, (joints,) [rad]."""
-    coupling, response = multibody.coupling, multibody.response
+    coupling, response, impulse = multibody.coupling, multibody.response, multibody.impulse
     count = coupling.shape[0]
-    error = np.empty(count)
     for i in range(count):
         drift = 0.0
         rate = 0.0
@@ -193,21 +192,20 @@ def _close_loops(multibody: Multibody, columns: IntArray, angles: FloatArray, dt
             drift += coupling[i, columns[joint]] * angles[joint]
         for k in range(velocity.shape[0]):
             rate += coupling[i, k] * velocity[k]
-        error[i] = rate + COUPLING_DRIFT_GAIN * drift / dt
-    impulse = _coupling_impulse(coupling, response, error)
+        impulse[i] = rate + COUPLING_DRIFT_GAIN * drift / dt
+    _solve_impulse(multibody)
     for i in range(count):
         for k in range(velocity.shape[0]):
             velocity[k] -= response[i, k] * impulse[i]
 
 
-@njit(cache=True)
-def advance_velocity(period: Period, step: int, acceleration: FloatArray) -> None:
+@kernel
+def advance_tables(tables: PlantTables, step: int, acceleration: FloatArray) -> None:
     """New velocity from the free acceleration and the couplings; books the joints' part of the step.
 
     Args:
         step: in the period, from 0. acceleration: (nv,) without couplings.
     """
-    tables: PlantTables = period.tables
     multibody, motion, readings, sums, dt = tables.multibody, tables.motion, tables.readings, tables.sums, tables.dt
     velocity, new_velocity = motion.rates[step], motion.rates[step + 1]
     for k in range(velocity.shape[0]):
@@ -222,3 +220,16 @@ def advance_velocity(period: Period, step: int, acceleration: FloatArray) -> Non
         sums.load_energy[i] += readings.load_power[i] * dt
     for i in range(readings.currents.shape[0]):
         sums.current_squares[i] += readings.currents[i] * readings.currents[i]
+
+
+@njit(cache=True)
+def apply_forces(period: Period, step: int) -> bool:
+    """As `apply_to_tables`, to those of a period."""
+    on_map: bool = apply_to_tables(period.tables, step)
+    return on_map
+
+
+@njit(cache=True)
+def advance_velocity(period: Period, step: int, acceleration: FloatArray) -> None:
+    """As `advance_tables`, of those of a period."""
+    advance_tables(period.tables, step, acceleration)
