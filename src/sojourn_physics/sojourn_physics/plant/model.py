@@ -14,8 +14,9 @@ A base that is fixed (an arm on a stand) has six more rows, A = [1 0] on its own
 the foundation, and the state of every machine has one form.
 """
 
+import copy
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -146,6 +147,26 @@ class PlantModel:
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
         self._make_workspace()
         self._check_springs()
+
+    def variant(
+        self,
+        simulation: SimulationParams | None = None,
+        terrain: HeightField | None = None,
+        memory_cell: float | None = None,
+    ) -> "PlantModel":
+        """The same machine, stepped in another way, on a ground of the same soils, or on one that remembers otherwise;
+        None: as here. It shares the multibody with this one: step them in turn.
+        """
+        other = copy.copy(self)
+        if simulation is not None:
+            other.simulation = simulation
+        if terrain is not None:
+            other.terrain, other.grid = terrain, terrain.grid
+        if memory_cell is not None:
+            other.untouched_ground = replace(self.untouched_ground, cell=memory_cell)
+            other.memory = MemoryBoard(other.untouched_ground)
+        other.work = WorkingMemory(other)
+        return other
 
     @property
     def wheel_names(self) -> tuple[str, ...]:
