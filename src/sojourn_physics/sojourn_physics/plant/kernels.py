@@ -1,7 +1,4 @@
-"""The two compiled halves of a physics step.
-
-Pinocchio's terms and the solution stand between them (see `step`).
-"""
+"""The compiled part of a physics step: from the terms of the machine's dynamics to its new velocity (see `step`)."""
 
 import math
 from typing import NamedTuple
@@ -21,6 +18,7 @@ from sojourn_physics.actuators.joint_drive import (
 )
 from sojourn_physics.contact.contact_set import contact_forces
 from sojourn_physics.contact.tables import Contacts, Ground, Kinematics, Touch, Workspace
+from sojourn_physics.plant.inertia import Factors, factorise, solve
 
 COUPLING_DRIFT_GAIN = 0.1
 """Part of a coupling's drift that is taken back in one step."""
@@ -41,6 +39,8 @@ class Multibody(NamedTuple):
     """(nv,): forces of gravity and of the motion."""
     coupling: FloatArray
     """A, (couplings, nv)."""
+    factors: Factors
+    """Of M with the joints' inertia."""
     response: FloatArray
     """A M⁻¹, (couplings, nv)."""
     factor: FloatArray
@@ -67,7 +67,7 @@ class Forces(NamedTuple):
 
     contacts: FloatArray
     net: FloatArray
-    """All that act, less the bias."""
+    """All that act, less the bias; then the acceleration that they give without couplings."""
 
 
 class Sums(NamedTuple):
@@ -123,12 +123,8 @@ def open_period(tables: PlantTables) -> Period:
 
 
 @kernel
-def apply_to_tables(tables: PlantTables, step: int) -> bool:
-    """Generalised force of contacts and joints; the joints' rotor inertia and implicit slopes go onto the
-    mass matrix.
-
-    Args:
-        step: in the period, from 0.
+def _apply_forces(tables: PlantTables, step: int) -> bool:
+    """Net force of contacts and joints; the joints' rotor inertia and implicit slopes go onto the mass matrix.
 
     Returns:
         whether all contacts are on the map.
@@ -200,13 +196,16 @@ def _close_loops(multibody: Multibody, columns: IntArray, angles: FloatArray, dt
 
 
 @kernel
-def advance_tables(tables: PlantTables, step: int, acceleration: FloatArray) -> None:
-    """New velocity from the free acceleration and the couplings; books the joints' part of the step.
-
-    Args:
-        step: in the period, from 0. acceleration: (nv,) without couplings.
-    """
+def _advance_velocity(tables: PlantTables, step: int) -> None:
+    """New velocity from the net force and the couplings; books the joints' part of the step."""
     multibody, motion, readings, sums, dt = tables.multibody, tables.motion, tables.readings, tables.sums, tables.dt
+    acceleration, response = tables.forces.net, multibody.response
+    factorise(multibody.mass_matrix, multibody.factors)
+    solve(multibody.factors, acceleration)
+    for i in range(response.shape[0]):
+        for k in range(response.shape[1]):
+            response[i, k] = multibody.coupling[i, k]
+        solve(multibody.factors, response[i])
     velocity, new_velocity = motion.rates[step], motion.rates[step + 1]
     for k in range(velocity.shape[0]):
         new_velocity[k] = velocity[k] + dt * acceleration[k]
@@ -222,14 +221,23 @@ def advance_tables(tables: PlantTables, step: int, acceleration: FloatArray) -> 
         sums.current_squares[i] += readings.currents[i] * readings.currents[i]
 
 
-@njit(cache=True)
-def apply_forces(period: Period, step: int) -> bool:
-    """As `apply_to_tables`, to those of a period."""
-    on_map: bool = apply_to_tables(period.tables, step)
+@kernel
+def _advance(tables: PlantTables, step: int) -> bool:
+    on_map: bool = _apply_forces(tables, step)
+    _advance_velocity(tables, step)
     return on_map
 
 
 @njit(cache=True)
-def advance_velocity(period: Period, step: int, acceleration: FloatArray) -> None:
-    """As `advance_tables`, of those of a period."""
-    advance_tables(period.tables, step, acceleration)
+def advance(period: Period, step: int) -> bool:
+    """One physics step, but for the configuration: `motion.rates` and `displacement`, and all that is told of it.
+
+    Args:
+        period: with the placements, Jacobian, mass matrix and bias of the machine as it stands.
+        step: in the period, from 0.
+
+    Returns:
+        whether all contacts are on the map.
+    """
+    on_map: bool = _advance(period.tables, step)
+    return on_map

@@ -4,10 +4,8 @@ Semi-implicit Euler at the physics step (velocity first, then configuration with
 in the joints' stiff terms. For each physics step:
 
     1  placements, Jacobian, mass matrix and bias forces         (Pinocchio)
-    2  contact forces, joint torques and their slopes            (`kernels.apply_forces`)
-    3  factorisation of the mass matrix                          (Pinocchio)
-    4  acceleration, couplings, new velocity, energy             (`kernels.advance_velocity`)
-    5  configuration on the group                                (Pinocchio)
+    2  contact forces, joint torques and their slopes; acceleration, couplings, new velocity, energy (`kernels.advance`)
+    3  configuration on the group                                (Pinocchio)
 
 The tool at the arm's end, the battery and the bus take one step a control period, these with the mean power of the
 motors; the bus voltage holds for the next period.
@@ -35,7 +33,7 @@ from sojourn_physics.actuators.joint_drive import (
     WINDING_HEAT,
 )
 from sojourn_physics.contact.contact_law import STATE_COLUMNS, WheelColumn
-from sojourn_physics.plant.kernels import SOIL_WORK, advance_velocity, apply_forces
+from sojourn_physics.plant.kernels import SOIL_WORK, advance
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import EnergyAccount, PlantCommand, PlantOutput, PlantState, zeros_command
 from sojourn_physics.plant.tools.mounted_tool import NO_ENERGY
@@ -110,18 +108,12 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
 def _sub_steps(model: PlantModel, configuration: FloatArray) -> tuple[FloatArray, bool]:
     """The physics steps of a period: the configuration at its end, and whether all contacts were on the map."""
     multibody, data, work = model.multibody, model.data, model.work
-    period, rates, net, displacement = work.period, work.rates, work.tables.forces.net, work.tables.motion.displacement
-    couplings = list(zip(work.tables.multibody.response, model.coupling, strict=True))
+    period, rates, displacement = work.period, work.rates, work.tables.motion.displacement
     on_map = True
     for i in range(model.simulation.substeps):
         pin.crba(multibody, data, configuration, pin.Convention.WORLD)
         pin.nonLinearEffects(multibody, data, configuration, rates[i])
-        on_map &= apply_forces(period, i)
-        pin.cholesky.decompose(multibody, data)
-        acceleration = pin.cholesky.solve(multibody, data, net)
-        for row, coupling in couplings:
-            row[:] = pin.cholesky.solve(multibody, data, coupling)
-        advance_velocity(period, i, acceleration)
+        on_map &= advance(period, i)
         configuration = pin.integrate(multibody, configuration, displacement)
     return configuration, on_map
 

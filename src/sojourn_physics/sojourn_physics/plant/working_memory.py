@@ -7,11 +7,13 @@ hand them over anew costs as much as half a physics step.
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pinocchio as pin
 
 from sojourn_machine.params import FloatArray
 from sojourn_physics.actuators.joint_drive import STATE_ROWS, WORK_ROWS, JointCommand, JointReadings, JointWork
 from sojourn_physics.contact.contact_law import STATE_COLUMNS
 from sojourn_physics.contact.tables import Ground, make_workspace
+from sojourn_physics.plant.inertia import Factors
 from sojourn_physics.plant.kernels import (
     ENERGY_SUMS,
     Forces,
@@ -51,6 +53,7 @@ class WorkingMemory:
                 model.mass_matrix,
                 model.bias,
                 model.coupling,
+                factors=_factors(model.data),
                 response=np.zeros_like(model.coupling),
                 factor=np.zeros((loops, loops)),
                 impulse=np.zeros(loops),
@@ -92,3 +95,10 @@ class WorkingMemory:
         tables.readings.energy[:] = 0.0
         for total in sums:
             total[:] = 0.0
+
+
+def _factors(data: pin.Data) -> Factors:
+    parents = np.array(data.parents_fromRow, dtype=np.int64)
+    sizes = np.array(data.nvSubtree_fromRow, dtype=np.int64)
+    nv = len(parents)
+    return Factors(parents, sizes, np.eye(nv), np.zeros(nv), np.zeros(nv))
