@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from sojourn_bags.candidate import NodeCandidate
@@ -89,7 +90,7 @@ class WeakDrive(DriveNode):
 
     def publish(self, topic: str, message: Any) -> None:
         if topic == "/wheel_command":
-            message.velocity = [0.9999 * rate for rate in message.velocity]
+            message = message._replace(velocity=0.9999 * message.velocity)
         super().publish(topic, message)
 
 
@@ -104,11 +105,9 @@ class LateDrive(DriveNode):
         if topic != "/odom":
             super().publish(topic, message)
             return
-        pose = (message.pose.pose.position.x, message.pose.pose.position.y)
-        if self._held is not None:
-            message.pose.pose.position.x, message.pose.pose.position.y = self._held
-        self._held = pose
-        super().publish(topic, message)
+        before, self._held = self._held, message.position
+        place = message.position if before is None else np.array([*before[:2], message.position[2]])
+        super().publish(topic, message._replace(position=place))
 
 
 class ForgetfulDrive(DriveNode):
@@ -133,9 +132,7 @@ class StaleDrive(DriveNode):
 
     def publish(self, topic: str, message: Any) -> None:
         if topic == "/wheel_command":
-            stamp = message.header.stamp
-            earlier = stamp.sec * 10**9 + stamp.nanosec - 20_000_000
-            stamp.sec, stamp.nanosec = earlier // 10**9, earlier % 10**9
+            message = message._replace(stamp=message.stamp - 20_000_000)
         super().publish(topic, message)
 
 
@@ -211,12 +208,12 @@ def test_all_that_is_said_is_handed_out(domain: int) -> None:
 def test_configuration_is_that_of_the_run_and_what_differs_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     bag = reference("short_goals")
     changed = Bag(bag.path, True, bag.topics, dict(bag.attachments), bag.records)
-    name = "config/nodes/drive.yaml"
+    name = "config/machines/explorer/flight.yaml"
     changed.attachments[name] = bag.attachments[name] + b"\n# as it was then\n"
     with run_configuration(changed) as configuration:
         assert configuration.changed == (name,)
-        assert "the run's are used: config/nodes/drive.yaml" in configuration.warnings()[0]
-        assert (configuration.folder / "nodes" / "drive.yaml").read_bytes().endswith(b"as it was then\n")
+        assert "the run's are used: config/machines/explorer/flight.yaml" in configuration.warnings()[0]
+        assert (configuration.folder.parent / name).read_bytes().endswith(b"as it was then\n")
         assert not configuration.resolved_otherwise
         folder = configuration.folder
     assert not Path(folder).exists()

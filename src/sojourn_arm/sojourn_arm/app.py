@@ -3,14 +3,14 @@
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 from sojourn_arm.command import Command, command_of
 from sojourn_arm.goals import GoalReader, LastGoal
 from sojourn_arm.ground import GroundWatch, KnownGround
 from sojourn_arm.measurements import JOINTS, MEASUREMENTS, Measured, Measurements, Refusal
-from sojourn_arm.rover import ODOMETRY, Rover, RoverWatch
+from sojourn_arm.rover import Rover, RoverWatch
 from sojourn_arm.stand import LastLoads, Stand
 from sojourn_arm.tasks import Request, task_input
 from sojourn_config.scenario import LoadedScenario
@@ -30,6 +30,7 @@ from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput, ArmOutput
 from sojourn_flight.arm.tasks import task_control
 from sojourn_flight.arm.tasks.task_control import TaskState
+from sojourn_machine.evolution import replace
 
 ARM_LOAD = "arm"
 STATUS, SWITCHES = "/arm/status", "/power/switches"
@@ -61,7 +62,6 @@ class ArmApp(App[ArmAppState]):
 
     role = "arm"
     acts_in_silence = True
-    raw_topics = frozenset({ODOMETRY})
 
     def __init__(self, scenario: LoadedScenario) -> None:
         self.params = scenario.carried_arm()
@@ -70,9 +70,9 @@ class ArmApp(App[ArmAppState]):
         self._tool = scenario.tool
         self._rated_power = next((load.power_w for load in scenario.bus.loads if load.name == ARM_LOAD), 0.0)
         self._measurements = Measurements(self.params.joint_names, scenario.urdf_xml, scenario.gravity)
-        self._rover = RoverWatch(self.params.interlock, [wheel.joint for wheel in scenario.rover.wheels])
+        self._rover = RoverWatch(self.params.interlock, [wheel.joint for wheel in scenario.machine.wheels])
         self._ground = GroundWatch(self.params, scenario, reach_from_base(self.model))
-        self._stand = Stand(self.params, scenario.urdf_xml, scenario.rover)
+        self._stand = Stand(self.params, scenario.urdf_xml, scenario.machine)
         self._goals = GoalReader(self.params)
 
     def initial_state(self) -> ArmAppState:
@@ -114,7 +114,7 @@ class ArmApp(App[ArmAppState]):
     def _take_goals(self, state: ArmAppState, period: Period, rover: Rover, refusals: list[Refusal]) -> ArmAppState:
         """Keep the goal that takes effect now; of several the last."""
         for name, message in period.goals:
-            state = replace(state, goal=state.goal.begun(name, message))
+            state = replace(state, goal=state.goal.begun(message))
             try:
                 state = replace(state, pending=self._goals.request(name, message, period.stamp, rover))
             except (GoalRefusedError, RefusedMessageError) as refusal:

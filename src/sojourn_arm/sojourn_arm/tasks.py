@@ -1,10 +1,10 @@
 """Tasks as they come over /arm/task, and what the status says of them."""
 
-from dataclasses import replace
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from sojourn_arm.measurements import Measured
 from sojourn_contract.heartbeat import status_values
+from sojourn_contract.values import DiagnosticArray
 from sojourn_flight.arm.footing import WheelLoads
 from sojourn_flight.arm.goals import ArmGoal
 from sojourn_flight.arm.jogging import JogCommand
@@ -12,12 +12,13 @@ from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput
 from sojourn_flight.arm.tasks.requests import TASKS, TaskRequest, parse_task
 from sojourn_flight.arm.tasks.task_control import TaskInput, TaskReport
+from sojourn_machine.evolution import replace
 
 Request: TypeAlias = ArmGoal | TaskRequest | JogCommand
 """What an operator may ask of the arm."""
 
 
-def task_of(message: Any) -> TaskRequest:
+def task_of(message: DiagnosticArray) -> TaskRequest:
     """Task of a DiagnosticArray: its one status has the task's name, and its values the numbers.
 
     Raises:

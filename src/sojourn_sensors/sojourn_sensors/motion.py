@@ -4,14 +4,14 @@ lever arm.
 
 from dataclasses import dataclass
 from math import atan2, sqrt
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from sojourn_contract.messages import quaternion, xyz
+from sojourn_contract.values import Odometry
 from sojourn_machine.mounting import IMU_LINK, mounting
 from sojourn_machine.params import FloatArray
+from sojourn_machine.vectors import cross
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,22 +55,17 @@ class ImuMotion:
         coefficients: FloatArray = np.array(pin.Quaternion(rotation).coeffs())
         return coefficients
 
-    def felt(self, before: MotionBefore | None, odometry: Any, dt: float) -> tuple[MotionBefore, Motion]:
+    def felt(self, before: MotionBefore | None, odometry: Odometry, dt: float) -> tuple[MotionBefore, Motion]:
         """Motion at the end of a period of `dt` [s], from the base's true odometry; `before` None in the first."""
-        orientation = quaternion(odometry.pose.pose.orientation)
+        orientation = odometry.orientation
         rotation = rotation_matrix(orientation)
-        angular = xyz(odometry.twist.twist.angular)
-        velocity = rotation @ (xyz(odometry.twist.twist.linear) + _cross(angular, self._lever))
+        angular = odometry.angular
+        velocity = rotation @ (odometry.linear + cross(angular, self._lever))
         change = np.zeros(3) if before is None else velocity - before.velocity
         specific = rotation.T @ (change / dt - self._gravity)
         mean = angular if before is None else rotation_vector(before.orientation, orientation) / dt
         motion = Motion(self._rotation_imu_to_base.T @ mean, self._rotation_imu_to_base.T @ specific)
         return MotionBefore(velocity, orientation), motion
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    # numpy's own is made for large arrays and takes twenty times as long for one pair
-    return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
 
 
 def rotation_vector(before: FloatArray, now: FloatArray) -> FloatArray:
