@@ -171,7 +171,7 @@ def test_the_wheel_of_a_rover(rover: str, capsys: pytest.CaptureFixture[str]) ->
         (["--soil", "porridge", "--load", "50"], ("porridge", "lunar_nominal")),
         (["--wheel", "cog", "--load", "50"], ("cog", "explorer")),
         (["--load", "50", "--set", "soil.stickiness=3"], ("stickiness",)),
-        (["--load", "50", "--set", "machine.mass=3"], ("rover", "wheel.KEY")),
+        (["--load", "50", "--set", "machine.mass=3"], ("machine", "wheel.KEY")),
         (["--load", "50", "--set", "soil.exit_angle=late"], ("exit_angle", "lambda")),
         (["--load", "50", "--slip", "1.2"], ("slip", "1.2")),
         (["--load", "50", "--slip", "0.1,-1.01"], ("slip", "-1.01")),

@@ -41,6 +41,13 @@ class _Base(NamedTuple):
 class _Reader:
     def __init__(self, kind: str) -> None:
         self.folders = tuple(config_folder() / name for name in dict.fromkeys((kind, PARTS)))
+        self._bases: dict[Path, YamlDocument] = {}
+
+    def base(self, path: Path, above: tuple[Path, ...]) -> YamlDocument:
+        """As `read`; six wheels that build on one file read it once."""
+        if path not in self._bases:
+            self._bases[path] = self.read(path, above)
+        return self._bases[path]
 
     def read(self, path: Path, above: tuple[Path, ...]) -> YamlDocument:
         """The file, which was named by the last of the files above it."""
@@ -62,7 +69,7 @@ class _Layer:
         if EXTENDS not in own:
             return filled
         path = self.base_path(own[EXTENDS], (*at, EXTENDS))
-        base = _Base(self.reader.read(path, (*self.above, self.path)), path, at)
+        base = _Base(self.reader.base(path, (*self.above, self.path)), path, at)
         self.merged.texts.update(base.document.texts)
         return self.over(base, base.document.data, filled, at)
 
