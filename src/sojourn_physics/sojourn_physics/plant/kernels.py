@@ -123,6 +123,17 @@ def open_period(tables: PlantTables) -> Period:
 
 
 @kernel
+def _touch_ground(tables: PlantTables, step: int) -> bool:
+    """Write the generalised force of the contacts. Returns whether all of them are on the map."""
+    multibody, motion, forces = tables.multibody, tables.motion, tables.forces
+    forces.contacts[:] = 0.0
+    machine = Kinematics(multibody.placements, multibody.jacobian, motion.rates[step])
+    touch = Touch(motion.contacts, tables.report, forces.contacts, tables.workspace)
+    on_map: bool = contact_forces(tables.contacts, tables.ground, machine, tables.dt, touch)
+    return on_map
+
+
+@kernel
 def _apply_forces(tables: PlantTables, step: int) -> bool:
     """Net force of contacts and joints; the joints' rotor inertia and implicit slopes go onto the mass matrix.
 
@@ -131,10 +142,7 @@ def _apply_forces(tables: PlantTables, step: int) -> bool:
     """
     multibody, motion, forces, work, dt = tables.multibody, tables.motion, tables.forces, tables.work, tables.dt
     velocity = motion.rates[step]
-    forces.contacts[:] = 0.0
-    machine = Kinematics(multibody.placements, multibody.jacobian, velocity)
-    touch = Touch(motion.contacts, tables.report, forces.contacts, tables.workspace)
-    on_map: bool = contact_forces(tables.contacts, tables.ground, machine, dt, touch)
+    on_map: bool = _touch_ground(tables, step)
     total = tables.sums.contact_force
     for i in range(total.shape[0]):
         for k in range(3):
@@ -240,4 +248,11 @@ def advance(period: Period, step: int) -> bool:
         whether all contacts are on the map.
     """
     on_map: bool = _advance(period.tables, step)
+    return on_map
+
+
+@njit(cache=True)
+def touch_ground(period: Period, step: int) -> bool:
+    """The contacts alone, as `advance` has them: what they cost can so be told."""
+    on_map: bool = _touch_ground(period.tables, step)
     return on_map
