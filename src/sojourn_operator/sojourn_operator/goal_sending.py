@@ -16,8 +16,8 @@ from sojourn_contract import qos
 from sojourn_contract.decoding import hearing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_values
-from sojourn_contract.process import StopFlag
 from sojourn_contract.stamps import from_message, seconds, to_message
+from sojourn_contract.stop_flag import StopFlag
 from sojourn_contract.topics import topic
 from sojourn_contract.types import message_class
 from sojourn_operator.actions import ArmTask, ArmTo, DriveAlong, DriveTo

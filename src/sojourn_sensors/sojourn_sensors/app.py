@@ -80,6 +80,9 @@ class SensorsApp(App[SensorsState]):
         self._view = HazardView(scenario)
         self._readings = ReadingMessages()
         self._wrist_frame = scenario.rover.wrench_sensor_link or ""
+
+    def warm_up(self) -> None:
+        """Those of the suite."""
         suite.warm_up(self.params, self._gravity)
 
     def initial_state(self) -> SensorsState:
