@@ -12,16 +12,18 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
-from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2, PointField
 from std_msgs.msg import Header
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from ros_messages import as_ros, ros_time, value_of
 from sojourn_bags.recorder_node import RecorderNode
-from sojourn_contract import process, stamps
+from sojourn_contract import process, stamps, values
 from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import READY, read_heartbeats, status_message
 from sojourn_contract.node import ContractNode
@@ -63,7 +65,7 @@ def content(row: Topic, stamp: int) -> Any:
     if kind is DiagnosticArray:
         return status_message(stamp, row.publisher, {"state": "idle", "goal_stamp": "0", "soc": f"{seconds:.2f}"})
     if kind is Header:
-        return Header(stamp=stamps.to_message(stamp))
+        return Header(stamp=ros_time(stamp))
     message = contacts(stamp) if kind is PointCloud2 else kind()
     if kind is JointState:
         message.name = list(JOINTS)
@@ -81,9 +83,9 @@ def content(row: Topic, stamp: int) -> Any:
         message.linear_acceleration.z = 1.62
     if hasattr(message, "header"):
         message.header.frame_id = "odom" if row.name == "/odom" else "map"
-        message.header.stamp = stamps.to_message(stamp)
+        message.header.stamp = ros_time(stamp)
     else:
-        message.clock = stamps.to_message(stamp)
+        message.clock = ros_time(stamp)
     return message
 
 
@@ -102,7 +104,7 @@ class FakeNode(ContractNode):
                 if (row.name, stamp // PERIOD) in self.forget:
                     self.counters.count_published(row.name)  # counted, but lost on the way
                 else:
-                    self.publish(row.name, content(row, stamp))
+                    self.publish(row.name, value_of(as_ros(content(row, stamp))))
 
 
 class FakeOperator(FakeNode):
@@ -113,13 +115,12 @@ class FakeOperator(FakeNode):
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """A goal, then the tick."""
         if (stamp // PERIOD) % 25 == 0:
-            goal = PoseStamped(header=Header(stamp=stamps.to_message(stamp + 5 * PERIOD), frame_id="map"))
-            goal.pose.position.x = stamps.seconds(stamp)
-            self.publish("/goal_pose", goal)
+            place = np.array([stamps.seconds(stamp), 0.0, 0.0])
+            self.publish("/goal_pose", values.PoseStamped(stamp + 5 * PERIOD, "map", place))
             self.sent += 1
         if (stamp // PERIOD) % 5 == 0:
             tick = format_tick({"/goal_pose": self.sent}, False)
-            self.publish("/operator/tick", Header(stamp=stamps.to_message(stamp), frame_id=tick))
+            self.publish("/operator/tick", values.Header(stamp, tick))
 
 
 class FakePlant(FakeNode):
@@ -136,8 +137,7 @@ class FakePlant(FakeNode):
 
     def on_heartbeat(self, message: Any) -> None:
         """Note who is ready."""
-        array_ = deserialize_message(message, DiagnosticArray) if isinstance(message, bytes) else message
-        self._ready |= {beat.role for beat in read_heartbeats(array_) if beat.state == READY}
+        self._ready |= {beat.role for beat in read_heartbeats(message) if beat.state == READY}
 
     def poll(self) -> None:
         """The first period when all are ready; in real time each period by the wall clock."""

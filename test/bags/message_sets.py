@@ -10,12 +10,12 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, JointState
 from synthetic import PERIOD, cdr
 
+from ros_messages import ros_message, ros_time
 from sojourn_bags.definitions import full_type
 from sojourn_bags.layout import layout_of
 from sojourn_bags.reading import Messages
-from sojourn_contract import stamps
 from sojourn_contract.heartbeat import status_message
-from sojourn_contract.messages import CONTACT_FIELDS, battery_state, contact_cloud, fill_contact_cloud
+from sojourn_contract.messages import CONTACT_FIELDS, battery_state, contact_cloud
 from sojourn_contract.topics import topic
 
 JOINTS = ("wheel_front_left_joint", "wheel_front_right_joint", "arm_elbow_joint")
@@ -31,7 +31,7 @@ def joint_states(count: int, names: tuple[str, ...] = JOINTS, effort: bool = Tru
     found = []
     for period in range(1, count + 1):
         message = JointState(name=list(names))
-        message.header.stamp = stamps.to_message(period * PERIOD)
+        message.header.stamp = ros_time(period * PERIOD)
         message.position = array.array("d", [0.1 * period + index for index in range(len(names))])
         message.velocity = array.array("d", [0.5] * len(names))
         message.effort = array.array("d", [math.nan] * len(names) if effort else [])
@@ -45,7 +45,7 @@ def odometry(count: int) -> list[Odometry]:
     for period in range(1, count + 1):
         message = Odometry(child_frame_id="base_link")
         message.header.frame_id = "odom"
-        message.header.stamp = stamps.to_message(period * PERIOD)
+        message.header.stamp = ros_time(period * PERIOD)
         message.pose.pose.position.x = 0.01 * period
         yaw = 0.02 * period
         message.pose.pose.orientation.z, message.pose.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
@@ -59,7 +59,7 @@ def imu(count: int) -> list[Imu]:
     for period in range(1, count + 1):
         message = Imu()
         message.header.frame_id = "imu_link"
-        message.header.stamp = stamps.to_message(period * PERIOD)
+        message.header.stamp = ros_time(period * PERIOD)
         message.linear_acceleration.z = 1.62
         found.append(message)
     return found
@@ -68,20 +68,20 @@ def imu(count: int) -> list[Imu]:
 def contacts(count: int, points: int = 4) -> list[Any]:
     """Clouds of contacts."""
     report = np.arange(points * len(CONTACT_FIELDS), dtype=np.float64).reshape(points, len(CONTACT_FIELDS))
-    return [fill_contact_cloud(contact_cloud(), period * PERIOD, report + period) for period in range(1, count + 1)]
+    return [ros_message(contact_cloud(period * PERIOD, report + period)) for period in range(1, count + 1)]
 
 
 def batteries(count: int) -> list[Any]:
     """Telemetry of the bus, whose charge nobody measures: NaN."""
     return [
-        battery_state(5 * period * PERIOD, 28.0 + period, 2.0, 290.0, math.nan, math.nan, math.nan)
+        ros_message(battery_state(5 * period * PERIOD, 28.0 + period, 2.0, 290.0, math.nan, math.nan, math.nan))
         for period in range(1, count + 1)
     ]
 
 
 def status(stamp: int, values: dict[str, str], name: str = "drive") -> DiagnosticArray:
     """A status message."""
-    return status_message(stamp, name, values)
+    return ros_message(status_message(stamp, name, values))
 
 
 def one_run(count: int = 6) -> dict[str, Messages]:

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from nav_msgs.msg import Path as Route
@@ -14,6 +13,7 @@ from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, JointState, PointCloud2, PointField
 
+from ros_messages import as_ros, ros_time
 from sojourn_bags.completeness import RECORD, account
 from sojourn_bags.definitions import RUN_RECORD, ChannelSpec, qos_entry
 from sojourn_bags.description import Run
@@ -44,6 +44,7 @@ FIELDS = (
 
 def cdr(message: Any) -> bytes:
     """Serialised message of exact length; rclpy may append bytes."""
+    message = as_ros(message)
     package, _, _ = type(message).__module__.partition(".")
     data = bytes(serialize_message(message))
     return data[: layout_of(f"{package}/msg/{type(message).__name__}", data).size]
@@ -62,11 +63,12 @@ class SyntheticRun:
         self.writer = BagWriter(folder, specs, [*self.run.attachments(), versions_attachment()])
 
     def write(self, name: str, stamp: int, message: Any, log_time: int | None = None) -> None:
-        """Stamp and write a message."""
+        """Stamp and write a message of the ROS library, or a value as one."""
+        message = as_ros(message)
         if isinstance(message, Clock):
-            message.clock = stamps.to_message(stamp)
+            message.clock = ros_time(stamp)
         else:
-            message.header.stamp = stamps.to_message(stamp)
+            message.header.stamp = ros_time(stamp)
         self.writer.write(CHANNELS[name], stamp if log_time is None else log_time, stamp, cdr(message))
 
     def close(self, last_stamp: int, participants: str = "plant,sensors,drive,arm,power,operator,recorder") -> None:
@@ -105,7 +107,7 @@ class SyntheticRun:
     def status(self, name: str, stamp: int, state: str, goal_stamp: int, reason: str = "") -> None:
         """Status of drive or arm."""
         values = {"state": state, "goal_stamp": str(goal_stamp), "reason": reason}
-        message: DiagnosticArray = status_message(stamp, topic(name).publisher, values)
+        message = status_message(stamp, topic(name).publisher, values)
         self.write(name, stamp, message)
 
     def goal(self, name: str, stamp: int, points: list[tuple[float, float, float]], frame: str = "map") -> None:

@@ -26,7 +26,7 @@ from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.layout import layout_of
 from sojourn_bags.reading import Messages
 from sojourn_contract.flow import topic_order
-from sojourn_contract.messages import CONTACT_FIELDS, fill_contact_cloud
+from sojourn_contract.messages import CONTACT_FIELDS, contact_cloud
 from sojourn_contract.tolerance import rule_of, tolerance_of
 
 RUN = one_run()
@@ -96,7 +96,7 @@ def test_points_of_a_cloud_are_compared_by_their_fields(changes: list[tuple[int,
     for index, field, point in changes:
         report = np.frombuffer(bytes(clouds[index].data), dtype=np.float64).reshape(4, len(CONTACT_FIELDS)).copy()
         report[point, CONTACT_FIELDS.index(field)] += 0.25
-        fill_contact_cloud(clouds[index], (index + 1) * PERIOD, report)
+        clouds[index] = contact_cloud((index + 1) * PERIOD, report)
     result = compare(RUN, RUN | {"/truth/contacts": as_messages("/truth/contacts", clouds)})
     assert {each.field for each in result.fields} == {field for _, field, _ in changes}
     for each in result.fields:
@@ -262,7 +262,7 @@ def test_the_first_divergence_is_the_earliest_and_among_equals_the_nearest_to_th
     for name, index in places.items():
         if name == "/truth/contacts":
             clouds = contacts(6)
-            fill_contact_cloud(clouds[index], (index + 1) * PERIOD, np.zeros((4, len(CONTACT_FIELDS))))
+            clouds[index] = contact_cloud((index + 1) * PERIOD, np.zeros((4, len(CONTACT_FIELDS))))
             other[name] = as_messages(name, clouds)
         else:
             other[name], _, _ = with_value(RUN[name], index, paths[name], 0, 99.0)

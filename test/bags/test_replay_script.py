@@ -12,6 +12,7 @@ from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
 from std_msgs.msg import Header
 from synthetic import CHANNELS, PERIOD, SyntheticRun, cdr
 
+from ros_messages import ros_time
 from sojourn_bags.completeness import RECORD
 from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.errors import BagsError, IncompleteConfigError, OtherContractError, ReplayError
@@ -19,7 +20,6 @@ from sojourn_bags.provenance import run_attachment
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.replay_answers import MOST_LAG, Answers
 from sojourn_bags.replay_script import script_of
-from sojourn_contract import stamps
 from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import RUNNING, Counters, heartbeat_message
 
@@ -28,7 +28,7 @@ ROLES = "plant,sensors,drive,power,operator,recorder"
 
 
 def header(period: int, text: str) -> Header:
-    return Header(stamp=stamps.to_message(period * PERIOD), frame_id=text)
+    return Header(stamp=ros_time(period * PERIOD), frame_id=text)
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,12 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from ros_messages import value_of
 from sojourn_contract import process, stamps
 from sojourn_contract.heartbeat import READY, read_heartbeats
 from sojourn_contract.node import ContractNode
@@ -50,7 +54,7 @@ class FakeRole(ContractNode):
         if self.role != "plant" or not self._ready >= set(self.participants):
             return
         if self._sent == 0:
-            self._send(1)
+            self._say(1)
         elif (not self.lockstep or not self._awaited) and time.monotonic() > self._next_at:
             self.act(self._sent * PERIOD, {})
 
@@ -59,23 +63,16 @@ class FakeRole(ContractNode):
         if self.role == "plant":
             self.finished = self._manner == "brief" and stamps.seconds(stamp) >= BRIEF_S
             if not self.finished:
-                self._send(stamp // PERIOD + 1)
+                self._say(stamp // PERIOD + 1)
         else:
-            self._send(stamp // PERIOD)
+            self._say(stamp // PERIOD)
 
-    def _send(self, period: int) -> None:
+    def _say(self, period: int) -> None:
         self._sent = period
         self._next_at = time.monotonic() + stamps.CONTROL_PERIOD_S
         for row in self._owed:
             if period % row.every == 0:
-                message = message_class(row.type)()
-                if hasattr(message, "header"):
-                    message.header.stamp = stamps.to_message(period * PERIOD)
-                elif hasattr(message, "clock"):
-                    message.clock = stamps.to_message(period * PERIOD)
-                else:
-                    message.stamp = stamps.to_message(period * PERIOD)
-                self.publish(row.name, message)
+                self.publish(row.name, value_of(message_class(row.type)())._replace(stamp=period * PERIOD))
 
 
 def main() -> int:

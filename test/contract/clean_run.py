@@ -14,6 +14,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, Imu, JointState
 from std_msgs.msg import Header
 
+from ros_messages import ros_message, ros_time
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import stamps
 from sojourn_contract.clouds import point_cloud
@@ -21,7 +22,7 @@ from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.judge import Judge
 from sojourn_contract.conformance.machine import Machine
 from sojourn_contract.heartbeat import RUNNING, Counters, heartbeat_message, status_message
-from sojourn_contract.messages import CONTACT_FIELDS, contact_cloud, fill_contact_cloud
+from sojourn_contract.messages import CONTACT_FIELDS, contact_cloud
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, TOPICS, outputs_of
 
@@ -105,7 +106,7 @@ class CleanRun:
         for row in outputs_of(role):  # when it sends its heartbeat, the plant has sent the truth of the next period
             if role == "plant" and row.every == 1:
                 told.published[row.name] += 1
-        self.add("/diagnostics", stamp, heartbeat_message(role, RUNNING, stamp, told))
+        self.add("/diagnostics", stamp, ros_message(heartbeat_message(role, RUNNING, stamp, told)))
 
 
 def kinds(report: Report) -> set[tuple[str, str, str]]:
@@ -118,7 +119,7 @@ def kinds(report: Report) -> set[tuple[str, str, str]]:
 
 def set_stamp(message: Any, stamp: int) -> None:
     """Stamp any message of the contract."""
-    time = stamps.to_message(stamp)
+    time = ros_time(stamp)
     if isinstance(message, Clock):
         message.clock = time
     elif isinstance(message, Header):
@@ -130,7 +131,7 @@ def set_stamp(message: Any, stamp: int) -> None:
 def make(row: Topic, stamp: int, machine: Machine) -> Any:
     """A good message of a row."""
     if row.name == "/power/switches":
-        return status_message(stamp, "switches", dict.fromkeys(machine.loads, "on"))
+        return ros_message(status_message(stamp, "switches", dict.fromkeys(machine.loads, "on")))
     if row.name == "/operator/tick":
         return Header(frame_id="/goal_pose=1")
     return _MAKERS[row.type](row, stamp * 1e-9, machine)
@@ -184,16 +185,16 @@ def _sun(_row: Topic, _time: float, _machine: Machine) -> Vector3Stamped:
 
 def _cloud(row: Topic, time: float, machine: Machine) -> Any:
     if row.name == "/hazcam/points":
-        return point_cloud(round(time * 1e9), "base_link", np.full((40, 3), time, dtype=np.float32))
+        return ros_message(point_cloud(round(time * 1e9), "base_link", np.full((40, 3), time, dtype=np.float32)))
     points = np.zeros((machine.contacts, len(CONTACT_FIELDS)))
-    return fill_contact_cloud(contact_cloud(), round(time * 1e9), points)
+    return ros_message(contact_cloud(round(time * 1e9), points))
 
 
 def _status(row: Topic, time: float, _machine: Machine) -> Any:
     values = {"/truth/loads": {"power drive": "5.2"}}.get(
         row.name, {"state": "moving", "goal_stamp": "200000000", "reason": ""}
     )
-    return status_message(round(time * 1e9), row.publisher, values)
+    return ros_message(status_message(round(time * 1e9), row.publisher, values))
 
 
 _MAKERS: dict[str, Callable[[Topic, float, Machine], Any]] = {

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import PointCloud2, PointField
 
+from ros_messages import ros_message, value_of
 from sojourn_contract.checks import check_message
 from sojourn_contract.clouds import point_cloud, points_of
 from sojourn_contract.errors import RefusedMessageError
@@ -20,12 +20,11 @@ POINTS = np.array([[1.0, -0.5, 0.25], [2.0, 3.0, -4.0]], dtype=np.float32)
 
 def test_points_go_there_and_back() -> None:
     sent = point_cloud(60_000_000, "base_link", POINTS)
-    got = deserialize_message(serialize_message(sent), PointCloud2)
+    got = ros_message(sent)
     assert (got.header.frame_id, got.header.stamp.nanosec, got.is_dense) == ("base_link", 60_000_000, True)
     assert len(got.data) == 24, "three floats a point"
-    np.testing.assert_array_equal(points_of(TOPIC, got), POINTS)
-    none = deserialize_message(serialize_message(point_cloud(0, "base_link", POINTS[:0])), PointCloud2)
-    assert points_of(TOPIC, none).shape == (0, 3)
+    np.testing.assert_array_equal(points_of(TOPIC, value_of(got)), POINTS)
+    assert points_of(TOPIC, point_cloud(0, "base_link", POINTS[:0])).shape == (0, 3)
 
 
 def test_clouds_of_other_cameras_are_read() -> None:
@@ -40,7 +39,7 @@ def test_clouds_of_other_cameras_are_read() -> None:
         for name, offset in (("z", 4), ("y", 12), ("x", 20))
     ]
     cloud.data = array("B", raw.tobytes())
-    np.testing.assert_array_equal(points_of(TOPIC, cloud), POINTS)
+    np.testing.assert_array_equal(points_of(TOPIC, value_of(cloud)), POINTS)
 
 
 def set_field(place: int, name: str, value: Any) -> Callable[[Any], None]:
@@ -70,8 +69,8 @@ def put(name: str, value: Any) -> Callable[[Any], None]:
     ],
 )
 def test_what_no_node_may_take(spoil: Callable[[Any], None], field: str, words: str) -> None:
-    cloud = point_cloud(0, "base_link", POINTS)
+    cloud = ros_message(point_cloud(0, "base_link", POINTS))
     spoil(cloud)
     with pytest.raises(RefusedMessageError) as refusal:
-        check_message(TOPIC, cloud)
+        check_message(TOPIC, value_of(cloud))
     assert refusal.value.field == field and words in str(refusal.value)

@@ -33,7 +33,7 @@ def test_any_bytes_are_a_message_or_refused(data: st.DataObject) -> None:
             read_heartbeats(message)
         told.append(message)
 
-    hear = hearing(row.name, row.type, take, told.append)
+    hear = hearing(row, take, told.append)
     content = data.draw(hostile(row))
     hear(content)
     assert len(told) == 1

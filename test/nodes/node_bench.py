@@ -18,6 +18,7 @@ from rclpy.experimental import EventsExecutor
 from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
 from std_msgs.msg import Header
 
+from ros_messages import as_ros, ros_message, ros_time, value_of
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos, stamps
 from sojourn_contract.clouds import point_cloud
@@ -29,7 +30,7 @@ from sojourn_contract.heartbeat import (
     status_message,
     status_values,
 )
-from sojourn_contract.messages import battery_state, fill_joint_state, joint_state, wrench_stamped
+from sojourn_contract.messages import battery_state, wrench_stamped
 from sojourn_contract.topics import TOPICS, topic
 from sojourn_contract.types import message_class
 from sojourn_machine.tools import TOOL_JOINT
@@ -50,9 +51,7 @@ STOWED = dict(zip(ARM, load_scenario(SCENARIO).arm.named_poses["stow"], strict=T
 
 def stamp_of(message: Any) -> int:
     """Stamp [ns] of any message of the contract."""
-    if hasattr(message, "clock"):
-        return stamps.from_message(message.clock)
-    return stamps.from_message(message.stamp if hasattr(message, "stamp") else message.header.stamp)
+    return value_of(message).stamp
 
 
 def at(period: int) -> int:
@@ -116,8 +115,8 @@ class Bench:
         )
 
     def send(self, name: str, message: Any) -> None:
-        """Publish."""
-        self._senders[name].publish(message)
+        """Publish a message of the ROS library, or a value as one."""
+        self._senders[name].publish(as_ros(message))
 
     def spin(self, seconds: float = 0.0) -> None:
         """Run the executor for a while, and the nodes' wall-clock chores."""
@@ -155,7 +154,7 @@ class Bench:
 
     def status(self, name: str, period: int) -> dict[str, str]:
         """Keys and values of a status topic at a period."""
-        return status_values(self.answer(name, period))
+        return status_values(value_of(self.answer(name, period)))
 
     def say_ready(self, *roles: str) -> None:
         """Heartbeats of roles that the peer speaks for."""
@@ -164,7 +163,7 @@ class Bench:
 
     def heartbeats(self, role: str) -> list[Any]:
         """Heartbeats of a role so far."""
-        beats = [beat for message in self.received["/diagnostics"] for beat in read_heartbeats(message)]
+        beats = [beat for message in self.received["/diagnostics"] for beat in read_heartbeats(value_of(message))]
         return [beat for beat in beats if beat.role == role]
 
     def close(self) -> None:
@@ -177,17 +176,15 @@ class Bench:
 
 def joints(period: int, angles: dict[str, float] | None = None, rates: dict[str, float] | None = None) -> JointState:
     """Measured (or true) joints; zero where nothing is said, and the arm stowed."""
-    message = joint_state(JOINTS)
     position = [(STOWED | (angles or {})).get(name, 0.0) for name in JOINTS]
     velocity = [(rates or {}).get(name, 0.0) for name in JOINTS]
-    return fill_joint_state(message, at(period), position, velocity, [0.0] * len(JOINTS))
+    effort = [0.0] * len(JOINTS)
+    return JointState(header=_header(period), name=list(JOINTS), position=position, velocity=velocity, effort=effort)
 
 
 def imu(period: int, yaw: float = 0.0, yaw_rate: float = 0.0) -> Imu:
     """A level machine that turns."""
-    message = Imu()
-    message.header.stamp = stamps.to_message(at(period))
-    message.header.frame_id = "imu_link"
+    message = Imu(header=_header(period, "imu_link"))
     message.orientation.z, message.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
     message.angular_velocity.z = yaw_rate
     message.linear_acceleration.z = 1.625
@@ -196,50 +193,53 @@ def imu(period: int, yaw: float = 0.0, yaw_rate: float = 0.0) -> Imu:
 
 def wrist(period: int, force: Any = (0.0, 0.0, -3.25)) -> WrenchStamped:
     """Load of the hanging turret on the wrist's sensor, or another force [N]."""
-    return wrench_stamped(at(period), "arm_turret_link", np.array([*force, 0.0, 0.0, 0.0]))
+    return ros_message(wrench_stamped(at(period), "arm_turret_link", np.array([*force, 0.0, 0.0, 0.0])))
 
 
 def sun(period: int, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Vector3Stamped:
     """A reading of the sun sensor; zeros: no Sun."""
-    message = Vector3Stamped()
-    message.header.stamp = stamps.to_message(at(period))
+    message = Vector3Stamped(header=_header(period))
     message.vector.x, message.vector.y, message.vector.z = x, y, z
     return message
 
 
 def odometry(period: int) -> Odometry:
     """A machine at rest at the origin of map."""
-    message = Odometry(child_frame_id="base_link")
-    message.header.stamp = stamps.to_message(at(period))
-    message.header.frame_id = "map"
+    message = Odometry(header=_header(period, "map"), child_frame_id="base_link")
     message.pose.pose.orientation.w = 1.0
     return message
 
 
 def cloud(period: int, points: Any = ()) -> PointCloud2:
     """Points that the hazard camera has found, in base_link [m]."""
-    return point_cloud(at(period), "base_link", np.asarray(points, dtype=np.float32).reshape(-1, 3))
+    return ros_message(point_cloud(at(period), "base_link", np.asarray(points, dtype=np.float32).reshape(-1, 3)))
 
 
 def battery(period: int, voltage: float = 29.0, current: float = 2.0) -> BatteryState:
     """Telemetry of the bus; `current` out of the battery."""
-    return battery_state(at(period), voltage, current, 293.15, math.nan, math.nan, math.nan)
+    return ros_message(battery_state(at(period), voltage, current, 293.15, math.nan, math.nan, math.nan))
 
 
 def loads(period: int, **powers: float) -> DiagnosticArray:
     """Power that each load draws [W]."""
-    return status_message(at(period), "loads", {f"power {name}": f"{power:g}" for name, power in powers.items()})
+    told = {f"power {name}": f"{power:g}" for name, power in powers.items()}
+    return ros_message(status_message(at(period), "loads", told))
 
 
 def tick(period: int, text: str = "") -> Header:
     """A tick of the operator or the recorder."""
-    return Header(stamp=stamps.to_message(at(period)), frame_id=text)
+    return _header(period, text)
 
 
 def command(names: tuple[str, ...], period: int, rate: float = 0.0, angle: float = 0.0) -> JointState:
     """A command of these joints, all alike."""
     count = len(names)
-    return fill_joint_state(joint_state(names), at(period), [angle] * count, [rate] * count, [0.0] * count)
+    arrays = {"position": [angle] * count, "velocity": [rate] * count, "effort": [0.0] * count}
+    return JointState(header=_header(period), name=list(names), **arrays)
+
+
+def _header(period: int, frame: str = "") -> Header:
+    return Header(stamp=ros_time(at(period)), frame_id=frame)
 
 
 HIGHEST_STAMP_S = 2_000_000_000

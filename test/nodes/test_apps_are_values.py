@@ -1,23 +1,21 @@
 """Apps without ROS: a state that was kept gives the same answers again, whatever has been done since."""
 
 from collections.abc import Iterator
-from copy import deepcopy
 from dataclasses import fields, is_dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
-from geometry_msgs.msg import PoseStamped
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Header
 
 from sojourn_arm.app import ArmApp
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.app import App, Period
 from sojourn_contract.barrier import is_due
+from sojourn_contract.codecs import encode
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topics import inputs_of, topic
+from sojourn_contract.values import Header, JointState, PoseStamped
 from sojourn_drive.app import DriveApp
 from sojourn_plant.app import PlantApp
 from sojourn_power.app import PowerApp
@@ -43,8 +41,8 @@ class Loop:
         self.period = 1
         self.messages = dict(apps["plant"].first_messages(self.states["plant"], CONTROL_PERIOD_NS))
 
-    def step(self) -> Iterator[tuple[str, str]]:
-        """One period; gives what everybody has said, as text."""
+    def step(self) -> Iterator[tuple[str, bytes]]:
+        """One period; gives what everybody has said, as bytes."""
         stamp = self.period * CONTROL_PERIOD_NS
         for role in ROLES:
             rows = [row for row in inputs_of(role, ROLES) if not row.is_event]
@@ -57,10 +55,10 @@ class Loop:
             assert not answer.refusals
             for name, message in answer.messages:
                 self.messages[name] = message
-                yield name, str(message)
+                yield name, encode(topic(name), message)
         self.period += 1
 
-    def run(self, periods: int) -> list[tuple[str, str]]:
+    def run(self, periods: int) -> list[tuple[str, bytes]]:
         return [said for _ in range(periods) for said in self.step()]
 
     def goes_on_from(self, periods: int, more: int) -> set[str]:
@@ -68,7 +66,7 @@ class Loop:
         from it and some on top. The topics on which it has spoken.
         """
         self.run(periods - self.period + 1)
-        kept, period, messages = dict(self.states), self.period, deepcopy(self.messages)
+        kept, period, messages = dict(self.states), self.period, dict(self.messages)
         before = list(parts(kept))
         first = self.run(more)
         end = list(parts(self.states))
@@ -99,10 +97,7 @@ def parts(value: Any) -> Iterator[Any]:
 
 
 def pose(frame: str, x: float, y: float, z: float = 0.0) -> PoseStamped:
-    message = PoseStamped()
-    message.header.frame_id = frame
-    message.pose.position.x, message.pose.position.y, message.pose.position.z = x, y, z
-    return message
+    return PoseStamped(0, frame, np.array([x, y, z]))
 
 
 def test_a_drive_is_gone_on_with_from_a_kept_state_as_if_nothing_had_happened(apps: dict[str, App[Any]]) -> None:
@@ -115,11 +110,10 @@ def test_a_drive_is_gone_on_with_from_a_kept_state_as_if_nothing_had_happened(ap
 
 def test_a_motion_of_the_arm_is_gone_on_with_from_a_kept_state_too(apps: dict[str, App[Any]]) -> None:
     """On the way it is told to stop, and given a place in odom, over ground that the camera has seen."""
-    unfold = JointState()
-    unfold.header.frame_id = "unfold"
+    unfold = JointState(0, (), frame="unfold")
     goals = {
         3: ("/arm/joint_goal", unfold),
-        75: ("/arm/stop", Header()),
+        75: ("/arm/stop", Header(0)),
         130: ("/arm/goal_pose", pose("odom", 1.2, 0.0, 0.2)),
     }
     loop = Loop(apps, goals)
@@ -135,5 +129,5 @@ def test_a_motion_of_the_arm_is_gone_on_with_from_a_kept_state_too(apps: dict[st
 def test_the_plant_ends_the_run_when_the_operator_does(apps: dict[str, App[Any]]) -> None:
     plant = apps["plant"]
     state = plant.initial_state()
-    after, answer = plant.step(state, Period(CONTROL_PERIOD_NS, {"/operator/tick": Header(frame_id="end")}))
+    after, answer = plant.step(state, Period(CONTROL_PERIOD_NS, {"/operator/tick": Header(CONTROL_PERIOD_NS, "end")}))
     assert answer.finished and after is state and not list(answer.messages)

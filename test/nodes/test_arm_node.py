@@ -15,8 +15,8 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from ros_messages import ros_time
 from sojourn_arm.node import ArmNode
-from sojourn_contract import stamps
 from sojourn_contract.heartbeat import status_message
 from sojourn_machine.tools import TOOL_JOINT
 
@@ -61,7 +61,7 @@ class ArmBench:
             self.bench.send("/wrist/wrench", wrist(self.period, self.force))
             self.bench.send("/imu/data", attitude)
             if self.with_drive:
-                self.here.header.stamp = stamps.to_message(at(self.period))
+                self.here.header.stamp = ros_time(at(self.period))
                 self.bench.send("/odom", self.here)
                 self.bench.send("/wheel_command", wheel_command(WHEELS, self.period, rate))
             command = self.bench.answer("/arm_command", self.period)
@@ -96,7 +96,7 @@ def joint_goal(names: tuple[str, ...], positions: list[float], pose: str = "") -
 def pose_goal(x: float, y: float, z: float, frame: str = "base_link") -> PoseStamped:
     message = PoseStamped()
     message.header.frame_id = frame
-    message.header.stamp = stamps.to_message(at(1))
+    message.header.stamp = ros_time(at(1))
     message.pose.position.x, message.pose.position.y, message.pose.position.z = x, y, z
     return message
 
@@ -150,7 +150,7 @@ def tip_path(*points: tuple[float, float, float], arc: int = -1, frame: str = "b
     """A path through points, that of index `arc` gone by on an arc."""
     message = Path()
     message.header.frame_id = frame
-    message.header.stamp = stamps.to_message(at(1))
+    message.header.stamp = ros_time(at(1))
     for k, (x, y, z) in enumerate(points):
         message.poses.append(pose_goal(x, y, z, "arc" if k == arc else frame))
     return message
@@ -181,7 +181,7 @@ def test_a_path_of_the_tip_is_followed_to_its_end(bench: Bench, frame: str) -> N
 def jog(linear: tuple[float, float, float], frame: str = "base_link", stamp: int = 0) -> TwistStamped:
     message = TwistStamped()
     message.header.frame_id = frame
-    message.header.stamp = stamps.to_message(stamp)
+    message.header.stamp = ros_time(stamp)
     message.twist.linear.x, message.twist.linear.y, message.twist.linear.z = linear
     return message
 

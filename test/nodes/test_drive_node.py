@@ -8,7 +8,7 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import Path
 from node_bench import JOINTS, STEERS, WHEELS, Bench, at, cloud, imu, joints, stamp_of, sun, tick
 
-from sojourn_contract import stamps
+from ros_messages import ros_time
 from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.messages import battery_state
@@ -46,7 +46,7 @@ def step(bench: Bench, *periods: int, angles: dict[str, float] | None = None) ->
 def pose(x: float, y: float, frame: str = "map", stamp: int = 0) -> PoseStamped:
     message = PoseStamped()
     message.header.frame_id = frame
-    message.header.stamp = stamps.to_message(stamp)
+    message.header.stamp = ros_time(stamp)
     message.pose.position.x, message.pose.position.y = x, y
     message.pose.orientation.w = 0.0  # any heading
     return message
@@ -54,7 +54,7 @@ def pose(x: float, y: float, frame: str = "map", stamp: int = 0) -> PoseStamped:
 
 def twist(x: float, stamp: int = 0) -> TwistStamped:
     message = TwistStamped()
-    message.header.stamp = stamps.to_message(stamp)
+    message.header.stamp = ros_time(stamp)
     message.twist.linear.x = x
     return message
 

@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from node_bench import HIGHEST_STAMP_S, Bench, at, cloud, imu, joints, sun
 
+from ros_messages import ros_time
 from sojourn_arm.node import ArmNode
-from sojourn_contract import stamps
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_drive.node import DriveNode
 from sojourn_operator.node import OperatorNode
@@ -78,7 +78,7 @@ def test_garbage_over_the_wire_is_counted_with_its_reason(bench: Bench) -> None:
 
 
 def stamped(message: Any, seconds: int) -> Any:
-    message.header.stamp = stamps.to_message(seconds * NANOSECONDS)
+    message.header.stamp = ros_time(seconds * NANOSECONDS)
     return message
 
 

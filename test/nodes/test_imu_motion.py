@@ -7,10 +7,9 @@ import pinocchio as pin
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from nav_msgs.msg import Odometry
 
 from sojourn_config.scenario import load_scenario
-from sojourn_contract.messages import set_quaternion, set_xyz
+from sojourn_contract.values import Odometry
 from sojourn_sensors.motion import ImuMotion, rotation_vector
 
 angles = st.floats(-3.0, 3.0)
@@ -31,12 +30,12 @@ def test_the_rotation_vector_between_two_attitudes(
 def test_a_machine_that_shakes_within_a_period_does_not_seem_to_turn() -> None:
     """Yaw swings at 50 Hz: every sample is taken at the same rate, and their sum was a heading that ran away."""
     scenario, dt = load_scenario("flat_drive"), 0.02
-    motion, message, turned = ImuMotion(scenario.urdf_xml, scenario.gravity), Odometry(), 0.0
+    motion, turned = ImuMotion(scenario.urdf_xml, scenario.gravity), 0.0
     before = None
     for period in range(100):
         yaw, rate = 1e-3 * math.sin(100.0 * math.pi * period * dt), 0.1 * math.pi
-        set_quaternion(message.pose.pose.orientation, np.array([0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)]))
-        set_xyz(message.twist.twist.angular, (0.0, 0.0, rate))
+        orientation, angular = np.array([0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)]), np.array([0.0, 0.0, rate])
+        message = Odometry(0, "map", "base_link", np.zeros(3), orientation, np.zeros(3), angular)
         before, felt = motion.felt(before, message, dt)
         turned += felt.angular_velocity[2] * dt if period else 0.0
     assert turned == pytest.approx(0.0, abs=1e-9)

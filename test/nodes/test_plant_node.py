@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from node_bench import ARM, SCENARIO, STEERS, WHEELS, Bench, at, command, imu, joints, stamp_of, tick
 
+from ros_messages import ros_time
 from sojourn_config.scenario import load_scenario
-from sojourn_contract import stamps
 from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import READY, STALLED, WAITING_FOR, Counters, heartbeat_message, status_message
 from sojourn_contract.topics import outputs_of
@@ -135,7 +135,7 @@ def test_commands_that_cannot_be_followed_are_refused_and_shown(bench: Bench) ->
         if period == 20:  # two from the past, and one off the grid, besides the good one
             for stamp in (at(2), at(19), at(20) + 1):
                 late = command(DRIVEN, 1)
-                late.header.stamp = stamps.to_message(stamp)
+                late.header.stamp = ros_time(stamp)
                 bench.send("/wheel_command", late)
         bench.send("/wheel_command", spoilt(period, period))
         bench.answer("/truth/joint_states", period + 1)

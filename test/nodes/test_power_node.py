@@ -5,6 +5,7 @@ import math
 import pytest
 from node_bench import Bench, at, battery, stamp_of
 
+from ros_messages import value_of
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.switches import check_switches
 from sojourn_power.node import PowerNode
@@ -18,7 +19,7 @@ def run(bench: Bench, first: int, last: int, voltage: float, current: float = 2.
     for period in range(first, last + 1, 5):
         bench.send("/bus/state", battery(period, voltage, current))
         answer = bench.answer("/power/switches", period)
-    return status_values(answer)
+    return status_values(value_of(answer))
 
 
 @pytest.fixture
@@ -58,13 +59,13 @@ def test_telemetry_that_no_battery_can_have_is_refused(bench: Bench, power: Powe
     absurd = battery(period, HIGH)
     absurd.temperature = -1.6e29
     bench.send("/bus/state", absurd)
-    assert status_values(bench.answer("/power/switches", period)) == before
+    assert status_values(value_of(bench.answer("/power/switches", period))) == before
     assert power.counters.refused == {"/bus/state": 1} and "temperature" in power.counters.last_refusal
 
 
 def test_telemetry_that_is_none_is_refused_and_the_last_good_one_counts(bench: Bench, power: PowerNode) -> None:
     bench.send("/bus/state", battery(5, math.nan))
-    assert status_values(bench.answer("/power/switches", 5)) == {}, "nothing is known, nothing is switched"
+    assert status_values(value_of(bench.answer("/power/switches", 5))) == {}, "nothing is known, nothing is switched"
     before = run(bench, 10, 45, HIGH)
     assert run(bench, 50, 60, math.nan) == before
     assert bench.answer("/battery_state", 50).voltage == pytest.approx(HIGH)

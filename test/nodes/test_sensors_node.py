@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from node_bench import ARM, JOINTS, STEERS, WHEELS, Bench, at, battery, imu, joints, loads, odometry, stamp_of
 
+from ros_messages import value_of
 from sojourn_contract.clouds import points_of
 from sojourn_sensors.node import SensorsNode
 
@@ -92,7 +93,7 @@ def test_the_hazard_camera_looks_once_a_second(bench: Bench) -> None:
     assert [stamp_of(message) for message in bench.received["/hazcam/points"]] == [at(50), at(100)]
     assert first.header.frame_id == "base_link" and bytes(first.data) != bytes(second.data), "its noise goes on"
     for message in (first, second):
-        points = points_of("/hazcam/points", message)
+        points = points_of("/hazcam/points", value_of(message))
         assert len(points) > 700 and 0.4 < points[:, 0].min() < points[:, 0].max() < 5.5
         assert abs(points[:, 2] + 0.47).max() < 0.05
 

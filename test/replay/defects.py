@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
+from ros_messages import ros_message, ros_time, value_of
 from sojourn_contract.heartbeat import RUNNING
-from sojourn_contract.stamps import CONTROL_PERIOD_NS, from_message, to_message
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.types import message_class
 
 SECOND = 1_000_000_000
@@ -55,13 +56,14 @@ def defect(role: str, replay: str | None = None, judge: str | None = None) -> Ca
 
 
 def alter(node: Any, topic: str, change: Alter) -> None:
-    """Every message of a topic is changed by `change(message)` before it is published."""
+    """Every message of a topic is changed by `change(message)`, as one of the ROS library, before it is published."""
     publish = node.publish
 
     def altered(name: str, message: Any) -> None:
         if name == topic:
-            message = deepcopy(message)
-            change(message)
+            changed = ros_message(message)
+            change(changed)
+            message = value_of(changed)
         publish(name, message)
 
     node.publish = altered
@@ -91,7 +93,7 @@ def one_behind(node: Any, topic: str, *fields: str) -> None:
 
 def restamp(node: Any, topic: str, stamp_of: Callable[[int], int]) -> None:
     def change(message: Any) -> None:
-        message.header.stamp = to_message(stamp_of(from_message(message.header.stamp)))
+        message.header.stamp = ros_time(stamp_of(value_of(message).stamp))
 
     alter(node, topic, change)
 
@@ -183,7 +185,7 @@ def a_pair_of_wheels_is_swapped(drive: Any) -> None:
 @defect("drive", replay="/wheel_command.velocity", judge="/wheel_command.velocity")
 def a_rate_is_nan_once(drive: Any) -> None:
     def change(message: Any) -> None:
-        if from_message(message.header.stamp) == 3 * SECOND:
+        if value_of(message).stamp == 3 * SECOND:
             message.velocity[2] = math.nan
 
     alter(drive, "/wheel_command", change)
@@ -248,7 +250,7 @@ def a_goal_is_read_in_degrees(arm: Any) -> None:
 
     def request(topic: str, message: Any, *rest: Any) -> Any:
         if topic == "/arm/joint_goal":
-            message.position = np.radians(message.position).tolist()
+            message = message._replace(position=np.radians(message.position))
         return read(topic, message, *rest)
 
     arm.app._goals.request = request

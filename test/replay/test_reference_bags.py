@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from sojourn_bags.candidate import NodeCandidate
@@ -89,7 +90,7 @@ class WeakDrive(DriveNode):
 
     def publish(self, topic: str, message: Any) -> None:
         if topic == "/wheel_command":
-            message.velocity = [0.9999 * rate for rate in message.velocity]
+            message = message._replace(velocity=0.9999 * message.velocity)
         super().publish(topic, message)
 
 
@@ -104,11 +105,9 @@ class LateDrive(DriveNode):
         if topic != "/odom":
             super().publish(topic, message)
             return
-        pose = (message.pose.pose.position.x, message.pose.pose.position.y)
-        if self._held is not None:
-            message.pose.pose.position.x, message.pose.pose.position.y = self._held
-        self._held = pose
-        super().publish(topic, message)
+        before, self._held = self._held, message.position
+        place = message.position if before is None else np.array([*before[:2], message.position[2]])
+        super().publish(topic, message._replace(position=place))
 
 
 class ForgetfulDrive(DriveNode):
@@ -133,9 +132,7 @@ class StaleDrive(DriveNode):
 
     def publish(self, topic: str, message: Any) -> None:
         if topic == "/wheel_command":
-            stamp = message.header.stamp
-            earlier = stamp.sec * 10**9 + stamp.nanosec - 20_000_000
-            stamp.sec, stamp.nanosec = earlier // 10**9, earlier % 10**9
+            message = message._replace(stamp=message.stamp - 20_000_000)
         super().publish(topic, message)
 
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from sojourn_config.scenario import load_scenario
+from sojourn_contract.codecs import encode
 from sojourn_stack.apps import make_apps
 from sojourn_stack.checkpoint import load, save
 from sojourn_stack.stack import Stack, StackState
@@ -15,11 +16,11 @@ def made() -> Stack:
     return Stack(make_apps(load_scenario(str(SCENARIO)), ROLES), ROLES)
 
 
-def told_after(stack: Stack, state: StackState, periods: int) -> list[str]:
+def told_after(stack: Stack, state: StackState, periods: int) -> list[tuple[str, bytes]]:
     told = []
     for _ in range(periods):
         state, said = stack.step(state)
-        told += [f"{row.name} {message}" for row, message in said]
+        told += [(row.name, encode(row, message)) for row, message in said]
     return told
 
 

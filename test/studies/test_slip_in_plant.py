@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from ros_messages import ros_message
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import stamps
 from sojourn_contract.conformance.consistency import RateRule
 from sojourn_contract.conformance.observation import Observation
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_contract.topics import topic
-from sojourn_drive.reports import OdometryReport
+from sojourn_drive.reports import odometry_report
 from sojourn_flight.mobility.kinematics import PlanarTwist
 from sojourn_flight.odometry.slip_estimation import trouble
 from sojourn_flight.planning.goal import Goal
@@ -50,7 +51,7 @@ def test_stops_and_point_turns_leave_the_odometry_right() -> None:
 
     Off by 0.25 m and five deviations as long as the slip of a stop was held.
     """
-    loop, odometry_messages = ClosedLoop(load_scenario("flat_drive", ["drive.terrain_match=null"])), OdometryReport()
+    loop = ClosedLoop(load_scenario("flat_drive", ["drive.terrain_match=null"]))
     row, found, off = topic("/odom"), [], []
     rule = RateRule(row)
     standing(loop, 1.0)
@@ -60,7 +61,7 @@ def test_stops_and_point_turns_leave_the_odometry_right() -> None:
             output = loop.step(twist=PlanarTwist(speed, 0.0, turn) if speed or turn else None)
             stamp = loop.period * stamps.CONTROL_PERIOD_NS
             found += rule.judge(
-                Observation(row, odometry_messages.message(stamp, output, loop.tilt_rates), stamp, stamp, stamp)
+                Observation(row, ros_message(odometry_report(stamp, output, loop.tilt_rates)), stamp, stamp, stamp)
             )
             odometry, slip = loop.drive_state.odometry, loop.drive_state.slip
             assert slip is not None and (slip.told or slip.shared == 0.0)

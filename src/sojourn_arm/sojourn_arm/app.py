@@ -10,7 +10,7 @@ from sojourn_arm.command import Command, command_of
 from sojourn_arm.goals import GoalReader, LastGoal
 from sojourn_arm.ground import GroundWatch, KnownGround
 from sojourn_arm.measurements import JOINTS, MEASUREMENTS, Measured, Measurements, Refusal
-from sojourn_arm.rover import ODOMETRY, Rover, RoverWatch
+from sojourn_arm.rover import Rover, RoverWatch
 from sojourn_arm.stand import LastLoads, Stand
 from sojourn_arm.tasks import Request, task_input
 from sojourn_config.scenario import LoadedScenario
@@ -61,7 +61,6 @@ class ArmApp(App[ArmAppState]):
 
     role = "arm"
     acts_in_silence = True
-    raw_topics = frozenset({ODOMETRY})
 
     def __init__(self, scenario: LoadedScenario) -> None:
         self.params = scenario.carried_arm()
@@ -117,7 +116,7 @@ class ArmApp(App[ArmAppState]):
     def _take_goals(self, state: ArmAppState, period: Period, rover: Rover, refusals: list[Refusal]) -> ArmAppState:
         """Keep the goal that takes effect now; of several the last."""
         for name, message in period.goals:
-            state = replace(state, goal=state.goal.begun(name, message))
+            state = replace(state, goal=state.goal.begun(message))
             try:
                 state = replace(state, pending=self._goals.request(name, message, period.stamp, rover))
             except (GoalRefusedError, RefusedMessageError) as refusal:

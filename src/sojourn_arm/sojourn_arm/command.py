@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
-from sojourn_contract.messages import fill_joint_state, joint_state
+from sojourn_contract.values import JointState
 from sojourn_flight.arm.state import ArmOutput
 from sojourn_flight.arm.tasks.task import ToolCommand
 from sojourn_machine.params import FloatArray
@@ -36,9 +35,9 @@ class Command:
         """To hold where the arm was sent last."""
         return replace(self, velocities=np.zeros(len(self.names)))
 
-    def message(self, stamp: int) -> Any:
-        """As a JointState at a stamp [ns]."""
-        return fill_joint_state(joint_state(self.names), stamp, self.positions, self.velocities, self.efforts)
+    def message(self, stamp: int) -> JointState:
+        """At a stamp [ns]."""
+        return JointState(stamp, self.names, self.positions, self.velocities, self.efforts)
 
 
 def command_of(joints: Sequence[str], output: ArmOutput, tool: ToolCommand | None) -> Command:

@@ -7,9 +7,9 @@ from typing import Any
 
 from sojourn_arm.rover import BASE_FRAME, Rover, in_base
 from sojourn_arm.tasks import Request, task_fields, task_of
-from sojourn_contract import stamps
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.messages import quaternion, xyz
+from sojourn_contract.stamps import NANOSECONDS
+from sojourn_contract.values import JointTrajectory, Message, Path, PoseStamped, TwistStamped
 from sojourn_flight.arm.goals import (
     JointGoal,
     NamedGoal,
@@ -53,11 +53,9 @@ class LastGoal:
     refused_before: int = 0
     """Goals that the arm had refused by then."""
 
-    def begun(self, topic: str, message: Any) -> "LastGoal":
+    def begun(self, message: Message) -> "LastGoal":
         """A new goal has come."""
-        header = message if topic == "/arm/stop" else message.header
-        stamp = stamps.from_message(header.stamp)
-        return replace(self, state="moving", reason="", stamp=stamp, abandoned=False)
+        return replace(self, state="moving", reason="", stamp=message.stamp, abandoned=False)
 
     def refused(self, reason: str) -> "LastGoal":
         """It cannot be, and is not given to the arm."""
@@ -119,51 +117,55 @@ class GoalReader:
         if topic == "/arm/task":
             return task_of(message)
         if topic == "/arm/goal_pose":
-            return in_base(self._pose(message.pose), rover.base_in(message.header.frame_id, topic))
+            return in_base(self._pose(message), rover.base_in(message.frame, topic))
         if topic == "/arm/cmd_vel":
             return self._jog(topic, message, now, rover)
         if topic == "/arm/path":
             return self._path(topic, message, rover)
         if topic == "/arm/joint_goal":
-            if not message.name:
-                return NamedGoal(message.header.frame_id)
-            return JointGoal(tuple(message.name), tuple(message.position))
+            if not message.names:
+                return NamedGoal(message.frame)
+            return JointGoal(message.names, tuple(message.position.tolist()))
         return self._trajectory(message)
 
-    def _pose(self, pose: Any) -> PoseGoal:
-        return pose_goal(self._params, xyz(pose.position).tolist(), quaternion(pose.orientation).tolist())
+    def _pose(self, pose: PoseStamped) -> PoseGoal:
+        return pose_goal(self._params, pose.position.tolist(), pose.orientation.tolist())
 
-    def _jog(self, topic: str, message: Any, now: int, rover: Rover) -> JogCommand:
-        frame = message.header.frame_id or BASE_FRAME
-        linear, angular = xyz(message.twist.linear), xyz(message.twist.angular)
+    def _jog(self, topic: str, message: TwistStamped, now: int, rover: Rover) -> JogCommand:
+        frame = message.frame or BASE_FRAME
+        linear, angular = message.linear, message.angular
         of_tool = frame == self._params.tip_link
         if not of_tool:
             turn = rover.base_in(frame, topic, self._params.tip_link).rotation.T
             linear, angular = turn @ linear, turn @ angular
-        stamp = stamps.from_message(message.header.stamp)
-        age = max(now - stamp, 0) * 1e-9 if stamp else 0.0
+        age = max(now - message.stamp, 0) * 1e-9 if message.stamp else 0.0
         return JogCommand(tuple(linear), tuple(angular), of_tool, age)
 
-    def _path(self, topic: str, message: Any, rover: Rover) -> PathGoal:
+    def _path(self, topic: str, message: Path, rover: Rover) -> PathGoal:
         """A path; raises RefusedMessageError where the poses have frames of their own."""
-        frame = message.header.frame_id
+        frame = message.frame
         here = rover.base_in(frame, topic)
         points = []
-        for k, stamped in enumerate(message.poses):
-            own = stamped.header.frame_id
+        for k, pose in enumerate(message.poses):
+            own = pose.frame
             if own not in ("", frame, ON_ARC):
                 allowed = f"empty, {frame} as of the whole path, or {ON_ARC}"
                 raise RefusedMessageError(topic, f"poses[{k}].header.frame_id", repr(own), allowed)
-            points.append(PathPoint(in_base(self._pose(stamped.pose), here), own == ON_ARC))
+            points.append(PathPoint(in_base(self._pose(pose), here), own == ON_ARC))
         return PathGoal(tuple(points))
 
-    def _trajectory(self, message: Any) -> TrajectoryGoal:
+    def _trajectory(self, message: JointTrajectory) -> TrajectoryGoal:
         points = message.points
         return TrajectoryGoal(
-            names=tuple(message.joint_names),
-            times=tuple(point.time_from_start.sec + 1e-9 * point.time_from_start.nanosec for point in points),
-            positions=tuple(tuple(point.positions) for point in points),
-            velocities=tuple(tuple(point.velocities) for point in points)
-            if points and all(point.velocities for point in points)
+            names=message.names,
+            times=tuple(_seconds(point.time_from_start) for point in points),
+            positions=tuple(tuple(point.positions.tolist()) for point in points),
+            velocities=tuple(tuple(point.velocities.tolist()) for point in points)
+            if points and all(len(point.velocities) for point in points)
             else None,
         )
+
+
+def _seconds(duration: int) -> float:
+    """Of nanoseconds, as a Duration of whole seconds and nanoseconds adds up."""
+    return duration // NANOSECONDS + 1e-9 * (duration % NANOSECONDS)

@@ -1,7 +1,6 @@
 """What the arm takes for the ground: looked at when a goal comes, and kept until the next one."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -9,6 +8,7 @@ from sojourn_arm.rover import Rover
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.clouds import points_of
 from sojourn_contract.hazcam import TOPIC, eye_of
+from sojourn_contract.values import JointState, PointCloud2
 from sojourn_flight.arm.ground import GroundUnderWheels
 from sojourn_flight.arm.ground_plane import GroundPlane
 from sojourn_flight.arm.params import ArmParams
@@ -74,7 +74,7 @@ class GroundWatch:
         """Before anything has been seen."""
         return KnownGround(self._fixed)
 
-    def after_cloud(self, seen: SeenGround | None, cloud: Any, rover: Rover) -> SeenGround | None:
+    def after_cloud(self, seen: SeenGround | None, cloud: PointCloud2, rover: Rover) -> SeenGround | None:
         """What has been seen with a new cloud, from where the rover is.
 
         Raises:
@@ -93,11 +93,11 @@ class GroundWatch:
         known = with_cloud(self._settings, known, points, self._eye, position, rotation, driven)
         return SeenGround(known, position, rotation, driven)
 
-    def look(self, known: KnownGround, joints: Any) -> KnownGround:
+    def look(self, known: KnownGround, joints: JointState) -> KnownGround:
         """The ground found anew, with the suspension as /joint_states tells it."""
         if self._under is None:
             return known
-        plane = self._under.plane(dict(zip(joints.name, joints.position, strict=True)))
+        plane = self._under.plane(dict(zip(joints.names, joints.position, strict=True)))
         seen = known.seen
         if plane is None or seen is None:
             return replace(known, ground=plane)

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.joint_places import JointPlaces
-from sojourn_contract.messages import numbers, quaternion, wrench_values
+from sojourn_contract.messages import wrench_of
+from sojourn_contract.values import Imu, JointState
 from sojourn_flight.arm.feedforward import gravity_in_body
 from sojourn_flight.arm.tasks.task import ToolReading
 from sojourn_machine.errors import MachineError
@@ -51,7 +52,7 @@ class Measurements:
         self._places = JointPlaces(JOINTS, joints)
         self._tool: int | None = None
         """Place of the tool's actuator in a message, of the names in `_names`."""
-        self._names: list[str] = []
+        self._names: tuple[str, ...] = ()
         self._imu_to_base = mounting(urdf_xml, IMU_LINK)[0]
 
     def read(self, inputs: Mapping[str, Any], refusals: list[Refusal]) -> Measured | None:
@@ -63,15 +64,15 @@ class Measurements:
         if places is None or gravity is None:
             return None
         return Measured(
-            positions=numbers(joints.position)[places],
-            velocities=numbers(joints.velocity)[places],
-            efforts=numbers(joints.effort)[places] if len(joints.effort) else None,
+            positions=joints.position[places],
+            velocities=joints.velocity[places],
+            efforts=joints.effort[places] if len(joints.effort) else None,
             gravity=gravity,
-            wrench=None if wrist is None else wrench_values(wrist),
+            wrench=None if wrist is None else wrench_of(wrist),
             tool=self._tool_reading(joints),
         )
 
-    def _places_in(self, joints: Any, refusals: list[Refusal]) -> NDArray[np.intp] | None:
+    def _places_in(self, joints: JointState | None, refusals: list[Refusal]) -> NDArray[np.intp] | None:
         """Where the arm's joints stand in a message, or None."""
         if joints is None:  # refused on arrival
             return None
@@ -81,23 +82,23 @@ class Measurements:
             refusals.append((JOINTS, refusal))
             return None
 
-    def _tool_reading(self, joints: Any) -> ToolReading | None:
+    def _tool_reading(self, joints: JointState) -> ToolReading | None:
         """The tool's actuator; None where the message does not name it."""
-        if joints.name != self._names:
-            self._names = list(joints.name)
+        if joints.names != self._names:
+            self._names = joints.names
             self._tool = self._names.index(TOOL_JOINT) if TOOL_JOINT in self._names else None
         place = self._tool
         if place is None:
             return None
-        effort = joints.effort[place] if len(joints.effort) else 0.0
-        return ToolReading(joints.position[place], joints.velocity[place], effort)
+        effort = float(joints.effort[place]) if len(joints.effort) else 0.0
+        return ToolReading(float(joints.position[place]), float(joints.velocity[place]), effort)
 
-    def _gravity_in_base(self, imu: Any, refusals: list[Refusal]) -> FloatArray | None:
+    def _gravity_in_base(self, imu: Imu | None, refusals: list[Refusal]) -> FloatArray | None:
         """Gravity from the attitude that the IMU reports, or None where it cannot be used."""
         if imu is None:  # refused on arrival
             return None
         try:
-            gravity: FloatArray = self._imu_to_base @ gravity_in_body(quaternion(imu.orientation), self._gravity)
+            gravity: FloatArray = self._imu_to_base @ gravity_in_body(imu.orientation, self._gravity)
         except MachineError as error:
             refusals.append((IMU, error))
             return None

@@ -7,11 +7,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from sojourn_contract.checks import check_message
-from sojourn_contract.decoding import decoded
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.messages import quaternion, xyz
-from sojourn_contract.topics import topic
+from sojourn_contract.values import JointState, Odometry
 from sojourn_flight.arm.goals import PoseGoal
 from sojourn_flight.arm.interlock import InterlockParams
 
@@ -29,22 +26,13 @@ class Rover:
 
     why_not_allowed: str
     """Why the arm may not move, in words; empty where it may."""
-    odometry: Any
-    """/odom as it came, bytes or a message, looked at where somebody asks: few do. None where there is none."""
+    odometry: Odometry | None
+    """/odom of the period; None where there is none."""
 
     def place(self) -> pin.SE3 | None:
-        """Where base_link is in odom; None where nobody says.
-
-        Raises:
-            RefusedMessageError: /odom is no message, or one that says nothing.
-        """
+        """Where base_link is in odom; None where nobody says."""
         here = self.odometry
-        if here is None:
-            return None
-        if isinstance(here, bytes):
-            here = decoded(ODOMETRY, topic(ODOMETRY).type, here)
-        check_message(ODOMETRY, here)
-        return pin.XYZQUATToSE3([*xyz(here.pose.pose.position), *quaternion(here.pose.pose.orientation)])
+        return None if here is None else pin.XYZQUATToSE3([*here.position, *here.orientation])
 
     def base_in(self, frame: str, name: str, *others: str) -> pin.SE3:
         """Where base_link is in `frame`, for a message on topic `name`; `others`: frames that it may have besides.
@@ -93,14 +81,14 @@ def in_base(goal: PoseGoal, base_in_frame: pin.SE3) -> PoseGoal:
     return PoseGoal(tuple(position), orientation=tuple(turned.coeffs()))
 
 
-def _motion(command: Any, joints: Any, drive_joints: frozenset[str]) -> str:
+def _motion(command: JointState | None, joints: JointState | None, drive_joints: frozenset[str]) -> str:
     """How the rover moves, in words; empty where it stands, or nothing is known of it."""
     if command is not None:
-        for name, rate in zip(command.name, command.velocity, strict=False):
+        for name, rate in zip(command.names, command.velocity, strict=False):
             if rate:
                 return f"the rover drives: {name} is told {rate:.3f} rad/s"
     if joints is not None:
-        for name, rate in zip(joints.name, joints.velocity, strict=False):
+        for name, rate in zip(joints.names, joints.velocity, strict=False):
             if name in drive_joints and abs(rate) > STILL_RATE:
                 return f"the rover drives: {name} turns at {rate:.3f} rad/s"
     return ""

@@ -1,9 +1,9 @@
 """How the rover stands under its arm: what its wheels carry, found anew a few times a second."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 from sojourn_arm.measurements import Measured
+from sojourn_contract.values import JointState
 from sojourn_flight.arm.footing import Footing, WheelLoads
 from sojourn_flight.arm.params import ArmParams
 from sojourn_machine.machine import MachineParams
@@ -33,11 +33,11 @@ class Stand:
         joints, links = params.joint_names, (params.base_link, params.tip_link)
         self._footing = Footing(urdf_xml, machine, joints, *links) if machine.wheels else None
 
-    def loads(self, last: LastLoads, joints: Any, measured: Measured) -> LastLoads:
+    def loads(self, last: LastLoads, joints: JointState, measured: Measured) -> LastLoads:
         """Loads for this period, from /joint_states and what the arm took from it."""
         if self._footing is None:
             return last
         if last.loads is None or last.age >= PERIODS:
-            suspension = dict(zip(joints.name, joints.position, strict=True))
+            suspension = dict(zip(joints.names, joints.position, strict=True))
             return LastLoads(self._footing.loads(suspension, measured.positions, measured.gravity), 1)
         return replace(last, age=last.age + 1)

@@ -1,10 +1,11 @@
 """Tasks as they come over /arm/task, and what the status says of them."""
 
 from dataclasses import replace
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from sojourn_arm.measurements import Measured
 from sojourn_contract.heartbeat import status_values
+from sojourn_contract.values import DiagnosticArray
 from sojourn_flight.arm.footing import WheelLoads
 from sojourn_flight.arm.goals import ArmGoal
 from sojourn_flight.arm.jogging import JogCommand
@@ -17,7 +18,7 @@ Request: TypeAlias = ArmGoal | TaskRequest | JogCommand
 """What an operator may ask of the arm."""
 
 
-def task_of(message: Any) -> TaskRequest:
+def task_of(message: DiagnosticArray) -> TaskRequest:
     """Task of a DiagnosticArray: its one status has the task's name, and its values the numbers.
 
     Raises:

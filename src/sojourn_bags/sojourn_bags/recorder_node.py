@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from rclpy.context import Context
-from std_msgs.msg import Header
 
 from sojourn_bags.definitions import ChannelSpec, offered_entries
 from sojourn_bags.errors import BagsError
@@ -26,6 +25,7 @@ from sojourn_contract.heartbeat import STALLED
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
+from sojourn_contract.values import Header
 
 TICK_PERIODS = topic("/recorder/tick").every
 DRAIN_S = 2.0
@@ -122,8 +122,7 @@ class RecorderNode(ContractNode):
             self.act(collected, {})
         while period := self.recording.write_period():
             if period % TICK_PERIODS == 0:
-                written = stamps.to_message(period * stamps.CONTROL_PERIOD_NS)
-                self.publish("/recorder/tick", Header(stamp=written))
+                self.publish("/recorder/tick", Header(period * stamps.CONTROL_PERIOD_NS))
 
     def _hear_clock(self, row: Topic, stamp: int) -> None:
         """In real time the plant's clock paces the recorder, as far as it can be believed."""

@@ -12,7 +12,8 @@ from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.order import TICK, Entry, PeriodOrder, WindowOrder
 from sojourn_bags.transforms import TransformSource
 from sojourn_bags.writer import BagWriter
-from sojourn_contract.decoding import decoded, refusing
+from sojourn_contract.codecs import decode
+from sojourn_contract.decoding import refusing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.events import parse_tick
 from sojourn_contract.heartbeat import HEARTBEAT_PERIODS, read_heartbeats
@@ -146,7 +147,7 @@ class Recording:
         The record has the heartbeats of the run. Those from before it, a word of waiting and the farewell come when
         the wall clock has them come, and would make two records of the same run differ.
         """
-        array = decoded(row.name, row.type, message)
+        array = decode(row, message)
         with refusing(row.name, "heartbeats that can be read"):
             heartbeats = read_heartbeats(array)
         if stamp <= 0 and heartbeats:
@@ -161,7 +162,7 @@ class Recording:
 
     def _announce(self, row: Topic, stamp: int, message: bytes) -> None:
         """The operator's tick says how many goals it has sent."""
-        counts, _ = parse_tick(decoded(row.name, row.type, message).frame_id)
+        counts, _ = parse_tick(decode(row, message).frame)
         known = {self._channel_of[name]: count for name, count in counts.items() if name in self._channel_of}
         self._periods.announce(stamp, known)
 

@@ -17,17 +17,17 @@ from mcap.records import Attachment, Channel, McapRecord, Message, Metadata, Sch
 from mcap.writer import CompressionType, Writer
 
 from sojourn_bags.completeness import HEARTBEATS, RECORD, Completeness, Count, PublishedCounts
-from sojourn_bags.definitions import deserialized
-from sojourn_bags.errors import BagExistsError, NothingToRecoverError, UnreadableMessageError, UnwritableBagError
+from sojourn_bags.errors import BagExistsError, NothingToRecoverError, UnwritableBagError
 from sojourn_bags.metadata_file import METADATA_FILE, TopicEntry, bag_information, write_metadata_file
 from sojourn_bags.reading import bag_file
 from sojourn_bags.salvage import Salvage
+from sojourn_contract.codecs import decode
+from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import read_heartbeats
-from sojourn_contract.topics import TOPICS
+from sojourn_contract.topics import TOPICS, topic
 
 RECOVERY_RECORD = "sojourn_recovery"
 """Name of the metadata record that says that a bag has been mended, and from what."""
-_HEARTBEAT_TYPE = "diagnostic_msgs/msg/DiagnosticArray"
 
 
 @dataclass
@@ -134,8 +134,8 @@ def recover(found: Findings, folder: Path) -> Path:
 def _hear(data: bytes, counts: PublishedCounts, found: Findings) -> None:
     """Take the counters of a heartbeat; what is none, as other people's diagnostics, is passed over."""
     try:
-        heartbeats = read_heartbeats(deserialized(_HEARTBEAT_TYPE, data))
-    except UnreadableMessageError:
+        heartbeats = read_heartbeats(decode(topic(HEARTBEATS), data))
+    except RefusedMessageError:
         return
     for heartbeat in heartbeats:
         counts.hear(heartbeat)

@@ -14,7 +14,6 @@ from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-from std_msgs.msg import Header
 
 from sojourn_bags.candidate import Candidate
 from sojourn_bags.comparison import stamps_of
@@ -25,14 +24,16 @@ from sojourn_bags.replay_answers import Answers
 from sojourn_bags.replay_choices import DEFAULT_TIMEOUT_S
 from sojourn_bags.replay_script import HEARTBEATS, Script, Step
 from sojourn_contract import qos, stamps
+from sojourn_contract.codecs import decode, encode
 from sojourn_contract.conformance.endpoints import Endpoint, endpoint_findings
 from sojourn_contract.conformance.findings import value_text
-from sojourn_contract.decoding import decoded, refusing, stamp_of
+from sojourn_contract.decoding import refusing, stamp_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import outputs_of, topic
 from sojourn_contract.types import message_class
+from sojourn_contract.values import Header
 
 GRACE_S = 0.25
 """Wall time without a message after which a topic that is missing may lag by a period more."""
@@ -163,7 +164,8 @@ class ReplayHarness:
         self._said_ready_at = time.monotonic()
         for role in self.script.participants:
             if role != self.script.role:
-                self._senders[HEARTBEATS].publish(heartbeat_message(role, READY, 0, Counters()))
+                said = heartbeat_message(role, READY, 0, Counters())
+                self._senders[HEARTBEATS].publish(encode(topic(HEARTBEATS), said))
 
     def _unheard(self) -> list[str]:
         """Inputs of the role that the candidate does not listen to. The clock is there for whoever wants it."""
@@ -223,8 +225,8 @@ class ReplayHarness:
         for name, data in step.inputs:
             self._senders[name].publish(data)
         if RECORDER_TICK in self._senders and step.period % topic(RECORDER_TICK).every == 0:
-            stamp = stamps.to_message(step.period * stamps.CONTROL_PERIOD_NS)
-            self._senders[RECORDER_TICK].publish(Header(stamp=stamp))
+            tick = Header(step.period * stamps.CONTROL_PERIOD_NS)
+            self._senders[RECORDER_TICK].publish(encode(topic(RECORDER_TICK), tick))
 
     def _wait_for_answers(self, period: int) -> None:
         begun, idle_s = time.monotonic(), 0.0
@@ -312,7 +314,7 @@ class ReplayHarness:
 
     def _take_heartbeat(self, row: Topic, stamp: int, data: bytes) -> None:
         """Of the candidate only: the harness hears its own, too."""
-        message = decoded(row.name, row.type, data)
+        message = decode(row, data)
         with refusing(row.name, "heartbeats that can be read"):
             beats = read_heartbeats(message)
         beats = [beat for beat in beats if beat.role == self.script.role]

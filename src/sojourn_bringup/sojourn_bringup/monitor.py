@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
@@ -15,6 +14,8 @@ from sojourn_contract.decoding import hearing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import read_heartbeats, status_values
 from sojourn_contract.topics import topic
+from sojourn_contract.types import message_class
+from sojourn_contract.values import DiagnosticArray
 
 
 class Monitor:
@@ -53,16 +54,16 @@ class Monitor:
 
     def _listen(self, name: str, callback: Any) -> None:
         row = topic(name)
-        hear = hearing(name, row.type, callback, self._pass_over)
+        hear = hearing(row, callback, self._pass_over)
         self._node.create_subscription(
-            DiagnosticArray, name.lstrip("/"), hear, qos.profile(row, True, "recorder"), raw=True
+            message_class(row.type), name.lstrip("/"), hear, qos.profile(row, True, "recorder"), raw=True
         )
 
     def _pass_over(self, refusal: RefusedMessageError) -> None:
         """Of what cannot be read; the nodes refuse and count it."""
         self._node.get_logger().warning(f"refused: {refusal}", throttle_duration_sec=1.0)
 
-    def _on_heartbeat(self, message: Any) -> None:
+    def _on_heartbeat(self, message: DiagnosticArray) -> None:
         now = time.monotonic()
         for beat in read_heartbeats(message):
             node = self.nodes.get(beat.role)
@@ -74,5 +75,5 @@ class Monitor:
             elif beat.role == "operator":
                 self.progress.hear_operator(beat.values)
 
-    def _on_drive_status(self, message: Any) -> None:
+    def _on_drive_status(self, message: DiagnosticArray) -> None:
         self.progress.hear_drive(status_values(message))

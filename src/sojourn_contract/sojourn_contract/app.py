@@ -36,7 +36,7 @@ class Answer:
 
     messages: Iterable[tuple[str, Any]] = ()
     """(topic, message), in the order in which they are sent; those that a run does not have are left out. They may be
-    made while they are sent, and filled anew in the next period."""
+    made while they are sent."""
     refusals: Sequence[tuple[str, Exception]] = ()
     """(topic, why) of messages that could not be used."""
     errors: Sequence[str] = ()
@@ -59,8 +59,6 @@ class App(Generic[State]):
     """Row of the process table."""
     acts_in_silence: ClassVar[bool] = False
     """Whether it acts once a second where its trigger stays away in real time, to say so in its status."""
-    raw_topics: ClassVar[frozenset[str]] = frozenset()
-    """Those that it takes as serialised bytes, because it looks at few of many messages."""
 
     def __init__(self, scenario: LoadedScenario) -> None:
         raise NotImplementedError

@@ -38,7 +38,6 @@ class AppNode(ContractNode):
             overrides=overrides,
             namespace=namespace,
             every_period=every_period,
-            raw_topics=kind.raw_topics,
         )
         self.acts_in_silence = kind.acts_in_silence
         self.app = kind(load_scenario(self.scenario_name, self.scenario_overrides))

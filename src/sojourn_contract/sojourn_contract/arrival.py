@@ -1,12 +1,11 @@
 """What the contract refuses of a message on its arrival, whoever takes it."""
 
-from typing import Any
-
 from sojourn_contract.checks import check_complete, check_message
 from sojourn_contract.events import parse_tick
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.switches import check_switches
 from sojourn_contract.topic_types import Topic
+from sojourn_contract.values import Message
 
 TICK = "/operator/tick"
 SWITCHES = "/power/switches"
@@ -14,11 +13,11 @@ MEASURED_BY = ("plant", "sensors")
 """Publishers whose joint states are measurements: complete, or refused."""
 
 
-def check_input(row: Topic, message: Any) -> None:
+def check_input(row: Topic, message: Message) -> None:
     """Raise RefusedMessageError for a message that no node may take."""
     check_message(row.name, message)
     if row.name == TICK:
-        parse_tick(message.frame_id)
+        parse_tick(message.frame)
     elif row.name == SWITCHES:
         check_switches(row.name, status_values(message))
     elif row.type == "sensor_msgs/JointState" and row.publisher in MEASURED_BY:

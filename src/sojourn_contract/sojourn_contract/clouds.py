@@ -1,37 +1,27 @@
 """Clouds of points: numbers to messages and back. Those of contacts are in `messages.py`."""
 
-import array
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sensor_msgs.msg import PointCloud2, PointField
 
-from sojourn_contract import stamps
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.values import FLOAT32, FLOAT64, PointCloud2, PointField
 
 POINT_FIELDS = ("x", "y", "z")
 """Fields of /hazcam/points, all float32."""
-CODES = {PointField.FLOAT32: "f4", PointField.FLOAT64: "f8"}
+_FIELDS = tuple(PointField(name, 4 * place, FLOAT32) for place, name in enumerate(POINT_FIELDS))
+CODES = {FLOAT32: "f4", FLOAT64: "f8"}
 """Floating-point types of a PointField."""
 
 
 def point_cloud(stamp: int, frame: str, points: NDArray[np.float32]) -> PointCloud2:
     """A cloud of points, shape (n, 3) [m]; n may be 0."""
-    cloud = PointCloud2(height=1, width=len(points), point_step=12, row_step=12 * len(points), is_dense=True)
-    cloud.header.frame_id = frame
-    cloud.header.stamp = stamps.to_message(stamp)
-    cloud.fields = [
-        PointField(name=name, offset=4 * place, datatype=PointField.FLOAT32, count=1)
-        for place, name in enumerate(POINT_FIELDS)
-    ]
-    data = array.array("B")
-    data.frombytes(np.ascontiguousarray(points, dtype=np.float32).tobytes())
-    cloud.data = data
-    return cloud
+    count, data = len(points), np.asarray(points, dtype=np.float32).tobytes()
+    return PointCloud2(stamp, frame, count, _FIELDS, 12, data, row_step=12 * count)
 
 
-def points_of(topic: str, cloud: Any) -> NDArray[np.float64]:
+def points_of(topic: str, cloud: PointCloud2) -> NDArray[np.float64]:
     """x, y, z of a cloud, shape (n, 3) [m]; further fields are not looked at.
 
     Raises:
@@ -51,7 +41,7 @@ def points_of(topic: str, cloud: Any) -> NDArray[np.float64]:
     return points
 
 
-def columns_of(topic: str, cloud: Any, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+def columns_of(topic: str, cloud: PointCloud2, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
     """The named fields of a cloud as arrays, one number a point. Raises RefusedMessageError as `points_of`."""
     fields = {field.name: field for field in cloud.fields}
     for name in names:
@@ -59,9 +49,9 @@ def columns_of(topic: str, cloud: Any, names: tuple[str, ...]) -> dict[str, NDAr
         if field is None:
             raise RefusedMessageError(topic, "fields", " ".join(fields), f"{' '.join(names)} among them")
         code = CODES.get(field.datatype)
-        if code is None or field.count != 1 or field.offset + int(code[1]) > cloud.point_step:
+        if code is None or field.elements != 1 or field.offset + int(code[1]) > cloud.point_step:
             raise RefusedMessageError(topic, f"fields.{name}", f"datatype {field.datatype}", "one float64 or float32")
-    count, data = cloud.width * cloud.height, bytes(cloud.data)
+    count, data = cloud.width * cloud.height, cloud.data
     if len(data) != count * cloud.point_step:
         raise RefusedMessageError(topic, "data", f"{len(data)} bytes", f"{count} points of {cloud.point_step} bytes")
     order = ">" if cloud.is_bigendian else "<"

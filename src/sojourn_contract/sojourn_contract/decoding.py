@@ -9,12 +9,14 @@ from typing import Any
 from rclpy.serialization import deserialize_message
 
 from sojourn_contract import stamps
-from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.codecs import decode
+from sojourn_contract.errors import RefusedMessageError, unreadable
+from sojourn_contract.topic_types import Topic
 from sojourn_contract.types import message_class
+from sojourn_contract.values import Message
 
 STAMP_BYTES = 12
 """Encapsulation header, seconds and nanoseconds: every message of the contract begins with them."""
-LONGEST_REASON = 120
 
 
 @contextmanager
@@ -28,9 +30,7 @@ def refusing(topic: str, what: str, data: bytes | None = None) -> Iterator[None]
     except RefusedMessageError:
         raise
     except Exception as error:
-        reason = " ".join(str(error).split())[:LONGEST_REASON] or type(error).__name__
-        size = "its content" if data is None else f"{len(data)} bytes"
-        raise RefusedMessageError(topic, "message", size, f"{what} ({reason})") from error
+        raise unreadable(topic, what, error, data) from error
 
 
 def stamp_of(topic: str, data: bytes) -> int:
@@ -41,20 +41,22 @@ def stamp_of(topic: str, data: bytes) -> int:
 
 
 def decoded(topic: str, kind: str, data: bytes) -> Any:
-    """The message of type "package/Name" in these bytes. Raises RefusedMessageError where they hold none."""
+    """The message of type "package/Name" in these bytes, as the ROS library reads it: for the judge, who does not lean
+    on our own codecs. Raises RefusedMessageError where they hold none.
+    """
     with refusing(topic, f"a serialised {kind}", data):
         return deserialize_message(data, message_class(kind))
 
 
-def hearing(topic: str, kind: str, take: Callable[[Any], None], refuse: Callable[[RefusedMessageError], None]) -> Any:
-    """Callback of a raw subscription that gives each message to `take`; what is none, or what `take` cannot read, is
-    given to `refuse`.
+def hearing(row: Topic, take: Callable[[Message], None], refuse: Callable[[RefusedMessageError], None]) -> Any:
+    """Callback of a raw subscription of a row that gives each value to `take`; what is none, or what `take` cannot
+    read, is given to `refuse`.
     """
 
     def hear(data: bytes) -> None:
         try:
-            message = decoded(topic, kind, data)
-            with refusing(topic, f"a {kind} that can be read"):
+            message = decode(row, data)
+            with refusing(row.name, f"a {row.type} that can be read"):
                 take(message)
         except RefusedMessageError as refusal:
             refuse(refusal)

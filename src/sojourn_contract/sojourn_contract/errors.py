@@ -39,6 +39,16 @@ class RefusedMessageError(ContractError):
         self.allowed = allowed
 
 
+LONGEST_REASON = 120
+
+
+def unreadable(topic: str, what: str, error: Exception, data: bytes | None = None) -> RefusedMessageError:
+    """Refusal of a message of which `what` was to be made, and could not for an error; `data`: its bytes, if known."""
+    reason = " ".join(str(error).split())[:LONGEST_REASON] or type(error).__name__
+    size = "its content" if data is None else f"{len(data)} bytes"
+    return RefusedMessageError(topic, "message", size, f"{what} ({reason})")
+
+
 class SilentNodeError(ContractError):
     """A node that did not answer within the stated wall time, in lock-step."""
 

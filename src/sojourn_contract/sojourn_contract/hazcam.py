@@ -1,11 +1,9 @@
 """The hazard camera as a node knows it: where it sits, and which of its clouds are new."""
 
-from typing import Any
-
 import numpy as np
 
 from sojourn_config.scenario import LoadedScenario
-from sojourn_contract import stamps
+from sojourn_contract.values import PointCloud2
 from sojourn_flight.hazards.stereo_camera import StereoEye
 from sojourn_machine.mounting import mounting
 
@@ -22,8 +20,8 @@ def eye_of(scenario: LoadedScenario) -> StereoEye | None:
     return StereoEye(position, np.ascontiguousarray(rotation[:, 0]), noise)
 
 
-def newest_cloud(message: Any, last: int) -> int:
+def newest_cloud(message: PointCloud2 | None, last: int) -> int:
     """Stamp of a cloud [ns]: `last`, that of the one before (-1 before the first), where it is no new one. In real time
     the latest is an input of every period.
     """
-    return last if message is None else stamps.from_message(message.header.stamp)
+    return last if message is None else message.stamp

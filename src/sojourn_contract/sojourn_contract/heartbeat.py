@@ -7,10 +7,8 @@ whom.
 
 from dataclasses import dataclass, field
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-
-from sojourn_contract import stamps
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.values import DiagnosticArray, DiagnosticStatus
 
 WAITING_TO_MATCH = "waiting for other nodes"
 READY = "ready"
@@ -67,19 +65,12 @@ def status_message(stamp: int, name: str, values: dict[str, str], message: str =
     Args:
         stamp: simulation time [ns]. level: 0 good, 1 warning, 2 error, 3 stale.
     """
-    array = DiagnosticArray()
-    array.header.stamp = stamps.to_message(stamp)
-    status = DiagnosticStatus(level=bytes([level]), name=name, message=message)
-    status.values = [KeyValue(key=key, value=value) for key, value in values.items()]
-    array.status = [status]
-    return array
+    return DiagnosticArray(stamp, (DiagnosticStatus(name, tuple(values.items()), message, level),))
 
 
 def status_values(array: DiagnosticArray) -> dict[str, str]:
     """Keys and values of the first status of an array, as `status_message` writes them."""
-    if not array.status:
-        return {}
-    return {pair.key: pair.value for pair in array.status[0].values}
+    return dict(array.status[0].values) if array.status else {}
 
 
 def heartbeat_message(
@@ -118,7 +109,7 @@ def read_heartbeats(array: DiagnosticArray) -> list[Heartbeat]:
     """Heartbeats in a message; statuses without a state (other people's diagnostics) are passed over."""
     found = []
     for status in array.status:
-        values = {pair.key: pair.value for pair in status.values}
+        values = dict(status.values)
         if "state" not in values:
             continue
         counts: dict[str, dict[str, int]] = {"published": {}, "refused": {}}
@@ -131,7 +122,7 @@ def read_heartbeats(array: DiagnosticArray) -> list[Heartbeat]:
                 role=status.name,
                 state=values["state"],
                 detail=status.message,
-                stamp=stamps.from_message(array.header.stamp),
+                stamp=array.stamp,
                 values=values,
                 **counts,
             )

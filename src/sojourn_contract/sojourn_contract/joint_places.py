@@ -1,12 +1,12 @@
 """Where joints of ours stand in the messages of somebody else, who may order and name them as he likes."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.values import JointState
 
 
 class JointPlaces:
@@ -19,17 +19,17 @@ class JointPlaces:
     def __init__(self, topic: str, joints: Sequence[str]) -> None:
         self._topic = topic
         self._joints = tuple(joints)
-        self._names: list[str] | None = None
+        self._names: tuple[str, ...] | None = None
         self._places: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
 
-    def places(self, message: Any) -> NDArray[np.intp]:
+    def places(self, message: JointState) -> NDArray[np.intp]:
         """Index of each joint in the arrays of `message`, shape (joints,).
 
         Raises:
             RefusedMessageError: a joint is not named.
         """
-        if self._names != message.name:
-            names = list(message.name)
+        if self._names != message.names:
+            names = message.names
             index = {name: place for place, name in enumerate(names)}
             for joint in self._joints:
                 if joint not in index:

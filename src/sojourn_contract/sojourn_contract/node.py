@@ -17,7 +17,8 @@ from rclpy.parameter import Parameter
 from sojourn_contract import qos, stamps
 from sojourn_contract.arrival import TICK, check_input
 from sojourn_contract.barrier import Barrier, awaited_inputs
-from sojourn_contract.decoding import decoded, refusing, stamp_of
+from sojourn_contract.codecs import decode, encode
+from sojourn_contract.decoding import refusing, stamp_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.events import EventQueue, parse_tick
 from sojourn_contract.heartbeat import (
@@ -35,6 +36,7 @@ from sojourn_contract.latest_inputs import LatestInputs, trigger_of
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, inputs_of, outputs_of, topic
 from sojourn_contract.types import message_class
+from sojourn_contract.values import Message
 
 REFUSAL_LOG_S = 1.0
 """Wall time between two lines of the log on refused messages of one topic; the heartbeat counts them all."""
@@ -60,7 +62,6 @@ class ContractNode(Node):
         context: rclpy context. overrides: parameter values, as the composed start gives them.
         namespace: ROS namespace, None for the one given on the command line.
         raw: take messages as serialised bytes (the recorder). every_period: act at every period (the plant).
-        raw_topics: those that come as serialised bytes; for a node that looks at few of many messages.
     """
 
     def __init__(
@@ -72,7 +73,6 @@ class ContractNode(Node):
         namespace: str | None = None,
         raw: bool = False,
         every_period: bool = False,
-        raw_topics: frozenset[str] = frozenset(),
     ) -> None:
         super().__init__(
             role,
@@ -107,7 +107,7 @@ class ContractNode(Node):
         self._last_progress = self._heard_trigger = time.monotonic()
         self._last_ready = self._complained = 0.0
         self._advancing = False
-        self._raw_topics = frozenset(row.name for row in inputs_of(role)) if raw else raw_topics
+        self._raw = raw
         self._outputs = {row.name: row for row in outputs_of(role, {*self.participants, role})}
         self._senders = {row.name: self._create_output(row) for row in self._outputs.values()}
         self._readers = {row.name: self._create_input(row) for row in self._inputs()}
@@ -146,10 +146,10 @@ class ContractNode(Node):
         """Whether this run has a topic of the role."""
         return topic in self._outputs
 
-    def publish(self, topic: str, message: Any) -> None:
+    def publish(self, topic: str, message: Message) -> None:
         """Publish on a topic of the role and count it."""
         self.counters.count_published(topic)
-        self._senders[topic].publish(message)
+        self._send(topic, message)
 
     # What the loop around the node calls
 
@@ -261,7 +261,7 @@ class ContractNode(Node):
         return message
 
     def _message(self, row: Topic, data: bytes) -> Any:
-        return data if row.name in self._raw_topics else decoded(row.name, row.type, data)
+        return data if self._raw else decode(row, data)
 
     def _check(self, row: Topic, message: Any) -> None:
         with refusing(row.name, f"a {row.type} that can be read"):
@@ -368,7 +368,7 @@ class ContractNode(Node):
         tick = None if row is None else self.barrier.peek(row)
         if tick is None:
             return True
-        counts, _ = parse_tick(tick.frame_id)
+        counts, _ = parse_tick(tick.frame)
         known = {name: count for name, count in counts.items() if name in self._readers}
         return self.events.has_received(known)
 
@@ -386,4 +386,7 @@ class ContractNode(Node):
         if state == RUNNING:  # the others depend on wall time, and are no part of the record
             self.counters.count_published("/diagnostics")
         message = heartbeat_message(self.role, state, stamp, self.counters, detail, values)
-        self._senders["/diagnostics"].publish(message)
+        self._send("/diagnostics", message)
+
+    def _send(self, topic: str, message: Message) -> None:
+        self._senders[topic].publish(encode(self._outputs[topic], message))

@@ -4,30 +4,9 @@ Stamp zero means "before the run" on heartbeats, and "now" on an operator's goal
 one control period.
 """
 
-from typing import Any
-
-from builtin_interfaces.msg import Time
-
 from sojourn_machine.timing import CONTROL_PERIOD_NS, CONTROL_PERIOD_S, NANOSECONDS
 
 __all__ = ["CONTROL_PERIOD_NS", "CONTROL_PERIOD_S", "NANOSECONDS"]
-
-
-def to_message(stamp_ns: int) -> Time:
-    """Stamp [ns] as a ROS time message."""
-    return Time(sec=stamp_ns // NANOSECONDS, nanosec=stamp_ns % NANOSECONDS)
-
-
-def from_message(time: Time) -> int:
-    """ROS time message as a stamp [ns]."""
-    return int(time.sec) * NANOSECONDS + int(time.nanosec)
-
-
-def of_message(message: Any) -> int:
-    """Stamp [ns] of any message of the contract: of its header, of a Header itself, or of a Clock."""
-    if hasattr(message, "header"):
-        return from_message(message.header.stamp)
-    return from_message(message.stamp if hasattr(message, "stamp") else message.clock)
 
 
 def from_cdr(data: bytes) -> int:

@@ -19,11 +19,12 @@ from sojourn_contract.hazcam import TOPIC as CLOUD
 from sojourn_contract.hazcam import eye_of, newest_cloud
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.topics import topic
+from sojourn_contract.values import TwistStamped
 from sojourn_drive.arm_interlock import ArmInterlock
 from sojourn_drive.charge import ChargeGauge
 from sojourn_drive.goals import LastGoal, goal_of
 from sojourn_drive.measurements import WheelMeasurements
-from sojourn_drive.reports import OdometryReport, drive_report
+from sojourn_drive.reports import drive_report, odometry_report
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.kinematics import PlanarTwist
 from sojourn_flight.planning.energy_forecast import Supply
@@ -96,7 +97,6 @@ class DriveApp(App[DriveAppState]):
         self._sun = SunSightings(scenario)
         self._charge = ChargeGauge(scenario.power_manager)
         self._interlock = ArmInterlock(scenario.arm)
-        self._odometry = OdometryReport()
 
     def warm_up(self) -> None:
         """Those of the drive."""
@@ -158,10 +158,9 @@ class DriveApp(App[DriveAppState]):
                 none = f"none while {heard.interlock}"
                 refusals.append((name, RefusedMessageError(name, "header", "a goal now", none)))
             elif name == "/cmd_vel":
-                linear, angular = message.twist.linear, message.twist.angular
-                stamp = stamps.from_message(message.header.stamp) or now
+                stamp = message.stamp or now
                 last = asked.last.pre_empted(stamp, unseen=asked.pending is not None)
-                twist = (stamp, PlanarTwist(linear.x, linear.y, angular.z))
+                twist = (stamp, _planar(message))
                 asked = replace(asked, last=last, twist=twist, pending=None)
             else:
                 last = asked.last.begun(message)
@@ -221,7 +220,7 @@ class DriveApp(App[DriveAppState]):
 
     def _messages(self, state: DriveAppState, output: DriveOutput, stamp: int) -> Iterator[tuple[str, Any]]:
         yield "/wheel_command", self._measurements.command(stamp, output)  # first: the plant waits for it
-        yield "/odom", self._odometry.message(stamp, output, state.tilt_rates)
+        yield "/odom", odometry_report(stamp, output, state.tilt_rates)
         if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
             told = {} if output.pace is None else drive_status(self.model, state.drive, output.pace)
             yield "/drive/status", drive_report(stamp, state.asked.last.status(state.drive), told)
@@ -240,3 +239,7 @@ def _stopped(output: DriveOutput) -> DriveOutput:
 def _since(before: int | None, stamp: int) -> float:
     """Time since the last period with measurements [s]: of a drive that has just started one, of a gap its end."""
     return stamps.CONTROL_PERIOD_S if before is None else min((stamp - before) * 1e-9, LONGEST_PERIOD)
+
+
+def _planar(message: TwistStamped) -> PlanarTwist:
+    return PlanarTwist(float(message.linear[0]), float(message.linear[1]), float(message.angular[2]))

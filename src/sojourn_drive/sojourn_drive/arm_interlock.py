@@ -2,11 +2,9 @@
 pose on the way. The arm is where its joints are measured to be; the arm's node is not asked.
 """
 
-from typing import Any
-
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.joint_places import JointPlaces
-from sojourn_contract.messages import numbers
+from sojourn_contract.values import JointState
 from sojourn_flight.arm.interlock import why_not_to_drive
 from sojourn_flight.arm.params import ArmParams
 
@@ -22,7 +20,7 @@ class ArmInterlock:
         self._arm = arm
         self._places = JointPlaces("/joint_states", () if arm is None else arm.joint_names)
 
-    def why_not(self, joints: Any, driving: bool, before: str) -> str:
+    def why_not(self, joints: JointState | None, driving: bool, before: str) -> str:
         """Why the rover may not drive by the measured joints of a period, in words; empty where it may. Where they
         cannot be used, or lack the arm's, the last word stays.
         """
@@ -33,5 +31,5 @@ class ArmInterlock:
             places = self._places.places(joints)
         except RefusedMessageError:
             return before
-        positions, velocities = numbers(joints.position)[places], numbers(joints.velocity)[places]
+        positions, velocities = joints.position[places], joints.velocity[places]
         return why_not_to_drive(arm.interlock, arm.named_poses, arm.joint_names, positions, velocities, driving)

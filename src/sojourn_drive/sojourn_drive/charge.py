@@ -1,7 +1,6 @@
 """What the drive knows of the battery: the newest /battery_state, as energy above the power manager's reserve."""
 
-from typing import Any
-
+from sojourn_contract.values import BatteryState
 from sojourn_drive.measurements import DRIVE_LOADS
 from sojourn_flight.planning.energy_forecast import Supply
 from sojourn_flight.power_manager.params import PowerManagerParams
@@ -19,7 +18,7 @@ class ChargeGauge:
         self._battery = manager.battery
         self._reserve = manager.reserve(DRIVE_LOADS)
 
-    def supply(self, message: Any, before: Supply | None) -> Supply | None:
+    def supply(self, message: BatteryState | None, before: Supply | None) -> Supply | None:
         """By a reading; None (not due, refused or too old) leaves what was known before."""
         if message is None:
             return before

@@ -4,13 +4,12 @@ status.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from sojourn_contract import stamps
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.messages import yaw_of
+from sojourn_contract.values import Message, PoseStamped
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_flight.supervision.drive_types import DriveState
@@ -35,13 +34,13 @@ class LastGoal:
         """Of the goal, for the drive."""
         return str(self.count)
 
-    def begun(self, message: Any) -> "LastGoal":
+    def begun(self, message: Message) -> "LastGoal":
         """A new goal has come."""
-        return LastGoal("moving", "", stamps.from_message(message.header.stamp), self.count + 1)
+        return LastGoal("moving", "", message.stamp, self.count + 1)
 
-    def refused(self, message: Any, reason: str) -> "LastGoal":
+    def refused(self, message: Message, reason: str) -> "LastGoal":
         """A goal or a velocity command has come and was refused."""
-        return LastGoal("refused", reason, stamps.from_message(message.header.stamp), self.count + 1)
+        return LastGoal("refused", reason, message.stamp, self.count + 1)
 
     def pre_empted(self, stamp: int, unseen: bool) -> "LastGoal":
         """A velocity command stamped `stamp` [ns] has come: a goal on its way ends with the outcome that the drive
@@ -74,31 +73,31 @@ class LastGoal:
         }
 
 
-def goal_of(topic: str, message: Any, here: OdometryState, name: str) -> Goal:
+def goal_of(topic: str, message: Message, here: OdometryState, name: str) -> Goal:
     """Goal of a PoseStamped or a Path, in odom. A z other than 0 is the height of its point, for the forecast.
 
     Raises:
         RefusedMessageError: a frame that is not known, a path without points.
     """
     poses = message.poses if topic == "/waypoints" else [message]
-    frame = message.header.frame_id
-    points = [_point(topic, frame, pose.pose, here) for pose in poses]
+    frame = message.frame
+    points = [_point(topic, frame, pose, here) for pose in poses]
     if not points:
         raise RefusedMessageError(topic, "poses", "empty", "at least one pose")
-    yaw = yaw_of(poses[-1].pose.orientation)
+    yaw = yaw_of(poses[-1].orientation)
     if yaw is not None and frame == "base_link":
         yaw += here.yaw
     base = here.z if frame == "base_link" else 0.0
-    z = [pose.pose.position.z for pose in poses]
+    z = [float(pose.position[2]) for pose in poses]
     heights = tuple(base + height if height != 0.0 else None for height in z)
     goal = Goal.along(points, yaw, name) if topic == "/waypoints" else Goal.at(*points[0], yaw, name)
     return replace(goal, heights=heights)
 
 
-def _point(topic: str, frame: str, pose: Any, here: OdometryState) -> tuple[float, float]:
+def _point(topic: str, frame: str, pose: PoseStamped, here: OdometryState) -> tuple[float, float]:
     if frame not in FRAMES:
         raise RefusedMessageError(topic, "header.frame_id", repr(frame), "one of " + ", ".join(FRAMES))
-    x, y = pose.position.x, pose.position.y
+    x, y = pose.position[:2].tolist()
     if frame == "base_link":
         cosine, sine = np.cos(here.yaw), np.sin(here.yaw)
         x, y = here.x + cosine * x - sine * y, here.y + sine * x + cosine * y

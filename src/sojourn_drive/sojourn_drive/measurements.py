@@ -1,15 +1,13 @@
 """Measured joints and IMU as the drive's input, and its output as a wheel command."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from sensor_msgs.msg import JointState
 
 from sojourn_contract.joint_places import JointPlaces
-from sojourn_contract.messages import fill_joint_state, joint_state, numbers, quaternion, xyz
 from sojourn_contract.switches import fraction_of
+from sojourn_contract.values import Imu, JointState
 from sojourn_flight.odometry.heading_fix import SunSighting
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
@@ -37,13 +35,13 @@ class WheelMeasurements:
         self._first_of_joint = [turned_by.index(joint) for joint in self._steer_joints]
         self._drive_places = JointPlaces("/joint_states", self._drive_joints)
         self._steer_places = JointPlaces("/joint_states", [joint for joint in turned_by if joint is not None])
-        self._message = joint_state([*self._drive_joints, *self._steer_joints])
+        self._commanded = (*self._drive_joints, *self._steer_joints)
         self._imu_to_base, self._imu_lever = mounting(urdf_xml, IMU_LINK)
 
     def drive_input(
         self,
         joints: JointState,
-        imu: Any,
+        imu: Imu,
         twist: TwistCommand | None,
         goal: Goal | None,
         power_limit: float,
@@ -51,21 +49,21 @@ class WheelMeasurements:
     ) -> DriveInput:
         """Input of the drive's step. Raises RefusedMessageError if a wheel's joint is missing."""
         drive, steer = self._drive_places.places(joints), self._steer_places.places(joints)
-        position = numbers(joints.position)
+        position = joints.position
         angles = np.zeros(len(drive))
         angles[self._steered] = position[steer]
-        gyro = self._imu_to_base @ xyz(imu.angular_velocity)
+        gyro = self._imu_to_base @ imu.angular_velocity
         centripetal = gyro * float(gyro @ self._imu_lever) - self._imu_lever * float(gyro @ gyro)
-        force = self._imu_to_base @ xyz(imu.linear_acceleration) - centripetal
+        force = self._imu_to_base @ imu.linear_acceleration - centripetal
         return DriveInput(
             wheel_positions=position[drive],
-            wheel_rates=numbers(joints.velocity)[drive],
+            wheel_rates=joints.velocity[drive],
             steer_angles=angles,
-            wheel_efforts=numbers(joints.effort)[drive] if len(joints.effort) else None,
+            wheel_efforts=joints.effort[drive] if len(joints.effort) else None,
             gyro=(float(gyro[0]), float(gyro[1]), float(gyro[2])),
             specific_force=(float(force[0]), float(force[1]), float(force[2])),
             accelerometer_ahead=float(self._imu_lever[0]),
-            roll_pitch=self._roll_pitch(quaternion(imu.orientation)),
+            roll_pitch=self._roll_pitch(imu.orientation),
             sun=sun,
             twist=twist,
             goal=goal,
@@ -80,7 +78,7 @@ class WheelMeasurements:
         velocity[:count] = output.wheel_rates
         position[count:] = output.steer_angles[self._first_of_joint]
         velocity[count:] = output.steer_rates[self._first_of_joint]
-        return fill_joint_state(self._message, stamp, position, velocity)
+        return JointState(stamp, self._commanded, position, velocity)
 
     def power_limit(self, switches: dict[str, str], present: float) -> float:
         """Factor on all speeds from the power manager's switches; `present` where they do not name the

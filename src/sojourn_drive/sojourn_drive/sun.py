@@ -1,10 +1,8 @@
 """Readings of the sun sensor as the drive's input, with where the ephemeris has the Sun."""
 
-from typing import Any
-
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
-from sojourn_contract.messages import xyz
+from sojourn_contract.values import Vector3Stamped
 from sojourn_flight.odometry.heading_fix import SunSighting
 from sojourn_machine.mounting import mounting
 
@@ -21,7 +19,7 @@ class SunSightings:
         sensor = scenario.sensors.sun
         self._sensor_to_base = None if sensor is None else mounting(scenario.urdf_xml, sensor.link)[0]
 
-    def sighting(self, stamp: int, message: Any, last: int) -> tuple[SunSighting | None, int]:
+    def sighting(self, stamp: int, message: Vector3Stamped | None, last: int) -> tuple[SunSighting | None, int]:
         """The reading that belongs to this period [ns], None where there is none, or it has been taken before; and the
         stamp of the last one that was taken [ns], zero before the first.
 
@@ -29,8 +27,8 @@ class SunSightings:
         """
         if message is None or self._sensor_to_base is None:
             return None, last
-        sent = stamps.from_message(message.header.stamp)
+        sent = message.stamp
         if sent <= last or not 0 <= stamp - sent <= stamps.CONTROL_PERIOD_NS:
             return None, last
-        in_base = self._sensor_to_base @ xyz(message.vector)
+        in_base = self._sensor_to_base @ message.vector
         return SunSighting(in_base, self._scenario.sun_direction(stamps.seconds(sent))), sent

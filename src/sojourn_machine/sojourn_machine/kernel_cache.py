@@ -17,6 +17,8 @@ HOME = Path(__file__).resolve().parent / "__pycache__"
 PACKAGES = ("sojourn_machine", "sojourn_physics", "sojourn_flight", "sojourn_analysis")
 """Those with kernels in them; one that is not installed is left out."""
 PREFIX = "kernels-"
+MARKS = (b"njit", b"IntEnum")
+"""What tells a file that counts: kernels, and columns that are compiled into them as numbers."""
 KEPT_S = 86400.0
 """A folder that was touched within this time may be in use by another process [s]."""
 
@@ -30,12 +32,12 @@ def package_folders() -> Iterator[Path]:
 
 
 def sources_digest() -> str:
-    """Digest of every file of these packages that has kernels in it."""
+    """Digest of every file of these packages that has kernels, or their columns, in it."""
     digest = hashlib.sha256()
     for package in package_folders():
         for path in sorted(package.rglob("*.py")):
             text = path.read_bytes()
-            if b"njit" in text:
+            if any(mark in text for mark in MARKS):
                 digest.update(path.relative_to(package.parent).as_posix().encode() + text)
     return digest.hexdigest()[:16]
 

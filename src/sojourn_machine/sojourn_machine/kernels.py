@@ -4,11 +4,12 @@ numba takes half a second of a processor to load, so nothing that has no kernel 
 """
 
 import numba
-from numba import njit  # noqa: TID251
+from numba import njit, types  # noqa: TID251
+from numba.experimental import structref
 
 from sojourn_machine.kernel_cache import cache_folder
 
-__all__ = ["njit"]
+__all__ = ["njit", "structref", "types"]
 
 numba.config.reload_config()  # here, or one that was there before us would at its next compilation, and lose the folder
 if (_folder := cache_folder()) is not None:

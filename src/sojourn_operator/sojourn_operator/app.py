@@ -6,18 +6,14 @@ how many it has sent; drive, arm and plant wait for that tick, and so a scripted
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
-
-from std_msgs.msg import Header
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.app import NOTHING, Answer, App, Period
-from sojourn_contract.decoding import decoded
 from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import status_values
-from sojourn_contract.messages import quaternion, xyz
 from sojourn_contract.topics import topic
+from sojourn_contract.values import Header, Odometry
 from sojourn_operator.actions import Action, ArmGround, ArmTo
 from sojourn_operator.goal_messages import goal_message, report_of
 from sojourn_operator.ground import ground_point
@@ -38,8 +34,8 @@ class OperatorState:
     """Last word of drive and arm."""
     sent: Mapping[str, int] = field(default_factory=dict)
     """Goals sent on each topic."""
-    truth: bytes = b""
-    """Last good /truth/odom, as it came."""
+    truth: Odometry | None = None
+    """Last good /truth/odom."""
     looked: int = 0
     """Stamp of the last look [ns]."""
     has_said_end: bool = False
@@ -51,7 +47,6 @@ class OperatorApp(App[OperatorState]):
     """Role operator."""
 
     role = "operator"
-    raw_topics = frozenset({TRUTH})
 
     def __init__(self, scenario: LoadedScenario) -> None:
         self.script = OperatorScript(script_steps(scenario), scenario.config.duration_limit_s)
@@ -72,7 +67,7 @@ class OperatorApp(App[OperatorState]):
                 if who == "drive":
                     state = replace(state, drive_status=status_values(status))
         truth = inputs.get(TRUTH) or state.truth
-        state = replace(state, truth=truth) if isinstance(truth, bytes) else state
+        state = replace(state, truth=truth)
         if stamp // _LOOK_NS == state.looked // _LOOK_NS:
             return state, NOTHING
         state = replace(state, looked=stamp)
@@ -84,7 +79,7 @@ class OperatorApp(App[OperatorState]):
             messages.append((goal.topic, goal_message(self._looked_up(goal.action, truth), goal.stamp)))
             sent[goal.topic] = sent.get(goal.topic, 0) + 1
         tick = format_tick(sent, script.finished)
-        messages.append((TICK, Header(stamp=stamps.to_message(stamp), frame_id=tick)))
+        messages.append((TICK, Header(stamp, tick)))
         return replace(state, script=script, sent=sent, has_said_end=script.finished), Answer(messages)
 
     def heartbeat_values(self, state: OperatorState, stamp: int) -> dict[str, str]:
@@ -92,15 +87,13 @@ class OperatorApp(App[OperatorState]):
         done = f"{len(state.script.results)} of {len(self.script.steps)}"
         return {"step": self.script.position(state.script), "steps done": done}
 
-    def _looked_up(self, action: Action, truth: Any) -> Action:
+    def _looked_up(self, action: Action, truth: Odometry | None) -> Action:
         """The action with its place in numbers.
 
         The ground is looked up in the scenario's terrain from the true pose, as a person would pick a target in the
         picture of the stereo cameras.
         """
-        if not isinstance(action, ArmGround) or self._terrain is None or not truth:
+        if not isinstance(action, ArmGround) or self._terrain is None or truth is None:
             return action
-        here = decoded(TRUTH, topic(TRUTH).type, truth) if isinstance(truth, bytes) else truth
-        pose = here.pose.pose
-        x, y, z = ground_point(self._terrain, xyz(pose.position), quaternion(pose.orientation), action)
+        x, y, z = ground_point(self._terrain, truth.position, truth.orientation, action)
         return ArmTo(x, y, z)

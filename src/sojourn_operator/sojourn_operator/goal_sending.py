@@ -6,22 +6,23 @@ import time
 from typing import Any
 
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_config.command_errors import CommandError
 from sojourn_config.ros_environment import ros_variables
 from sojourn_contract import qos
+from sojourn_contract.codecs import encode
 from sojourn_contract.decoding import hearing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_values
-from sojourn_contract.stamps import from_message, seconds, to_message
+from sojourn_contract.stamps import seconds
 from sojourn_contract.stop_flag import StopFlag
 from sojourn_contract.topics import topic
 from sojourn_contract.types import message_class
+from sojourn_contract.values import Clock, DiagnosticArray, Message
 from sojourn_operator.actions import ArmTask, ArmTo, DriveAlong, DriveTo
-from sojourn_operator.goal_messages import goal_message, report_of, stop_messages
+from sojourn_operator.goal_messages import goal_message, report_of, stamped, stop_messages
 from sojourn_operator.script import FINAL_STATES, REACHED
 
 ANSWER_S = 5.0
@@ -53,7 +54,7 @@ class GoalClient:
         self.domain, self.namespace = domain, namespace
         self.now = 0
         """Simulation time [ns]; zero until a stamped status has come."""
-        self.statuses: dict[str, Any] = {}
+        self.statuses: dict[str, DiagnosticArray] = {}
         self.stop = StopFlag()
         self._last_stamp = 0
 
@@ -69,7 +70,7 @@ class GoalClient:
         self._clock = self._node.create_subscription(
             message_class("rosgraph_msgs/Clock"),
             "clock",
-            hearing("/clock", topic("/clock").type, self._on_clock, self._pass_over),
+            hearing(topic("/clock"), self._on_clock, self._pass_over),
             qos.profile(topic("/clock"), False),
             raw=True,
         )
@@ -81,7 +82,7 @@ class GoalClient:
         self._node.destroy_node()
         rclpy.try_shutdown()
 
-    def send(self, who: str, name: str, message: Any) -> None:
+    def send(self, who: str, name: str, message: Message) -> None:
         """Publish a goal on a topic once its role listens. Raises NoStackError if it does not within ANSWER_S."""
         sender = self._sender(name)
         end = time.monotonic() + ANSWER_S
@@ -90,8 +91,7 @@ class GoalClient:
                 what = "its simulation time does not run" if self._is_heard(sender) else f"nobody acts on {name}"
                 raise NoStackError(self._nobody(who, what))
             self._wait()
-        self._stamp(message, self.now)
-        sender.publish(message)
+        sender.publish(encode(topic(name), stamped(message, self.now)))
         self._last_stamp = self.now
 
     def halt(self) -> tuple[bool, str]:
@@ -111,7 +111,7 @@ class GoalClient:
         told = [name for name, sender in senders.items() if self._is_heard(sender)]
         for name, message in messages:
             if name in told:
-                senders[name].publish(message)
+                senders[name].publish(encode(topic(name), message))
         waiting = [who for who, name in STOP_TOPICS.items() if name in told]
         self.statuses.clear()
         end = time.monotonic() + STOPPED_S
@@ -170,30 +170,21 @@ class GoalClient:
             self._executor.spin_once(timeout_sec=left)
 
     def _listen(self, who: str, name: str) -> Any:
-        def keep(message: Any) -> None:
+        def keep(message: DiagnosticArray) -> None:
             report_of(message)  # which refuses what is no report
             self.statuses[who] = message
 
-        hear = hearing(name, topic(name).type, keep, self._pass_over)
-        return self._node.create_subscription(
-            DiagnosticArray, name.lstrip("/"), hear, qos.profile(topic(name), lockstep=True), raw=True
-        )
+        row = topic(name)
+        hear = hearing(row, keep, self._pass_over)
+        profile = qos.profile(row, lockstep=True)
+        return self._node.create_subscription(message_class(row.type), name.lstrip("/"), hear, profile, raw=True)
 
     def _pass_over(self, refusal: RefusedMessageError) -> None:
         """Of what cannot be read."""
         self._node.get_logger().warning(f"refused: {refusal}", throttle_duration_sec=1.0)
 
-    def _on_clock(self, message: Any) -> None:
-        self.now = from_message(message.clock)
-
-    def _stamp(self, message: Any, stamp: int) -> None:
-        time_message = to_message(stamp)
-        if hasattr(message, "header"):
-            message.header.stamp = time_message
-            for pose in getattr(message, "poses", ()):
-                pose.header.stamp = time_message
-        else:
-            message.stamp = time_message
+    def _on_clock(self, message: Clock) -> None:
+        self.now = message.stamp
 
 
 def _to_go(who: str, values: dict[str, str]) -> str:

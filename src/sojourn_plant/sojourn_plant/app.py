@@ -87,4 +87,4 @@ class PlantApp(App[PlantAppState]):
 def _ends(inputs: Mapping[str, Any]) -> bool:
     """Whether the operator's tick ends the run."""
     tick = inputs.get(TICK)
-    return tick is not None and parse_tick(tick.frame_id)[1]
+    return tick is not None and parse_tick(tick.frame)[1]

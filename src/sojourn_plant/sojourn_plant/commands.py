@@ -10,7 +10,6 @@ from sojourn_contract import stamps
 from sojourn_contract.checks import check_names, check_ranges
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_values
-from sojourn_contract.messages import joint_columns, numbers
 from sojourn_contract.switches import check_switches, fraction_of
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
@@ -80,13 +79,13 @@ class Commands:
         if row.name == SWITCHES:
             check_switches(row.name, status_values(message), self._loads)
             return
-        check_names(row.name, message.name, self._index)
+        check_names(row.name, message.names, self._index)
         check_ranges(row, message)
         for part, needed in (
             ("position", self._by_position),
             ("velocity", self._index.keys() - self._by_position),
         ):
-            named = needed.intersection(message.name)
+            named = needed.intersection(message.names)
             if named and not len(getattr(message, part)):
                 raise RefusedMessageError(row.name, part, "0 numbers", f"one for {', '.join(sorted(named))}")
 
@@ -97,21 +96,21 @@ class Commands:
             message = inputs.get(name)
             if message is None:
                 continue
-            columns = joint_columns(message, self._index)
+            columns = [self._index[joint] for joint in message.names]
             left_out = [column for column in joints.get(name, ()) if column not in columns]
             reference[RATE, left_out] = 0.0  # a joint that is no longer named stops
             joints[name] = (*columns, *left_out)
-            sent[name] = stamps.from_message(message.header.stamp)
+            sent[name] = message.stamp
             for row, values in (
                 (POSITION, message.position),
                 (RATE, message.velocity),
                 (EFFORT, message.effort),
             ):
-                reference[row, columns] = numbers(values) if len(values) else 0.0
+                reference[row, columns] = values if len(values) else 0.0
         fractions, switches = held.fractions, inputs.get(SWITCHES)
         if switches is not None:
             fractions = fractions.copy()
-            sent[SWITCHES] = stamps.from_message(switches.header.stamp)
+            sent[SWITCHES] = switches.stamp
             for load, text in status_values(switches).items():
                 fractions[self._loads[load]] = fraction_of(text)
         return replace(held, reference=reference, fractions=fractions, stamps=sent, joints=joints)

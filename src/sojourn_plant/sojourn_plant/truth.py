@@ -4,23 +4,13 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from nav_msgs.msg import Odometry
-from rosgraph_msgs.msg import Clock
 
 from sojourn_contract import stamps
 from sojourn_contract.barrier import is_due
 from sojourn_contract.heartbeat import status_message
-from sojourn_contract.messages import (
-    battery_state,
-    contact_cloud,
-    fill_contact_cloud,
-    fill_joint_state,
-    joint_state,
-    set_quaternion,
-    set_xyz,
-    wrench_stamped,
-)
+from sojourn_contract.messages import battery_state, contact_cloud, wrench_stamped
 from sojourn_contract.topics import topic
+from sojourn_contract.values import Clock, DiagnosticArray, JointState, Odometry
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import TOOL_JOINT
 from sojourn_physics.actuators.joint_drive import MOTOR_RATE
@@ -32,17 +22,13 @@ SPREAD_SIZE = 6
 
 
 class TruthMessages:
-    """Builds the truth of a period; keeps its message objects, which are filled anew each time."""
+    """Builds the truth of a period."""
 
     def __init__(self, model: PlantModel) -> None:
         self._model = model
-        self._joints = joint_state((*model.joints.names, *(() if model.tool is None else (TOOL_JOINT,))))
+        self._joints = (*model.joints.names, *(() if model.tool is None else (TOOL_JOINT,)))
         self._with_play = np.flatnonzero(model.joints.rotors)
-        self._motors = joint_state([model.joints.names[i] for i in self._with_play])
-        self._contacts = contact_cloud()
-        self._odometry = Odometry(child_frame_id="base_link")
-        self._odometry.header.frame_id = "map"
-        self._spread = np.zeros(SPREAD_SIZE**2)
+        self._motors = tuple([model.joints.names[i] for i in self._with_play])
         self._loads = tuple(load.name for load in model.bus.loads)
         self._wrist_frame = model.machine.wrench_sensor_link or ""
 
@@ -65,15 +51,6 @@ class TruthMessages:
         while the others are made.
         """
         period = stamp // stamps.CONTROL_PERIOD_NS
-        time = stamps.to_message(stamp)
-        odometry = self._odometry
-        odometry.header.stamp = time
-        set_xyz(odometry.pose.pose.position, state.configuration[:3])
-        set_quaternion(odometry.pose.pose.orientation, state.configuration[3:7])
-        set_xyz(odometry.twist.twist.linear, state.velocity[:3])
-        set_xyz(odometry.twist.twist.angular, state.velocity[3:6])
-        self._spread[:: SPREAD_SIZE + 1] = output.spread[:SPREAD_SIZE] ** 2
-        odometry.twist.covariance = self._spread
         rates = state.velocity[self._model.joints.columns]
         seldom = is_due(topic("/truth/electrical"), period)
         if seldom:
@@ -91,33 +68,38 @@ class TruthMessages:
                     battery.charge_capacity,
                 ),
             )
-        yield "/truth/odom", odometry
+        yield "/truth/odom", _odometry(stamp, state, output)
         yield "/truth/wrist_wrench", wrench_stamped(stamp, self._wrist_frame, output.wrist_wrench)
         yield "/truth/joint_states", self._joint_message(stamp, state, rates, output.efforts)
         yield "/truth/motor_states", self._motor_message(stamp, state, output)
-        yield "/clock", Clock(clock=time)
-        yield "/truth/contacts", fill_contact_cloud(self._contacts, stamp, output.contacts)
+        yield "/clock", Clock(stamp)
+        yield "/truth/contacts", contact_cloud(stamp, output.contacts)
         if seldom:
             yield "/truth/loads", self._load_message(stamp, state, output)
 
-    def _joint_message(self, stamp: int, state: PlantState, rates: FloatArray, efforts: FloatArray) -> Any:
-        message, tool = fill_joint_state(self._joints, stamp, state.joints[0], rates, efforts), state.tool
+    def _joint_message(self, stamp: int, state: PlantState, rates: FloatArray, efforts: FloatArray) -> JointState:
+        angles, tool = state.joints[0], state.tool
         if tool is not None:
-            message.position.append(tool.position)
-            message.velocity.append(tool.rate)
-            message.effort.append(tool.effort)
-        return message
+            angles, rates = np.append(angles, tool.position), np.append(rates, tool.rate)
+            efforts = np.append(efforts, tool.effort)
+        return JointState(stamp, self._joints, angles, rates, efforts)
 
-    def _motor_message(self, stamp: int, state: PlantState, output: PlantOutput) -> Any:
+    def _motor_message(self, stamp: int, state: PlantState, output: PlantOutput) -> JointState:
         joints, places = state.joints, self._with_play
-        return fill_joint_state(
-            self._motors, stamp, state.motor_angles[places], joints[MOTOR_RATE, places], output.efforts[places]
-        )
+        angles = state.motor_angles[places]
+        return JointState(stamp, self._motors, angles, joints[MOTOR_RATE, places], output.efforts[places])
 
-    def _load_message(self, stamp: int, state: PlantState, output: PlantOutput) -> Any:
+    def _load_message(self, stamp: int, state: PlantState, output: PlantOutput) -> DiagnosticArray:
         values = {f"power {name}": f"{power:.6g}" for name, power in zip(self._loads, output.load_power, strict=True)}
         for name in state.energy.__dataclass_fields__:
             values[f"energy {name}"] = f"{getattr(state.energy, name):.9g}"
         if state.tool is not None and state.tool.has_worked:
             values |= {name: f"{value:.9g}" for name, value in state.tool.told().items()}
         return status_message(stamp, "loads", values)
+
+
+def _odometry(stamp: int, state: PlantState, output: PlantOutput) -> Odometry:
+    configuration, velocity = state.configuration, state.velocity
+    spread = np.diag(output.spread[:SPREAD_SIZE] ** 2).ravel()
+    pose, twist = (configuration[:3], configuration[3:7]), (velocity[:3], velocity[3:6])
+    return Odometry(stamp, "map", "base_link", *pose, *twist, twist_covariance=spread)

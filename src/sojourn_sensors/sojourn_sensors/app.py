@@ -13,8 +13,9 @@ from sojourn_contract.app import NOTHING, Answer, App, Period
 from sojourn_contract.barrier import is_due
 from sojourn_contract.clouds import point_cloud
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.messages import quaternion, wrench_stamped, xyz
+from sojourn_contract.messages import wrench_stamped
 from sojourn_contract.topics import topic
+from sojourn_contract.values import JointState, Odometry
 from sojourn_machine.errors import MachineError
 from sojourn_machine.params import FloatArray
 from sojourn_physics.sensors import suite
@@ -22,7 +23,7 @@ from sojourn_physics.sensors.noise import NoiseStream
 from sojourn_physics.sensors.suite import SensorMeasurements, SensorSuiteState, SensorTruth
 from sojourn_physics.sensors.sun_sensor import SunSensorState
 from sojourn_sensors.motion import ImuMotion
-from sojourn_sensors.readings import ReadingMessages, bus_message, dead_imu
+from sojourn_sensors.readings import bus_message, dead_imu, imu_message, joints_message
 from sojourn_sensors.sun import SunReadings
 from sojourn_sensors.supply import LOADS, without_power
 from sojourn_sensors.truth import TruthBefore, TruthReader
@@ -78,7 +79,6 @@ class SensorsApp(App[SensorsState]):
         self._truth = TruthReader(self._motion)
         self._sun = SunReadings(scenario)
         self._view = HazardView(scenario)
-        self._readings = ReadingMessages()
         self._wrist_frame = scenario.rover.wrench_sensor_link or ""
 
     def warm_up(self) -> None:
@@ -100,8 +100,7 @@ class SensorsApp(App[SensorsState]):
         state, refusals = self._measure(state, stamp, inputs)
         odometry = inputs["/truth/odom"]
         if odometry is not None and state.measured is not None:
-            pose = odometry.pose.pose
-            state = replace(state, pose=BasePose(xyz(pose.position), quaternion(pose.orientation)))
+            state = replace(state, pose=BasePose(odometry.position, odometry.orientation))
         if state.measured is None or state.pose is None:  # nothing has been measured yet
             return state, Answer(refusals=refusals) if refusals else NOTHING
         measured, supplied = state.measured, inputs.get("/truth/electrical") is not None
@@ -124,14 +123,14 @@ class SensorsApp(App[SensorsState]):
             return state, [("/truth/joint_states", error)]
         return replace(state, sensors=sensors, measured=measured, truth=before, measured_at=stamp), []
 
-    def _first(self, odometry: Any, joints: Any, truth: SensorTruth) -> SensorSuiteState:
+    def _first(self, odometry: Odometry, joints: JointState, truth: SensorTruth) -> SensorSuiteState:
         return suite.initial_state(
             self.params,
             self._seed,
-            tuple(joints.name),
+            joints.names,
             truth.joint_position,
             (STORE,),
-            self._motion.orientation_imu_in_map(quaternion(odometry.pose.pose.orientation)),
+            self._motion.orientation_imu_in_map(odometry.orientation),
             self._gravity,
             truth.motor_position,
         )
@@ -155,12 +154,12 @@ class SensorsApp(App[SensorsState]):
         if supplied and is_due(BUS, stamp // stamps.CONTROL_PERIOD_NS):
             yield "/bus/state", bus_message(stamp, measured)
         if state.sensors is not None:
-            yield "/joint_states", self._readings.joints(stamp, state.sensors.layout.joint_names, measured)
+            yield "/joint_states", joints_message(stamp, state.sensors.layout.joint_names, measured)
         wrist = None if "wrist" in state.dead else measured.wrist_wrench
         yield "/wrist/wrench", wrench_stamped(stamp, self._wrist_frame, wrist)
         if seldom.sun is not None:
             yield "/sun_direction", self._sun.message(stamp, seldom.sun)
         imu = dead_imu(measured.imu) if "imu" in state.dead else measured.imu
-        yield "/imu/data", self._readings.imu(stamp, imu)
+        yield "/imu/data", imu_message(stamp, imu)
         if seldom.cloud is not None:
             yield "/hazcam/points", point_cloud(stamp, "base_link", seldom.cloud)

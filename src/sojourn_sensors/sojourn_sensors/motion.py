@@ -4,12 +4,11 @@ lever arm.
 
 from dataclasses import dataclass
 from math import atan2, sqrt
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from sojourn_contract.messages import quaternion, xyz
+from sojourn_contract.values import Odometry
 from sojourn_machine.mounting import IMU_LINK, mounting
 from sojourn_machine.params import FloatArray
 
@@ -55,12 +54,12 @@ class ImuMotion:
         coefficients: FloatArray = np.array(pin.Quaternion(rotation).coeffs())
         return coefficients
 
-    def felt(self, before: MotionBefore | None, odometry: Any, dt: float) -> tuple[MotionBefore, Motion]:
+    def felt(self, before: MotionBefore | None, odometry: Odometry, dt: float) -> tuple[MotionBefore, Motion]:
         """Motion at the end of a period of `dt` [s], from the base's true odometry; `before` None in the first."""
-        orientation = quaternion(odometry.pose.pose.orientation)
+        orientation = odometry.orientation
         rotation = rotation_matrix(orientation)
-        angular = xyz(odometry.twist.twist.angular)
-        velocity = rotation @ (xyz(odometry.twist.twist.linear) + _cross(angular, self._lever))
+        angular = odometry.angular
+        velocity = rotation @ (odometry.linear + _cross(angular, self._lever))
         change = np.zeros(3) if before is None else velocity - before.velocity
         specific = rotation.T @ (change / dt - self._gravity)
         mean = angular if before is None else rotation_vector(before.orientation, orientation) / dt

@@ -1,46 +1,32 @@
 """Readings of the sensors as messages of the contract."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from sensor_msgs.msg import BatteryState, Imu, JointState
 
-from sojourn_contract import stamps
-from sojourn_contract.messages import battery_state, fill_joint_state, joint_state, set_quaternion, set_xyz
+from sojourn_contract.messages import battery_state
+from sojourn_contract.values import NOT_MEASURED, BatteryState, Imu, JointState
 from sojourn_physics.sensors.imu import ImuReading
 from sojourn_physics.sensors.suite import SensorMeasurements
 
-NOT_MEASURED = float("nan")
+
+def joints_message(stamp: int, names: tuple[str, ...], measured: SensorMeasurements) -> JointState:
+    """/joint_states of the joints of these names."""
+    return JointState(stamp, names, measured.joint_position, measured.joint_velocity, measured.joint_effort)
 
 
-class ReadingMessages:
-    """Keeps its message objects, which are filled anew each time."""
-
-    def __init__(self) -> None:
-        self._joints = joint_state(())
-        self._imu = Imu()
-        self._imu.header.frame_id = "imu_link"
-
-    def joints(self, stamp: int, names: Sequence[str], measured: SensorMeasurements) -> JointState:
-        """/joint_states of the joints of these names."""
-        if len(self._joints.name) != len(names):
-            self._joints = joint_state(names)
-        return fill_joint_state(
-            self._joints, stamp, measured.joint_position, measured.joint_velocity, measured.joint_effort
-        )
-
-    def imu(self, stamp: int, reading: ImuReading) -> Imu:
-        """/imu/data."""
-        imu = self._imu
-        imu.header.stamp = stamps.to_message(stamp)
-        set_quaternion(imu.orientation, reading.orientation)
-        set_xyz(imu.angular_velocity, reading.angular_velocity)
-        set_xyz(imu.linear_acceleration, reading.specific_force)
-        imu.orientation_covariance = np.diag(reading.orientation_variance).ravel()
-        imu.angular_velocity_covariance = np.diag(reading.angular_velocity_variance).ravel()
-        imu.linear_acceleration_covariance = np.diag(reading.specific_force_variance).ravel()
-        return imu
+def imu_message(stamp: int, reading: ImuReading) -> Imu:
+    """/imu/data."""
+    return Imu(
+        stamp,
+        "imu_link",
+        reading.orientation,
+        reading.angular_velocity,
+        reading.specific_force,
+        np.diag(reading.orientation_variance).ravel(),
+        np.diag(reading.angular_velocity_variance).ravel(),
+        np.diag(reading.specific_force_variance).ravel(),
+    )
 
 
 def dead_imu(reading: ImuReading) -> ImuReading:

@@ -3,11 +3,10 @@
 import math
 
 import numpy as np
-from geometry_msgs.msg import Vector3Stamped
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
-from sojourn_contract.messages import set_xyz
+from sojourn_contract.values import Vector3Stamped
 from sojourn_machine.mounting import mounting
 from sojourn_machine.params import FloatArray
 from sojourn_physics.sensors import sun_sensor
@@ -20,10 +19,10 @@ class SunReadings:
     def __init__(self, scenario: LoadedScenario) -> None:
         self._scenario = scenario
         self._params = scenario.sensors.sun
-        self._message = Vector3Stamped()
+        self._frame = ""
         if self._params is not None:
             self._sensor_to_base, _ = mounting(scenario.urdf_xml, self._params.link)
-            self._message.header.frame_id = self._params.link
+            self._frame = self._params.link
 
     def initial_state(self) -> sun_sensor.SunSensorState | None:
         """Drawn by the scenario's seed."""
@@ -44,7 +43,5 @@ class SunReadings:
         return sun_sensor.step(self._params, state, in_sensor, elevation)
 
     def message(self, stamp: int, reading: FloatArray) -> Vector3Stamped:
-        """/sun_direction, in a message that is filled anew each time."""
-        self._message.header.stamp = stamps.to_message(stamp)
-        set_xyz(self._message.vector, reading)
-        return self._message
+        """/sun_direction."""
+        return Vector3Stamped(stamp, self._frame, reading)

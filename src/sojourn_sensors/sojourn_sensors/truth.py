@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from sojourn_contract.joint_places import JointPlaces
-from sojourn_contract.messages import battery_readings, numbers, wrench_values
+from sojourn_contract.messages import battery_readings, wrench_of
+from sojourn_contract.values import JointState
 from sojourn_machine.params import FloatArray
 from sojourn_physics.sensors.suite import SensorTruth
 from sojourn_sensors.motion import ImuMotion, MotionBefore
@@ -31,7 +32,7 @@ class TruthReader:
 
     def __init__(self, motion: ImuMotion) -> None:
         self._motion = motion
-        self._motors: tuple[list[str], JointPlaces] | None = None
+        self._motors: tuple[tuple[str, ...], JointPlaces] | None = None
         """Names and places of the motors: looked up again when the names change, so no memory of the run."""
 
     def read(self, before: TruthBefore, inputs: Mapping[str, Any], dt: float) -> tuple[TruthBefore, SensorTruth]:
@@ -41,26 +42,28 @@ class TruthReader:
         known = before.electrical if electrical is None else battery_readings(electrical)
         voltage, current, temperature = known
         moved, motion = self._motion.felt(before.motion, odometry, dt)
-        positions = numbers(joints.position)
+        positions = joints.position
         truth = SensorTruth(
             joint_position=positions,
-            joint_effort=numbers(joints.effort),
+            joint_effort=joints.effort,
             angular_velocity_imu_in_imu=motion.angular_velocity,
             specific_force_imu_in_imu=motion.specific_force,
             bus_voltage=np.array([voltage]),
             bus_current=np.array([current]),
             bus_temperature=np.array([temperature]),
             motor_position=self._motor_positions(joints, positions, inputs.get("/truth/motor_states")),
-            wrist_wrench=None if wrist is None else wrench_values(wrist),
+            wrist_wrench=None if wrist is None else wrench_of(wrist),
         )
         return TruthBefore(moved, known), truth
 
-    def _motor_positions(self, joints: Any, positions: FloatArray, motors: Any) -> FloatArray | None:
+    def _motor_positions(
+        self, joints: JointState, positions: FloatArray, motors: JointState | None
+    ) -> FloatArray | None:
         """Angle of each joint's motor over its gear [rad], the joint's own where nothing is said; None if of none."""
-        if motors is None or not motors.name:
+        if motors is None or not motors.names:
             return None
-        if self._motors is None or self._motors[0] != motors.name:
-            self._motors = (list(motors.name), JointPlaces("/truth/joint_states", motors.name))
+        if self._motors is None or self._motors[0] != motors.names:
+            self._motors = (motors.names, JointPlaces("/truth/joint_states", motors.names))
         found = positions.copy()
         found[self._motors[1].places(joints)] = motors.position
         return found

@@ -1,9 +1,8 @@
 """The state of a run as a file, and back: save it, and go on from it in another process.
 
 The file is a ZIP: `state.json`, a tree of plain values, and its arrays in numpy's own format. Values of our own classes
-(dataclasses, named tuples, parameters, enumerations) are kept by the name of their class and of their fields, messages
-of ROS by their type and their bytes. Nothing of what is read is run: a class is taken only from our own packages, and
-only if its fields are those of the file.
+(dataclasses, named tuples, parameters, enumerations) are kept by the name of their class and of their fields. Nothing
+of what is read is run: a class is taken only from our own packages, and only if its fields are those of the file.
 """
 
 import base64
@@ -19,13 +18,11 @@ from typing import Any
 
 import numpy as np
 from pydantic import BaseModel
-from rclpy.serialization import deserialize_message, serialize_message
 
-from sojourn_contract.types import message_class
 from sojourn_stack.errors import StackError
 from sojourn_stack.stack import RoleState, StackState
 
-FORMAT = 1
+FORMAT = 2
 """Of the file; another one is refused."""
 TREE = "state.json"
 OURS = "sojourn_"
@@ -111,10 +108,6 @@ class _Writer:
             return {"class": _name(value, place), "fields": self._fields(value, names, place)}
         if isinstance(value, BaseModel):
             return {"class": _name(value, place), "fields": self._fields(value, list(type(value).model_fields), place)}
-        if hasattr(value, "get_fields_and_field_types"):
-            package = type(value).__module__.partition(".")[0]
-            data = base64.b64encode(serialize_message(value)).decode()
-            return {"message": f"{package}/{type(value).__name__}", "data": data}
         raise CheckpointError(place, f"a {type(value).__module__}.{type(value).__name__} cannot be kept")
 
     def _fields(self, value: Any, names: list[str], place: str) -> dict[str, Any]:
@@ -209,9 +202,6 @@ class _Reader:
         "set": lambda self, tree, place: frozenset(self.value(one, place) for one in tree["set"]),
         "bytes": lambda self, tree, place: base64.b64decode(tree["bytes"]),
         "map": _map,
-        "message": lambda self, tree, place: deserialize_message(
-            base64.b64decode(tree["data"]), message_class(tree["message"])
-        ),
     }
 
 

@@ -2,15 +2,14 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from sojourn_bags.completeness import Completeness
 from sojourn_bags.recorded_run import ROLE, RecordedRun
-from sojourn_contract import stamps
+from sojourn_contract.codecs import encode
 from sojourn_contract.heartbeat import RUNNING, Counters, beats, heartbeat_message
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
-from sojourn_stack.encoding import Encoder
+from sojourn_contract.values import Message
 
 TICK, HEARTBEATS = "/recorder/tick", "/diagnostics"
 TICK_PERIODS = topic(TICK).every
@@ -29,11 +28,10 @@ class DirectRecorder:
     def __init__(self, folder: Path, run: RecordedRun) -> None:
         self._run = run
         self._counters = Counters()
-        self._encoder = Encoder()
         self._recording = run.open(folder, self._refuse)
         self._now = 0
 
-    def take(self, said: Sequence[tuple[Topic, Any]]) -> None:
+    def take(self, said: Sequence[tuple[Topic, Message]]) -> None:
         """What was said in a period, in its order."""
         for row, message in said:
             if row.logged:
@@ -44,8 +42,8 @@ class DirectRecorder:
         """Write what is left and close the bag, with its account."""
         return self._recording.finish(self._run.record())
 
-    def _take(self, row: Topic, message: Any) -> None:
-        self._recording.take(row, stamps.of_message(message), self._encoder.encoded(row, message))
+    def _take(self, row: Topic, message: Message) -> None:
+        self._recording.take(row, message.stamp, encode(row, message))
         while collected := self._recording.collect():
             before, self._now = self._now, collected
             if beats(before, collected):

@@ -6,7 +6,6 @@ checked on arrival, refused ones counted, goals wait for their period, and each 
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -20,12 +19,13 @@ from sojourn_contract.events import EventQueue
 from sojourn_contract.heartbeat import ENDED, RUNNING, Counters, beats, heartbeat_message
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import inputs_of, outputs_of, topic
+from sojourn_contract.values import Message
 from sojourn_stack.errors import WaitingError
 
 PLANT = "plant"
 HEARTBEATS = "/diagnostics"
-Said = tuple[Topic, Any]
-"""A row and its message, which is good until the next step: messages are filled anew."""
+Said = tuple[Topic, Message]
+"""A row and its message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class StackState:
     period: int
     """The control period that is acted on next: 1, 2, ..."""
     roles: Mapping[str, RoleState]
-    messages: Mapping[str, Mapping[int, Any]]
+    messages: Mapping[str, Mapping[int, Message]]
     """Last messages of each topic by stamp [ns], as far back as somebody waits for them."""
     finished: bool = False
 
@@ -68,10 +68,6 @@ class StackState:
     def now(self) -> int:
         """Stamp of the last period that is over [ns]."""
         return (self.period - 1) * stamps.CONTROL_PERIOD_NS
-
-    def branch(self) -> "StackState":
-        """The same, to be kept while others go on: messages are filled anew in each step."""
-        return replace(self, messages=deepcopy(self.messages))
 
 
 class Stack:
@@ -140,7 +136,7 @@ class Stack:
         for row in self._awaited[role]:
             if is_due(row, state.period):
                 message = state.messages[row.name][stamp_due(row, state.period)]
-                refusal = None if row.name in app.raw_topics else _refusal(app, row, message)
+                refusal = _refusal(app, row, message)
                 inputs[row.name] = message if refusal is None else None
                 one = one if refusal is None else one.refusing(row.name, refusal)
         goals, taken = one.goals.taken(stamp)
@@ -171,7 +167,7 @@ class Stack:
                 for taker in self._takers[row.name]:
                     roles[taker] = self._offered(roles[taker], taker, row, message)
             elif row.name in self._lags:
-                stamp = stamps.of_message(message)
+                stamp = message.stamp
                 oldest = stamp - self._lags[row.name] * stamps.CONTROL_PERIOD_NS
                 known = kept.get(row.name, {})
                 kept[row.name] = {at: older for at, older in known.items() if at >= oldest} | {stamp: message}
@@ -182,7 +178,7 @@ class Stack:
         refusal = _refusal(self.apps[role], row, message)
         if refusal is None:
             try:
-                return replace(one, goals=one.goals.offered(row, stamps.of_message(message), one.now, message))
+                return replace(one, goals=one.goals.offered(row, message.stamp, one.now, message))
             except RefusedMessageError as late:
                 refusal = late
         return one.refusing(row.name, refusal)

@@ -16,6 +16,7 @@ import pinocchio as pin
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_physics.contact.contact_set import contact_forces
+from sojourn_physics.contact.tables import Kinematics
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantState, zeros_command
 from sojourn_physics.plant.step import step
@@ -84,16 +85,12 @@ class Yardstick:
 def _floor_calls(model: PlantModel, state: PlantState) -> dict[str, Callable[[], Any]]:
     multibody, data, q, v = model.multibody, model.data, state.configuration.copy(), state.velocity.copy()
     memory, report, force = state.contacts.copy(), model.report.copy(), np.zeros(multibody.nv)
-    contacts, terrain = model.contacts, model.terrain
     pin.computeJointJacobians(multibody, data, q)
-    placements, jacobian = model.placements.copy(), np.asfortranarray(model.jacobian.copy())
+    contacts, ground = model.contacts.tables, model.ground
+    machine = Kinematics(model.placements.copy(), np.asfortranarray(model.jacobian.copy()), v)
 
     def contact() -> None:
-        contact_forces(
-            contacts.wheels, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count, placements,
-            jacobian, v, terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim, model.memory.tables,
-            model.simulation.physics_step, memory, report, force,
-        )  # fmt: skip
+        contact_forces(contacts, ground, machine, model.simulation.physics_step, memory, report, force)
 
     return {**_yardstick_calls(model, state), "contact kernel": contact}
 

@@ -10,21 +10,20 @@ from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import Imu
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.barrier import is_due
 from sojourn_contract.hazcam import eye_of
-from sojourn_contract.messages import fill_joint_state, joint_state, quaternion, set_quaternion, set_xyz
 from sojourn_contract.topics import topic
+from sojourn_contract.values import Odometry
 from sojourn_drive.measurements import WheelMeasurements
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.kinematics import PlanarTwist
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.supervision.drive import DriveModel
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
+from sojourn_machine.contact_report import ReportColumn
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import TOOL_JOINT
 from sojourn_physics.plant.faults import HeldAngles, MotorFaults
@@ -35,6 +34,7 @@ from sojourn_physics.sensors import suite
 from sojourn_plant.commands import Commands
 from sojourn_plant.start import build_plant
 from sojourn_sensors.motion import ImuMotion, MotionBefore
+from sojourn_sensors.readings import imu_message, joints_message
 from sojourn_sensors.sun import SunReadings
 from sojourn_sensors.view import HazardView
 
@@ -75,18 +75,15 @@ class ClosedLoop:
         self._locked: HeldAngles = {}
         self._commands = Commands(self.plant)
         self._held = self._commands.holding(self.truth.motor_angles)
-        self._odometry, self._imu = Odometry(), Imu()
-        self._tell_odometry()
         self._sensors = suite.initial_state(
             scenario.sensors,
             scenario.config.seed,
             (*self.plant.joints.names, *(() if self.plant.tool is None else (TOOL_JOINT,))),
             self._with_tool(self.truth.joints[0], 0),
             (STORE,),
-            self._motion.orientation_imu_in_map(quaternion(self._odometry.pose.pose.orientation)),
+            self._motion.orientation_imu_in_map(self.truth.configuration[3:7]),
             scenario.gravity,
         )
-        self._joints = joint_state(self._sensors.layout.joint_names)
 
     def step(
         self,
@@ -133,34 +130,32 @@ class ClosedLoop:
         if self.told is None:
             return np.zeros(len(wheels))
         tips = np.array([wheel.shear_radius / wheel.radius for wheel in wheels])
-        told = self.told.contacts[: len(wheels), 4]
+        told = self.told.contacts[: len(wheels), ReportColumn.SLIP_RATIO]
         over_rim = np.where(told >= 0.0, 1.0 - told, 1.0 / np.maximum(1.0 + told, 1e-3))  # ground over rim
         over_tips = over_rim / tips
         return np.asarray(np.where(over_tips <= 1.0, 1.0 - over_tips, 1.0 / np.maximum(over_tips, 1.0) - 1.0))
 
     def _measure(self, stamp: int, goal: Goal | None, twist: TwistCommand | None) -> DriveInput:
-        self._tell_odometry()
-        self._moved, motion = self._motion.felt(self._moved, self._odometry, stamps.CONTROL_PERIOD_S)
+        place, motion = self.truth.configuration, self.truth.velocity
+        odometry = Odometry(stamp, "map", "base_link", place[:3], place[3:7], motion[:3], motion[3:6])
+        self._moved, felt = self._motion.felt(self._moved, odometry, stamps.CONTROL_PERIOD_S)
         efforts = self.plant.efforts if self.told is None else self.told.efforts
         truth = suite.SensorTruth(
             joint_position=self._with_tool(self.truth.joints[0], 0),
             joint_effort=self._with_tool(efforts, 1),
-            angular_velocity_imu_in_imu=motion.angular_velocity,
-            specific_force_imu_in_imu=motion.specific_force,
+            angular_velocity_imu_in_imu=felt.angular_velocity,
+            specific_force_imu_in_imu=felt.specific_force,
             bus_voltage=np.array([28.0]),
             bus_current=np.zeros(1),
             bus_temperature=np.array([293.0]),
         )
         self._sensors, read = suite.step(self.scenario.sensors, self._sensors, truth, stamps.CONTROL_PERIOD_S)
-        joints = fill_joint_state(self._joints, stamp, read.joint_position, read.joint_velocity, read.joint_effort)
-        set_quaternion(self._imu.orientation, read.imu.orientation)
-        set_xyz(self._imu.angular_velocity, read.imu.angular_velocity)
-        set_xyz(self._imu.linear_acceleration, read.imu.specific_force)
+        joints = joints_message(stamp, self._sensors.layout.joint_names, read)
         sun = None
         if is_due(topic("/sun_direction"), self.period):
             self._sun_state, reading = self._sun.reading(self._sun_state, stamp, self.truth.configuration[3:7])
             sun, self._sighted = self._sightings.sighting(stamp, self._sun.message(stamp, reading), self._sighted)
-        measured = self._wheels.drive_input(joints, self._imu, twist, goal, 1.0, sun)
+        measured = self._wheels.drive_input(joints, imu_message(stamp, read.imu), twist, goal, 1.0, sun)
         if self._eye is not None and is_due(topic("/hazcam/points"), self.period):
             position, orientation = self.truth.configuration[:3], self.truth.configuration[3:7]
             self._seen, cloud = self._view.look(self._seen, position, orientation)
@@ -171,9 +166,3 @@ class ClosedLoop:
         """What the sensors measure of the joints and, at the end, of the tool: position (0) or effort (1)."""
         tool = self.truth.tool
         return of_joints if tool is None else np.append(of_joints, (tool.position, tool.effort)[place])
-
-    def _tell_odometry(self) -> None:
-        set_xyz(self._odometry.pose.pose.position, self.truth.configuration[:3])
-        set_quaternion(self._odometry.pose.pose.orientation, self.truth.configuration[3:7])
-        set_xyz(self._odometry.twist.twist.linear, self.truth.velocity[:3])
-        set_xyz(self._odometry.twist.twist.angular, self.truth.velocity[3:6])

@@ -22,7 +22,6 @@ import pinocchio as pin
 from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_config.scenario import LoadedScenario
-from sojourn_contract.messages import numbers
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, CONTROL_PERIOD_S
 from sojourn_flight.arm import controller
 from sojourn_flight.arm.feedforward import gravity_in_body
@@ -131,7 +130,7 @@ class Bench:
 
     def _measure(self) -> "_Reading":
         joints, motors = self._messages["/truth/joint_states"], self._messages["/truth/motor_states"]
-        position = numbers(joints.position)
+        position = joints.position
         motor = position.copy()
         motor[[joints.name.index(name) for name in motors.name]] = motors.position
         self._moved, motion = self._motion.felt(self._moved, self._messages["/truth/odom"], CONTROL_PERIOD_S)
@@ -142,7 +141,7 @@ class Bench:
             )
         one = np.ones(1)
         truth = suite.SensorTruth(
-            position, numbers(joints.effort), motion.angular_velocity, motion.specific_force, 28.0 * one, one,
+            position, joints.effort, motion.angular_velocity, motion.specific_force, 28.0 * one, one,
             290.0 * one, motor_position=motor,
         )  # fmt: skip
         self._sensing, found = suite.step(self._sensors, self._sensing, truth, CONTROL_PERIOD_S)

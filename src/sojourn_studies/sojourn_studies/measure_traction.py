@@ -19,6 +19,7 @@ from sojourn_config import command_line
 from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import LoadedScenario
 from sojourn_flight.odometry.traction import coefficient, in_rut
+from sojourn_machine.contact_report import ReportColumn
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import step
@@ -58,7 +59,8 @@ def samples(scenario: LoadedScenario, grade_deg: float, loads: FloatArray, rut_w
             continue
         way = float(np.linalg.norm(state.configuration[:3] - begin))
         kinds = np.array([int(in_rut(table, i, 1.0, 0.0, rut_width, way)) for i in range(len(rows))])
-        ground = 1.0 - output.contacts[: len(rows), 4]  # the plant counts on the rim, the drive on the grouser tips
+        # the plant counts on the rim, the drive on the grouser tips
+        ground = 1.0 - output.contacts[: len(rows), ReportColumn.SLIP_RATIO]
         slip = 1.0 - float(np.mean(ground * [wheel.radius for wheel in model.machine.wheels] / table[:, 2]))
         steady, before = abs(slip - before) < STEADY, slip
         if not steady:

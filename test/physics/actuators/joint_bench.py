@@ -65,24 +65,20 @@ class Bench:
             self.bearing_friction, self.bearing_viscous, self.sees_joint,
             self.saturation, self.spring, self.rest, self.max_effort, self.max_rate, self.back_loss,
         ]])  # fmt: skip
-        kinds, zero = np.array([self.kind]), np.zeros(1, dtype=np.int64)
-        working, force, armature = np.zeros((jd.WORK_ROWS, 1)), np.zeros(1), np.zeros(1)
-        efforts, currents, load_power = np.zeros(1), np.zeros(1), np.zeros(1)
+        zero = np.zeros(1, dtype=np.int64)
+        joints = jd.Joints(row, np.array([self.kind]), zero, zero)
+        told = jd.JointCommand(self.command, np.array([self.fraction]), self.voltage)
+        work = jd.JointWork(np.zeros((jd.WORK_ROWS, 1)), np.zeros(1), np.zeros(1))
+        readings = jd.JointReadings(np.zeros(1), np.zeros(1), np.zeros(1), self.energy)
         for _ in range(count):
-            force[0] = self.load
-            jd.joint_torques(
-                row, kinds, zero, self.velocity, self.states, self.command, self.dt,
-                np.array([self.fraction]), self.voltage, self.dt, working, force, armature,
-            )  # fmt: skip
-            new = self.velocity + self.dt * force / (self.inertia + armature)
-            self.power = jd.settle_joints(
-                row, kinds, zero, zero, self.velocity, new, self.dt, working, self.states, efforts, currents,
-                load_power, self.energy,
-            )  # fmt: skip
+            work.force[0] = self.load
+            jd.joint_torques(joints, told, self.dt, self.velocity, self.dt, self.states, work)
+            new = self.velocity + self.dt * work.force / (self.inertia + work.armature)
+            self.power = jd.settle_joints(joints, self.velocity, new, self.dt, work.rows, self.states, readings)
             self.work += self.load * 0.5 * (self.velocity[0] + new[0]) * self.dt
             self.velocity = new
-            self.current, self.effort = float(currents[0]), float(efforts[0])
-            assert load_power[0] == self.power
+            self.current, self.effort = float(readings.currents[0]), float(readings.efforts[0])
+            assert readings.load_power[0] == self.power
 
     @property
     def rate(self) -> float:

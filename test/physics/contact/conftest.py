@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from sojourn_analysis.wheels.examples import example_row
+from sojourn_machine.contact_report import REPORT_COLUMNS
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
     MOTION_COLUMNS,
@@ -21,15 +22,14 @@ from sojourn_physics.contact.contact_law import (
     OutColumn,
     WheelColumn,
 )
-from sojourn_physics.contact.contact_set import REPORT_COLUMNS, contact_forces
+from sojourn_physics.contact.contact_set import contact_forces
 from sojourn_physics.contact.dispatch import apply_law
-from sojourn_physics.contact.ground_plane import RIM_COS, RIM_SIN
+from sojourn_physics.contact.tables import Contacts, Ground, Kinematics
 from sojourn_physics.soil.params import SoilColumn, SoilParams, kernel_table
 from sojourn_physics.terrain.height_field import SoilArray
 from sojourn_physics.terrain.memory import GroundMemory, MemoryBoard
 
 SOIL_FOLDER = Path(__file__).resolve().parents[3] / "config" / "soils"
-RIM = np.stack([RIM_SIN, RIM_COS])
 
 
 def soil_table(*names: str, damping: float | None = None) -> FloatArray:
@@ -95,12 +95,16 @@ class Rig:
         placement = np.concatenate([rotation.T.reshape(-1), centre])[np.newaxis, :]
         twist = np.concatenate([velocity - np.cross(angular, centre), angular])
         force = np.zeros(6)
-        self.on_map = contact_forces(
-            self.row[np.newaxis, :], np.zeros(1, dtype=np.int64),
-            np.array([[0, 1, 2, 3, 4, 5, -1]]), np.zeros((1, 3)), 1 if self.wheel else 0,
-            np.ascontiguousarray(placement), np.eye(6), twist, self.heights, self.soil_index, self.grid, self.soils,
-            RIM, self.memory.tables, self.dt, self.state, self.report, force,
-        )  # fmt: skip
+        contacts = Contacts(
+            rows=self.row[np.newaxis, :],
+            bodies=np.zeros(1, dtype=np.int64),
+            supports=np.array([[0, 1, 2, 3, 4, 5, -1]]),
+            offsets=np.zeros((1, 3)),
+            wheel_count=1 if self.wheel else 0,
+        )
+        ground = Ground(self.heights, self.soil_index, self.grid, self.soils, self.memory.tables)
+        machine = Kinematics(np.ascontiguousarray(placement), np.eye(6), twist)
+        self.on_map = contact_forces(contacts, ground, machine, self.dt, self.state, self.report, force)
         return force[:3], force[3:] - np.cross(centre, force[:3])
 
     def hold(

@@ -41,7 +41,7 @@ def integrated(
     pressed = 2.0 * R * math.sin(t1)
 
     def traction(sigma: float, rolled: float, across: float) -> tuple[float, float]:
-        x = (rolling * rolled + (1.0 - rolling) * slip * pressed) / soil[SoilColumn.SHEAR_MODULUS_LONGITUDINAL]
+        x = (rolling * rolled + (1.0 - rolling) * slip * pressed) / soil[SoilColumn.SHEAR_MODULUS]
         y = side * (rolling * across + (1.0 - rolling) * pressed) / soil[SoilColumn.SHEAR_MODULUS_LATERAL]
         j = math.hypot(x, y)
         tau = (c + sigma * mu) * (1.0 - math.exp(-j))

@@ -30,7 +30,7 @@ def test_thrust_under_even_pressure_is_janosis_closed_form(law: Maker, slip: flo
     one = law(even(), "lunar_nominal")
     depth = 0.01
     found = one.step(30000, penetration=depth, v_along=0.5 * (1.0 - slip), rim_speed=0.5)
-    modulus, load = one.soil[SoilColumn.SHEAR_MODULUS_LONGITUDINAL], found["force_z"]
+    modulus, load = one.soil[SoilColumn.SHEAR_MODULUS], found["force_z"]
     assert load == pytest.approx(WIDTH * LENGTH * pressure_modulus(one.soil, WIDTH) * depth)
     strength = WIDTH * LENGTH * one.soil[SoilColumn.COHESION] + load * one.soil[SoilColumn.TAN_PHI]
     j = slip * LENGTH / modulus
@@ -55,7 +55,7 @@ def test_a_turn_on_the_spot_meets_the_friction_of_its_length(law: Maker) -> None
     one = law(even(), "lunar_nominal")
     soil = one.soil.copy()
     soil[SoilColumn.COHESION] = 0.0
-    soil[[SoilColumn.SHEAR_MODULUS_LONGITUDINAL, SoilColumn.SHEAR_MODULUS_LATERAL]] = 1e-4
+    soil[[SoilColumn.SHEAR_MODULUS, SoilColumn.SHEAR_MODULUS_LATERAL]] = 1e-4
     found = law(even(), soil).step(4000, penetration=0.01, yaw_rate=0.5)
     expected = soil[SoilColumn.TAN_PHI] * found["force_z"] * LENGTH / 4.0
     assert found["moment_z"] == pytest.approx(-expected, rel=0.01)
@@ -86,7 +86,7 @@ def test_shear_with_peaks_is_the_integral_along_the_track(law: Maker, wheels: in
     row = example_row(ContactModel.TRACK)
     row[TrackColumn.ROAD_WHEELS] = wheels
     soil = law(row, "dry_sand").soil
-    k_x, k_y = soil[SoilColumn.SHEAR_MODULUS_LONGITUDINAL], soil[SoilColumn.SHEAR_MODULUS_LATERAL]
+    k_x, k_y = soil[SoilColumn.SHEAR_MODULUS], soil[SoilColumn.SHEAR_MODULUS_LATERAL]
     mean, slip, side, turn = 3e3, 0.15, 0.05, 0.3
 
     def shear(x: float) -> tuple[float, float]:

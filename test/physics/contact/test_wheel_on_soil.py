@@ -107,8 +107,8 @@ def integrated(soil: FloatArray, sinkage: float, slip: float, side_slip: float, 
     deeper = 1.0 + rolling * ((1.0 - sideways) * driven + sideways * soil[column.SIDE_SINKAGE])
     cohesion, tan_phi = lugged_strength(soil, rolling * max(-slip, 0.0))
     slip_angle = math.atan2(abs(side_slip), max(1.0 - rolling * max(slip, 0.0), 1e-3))
-    k_x = soil[column.SHEAR_MODULUS_LONGITUDINAL]
-    k_x += soil[column.SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE] * slip_angle
+    k_x = soil[column.SHEAR_MODULUS]
+    k_x += soil[column.SHEAR_MODULUS_PER_SLIP_ANGLE] * slip_angle
     k_y = soil[column.SHEAR_MODULUS_LATERAL]
     k_y += soil[column.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE] * slip_angle
     length = 2.0 * RADIUS * math.sin(theta_1)

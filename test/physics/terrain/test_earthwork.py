@@ -54,7 +54,7 @@ def test_what_a_cut_takes_lacks_on_the_ground(
     middle = 0.5 * (begin + end)
     inside = min(length, w) > 4.0 * CELL
     if inside:
-        lowered = read_lowered(board.pool, board.slots, board.place, middle[0], middle[1])
+        lowered = read_lowered(board.tables, middle[0], middle[1])
         assert terrain.height(middle[0], middle[1]) - lowered == pytest.approx(middle[2], abs=1e-6)
     assert cut(board, terrain, terrain.grid, begin, end, w) == pytest.approx(0.0, abs=1e-12), "there is nothing left"
 
@@ -92,10 +92,8 @@ def test_a_heap_on_level_ground_is_the_cone_of_its_volume() -> None:
     volume = 1e-3
     heap(board, terrain, terrain.grid, 0.0, 0.0, volume, SLOPE)
     radius = (3.0 * volume / (math.pi * SLOPE)) ** (1.0 / 3.0)
-    assert -read_lowered(board.pool, board.slots, board.place, 0.0, 0.0) == pytest.approx(radius * SLOPE, rel=0.01)
-    assert -read_lowered(board.pool, board.slots, board.place, 0.5 * radius, 0.0) == pytest.approx(
-        0.5 * radius * SLOPE, rel=0.03
-    )
+    assert -read_lowered(board.tables, 0.0, 0.0) == pytest.approx(radius * SLOPE, rel=0.01)
+    assert -read_lowered(board.tables, 0.5 * radius, 0.0) == pytest.approx(0.5 * radius * SLOPE, rel=0.03)
 
 
 def test_soil_that_falls_back_fills_the_trench_first() -> None:

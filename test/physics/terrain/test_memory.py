@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sojourn_physics.terrain.memory import GroundMemory, MemoryBoard, MemoryFullError
-from sojourn_physics.terrain.memory_access import read_ground, write_ground
+from sojourn_physics.terrain.memory_access import Patch, Trace, read_ground, write_ground
 from sojourn_physics.terrain.memory_tiles import DUG, RUT, SPARE_PAGES, TILE
 
 CELL = 0.025
@@ -21,18 +21,13 @@ turns = st.floats(-np.pi, np.pi)
 def write(
     board: MemoryBoard, x: float, y: float, heading: float, width: float, depth: float, beside: float = 0.0
 ) -> None:
-    ahead = np.cos(heading), np.sin(heading)
-    write_ground(
-        board.pool, board.slots, board.pages, board.place, x, y, *ahead, width, depth, 0.9 * depth, 0.5 * depth,
-        beside,
-    )  # fmt: skip
+    line = Patch(x, y, np.cos(heading), np.sin(heading), 0.0, width)
+    write_ground(board.tables, line, Trace(depth, 0.9 * depth, 0.5 * depth, beside))
 
 
 def read(board: MemoryBoard, x: float, y: float, heading: float, length: float, width: float) -> np.ndarray:
     """Over the rectangle about (x, y)."""
-    return np.array(
-        read_ground(board.pool, board.slots, board.place, x, y, np.cos(heading), np.sin(heading), length, width)
-    )
+    return np.array(read_ground(board.tables, Patch(x, y, np.cos(heading), np.sin(heading), length, width)))
 
 
 def roll(board: MemoryBoard, x: float, y: float, heading: float, length: float, width: float, depth: float) -> None:

@@ -15,10 +15,11 @@ from sojourn_bags.page.story import ARM_SHADE, STATUS, Story
 from sojourn_bags.provenance import VERSIONS_NAME
 from sojourn_bags.recovery import RECOVERY_RECORD
 from sojourn_bags.summary import length_in_words, messages
+from sojourn_contract.codecs import decode
 from sojourn_contract.conformance.findings import number_text
 from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
 from sojourn_contract.stamps import NANOSECONDS
-from sojourn_contract.topics import TOPICS
+from sojourn_contract.topics import TOPICS, topic
 
 MOST_ROWS = 60
 HEARTBEAT_S = 1.0
@@ -61,7 +62,7 @@ def heartbeats_of(story: Story) -> dict[str, list[tuple[float, Heartbeat]]]:
         return found
     times = story.times(messages_)
     for index in range(len(messages_)):
-        for heartbeat in read_heartbeats(messages_.decode(index)):
+        for heartbeat in read_heartbeats(decode(topic(messages_.topic), messages_.data[index])):
             found.setdefault(heartbeat.role, []).append((float(times[index]), heartbeat))
     return found
 
@@ -102,8 +103,8 @@ def _changes(story: Story, beats: Mapping[str, list[tuple[float, Heartbeat]]]) -
             if beat.detail != previous:
                 changes.append((time, role, beat.detail))
             previous = beat.detail
-    for topic in STATUSES:
-        messages_ = story.find(topic, STATUS)
+    for name in STATUSES:
+        messages_ = story.find(name, STATUS)
         if messages_ is None:
             continue
         before = ""
@@ -112,7 +113,7 @@ def _changes(story: Story, beats: Mapping[str, list[tuple[float, Heartbeat]]]) -
                 dict.fromkeys(text for text in (values.get("state", ""), values.get("reason", "")) if text)
             )
             if words != before:
-                changes.append((float(time), topic, words))
+                changes.append((float(time), name, words))
             before = words
     if not changes:
         return ""

@@ -7,8 +7,10 @@ import numpy as np
 from sojourn_contract.clouds import columns_of
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.observation import Observation
+from sojourn_contract.conformance.ros_reading import cloud_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.topic_types import FieldRule, Topic
+from sojourn_contract.values import PointCloud2
 
 
 class CloudRule:
@@ -30,7 +32,7 @@ class CloudRule:
 
     def judge(self, seen: Observation) -> list[Finding]:
         """What is wrong with the cloud's shape, or with its numbers."""
-        cloud = seen.message
+        cloud = cloud_of(seen.message)
         names = tuple(field.name for field in cloud.fields)
         if names != self._fields:
             return [Finding("fields", " ".join(names), " ".join(self._fields))]
@@ -39,7 +41,7 @@ class CloudRule:
             return [Finding("width", points, f"{self._points} points, one a wheel or pad", abs(points))]
         return self._numbers(cloud)
 
-    def _numbers(self, cloud: Any) -> list[Finding]:
+    def _numbers(self, cloud: PointCloud2) -> list[Finding]:
         try:
             columns = columns_of(self._topic, cloud, self._fields)
         except RefusedMessageError as refusal:

@@ -5,6 +5,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.observation import Observation
+from sojourn_contract.conformance.ros_reading import diagnostics_of
 from sojourn_contract.heartbeat import ENDED, READY, RUNNING, STALLED, WAITING_TO_MATCH, Heartbeat, read_heartbeats
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS, seconds
 from sojourn_contract.topic_types import Topic
@@ -25,7 +26,7 @@ class HeartbeatRule:
     def judge(self, seen: Observation) -> list[Finding]:
         """A role or state that does not exist. Other people's diagnostics have no state and are passed over."""
         found = []
-        for beat in read_heartbeats(seen.message):
+        for beat in read_heartbeats(diagnostics_of(seen.message)):
             if beat.role not in ROLES:
                 found.append(Finding("status.name", repr(beat.role), "one of " + ", ".join(ROLES)))
             if beat.state not in STATES:

@@ -8,6 +8,7 @@ from sojourn_contract.checks import check_message, check_names
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.machine import Machine
 from sojourn_contract.conformance.observation import Observation
+from sojourn_contract.conformance.ros_reading import trajectory_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.topic_types import Topic
 
@@ -64,7 +65,7 @@ class JointRule:
     def _length_findings(self, message: Any, count: int) -> Iterator[Finding]:
         if hasattr(message, "points"):
             try:
-                check_message(self._row.name, message)
+                check_message(self._row.name, trajectory_of(message))
             except RefusedMessageError as refusal:
                 if "number" in str(refusal.value):
                     yield Finding.of_refusal(refusal)

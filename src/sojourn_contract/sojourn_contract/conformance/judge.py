@@ -26,6 +26,7 @@ from sojourn_contract.conformance.machine import Machine
 from sojourn_contract.conformance.numbers import NumberRule
 from sojourn_contract.conformance.observation import Observation, Rule
 from sojourn_contract.conformance.rates import rate_findings
+from sojourn_contract.conformance.ros_reading import diagnostics_of, stamp_of
 from sojourn_contract.conformance.stamp_rules import StampRule
 from sojourn_contract.conformance.texts import GoalStatusRule, LoadRule, SwitchRule, TickRule
 from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
@@ -99,7 +100,7 @@ class Judge:
         if topic in self._mistyped:
             self._count(topic)
             return
-        stamp = stamps.of_message(message)
+        stamp = stamp_of(message)
         skipped = ""
         if row.publisher == "all":
             if not self._is_judged(message):
@@ -173,7 +174,7 @@ class Judge:
 
     def _hear(self, message: Any) -> bool:
         """Keep the heartbeats of the run. Returns whether the message is one."""
-        running = [beat for beat in read_heartbeats(message) if beat.state == RUNNING]
+        running = [beat for beat in read_heartbeats(diagnostics_of(message)) if beat.state == RUNNING]
         for beat in running:
             if beat.role in self._beats:
                 self._beats[beat.role].append(beat)

@@ -6,6 +6,7 @@ from typing import Any
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.machine import Machine
 from sojourn_contract.conformance.observation import Observation
+from sojourn_contract.conformance.ros_reading import diagnostics_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.events import parse_tick
 from sojourn_contract.heartbeat import status_values
@@ -24,7 +25,7 @@ class GoalStatusRule:
         """Values that are missing or have another form."""
         if not seen.message.status:
             return [Finding("status", "empty", "one status with state, goal_stamp and reason")]
-        values = status_values(seen.message)
+        values = status_values(diagnostics_of(seen.message))
         found = []
         if values.get("state") not in GOAL_STATES:
             found.append(Finding("status.values.state", _shown(values, "state"), ", ".join(GOAL_STATES)))
@@ -46,7 +47,7 @@ class SwitchRule:
     def judge(self, seen: Observation) -> list[Finding]:
         """A load that the rover does not have, or a text that is no switch."""
         try:
-            check_switches(seen.row.name, status_values(seen.message), self._loads)
+            check_switches(seen.row.name, status_values(diagnostics_of(seen.message)), self._loads)
         except RefusedMessageError as refusal:
             return [Finding.of_refusal(refusal)]
         return []
@@ -84,7 +85,7 @@ class LoadRule:
         """Texts that are no finite number."""
         return [
             Finding(f"status.values.{key}", value, "a finite number")
-            for key, value in status_values(seen.message).items()
+            for key, value in status_values(diagnostics_of(seen.message)).items()
             if not _is_number(value)
         ]
 

@@ -37,6 +37,7 @@ with them.
 """
 
 import math
+from typing import NamedTuple
 
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
@@ -55,6 +56,8 @@ JOINT_COLUMNS = 28
 
 PASSIVE, RATE, POSITION = 0, 1, 2
 """Kinds of joint."""
+WANTED_POSITION, WANTED_RATE, WANTED_EFFORT = range(3)
+"""Rows of a command's reference: [rad], [rad/s], feed-forward torque [N m]."""
 
 FRICTION_ANGLE = 5e-4
 """z_c: angle over which friction builds up [rad]."""
@@ -65,11 +68,62 @@ STATE_ROWS = 6
 """angle [rad], integral of the servo, friction deflection z [rad]; of a gear with play: twist [rad], rate of the motor
 over the gear [rad/s], deflection of the bearing's friction [rad]
 """
+MOTOR, MOTOR_SLOPE, GEAR_FRICTION, GEAR_FRICTION_SLOPE, STOP, STOP_SLOPE = range(6)
+TEETH, TEETH_SLOPE, BEARING, BEARING_SLOPE, MOTOR_CHANGE, MOTOR_SHARE, BRAKES = range(6, 13)
 WORK_ROWS = 13
-"""motor torque and its slope, friction and its slope, stop and its slope; of a gear with play: teeth and their slope,
-bearing and its slope, change of the motor's rate and its share of the joint's; 1 where a brake gives the motor's torque
+"""Torques and their slopes: of the motor, of its gear's friction, of the stop; of a gear with play: of the teeth and of
+the bearing, change of the motor's rate and its share of the joint's; 1 where a brake gives the motor's torque
 """
-ENERGY_TERMS = ("electrical", "winding_heat", "friction_heat", "stop_heat")
+ELECTRICAL, WINDING_HEAT, FRICTION_HEAT, STOP_HEAT = range(4)
+ENERGY_TERMS = 4
+
+
+class Joints(NamedTuple):
+    """Joints with one degree of freedom, in the model's order."""
+
+    parameters: FloatArray
+    """(joints, JOINT_COLUMNS)"""
+    kinds: IntArray
+    """(joints,)"""
+    columns: IntArray
+    """(joints,): place in the machine's velocity."""
+    loads: IntArray
+    """(joints,): of the bus that the motor is on."""
+
+
+class JointCommand(NamedTuple):
+    """What the joints are told."""
+
+    reference: FloatArray
+    """(3, joints)"""
+    limits: FloatArray
+    """(joints,): fraction of its current that each motor may draw; 0 is switched off, or dead."""
+    bus_voltage: float
+    """[V]"""
+
+
+class JointWork(NamedTuple):
+    """Of a step: from the torques at its start to those that were applied."""
+
+    rows: FloatArray
+    """(WORK_ROWS, joints)"""
+    force: FloatArray
+    """(nv,): generalised force, added to at the joints' columns."""
+    armature: FloatArray
+    """(nv,): to be added to the machine's inertia, written at the joints' columns."""
+
+
+class JointReadings(NamedTuple):
+    """What can be seen of the joints after a step."""
+
+    efforts: FloatArray
+    """(joints,) [N m]"""
+    currents: FloatArray
+    """(joints,) [A]"""
+    load_power: FloatArray
+    """(loads,): power of the motors on each load [W]."""
+    energy: FloatArray
+    """At least (ENERGY_TERMS,): electrical, winding heat, friction heat, stop heat [J]; added to."""
 
 
 @njit(cache=True)
@@ -114,36 +168,27 @@ def _slipped(deflection: float, rate: float, old_rate: float, dt: float) -> floa
 
 @njit(cache=True)
 def joint_torques(
-    parameters: FloatArray,
-    kinds: IntArray,
-    columns: IntArray,
-    velocity: FloatArray,
-    states: FloatArray,
-    command: FloatArray,
+    joints: Joints,
+    command: JointCommand,
     lead: float,
-    limits: FloatArray,
-    bus_voltage: float,
+    velocity: FloatArray,
     dt: float,
-    work: FloatArray,
-    generalised_force: FloatArray,
-    armature: FloatArray,
+    states: FloatArray,
+    work: JointWork,
 ) -> None:
     """Torques at the present rate and their slopes.
 
     Args:
-        parameters: (joints, JOINT_COLUMNS). kinds: (joints,). columns: (joints,) index into `velocity`.
-        velocity: (nv,) [rad/s]. states: (STATE_ROWS, joints), servo integral advanced in place.
-        command: (3, joints): position [rad], rate [rad/s], feed-forward torque [N m].
         lead: time since the command's stamp [s]: a position reference moves on at its rate.
-        limits: (joints,) fraction of its current that each motor may draw; 0 is switched off, or dead.
-        bus_voltage: [V]. work: (WORK_ROWS, joints), written. generalised_force, armature: (nv,), written at
-            `columns`.
+        velocity: (nv,) [rad/s]. states: (STATE_ROWS, joints), servo integral advanced in place. work: written.
     """
+    kinds, reference, bus_voltage = joints.kinds, command.reference, command.bus_voltage
+    generalised_force = work.force
     for i in range(kinds.shape[0]):
-        p = parameters[i]
-        column = columns[i]
+        p = joints.parameters[i]
+        column = joints.columns[i]
         rate = velocity[column]
-        angle = states[0, i]
+        angle = states[ANGLE, i]
         torque = 0.0
         slope = 0.0
         series = p[SATURATION] > 0.0
@@ -159,22 +204,27 @@ def joint_torques(
                 seen += states[TWIST, i]
         if kinds[i] != PASSIVE:
             gain = p[RATIO] * p[TORQUE_CONSTANT]
-            fraction = limits[i]
+            fraction = command.limits[i]
             if fraction > 0.0 or series:
                 if kinds[i] == RATE:
-                    wanted = min(max(command[1, i], -p[MAX_RATE]), p[MAX_RATE]) if fraction > 0.0 else 0.0
+                    wanted = min(max(reference[WANTED_RATE, i], -p[MAX_RATE]), p[MAX_RATE]) if fraction > 0.0 else 0.0
                     error = wanted - rate
-                    torque = p[PROPORTIONAL] * error + p[INTEGRAL] * states[1, i]
+                    torque = p[PROPORTIONAL] * error + p[INTEGRAL] * states[SERVO_INTEGRAL, i]
                     slope = p[PROPORTIONAL]
                     braking = series and (wanted == 0.0 or torque * rate < 0.0)
                 else:
-                    error = command[0, i] + command[1, i] * lead - seen
-                    asked = p[DERIVATIVE] * command[1, i] + p[PROPORTIONAL] * error
+                    error = reference[WANTED_POSITION, i] + reference[WANTED_RATE, i] * lead - seen
+                    asked = p[DERIVATIVE] * reference[WANTED_RATE, i] + p[PROPORTIONAL] * error
                     most = p[DERIVATIVE] * p[MAX_RATE]
                     if abs(asked) > most:
                         asked = math.copysign(most, asked)
                         error = spring_slope = 0.0
-                    torque = asked - (p[DERIVATIVE] + spring_slope) * rate + command[2, i] + p[INTEGRAL] * states[1, i]
+                    torque = (
+                        asked
+                        - (p[DERIVATIVE] + spring_slope) * rate
+                        + reference[WANTED_EFFORT, i]
+                        + p[INTEGRAL] * states[SERVO_INTEGRAL, i]
+                    )
                     slope = p[DERIVATIVE] + spring_slope
                 current = p[MAX_CURRENT] * fraction
                 if braking:
@@ -211,7 +261,7 @@ def joint_torques(
                         torque = limited
                         slope = 0.0
                 elif slope != 0.0 or torque * error < 0.0:
-                    states[1, i] += error * dt  # no wind-up while saturated
+                    states[SERVO_INTEGRAL, i] += error * dt  # no wind-up while saturated
         friction = p[FRICTION] + _loss(p, torque, states[DEFLECTION, i]) * abs(torque)
         friction_torque, friction_slope = _dahl(friction, p[VISCOUS], states[DEFLECTION, i], rate, dt)
         stop = 0.0
@@ -223,17 +273,17 @@ def joint_torques(
                 stop_slope = p[STOP_STIFFNESS] * dt + p[STOP_DAMPING]
             else:  # a stop pushes, it does not hold back
                 stop = 0.0
-        work[0, i] = torque
-        work[1, i] = slope
-        work[2, i] = friction_torque
-        work[3, i] = friction_slope
-        work[4, i] = stop
-        work[5, i] = stop_slope
-        work[12, i] = 1.0 if braking else 0.0
+        work.rows[MOTOR, i] = torque
+        work.rows[MOTOR_SLOPE, i] = slope
+        work.rows[GEAR_FRICTION, i] = friction_torque
+        work.rows[GEAR_FRICTION_SLOPE, i] = friction_slope
+        work.rows[STOP, i] = stop
+        work.rows[STOP_SLOPE, i] = stop_slope
+        work.rows[BRAKES, i] = 1.0 if braking else 0.0
         generalised_force[column] -= p[SPRING_STIFFNESS] * (angle - p[SPRING_REST])
         if not has_play:
             generalised_force[column] += torque + friction_torque + stop
-            armature[column] = p[ARMATURE] + dt * (slope + friction_slope + stop_slope)
+            work.armature[column] = p[ARMATURE] + dt * (slope + friction_slope + stop_slope)
             continue
         bearing, bearing_slope = _dahl(
             p[BEARING_FRICTION], p[BEARING_VISCOUS], states[BEARING_DEFLECTION, i], joint_rate, dt
@@ -244,82 +294,76 @@ def joint_torques(
         through, through_slope, change, share = on_joint(
             torque + friction_torque, slope + friction_slope, p[ARMATURE], tooth, tooth_slope, dt
         )
-        work[6, i] = tooth
-        work[7, i] = tooth_slope
-        work[8, i] = bearing
-        work[9, i] = bearing_slope
-        work[10, i] = change
-        work[11, i] = share
+        work.rows[TEETH, i] = tooth
+        work.rows[TEETH_SLOPE, i] = tooth_slope
+        work.rows[BEARING, i] = bearing
+        work.rows[BEARING_SLOPE, i] = bearing_slope
+        work.rows[MOTOR_CHANGE, i] = change
+        work.rows[MOTOR_SHARE, i] = share
         generalised_force[column] += through + bearing + stop
-        armature[column] = dt * (through_slope + bearing_slope + stop_slope)
+        work.armature[column] = dt * (through_slope + bearing_slope + stop_slope)
 
 
 @njit(cache=True)
 def settle_joints(
-    parameters: FloatArray,
-    kinds: IntArray,
-    columns: IntArray,
-    loads: IntArray,
+    joints: Joints,
     old_velocity: FloatArray,
     velocity: FloatArray,
     dt: float,
-    work: FloatArray,
+    rows: FloatArray,
     states: FloatArray,
-    efforts: FloatArray,
-    currents: FloatArray,
-    load_power: FloatArray,
-    energy: FloatArray,
+    readings: JointReadings,
 ) -> float:
     """Applied torques, currents, friction states and energies of a step that has been solved.
 
     Args:
         old_velocity, velocity: (nv,) rates at the start and the end of the step.
-        states: (STATE_ROWS, joints), advanced in place. efforts [N m], currents [A]: (joints,), written.
-        load_power: (loads,) power of the motors on each load [W], written.
-        energy: at least (4,): electrical, winding heat, friction heat, stop heat [J], added to.
+        rows: of the step's work. states: (STATE_ROWS, joints), advanced in place. readings: written.
 
     Returns:
         electrical power of all motors at their terminals [W].
     """
+    kinds, columns, energy = joints.kinds, joints.columns, readings.energy
+    efforts, currents, load_power = readings.efforts, readings.currents, readings.load_power
     load_power[:] = 0.0
     total = 0.0
     for i in range(kinds.shape[0]):
-        p = parameters[i]
+        p = joints.parameters[i]
         rate = velocity[columns[i]]
         old_rate = old_velocity[columns[i]]
         change = rate - old_rate
         mean_rate = 0.5 * (rate + old_rate)
-        stop = work[4, i] - work[5, i] * change
+        stop = rows[STOP, i] - rows[STOP_SLOPE, i] * change
         spring = -p[SPRING_STIFFNESS] * (states[ANGLE, i] - p[SPRING_REST])
         states[ANGLE, i] += rate * dt
-        energy[3] -= stop * mean_rate * dt
+        energy[STOP_HEAT] -= stop * mean_rate * dt
         through = 0.0
         has_play = p[TOOTH_STIFFNESS] > 0.0
         if has_play:  # from here on the rates are the motor's
-            bearing = work[8, i] - work[9, i] * change
+            bearing = rows[BEARING, i] - rows[BEARING_SLOPE, i] * change
             states[BEARING_DEFLECTION, i] = _slipped(states[BEARING_DEFLECTION, i], rate, old_rate, dt)
-            energy[2] -= bearing * mean_rate * dt
+            energy[FRICTION_HEAT] -= bearing * mean_rate * dt
             joint_change, joint_rate, joint_mean_rate = change, rate, mean_rate
-            change = work[10, i] + work[11, i] * joint_change
+            change = rows[MOTOR_CHANGE, i] + rows[MOTOR_SHARE, i] * joint_change
             old_rate = states[MOTOR_RATE, i]
             rate = old_rate + change
             mean_rate = 0.5 * (rate + old_rate)
-            tooth = work[6, i] + work[7, i] * (change - joint_change)
+            tooth = rows[TEETH, i] + rows[TEETH_SLOPE, i] * (change - joint_change)
             states[MOTOR_RATE, i] = rate
             states[TWIST, i] += dt * (rate - joint_rate)
-            energy[2] += tooth * (mean_rate - joint_mean_rate) * dt
+            energy[FRICTION_HEAT] += tooth * (mean_rate - joint_mean_rate) * dt
             through = tooth + bearing
-        torque = work[0, i] - work[1, i] * change
-        friction_torque = work[2, i] - work[3, i] * change
+        torque = rows[MOTOR, i] - rows[MOTOR_SLOPE, i] * change
+        friction_torque = rows[GEAR_FRICTION, i] - rows[GEAR_FRICTION_SLOPE, i] * change
         states[DEFLECTION, i] = _slipped(states[DEFLECTION, i], rate, old_rate, dt)
-        energy[2] -= friction_torque * mean_rate * dt
+        energy[FRICTION_HEAT] -= friction_torque * mean_rate * dt
         efforts[i] = through if has_play else torque + friction_torque + spring
         if kinds[i] == PASSIVE:
             continue
         series = p[SATURATION] > 0.0
-        if work[12, i] > 0.0 or (series and torque * mean_rate < 0.0):  # a brake, not the motor
+        if rows[BRAKES, i] > 0.0 or (series and torque * mean_rate < 0.0):  # a brake, not the motor
             currents[i] = 0.0
-            energy[2] -= torque * mean_rate * dt
+            energy[FRICTION_HEAT] -= torque * mean_rate * dt
             continue
         if series:
             current = series_current(p[TORQUE_CONSTANT], p[SATURATION], abs(torque) / p[RATIO])
@@ -329,8 +373,8 @@ def settle_joints(
         heat = p[RESISTANCE] * current * current
         power = heat + torque * mean_rate
         currents[i] = current
-        load_power[loads[i]] += power
+        load_power[joints.loads[i]] += power
         total += power
-        energy[0] += power * dt
-        energy[1] += heat * dt
+        energy[ELECTRICAL] += power * dt
+        energy[WINDING_HEAT] += heat * dt
     return total

@@ -50,36 +50,10 @@ class BekkerWheelParams(ContactLawParams):
     model: Literal["bekker_wheel_on_soil"] = Field(description="contact model")
 
 
-_RADIUS = int(WheelColumn.RADIUS)
-_WIDTH = int(WheelColumn.WIDTH)
-_GRAVITY = int(WheelColumn.GRAVITY)
-_PENETRATION = int(MotionColumn.PENETRATION)
-_V_ALONG = int(MotionColumn.V_ALONG)
-_V_NORMAL = int(MotionColumn.V_NORMAL)
-_RIM_SPEED = int(MotionColumn.RIM_SPEED)
-_CAMBER = int(MotionColumn.CAMBER)
-_TRAVEL = int(StateColumn.TRAVEL)
-_FORCE_X = int(OutColumn.FORCE_X)
-_FORCE_Y = int(OutColumn.FORCE_Y)
-_FORCE_Z = int(OutColumn.FORCE_Z)
-_MOMENT_X = int(OutColumn.MOMENT_X)
-_TORQUE = int(OutColumn.TORQUE)
-_SINKAGE = int(OutColumn.SINKAGE)
-_COMPACTION = int(OutColumn.COMPACTION_RESISTANCE)
-_BULLDOZING = int(OutColumn.BULLDOZING_RESISTANCE)
-_N = int(SoilColumn.N)
-_COHESION = int(SoilColumn.COHESION)
-_TAN_PHI = int(SoilColumn.TAN_PHI)
-_K_X = int(SoilColumn.SHEAR_MODULUS_LONGITUDINAL)
-_K_Y = int(SoilColumn.SHEAR_MODULUS_LATERAL)
-_DAMPING = int(SoilColumn.CONTACT_DAMPING)
-_DENSITY = int(SoilColumn.DENSITY)
-
-
 @njit(cache=True)
 def wheel_load(radius: float, width: float, sinkage: float, soil: FloatArray) -> float:
     """W [N] of a wheel sunk by `sinkage` [m]."""
-    n = soil[_N]
+    n = soil[SoilColumn.N]
     factor = max((3.0 - n) / 3.0, MIN_LOAD_FACTOR)
     return float(width * pressure_modulus(soil, width) * math.sqrt(2.0 * radius) * sinkage ** (n + 0.5) * factor)
 
@@ -98,31 +72,37 @@ def bekker_wheel(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:
     """The law; arguments as in `contact_law`."""
-    radius, width, sinkage = float(wheel[_RADIUS]), float(wheel[_WIDTH]), float(motion[_PENETRATION])
+    radius, width, sinkage = (
+        float(wheel[WheelColumn.RADIUS]),
+        float(wheel[WheelColumn.WIDTH]),
+        float(motion[MotionColumn.PENETRATION]),
+    )
     contact = radius * math.acos(clip(1.0 - sinkage / radius, -1.0, 1.0))
     length = max(contact, MIN_CONTACT_LENGTH * radius)
     shear_x, shear_y = advance_rolling(motion, length, dt, state)
-    headway = advance_headway(motion[_V_ALONG], length, dt, state)
+    headway = advance_headway(motion[MotionColumn.V_ALONG], length, dt, state)
     load = wheel_load(radius, width, sinkage, soil)
-    load *= clip(1.0 - soil[_DAMPING] * motion[_V_NORMAL], 0.0, MAX_DAMPING_GAIN)
+    load *= clip(1.0 - soil[SoilColumn.CONTACT_DAMPING] * motion[MotionColumn.V_NORMAL], 0.0, MAX_DAMPING_GAIN)
 
-    j_x = clip(shear_x, -length, length) / soil[_K_X]
-    j_y = clip(shear_y, -length, length) / soil[_K_Y]
+    j_x = clip(shear_x, -length, length) / soil[SoilColumn.SHEAR_MODULUS]
+    j_y = clip(shear_y, -length, length) / soil[SoilColumn.SHEAR_MODULUS_LATERAL]
     j = math.sqrt(j_x * j_x + j_y * j_y)
-    strength = width * contact * soil[_COHESION] + load * soil[_TAN_PHI]
-    shear = strength * mean_shear(j, abs(state[_TRAVEL]))
+    strength = width * contact * soil[SoilColumn.COHESION] + load * soil[SoilColumn.TAN_PHI]
+    shear = strength * mean_shear(j, abs(state[StateColumn.TRAVEL]))
     thrust = shear * j_x
-    n = soil[_N]
+    n = soil[SoilColumn.N]
     compaction = width * pressure_modulus(soil, width) * sinkage ** (n + 1.0) / (n + 1.0)
-    unit_weight = soil[_DENSITY] * wheel[_GRAVITY]
-    bulldozing = wheel_bulldozing(sinkage, radius, width, soil[_COHESION], soil[_TAN_PHI], unit_weight)
-    cos_camber = math.sqrt(max(1.0 - motion[_CAMBER] ** 2, 0.0))
-    out[_FORCE_X] = thrust - (compaction + bulldozing) * headway
-    out[_FORCE_Y] = shear * j_y
-    out[_FORCE_Z] = load
-    out[_MOMENT_X] = radius * (motion[_CAMBER] * load + cos_camber * out[_FORCE_Y])
-    out[_TORQUE] = radius * thrust
-    out[_SINKAGE] = sinkage
-    out[_COMPACTION] = compaction * abs(headway)
-    out[_BULLDOZING] = bulldozing * abs(headway)
-    tell_slip(motion, motion[_RIM_SPEED], out)
+    unit_weight = soil[SoilColumn.DENSITY] * wheel[WheelColumn.GRAVITY]
+    bulldozing = wheel_bulldozing(
+        sinkage, radius, width, soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI], unit_weight
+    )
+    cos_camber = math.sqrt(max(1.0 - motion[MotionColumn.CAMBER] ** 2, 0.0))
+    out[OutColumn.FORCE_X] = thrust - (compaction + bulldozing) * headway
+    out[OutColumn.FORCE_Y] = shear * j_y
+    out[OutColumn.FORCE_Z] = load
+    out[OutColumn.MOMENT_X] = radius * (motion[MotionColumn.CAMBER] * load + cos_camber * out[OutColumn.FORCE_Y])
+    out[OutColumn.TORQUE] = radius * thrust
+    out[OutColumn.SINKAGE] = sinkage
+    out[OutColumn.COMPACTION_RESISTANCE] = compaction * abs(headway)
+    out[OutColumn.BULLDOZING_RESISTANCE] = bulldozing * abs(headway)
+    tell_slip(motion, motion[MotionColumn.RIM_SPEED], out)

@@ -29,10 +29,6 @@ BRISTLE_LEAD = 0.02
 """Time by which the rate leads the displacement of bristles at rest [s]: shorter than in soil, for they are
 stiffer and damp less (estimate)."""
 
-_U_X = int(StateColumn.SHEAR_ALONG)
-_U_Y = int(StateColumn.SHEAR_SIDE)
-_TWIST = int(StateColumn.TWIST)
-
 
 @njit(cache=True)
 def bristle_lead(speed: float) -> float:
@@ -68,21 +64,21 @@ def bristle_forces(
         F_x, F_y [N], M_z [N m], and x, the part of full sliding (0..1).
     """
     if limit <= 0.0:
-        state[_U_X] = state[_U_Y] = state[_TWIST] = 0.0
+        state[StateColumn.SHEAR_ALONG] = state[StateColumn.SHEAR_SIDE] = state[StateColumn.TWIST] = 0.0
         return 0.0, 0.0, 0.0, 0.0
     speed = abs(rim_speed)
-    u_x = (state[_U_X] + dt * slip_x) / (1.0 + dt * speed / relaxation_x)
-    u_y = (state[_U_Y] + dt * slip_y) / (1.0 + dt * speed / relaxation_y)
-    twist = (state[_TWIST] - dt * yaw_rate) / (1.0 + dt * speed / relaxation_y)
+    u_x = (state[StateColumn.SHEAR_ALONG] + dt * slip_x) / (1.0 + dt * speed / relaxation_x)
+    u_y = (state[StateColumn.SHEAR_SIDE] + dt * slip_y) / (1.0 + dt * speed / relaxation_y)
+    twist = (state[StateColumn.TWIST] - dt * yaw_rate) / (1.0 + dt * speed / relaxation_y)
     scale_x, scale_y = stiffness_x / (3.0 * limit), stiffness_y / (3.0 * limit)
     bent = math.sqrt((scale_x * u_x) ** 2 + scale_y * scale_y * (u_y * u_y + (arm * twist) ** 2))
     if bent > 1.0:
         u_x, u_y, twist = u_x / bent, u_y / bent, twist / bent
     ahead = bristle_lead(speed) / dt
-    xi_x = scale_x * (u_x + ahead * (u_x - state[_U_X]))
-    xi_y = scale_y * (u_y + ahead * (u_y - state[_U_Y]))
-    xi_z = scale_y * arm * (twist + ahead * (twist - state[_TWIST]))
-    state[_U_X], state[_U_Y], state[_TWIST] = u_x, u_y, twist
+    xi_x = scale_x * (u_x + ahead * (u_x - state[StateColumn.SHEAR_ALONG]))
+    xi_y = scale_y * (u_y + ahead * (u_y - state[StateColumn.SHEAR_SIDE]))
+    xi_z = scale_y * arm * (twist + ahead * (twist - state[StateColumn.TWIST]))
+    state[StateColumn.SHEAR_ALONG], state[StateColumn.SHEAR_SIDE], state[StateColumn.TWIST] = u_x, u_y, twist
     x = math.sqrt(xi_x * xi_x + xi_y * xi_y + xi_z * xi_z)
     gain = limit * (3.0 - 3.0 * x + x * x) if x < 1.0 else limit / x
     return gain * xi_x, gain * xi_y, gain * xi_z * arm, min(x, 1.0)

@@ -57,18 +57,6 @@ class BrushParams(CompliantWheelParams):
     )
 
 
-_RADIUS = int(WheelColumn.RADIUS)
-_WIDTH = int(WheelColumn.WIDTH)
-_C_KAPPA = int(BrushColumn.LONGITUDINAL_STIFFNESS)
-_C_ALPHA = int(BrushColumn.CORNERING_STIFFNESS)
-_RELAXATION = int(BrushColumn.RELAXATION_LENGTH)
-_PENETRATION = int(MotionColumn.PENETRATION)
-_YAW_RATE = int(MotionColumn.YAW_RATE)
-_U_X = int(StateColumn.SHEAR_ALONG)
-_U_Y = int(StateColumn.SHEAR_SIDE)
-_TRAVEL = int(StateColumn.TRAVEL)
-
-
 @njit(cache=True)
 def pneumatic_trail(x: float, half: float) -> float:
     """Trail [m] at a part x (0..1) of full sliding, of a contact of half length `half` [m]."""
@@ -83,20 +71,23 @@ def brush(
     """The law; arguments as in `contact_law`."""
     load = firm_load(wheel, soil, motion, out)
     slip_x, slip_y, rim_speed, rolling, loaded = firm_slip(wheel, motion, out)
-    half = half_length(wheel[_RADIUS], motion[_PENETRATION])
+    half = half_length(wheel[WheelColumn.RADIUS], motion[MotionColumn.PENETRATION])
     limit = friction_of(wheel, soil) * load
-    relaxation = wheel[_RELAXATION] if wheel[_RELAXATION] > 0.0 else half
-    stiffness_x, stiffness_y = wheel[_C_KAPPA] / relaxation, wheel[_C_ALPHA] / relaxation
+    relaxation = wheel[BrushColumn.RELAXATION_LENGTH] if wheel[BrushColumn.RELAXATION_LENGTH] > 0.0 else half
+    stiffness_x, stiffness_y = (
+        wheel[BrushColumn.LONGITUDINAL_STIFFNESS] / relaxation,
+        wheel[BrushColumn.CORNERING_STIFFNESS] / relaxation,
+    )
     # the sense of travel turns over as the contact is renewed
     moved = dt * rim_speed / (2.0 * half)
-    state[_TRAVEL] = (state[_TRAVEL] + moved) / (1.0 + abs(moved))
+    state[StateColumn.TRAVEL] = (state[StateColumn.TRAVEL] + moved) / (1.0 + abs(moved))
     trail = 0.0
     if limit > 0.0:
-        bent = (stiffness_x * state[_U_X]) ** 2 + (stiffness_y * state[_U_Y]) ** 2
-        trail = state[_TRAVEL] * pneumatic_trail(min(bent**0.5 / (3.0 * limit), 1.0), half)
+        bent = (stiffness_x * state[StateColumn.SHEAR_ALONG]) ** 2 + (stiffness_y * state[StateColumn.SHEAR_SIDE]) ** 2
+        trail = state[StateColumn.TRAVEL] * pneumatic_trail(min(bent**0.5 / (3.0 * limit), 1.0), half)
     force_x, force_y, moment_z, _ = bristle_forces(
-        slip_x, slip_y + trail * motion[_YAW_RATE], motion[_YAW_RATE], rim_speed, stiffness_x, stiffness_y,
-        ARM_PER_WIDTH * wheel[_WIDTH], limit, relaxation, relaxation, dt, state,
+        slip_x, slip_y + trail * motion[MotionColumn.YAW_RATE], motion[MotionColumn.YAW_RATE], rim_speed,
+        stiffness_x, stiffness_y, ARM_PER_WIDTH * wheel[WheelColumn.WIDTH], limit, relaxation, relaxation, dt, state,
     )  # fmt: skip
     finish_firm(
         wheel, motion, force_x, force_y, moment_z - trail * force_y, rim_speed, rolling, loaded, 2.0 * half, dt,

@@ -96,46 +96,21 @@ class CompliantWheelOnSoilParams(ContactLawParams):
     )
 
 
-_RADIUS = int(WheelColumn.RADIUS)
-_WIDTH = int(WheelColumn.WIDTH)
-_GRAVITY = int(WheelColumn.GRAVITY)
-_P_0 = int(CompliantOnSoilColumn.CARCASS_PRESSURE)
-_P_1 = int(CompliantOnSoilColumn.CARCASS_PRESSURE_SLOPE)
-_TREAD = int(CompliantOnSoilColumn.TREAD_STRENGTH)
-_STOP = int(CompliantOnSoilColumn.BUMP_STOP)
-_STOP_SLOPE = int(CompliantOnSoilColumn.BUMP_STOP_SLOPE)
-_PENETRATION = int(MotionColumn.PENETRATION)
-_V_ALONG = int(MotionColumn.V_ALONG)
-_V_NORMAL = int(MotionColumn.V_NORMAL)
-_RIM_SPEED = int(MotionColumn.RIM_SPEED)
-_CAMBER = int(MotionColumn.CAMBER)
-_TRAVEL = int(StateColumn.TRAVEL)
-_FORCE_X = int(OutColumn.FORCE_X)
-_FORCE_Y = int(OutColumn.FORCE_Y)
-_FORCE_Z = int(OutColumn.FORCE_Z)
-_MOMENT_X = int(OutColumn.MOMENT_X)
-_TORQUE = int(OutColumn.TORQUE)
-_SINKAGE = int(OutColumn.SINKAGE)
-_DEFLECTION = int(OutColumn.DEFLECTION)
-_COMPACTION = int(OutColumn.COMPACTION_RESISTANCE)
-_BULLDOZING = int(OutColumn.BULLDOZING_RESISTANCE)
-_N = int(SoilColumn.N)
-_COHESION = int(SoilColumn.COHESION)
-_TAN_PHI = int(SoilColumn.TAN_PHI)
-_K_X = int(SoilColumn.SHEAR_MODULUS_LONGITUDINAL)
-_K_Y = int(SoilColumn.SHEAR_MODULUS_LATERAL)
-_DAMPING = int(SoilColumn.CONTACT_DAMPING)
-_DENSITY = int(SoilColumn.DENSITY)
-
-
 @njit(cache=True)
 def flattening(wheel: FloatArray, soil: FloatArray, penetration: float) -> tuple[float, float, float]:
     """Sinkage [m], deflection [m] and greatest pressure [Pa] at a penetration [m]."""
-    modulus = pressure_modulus(soil, wheel[_WIDTH])
+    modulus = pressure_modulus(soil, wheel[WheelColumn.WIDTH])
     sinkage = sinkage_in_series(
-        modulus, soil[_N], penetration, wheel[_P_0], wheel[_P_1], 0.0, wheel[_STOP], wheel[_STOP_SLOPE]
+        modulus,
+        soil[SoilColumn.N],
+        penetration,
+        wheel[CompliantOnSoilColumn.CARCASS_PRESSURE],
+        wheel[CompliantOnSoilColumn.CARCASS_PRESSURE_SLOPE],
+        0.0,
+        wheel[CompliantOnSoilColumn.BUMP_STOP],
+        wheel[CompliantOnSoilColumn.BUMP_STOP_SLOPE],
     )
-    return sinkage, penetration - sinkage, modulus * sinkage ** soil[_N]
+    return sinkage, penetration - sinkage, modulus * sinkage ** soil[SoilColumn.N]
 
 
 @njit(cache=True)
@@ -143,8 +118,8 @@ def _shear(
     rolled: float, across: float, pressed: float, slip: float, side_slip: float, rolling: float, soil: FloatArray
 ) -> tuple[float, float]:
     """(J_x, J_y)/|J| (1 - e^-J) at a point of the contact, [-]."""
-    j_x = (rolling * rolled + (1.0 - rolling) * slip * pressed) / soil[_K_X]
-    j_y = side_slip * (rolling * across + (1.0 - rolling) * pressed) / soil[_K_Y]
+    j_x = (rolling * rolled + (1.0 - rolling) * slip * pressed) / soil[SoilColumn.SHEAR_MODULUS]
+    j_y = side_slip * (rolling * across + (1.0 - rolling) * pressed) / soil[SoilColumn.SHEAR_MODULUS_LATERAL]
     j = math.sqrt(j_x * j_x + j_y * j_y)
     gain = -math.expm1(-j) / j if j > 1e-9 else 1.0
     return gain * j_x, gain * j_y
@@ -170,7 +145,7 @@ def soft_rim_forces(
     Returns:
         F_x, F_y, F_z [N], sum of the shear along the rim [N], sinkage and deflection [m].
     """
-    radius, width, n = float(wheel[_RADIUS]), float(wheel[_WIDTH]), soil[_N]
+    radius, width, n = float(wheel[WheelColumn.RADIUS]), float(wheel[WheelColumn.WIDTH]), soil[SoilColumn.N]
     deepest = radius * (1.0 - math.cos(MAX_ENTRY_ANGLE))
     reach = min(penetration, deepest)
     excess = max(penetration / deepest, 1.0)  # beyond the last entry angle the pressure goes on with the penetration
@@ -178,7 +153,10 @@ def soft_rim_forces(
     entry = math.acos(min(max(1.0 - reach / radius, -1.0), 1.0))
     flat_angle = math.acos(min(max(1.0 - deflection / radius, -1.0), 1.0))
     modulus = pressure_modulus(soil, width)
-    cohesion, tan_phi = wheel[_TREAD] * soil[_COHESION], wheel[_TREAD] * soil[_TAN_PHI]
+    cohesion, tan_phi = (
+        wheel[CompliantOnSoilColumn.TREAD_STRENGTH] * soil[SoilColumn.COHESION],
+        wheel[CompliantOnSoilColumn.TREAD_STRENGTH] * soil[SoilColumn.TAN_PHI],
+    )
     sin_entry, cos_entry, sin_flat = math.sin(entry), math.cos(entry), math.sin(flat_angle)
     drive, brake = max(slip, 0.0), min(slip, 0.0)
     pressed = 2.0 * radius * sin_entry
@@ -222,35 +200,43 @@ def compliant_wheel_on_soil(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:
     """The law; arguments as in `contact_law`."""
-    radius, width, penetration = float(wheel[_RADIUS]), float(wheel[_WIDTH]), float(motion[_PENETRATION])
+    radius, width, penetration = (
+        float(wheel[WheelColumn.RADIUS]),
+        float(wheel[WheelColumn.WIDTH]),
+        float(motion[MotionColumn.PENETRATION]),
+    )
     _, deflection, greatest = flattening(wheel, soil, penetration)
     rolling_radius = radius - min(deflection, radius) / 3.0
-    rim_speed = motion[_RIM_SPEED] * rolling_radius / radius
+    rim_speed = motion[MotionColumn.RIM_SPEED] * rolling_radius / radius
     entry = math.acos(clip(1.0 - penetration / radius, 0.0, 1.0))
     flat_angle = math.acos(clip(1.0 - deflection / radius, 0.0, 1.0))
-    behind = 1.0 - abs(state[_TRAVEL])
+    behind = 1.0 - abs(state[StateColumn.TRAVEL])
     length = radius * ((1.0 + behind) * math.sin(entry) + (1.0 - behind) * math.sin(flat_angle))
     length = max(length, MIN_CONTACT_LENGTH * radius)
     shear_x, shear_y = advance_rolling(motion, length, dt, state)
-    headway = advance_headway(motion[_V_ALONG], length, dt, state)
-    sense = 1.0 if state[_TRAVEL] >= 0.0 else -1.0
+    headway = advance_headway(motion[MotionColumn.V_ALONG], length, dt, state)
+    sense = 1.0 if state[StateColumn.TRAVEL] >= 0.0 else -1.0
     slip = clip(sense * shear_x / length, -1.0, 1.0)
     side_slip = clip(shear_y / length, -1.0, 1.0)
     force_x, force_y, force_z, along, sinkage, deflection = soft_rim_forces(
-        wheel, soil, penetration, slip, side_slip, abs(state[_TRAVEL]), NODES, WEIGHTS
+        wheel, soil, penetration, slip, side_slip, abs(state[StateColumn.TRAVEL]), NODES, WEIGHTS
     )
-    force_z *= clip(1.0 - soil[_DAMPING] * motion[_V_NORMAL], 0.0, MAX_DAMPING_GAIN)
-    unit_weight = soil[_DENSITY] * wheel[_GRAVITY]
-    pushed = wheel_bulldozing(sinkage, radius, width, soil[_COHESION], soil[_TAN_PHI], unit_weight)
+    force_z *= clip(1.0 - soil[SoilColumn.CONTACT_DAMPING] * motion[MotionColumn.V_NORMAL], 0.0, MAX_DAMPING_GAIN)
+    unit_weight = soil[SoilColumn.DENSITY] * wheel[WheelColumn.GRAVITY]
+    pushed = wheel_bulldozing(sinkage, radius, width, soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI], unit_weight)
     bulldozing = min(pushed, obstacle_resistance(sinkage, radius, force_z))
-    cos_camber = math.sqrt(max(1.0 - motion[_CAMBER] ** 2, 0.0))
-    out[_FORCE_X] = sense * force_x - bulldozing * headway
-    out[_FORCE_Y] = force_y
-    out[_FORCE_Z] = force_z
-    out[_MOMENT_X] = radius * motion[_CAMBER] * force_z + (radius - min(deflection, radius)) * cos_camber * force_y
-    out[_TORQUE] = sense * rolling_radius * along
-    out[_SINKAGE] = sinkage
-    out[_DEFLECTION] = deflection
-    out[_COMPACTION] = width * greatest * sinkage / (soil[_N] + 1.0) * abs(state[_TRAVEL])
-    out[_BULLDOZING] = bulldozing * abs(headway)
+    cos_camber = math.sqrt(max(1.0 - motion[MotionColumn.CAMBER] ** 2, 0.0))
+    out[OutColumn.FORCE_X] = sense * force_x - bulldozing * headway
+    out[OutColumn.FORCE_Y] = force_y
+    out[OutColumn.FORCE_Z] = force_z
+    out[OutColumn.MOMENT_X] = (
+        radius * motion[MotionColumn.CAMBER] * force_z + (radius - min(deflection, radius)) * cos_camber * force_y
+    )
+    out[OutColumn.TORQUE] = sense * rolling_radius * along
+    out[OutColumn.SINKAGE] = sinkage
+    out[OutColumn.DEFLECTION] = deflection
+    out[OutColumn.COMPACTION_RESISTANCE] = (
+        width * greatest * sinkage / (soil[SoilColumn.N] + 1.0) * abs(state[StateColumn.TRAVEL])
+    )
+    out[OutColumn.BULLDOZING_RESISTANCE] = bulldozing * abs(headway)
     tell_slip(motion, rim_speed, out)

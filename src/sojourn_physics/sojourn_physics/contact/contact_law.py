@@ -149,11 +149,6 @@ OUT_COLUMNS = len(OutColumn)
 REST_SPEED = 1e-4
 """Below this speed no slip is told [m/s]."""
 
-_V_ALONG = int(MotionColumn.V_ALONG)
-_V_SIDE = int(MotionColumn.V_SIDE)
-_SLIP_RATIO = int(OutColumn.SLIP_RATIO)
-_SLIP_ANGLE = int(OutColumn.SLIP_ANGLE)
-
 
 @njit(cache=True)
 def tell_slip(motion: FloatArray, rim_speed: float, out: FloatArray) -> None:
@@ -162,9 +157,9 @@ def tell_slip(motion: FloatArray, rim_speed: float, out: FloatArray) -> None:
     Args:
         rim_speed: rate of rotation times the radius on which the wheel rolls freely [m/s].
     """
-    v_along, v_side = motion[_V_ALONG], motion[_V_SIDE]
+    v_along, v_side = motion[MotionColumn.V_ALONG], motion[MotionColumn.V_SIDE]
     if max(abs(rim_speed), math.sqrt(v_along * v_along + v_side * v_side)) >= REST_SPEED:
         ratio = (rim_speed - v_along) / max(abs(rim_speed), abs(v_along), REST_SPEED)
         ahead = 0.5 * (v_along + rim_speed) >= 0.0
-        out[_SLIP_RATIO] = min(max(ratio if ahead else -ratio, -1.0), 1.0)
-        out[_SLIP_ANGLE] = math.atan2(v_side, abs(v_along))
+        out[OutColumn.SLIP_RATIO] = min(max(ratio if ahead else -ratio, -1.0), 1.0)
+        out[OutColumn.SLIP_ANGLE] = math.atan2(v_side, abs(v_along))

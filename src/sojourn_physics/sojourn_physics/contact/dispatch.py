@@ -13,38 +13,28 @@ from sojourn_physics.contact.rigid_wheel_on_soil import rigid_wheel_on_soil
 from sojourn_physics.contact.roller_wheel import roller_wheel
 from sojourn_physics.contact.track import track
 
-_MODEL = int(WheelColumn.MODEL)
-_RIGID_ON_SOIL = int(ContactModel.RIGID_WHEEL_ON_SOIL)
-_COMPLIANT_ON_SOIL = int(ContactModel.COMPLIANT_WHEEL_ON_SOIL)
-_BRUSH = int(ContactModel.BRUSH)
-_BEKKER = int(ContactModel.BEKKER_WHEEL_ON_SOIL)
-_MAGIC = int(ContactModel.MAGIC_FORMULA)
-_ROLLER = int(ContactModel.ROLLER_WHEEL)
-_TRACK = int(ContactModel.TRACK)
-_FOOT = int(ContactModel.FOOT_PAD)
-
 
 @njit(cache=True)
 def apply_law(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:
     """The law that the wheel's row names; arguments as in `contact_law`."""
-    model = int(wheel[_MODEL])
-    if model == _RIGID_ON_SOIL:
+    model = int(wheel[WheelColumn.MODEL])
+    if model == ContactModel.RIGID_WHEEL_ON_SOIL:
         rigid_wheel_on_soil(wheel, soil, motion, dt, state, out)
-    elif model == _COMPLIANT_ON_SOIL:
+    elif model == ContactModel.COMPLIANT_WHEEL_ON_SOIL:
         compliant_wheel_on_soil(wheel, soil, motion, dt, state, out)
-    elif model == _BEKKER:
+    elif model == ContactModel.BEKKER_WHEEL_ON_SOIL:
         bekker_wheel(wheel, soil, motion, dt, state, out)
-    elif model == _BRUSH:
+    elif model == ContactModel.BRUSH:
         brush(wheel, soil, motion, dt, state, out)
-    elif model == _MAGIC:
+    elif model == ContactModel.MAGIC_FORMULA:
         magic_formula(wheel, soil, motion, dt, state, out)
-    elif model == _ROLLER:
+    elif model == ContactModel.ROLLER_WHEEL:
         roller_wheel(wheel, soil, motion, dt, state, out)
-    elif model == _TRACK:
+    elif model == ContactModel.TRACK:
         track(wheel, soil, motion, dt, state, out)
-    elif model == _FOOT:
+    elif model == ContactModel.FOOT_PAD:
         foot_pad(wheel, soil, motion, dt, state, out)
     else:  # rigid ground, rigid or compliant wheel: their rows differ in what gives way
         coulomb_wheel(wheel, soil, motion, dt, state, out)

@@ -78,52 +78,29 @@ class CompliantWheelParams(FirmWheelParams):
     damping: float = Field(default=1.0, ge=0.0, le=100.0, description="Hunt-Crossley damping of the wheel [s/m]")
 
 
-_RADIUS = int(WheelColumn.RADIUS)
-_WIDTH = int(WheelColumn.WIDTH)
-_STIFFNESS = int(FirmColumn.STIFFNESS)
-_PROGRESSIVE = int(FirmColumn.PROGRESSIVE_STIFFNESS)
-_STOP = int(FirmColumn.STOP_DEFLECTION)
-_STOP_STIFFNESS = int(FirmColumn.STOP_STIFFNESS)
-_DAMPING = int(FirmColumn.DAMPING)
-_FRICTION = int(FirmColumn.FRICTION)
-_F0 = int(FirmColumn.ROLLING_RESISTANCE)
-_K = int(FirmColumn.ROLLING_RESISTANCE_PER_SPEED_SQUARED)
-_PENETRATION = int(MotionColumn.PENETRATION)
-_V_ALONG = int(MotionColumn.V_ALONG)
-_V_SIDE = int(MotionColumn.V_SIDE)
-_V_NORMAL = int(MotionColumn.V_NORMAL)
-_RIM_SPEED = int(MotionColumn.RIM_SPEED)
-_CAMBER = int(MotionColumn.CAMBER)
-_ROLL_RATE = int(MotionColumn.ROLL_RATE)
-_FORCE_X = int(OutColumn.FORCE_X)
-_FORCE_Y = int(OutColumn.FORCE_Y)
-_FORCE_Z = int(OutColumn.FORCE_Z)
-_MOMENT_X = int(OutColumn.MOMENT_X)
-_MOMENT_Z = int(OutColumn.MOMENT_Z)
-_TORQUE = int(OutColumn.TORQUE)
-_SINKAGE = int(OutColumn.SINKAGE)
-_DEFLECTION = int(OutColumn.DEFLECTION)
-_ROLLING = int(OutColumn.ROLLING_RESISTANCE)
-_SOIL_DAMPING = int(SoilColumn.CONTACT_DAMPING)
-_TAN_PHI = int(SoilColumn.TAN_PHI)
-
-
 @njit(cache=True)
 def firm_load(wheel: FloatArray, soil: FloatArray, motion: FloatArray, out: FloatArray) -> float:
     """Load of the contact [N], also written to `out` with sinkage and deflection."""
-    radius, penetration = float(wheel[_RADIUS]), float(motion[_PENETRATION])
-    amount, exponent = round_rim_on_ground(radius, wheel[_WIDTH], soil)
+    radius, penetration = float(wheel[WheelColumn.RADIUS]), float(motion[MotionColumn.PENETRATION])
+    amount, exponent = round_rim_on_ground(radius, wheel[WheelColumn.WIDTH], soil)
     sinkage = sinkage_in_series(
-        amount, exponent, penetration, 0.0, wheel[_STIFFNESS], wheel[_PROGRESSIVE], wheel[_STOP], wheel[_STOP_STIFFNESS]
+        amount,
+        exponent,
+        penetration,
+        0.0,
+        wheel[FirmColumn.STIFFNESS],
+        wheel[FirmColumn.PROGRESSIVE_STIFFNESS],
+        wheel[FirmColumn.STOP_DEFLECTION],
+        wheel[FirmColumn.STOP_STIFFNESS],
     )
     deflection = penetration - sinkage
     part = sinkage / penetration
-    damping = part * soil[_SOIL_DAMPING] + (1.0 - part) * wheel[_DAMPING]
-    rising = motion[_V_NORMAL] + radius * motion[_CAMBER] * motion[_ROLL_RATE]
+    damping = part * soil[SoilColumn.CONTACT_DAMPING] + (1.0 - part) * wheel[FirmColumn.DAMPING]
+    rising = motion[MotionColumn.V_NORMAL] + radius * motion[MotionColumn.CAMBER] * motion[MotionColumn.ROLL_RATE]
     load = amount * sinkage**exponent * clip(1.0 - damping * rising, 0.0, MAX_DAMPING_GAIN)
-    out[_FORCE_Z] = load
-    out[_SINKAGE] = sinkage
-    out[_DEFLECTION] = deflection
+    out[OutColumn.FORCE_Z] = load
+    out[OutColumn.SINKAGE] = sinkage
+    out[OutColumn.DEFLECTION] = deflection
     return float(load)
 
 
@@ -137,19 +114,19 @@ def half_length(radius: float, penetration: float) -> float:
 @njit(cache=True)
 def friction_of(wheel: FloatArray, soil: FloatArray) -> float:
     """Coefficient of friction [-]."""
-    return float(wheel[_FRICTION]) if wheel[_FRICTION] > 0.0 else float(soil[_TAN_PHI])
+    return float(wheel[FirmColumn.FRICTION]) if wheel[FirmColumn.FRICTION] > 0.0 else float(soil[SoilColumn.TAN_PHI])
 
 
 @njit(cache=True)
 def firm_slip(wheel: FloatArray, motion: FloatArray, out: FloatArray) -> tuple[float, float, float, float, float]:
     """w_x, w_y, r_e ω [m/s], rolling and loaded radius [m]; after `firm_load`."""
-    radius = float(wheel[_RADIUS])
-    deflection = min(out[_DEFLECTION], radius)
+    radius = float(wheel[WheelColumn.RADIUS])
+    deflection = min(out[OutColumn.DEFLECTION], radius)
     rolling, loaded = radius - deflection / 3.0, radius - deflection
-    rim_speed = motion[_RIM_SPEED] * (rolling / radius)
-    cos_camber = math.sqrt(max(1.0 - motion[_CAMBER] ** 2, 0.0))
-    slip_y = -(motion[_V_SIDE] + loaded * cos_camber * motion[_ROLL_RATE])
-    return rim_speed - motion[_V_ALONG], slip_y, rim_speed, rolling, loaded
+    rim_speed = motion[MotionColumn.RIM_SPEED] * (rolling / radius)
+    cos_camber = math.sqrt(max(1.0 - motion[MotionColumn.CAMBER] ** 2, 0.0))
+    slip_y = -(motion[MotionColumn.V_SIDE] + loaded * cos_camber * motion[MotionColumn.ROLL_RATE])
+    return rim_speed - motion[MotionColumn.V_ALONG], slip_y, rim_speed, rolling, loaded
 
 
 @njit(cache=True)
@@ -168,15 +145,20 @@ def finish_firm(
     out: FloatArray,
 ) -> None:
     """Write forces and moments of a contact whose load is in `out`; adds the rolling resistance."""
-    load = out[_FORCE_Z]
+    load = out[OutColumn.FORCE_Z]
     headway = advance_headway(rim_speed, length, dt, state)
-    resistance = (wheel[_F0] + wheel[_K] * rim_speed * rim_speed) * load
-    cos_camber = math.sqrt(max(1.0 - motion[_CAMBER] ** 2, 0.0))
-    out[_FORCE_X] = force_x
-    out[_FORCE_Y] = force_y
+    resistance = (
+        wheel[FirmColumn.ROLLING_RESISTANCE]
+        + wheel[FirmColumn.ROLLING_RESISTANCE_PER_SPEED_SQUARED] * rim_speed * rim_speed
+    ) * load
+    cos_camber = math.sqrt(max(1.0 - motion[MotionColumn.CAMBER] ** 2, 0.0))
+    out[OutColumn.FORCE_X] = force_x
+    out[OutColumn.FORCE_Y] = force_y
     # the load acts at the rim as it was, the shear at the rim as it is
-    out[_MOMENT_X] = wheel[_RADIUS] * motion[_CAMBER] * load + loaded * cos_camber * force_y
-    out[_MOMENT_Z] = moment_z
-    out[_TORQUE] = rolling * (force_x + resistance * headway)
-    out[_ROLLING] = resistance * abs(headway)
+    out[OutColumn.MOMENT_X] = (
+        wheel[WheelColumn.RADIUS] * motion[MotionColumn.CAMBER] * load + loaded * cos_camber * force_y
+    )
+    out[OutColumn.MOMENT_Z] = moment_z
+    out[OutColumn.TORQUE] = rolling * (force_x + resistance * headway)
+    out[OutColumn.ROLLING_RESISTANCE] = resistance * abs(headway)
     tell_slip(motion, rim_speed, out)

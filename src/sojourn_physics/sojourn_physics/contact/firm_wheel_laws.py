@@ -33,12 +33,6 @@ from sojourn_physics.contact.firm_wheel import (
 ARM_PER_WIDTH = 0.25
 """Arm of the friction moment of a turn on the spot, over the width."""
 
-_RADIUS = int(WheelColumn.RADIUS)
-_WIDTH = int(WheelColumn.WIDTH)
-_BREAK_AWAY = int(FirmColumn.BREAK_AWAY)
-_PENETRATION = int(MotionColumn.PENETRATION)
-_YAW_RATE = int(MotionColumn.YAW_RATE)
-
 
 class RigidWheelOnRigidGroundParams(FirmWheelParams):
     """Law 1."""
@@ -73,11 +67,11 @@ def coulomb_wheel(
     """The three laws; arguments as in `contact_law`."""
     load = firm_load(wheel, soil, motion, out)
     slip_x, slip_y, rim_speed, rolling, loaded = firm_slip(wheel, motion, out)
-    length = 2.0 * half_length(wheel[_RADIUS], motion[_PENETRATION])
+    length = 2.0 * half_length(wheel[WheelColumn.RADIUS], motion[MotionColumn.PENETRATION])
     limit = friction_of(wheel, soil) * load
-    stiffness = 3.0 * limit / wheel[_BREAK_AWAY]
+    stiffness = 3.0 * limit / wheel[FirmColumn.BREAK_AWAY]
     force_x, force_y, moment_z, _ = bristle_forces(
-        slip_x, slip_y, motion[_YAW_RATE], rim_speed, stiffness, stiffness, ARM_PER_WIDTH * wheel[_WIDTH], limit,
-        length, length, dt, state,
+        slip_x, slip_y, motion[MotionColumn.YAW_RATE], rim_speed, stiffness, stiffness,
+        ARM_PER_WIDTH * wheel[WheelColumn.WIDTH], limit, length, length, dt, state,
     )  # fmt: skip
     finish_firm(wheel, motion, force_x, force_y, moment_z, rim_speed, rolling, loaded, length, dt, state, out)

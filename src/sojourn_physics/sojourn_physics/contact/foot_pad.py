@@ -44,35 +44,11 @@ class FootPadParams(ContactLawParams):
     model: Literal["foot_pad"] = Field(description="contact model")
 
 
-_RADIUS = int(WheelColumn.RADIUS)
-_GRAVITY = int(WheelColumn.GRAVITY)
-_PENETRATION = int(MotionColumn.PENETRATION)
-_V_ALONG = int(MotionColumn.V_ALONG)
-_V_SIDE = int(MotionColumn.V_SIDE)
-_V_NORMAL = int(MotionColumn.V_NORMAL)
-_YAW_RATE = int(MotionColumn.YAW_RATE)
-_U_X = int(StateColumn.SHEAR_ALONG)
-_U_Y = int(StateColumn.SHEAR_SIDE)
-_TWIST = int(StateColumn.TWIST)
-_FORCE_X = int(OutColumn.FORCE_X)
-_FORCE_Y = int(OutColumn.FORCE_Y)
-_FORCE_Z = int(OutColumn.FORCE_Z)
-_MOMENT_Z = int(OutColumn.MOMENT_Z)
-_SINKAGE = int(OutColumn.SINKAGE)
-_BULLDOZING = int(OutColumn.BULLDOZING_RESISTANCE)
-_N = int(SoilColumn.N)
-_COHESION = int(SoilColumn.COHESION)
-_TAN_PHI = int(SoilColumn.TAN_PHI)
-_K_X = int(SoilColumn.SHEAR_MODULUS_LONGITUDINAL)
-_DAMPING = int(SoilColumn.CONTACT_DAMPING)
-_DENSITY = int(SoilColumn.DENSITY)
-
-
 @njit(cache=True)
 def pad_pressure(radius: float, sinkage: float, soil: FloatArray, unit_weight: float) -> float:
     """Mean pressure under a pad at a depth [Pa]."""
-    bekker = pressure_modulus(soil, radius) * sinkage ** soil[_N]
-    capacity = round_bearing_capacity(sinkage, radius, soil[_COHESION], soil[_TAN_PHI], unit_weight)
+    bekker = pressure_modulus(soil, radius) * sinkage ** soil[SoilColumn.N]
+    capacity = round_bearing_capacity(sinkage, radius, soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI], unit_weight)
     low, high = min(bekker, capacity), max(bekker, capacity)
     if low <= 0.0:
         return 0.0
@@ -84,35 +60,46 @@ def foot_pad(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:
     """The law; arguments as in `contact_law`."""
-    radius, sinkage, modulus = float(wheel[_RADIUS]), float(motion[_PENETRATION]), soil[_K_X]
-    v_along, v_side, yaw_rate = motion[_V_ALONG], motion[_V_SIDE], motion[_YAW_RATE]
+    radius, sinkage, modulus = (
+        float(wheel[WheelColumn.RADIUS]),
+        float(motion[MotionColumn.PENETRATION]),
+        soil[SoilColumn.SHEAR_MODULUS],
+    )
+    v_along, v_side, yaw_rate = motion[MotionColumn.V_ALONG], motion[MotionColumn.V_SIDE], motion[MotionColumn.YAW_RATE]
     arm = FRICTION_ARM * radius
     speed = math.sqrt(v_along * v_along + v_side * v_side + (arm * yaw_rate) ** 2)
     kept = 1.0 / (1.0 + dt * speed / (MEMORY * modulus))
-    state[_U_X] = (state[_U_X] - dt * v_along) * kept
-    state[_U_Y] = (state[_U_Y] - dt * v_side) * kept
-    state[_TWIST] = (state[_TWIST] - dt * yaw_rate) * kept
-    displacement = math.sqrt(state[_U_X] ** 2 + state[_U_Y] ** 2 + (arm * state[_TWIST]) ** 2)
+    state[StateColumn.SHEAR_ALONG] = (state[StateColumn.SHEAR_ALONG] - dt * v_along) * kept
+    state[StateColumn.SHEAR_SIDE] = (state[StateColumn.SHEAR_SIDE] - dt * v_side) * kept
+    state[StateColumn.TWIST] = (state[StateColumn.TWIST] - dt * yaw_rate) * kept
+    displacement = math.sqrt(
+        state[StateColumn.SHEAR_ALONG] ** 2 + state[StateColumn.SHEAR_SIDE] ** 2 + (arm * state[StateColumn.TWIST]) ** 2
+    )
     shear_x, shear_y, shear_z = effective_shear(
         -dt * v_along, -dt * v_side, -dt * arm * yaw_rate, kept, displacement, state
     )
 
     area = math.pi * radius * radius
-    unit_weight = soil[_DENSITY] * wheel[_GRAVITY]
+    unit_weight = soil[SoilColumn.DENSITY] * wheel[WheelColumn.GRAVITY]
     load = area * pad_pressure(radius, sinkage, soil, unit_weight)
-    load *= clip(1.0 - soil[_DAMPING] * motion[_V_NORMAL], 0.0, MAX_DAMPING_GAIN)
+    load *= clip(1.0 - soil[SoilColumn.CONTACT_DAMPING] * motion[MotionColumn.V_NORMAL], 0.0, MAX_DAMPING_GAIN)
     lead = shear_lead(speed)
     u_x, u_y = shear_x - lead * v_along, shear_y - lead * v_side
     turned = shear_z - lead * arm * yaw_rate
     slide = math.sqrt(u_x * u_x + u_y * u_y)
     displacement = math.sqrt(slide * slide + turned * turned)
     gain = -math.expm1(-displacement / modulus) / displacement if displacement > 1e-12 else 1.0 / modulus
-    friction = (area * soil[_COHESION] + load * soil[_TAN_PHI]) * gain
+    friction = (area * soil[SoilColumn.COHESION] + load * soil[SoilColumn.TAN_PHI]) * gain
     wall_gain = -math.expm1(-slide / modulus) / slide if slide > 1e-12 else 1.0 / modulus
-    wall = 2.0 * radius * wall_resistance(sinkage, soil[_COHESION], soil[_TAN_PHI], unit_weight) * wall_gain
-    out[_FORCE_X] = (friction + wall) * u_x
-    out[_FORCE_Y] = (friction + wall) * u_y
-    out[_FORCE_Z] = load
-    out[_MOMENT_Z] = friction * turned * arm
-    out[_SINKAGE] = sinkage
-    out[_BULLDOZING] = wall * slide
+    wall = (
+        2.0
+        * radius
+        * wall_resistance(sinkage, soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI], unit_weight)
+        * wall_gain
+    )
+    out[OutColumn.FORCE_X] = (friction + wall) * u_x
+    out[OutColumn.FORCE_Y] = (friction + wall) * u_y
+    out[OutColumn.FORCE_Z] = load
+    out[OutColumn.MOMENT_Z] = friction * turned * arm
+    out[OutColumn.SINKAGE] = sinkage
+    out[OutColumn.BULLDOZING_RESISTANCE] = wall * slide

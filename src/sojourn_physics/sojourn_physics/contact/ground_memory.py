@@ -28,6 +28,7 @@ rigid one would have.
 """
 
 import math
+from typing import NamedTuple
 
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
@@ -35,7 +36,7 @@ from sojourn_physics.contact.contact_law import StateColumn, WheelColumn
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus
 from sojourn_physics.soil.params import FORM_BEKKER, SoilColumn
 from sojourn_physics.soil.repeated_loading import equivalent_law, rut_depth
-from sojourn_physics.terrain.memory_access import read_ground, write_ground
+from sojourn_physics.terrain.memory_access import Patch, Trace, read_ground, write_ground
 from sojourn_physics.terrain.memory_tiles import MemoryTables
 
 ROLLING = 0.5
@@ -45,54 +46,51 @@ ROLLING = 0.5
 GREATEST, RUT, MODULUS, EXPONENT, PLACE_X, PLACE_Y, REACH = range(7)
 PAST_COLUMNS = 7
 
-_RADIUS = int(WheelColumn.RADIUS)
-_WIDTH = int(WheelColumn.WIDTH)
-_U_X = int(StateColumn.SHEAR_ALONG)
-_U_Y = int(StateColumn.SHEAR_SIDE)
-_TRAVEL = int(StateColumn.TRAVEL)
-_FORM = int(SoilColumn.FORM)
-_N = int(SoilColumn.N)
-_K_C = int(SoilColumn.K_C)
-_K_PHI = int(SoilColumn.K_PHI)
-_EXIT_LAMBDA = int(SoilColumn.EXIT_LAMBDA)
-_K_0 = int(SoilColumn.UNLOADING_STIFFNESS)
-_COMPACTED = int(SoilColumn.COMPACTED_SHARE)
-_A_U = int(SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE)
+
+class Rim(NamedTuple):
+    """The lowest point of a wheel's rim over the ground as it was once."""
+
+    x: float
+    """In map [m]."""
+    y: float
+    forward_x: float
+    """Horizontal unit vector in the wheel's plane."""
+    forward_y: float
+    travel: float
+    """D that the contact remembers [-]."""
+    depth: float
+    """Below that ground, at least 0 [m]."""
 
 
 @njit(cache=True)
-def look_ahead(
-    memory: MemoryTables,
-    wheel: FloatArray,
-    x: float,
-    y: float,
-    forward: FloatArray,
-    travel: float,
-    depth: float,
-    past: FloatArray,
-) -> tuple[float, float, float]:
+def look_ahead(memory: MemoryTables, wheel: FloatArray, rim: Rim, past: FloatArray) -> tuple[float, float, float]:
     """Read what the ground ahead of a wheel has seen.
 
     Args:
-        memory: tables of a MemoryBoard. wheel: row of `WheelColumn`.
-        x, y: lowest point of the rim in map [m]. forward: horizontal unit vector, (3,). travel: D.
-        depth: of that point below the ground as it was once [m]. past: (PAST_COLUMNS,), written.
+        wheel: row of `WheelColumn`. past: (PAST_COLUMNS,), written.
 
     Returns:
         how far the ground lies below what it was, by ruts and digging [m], and the gradients of that by x and y [-].
     """
-    pool, slots, _, place = memory
-    length = min(math.sqrt(2.0 * wheel[_RADIUS] * depth), wheel[_RADIUS])
-    reach = length + place[2]
-    ahead = travel * reach
+    radius = wheel[WheelColumn.RADIUS]
+    length = min(math.sqrt(2.0 * radius * rim.depth), radius)
+    reach = length + memory.place[2]
+    ahead = rim.travel * reach
     greatest, rut, dug, slope_x, slope_y = read_ground(
-        pool, slots, place, x + ahead * forward[0], y + ahead * forward[1], forward[0], forward[1],
-        2.0 * length, wheel[_WIDTH],
-    )  # fmt: skip
+        memory,
+        Patch(
+            rim.x + ahead * rim.forward_x,
+            rim.y + ahead * rim.forward_y,
+            rim.forward_x,
+            rim.forward_y,
+            2.0 * length,
+            wheel[WheelColumn.WIDTH],
+        ),
+    )
     past[GREATEST] = greatest
     past[RUT] = rut
-    past[PLACE_X] = x
-    past[PLACE_Y] = y
+    past[PLACE_X] = rim.x
+    past[PLACE_Y] = rim.y
     past[REACH] = reach
     return rut + dug, slope_x, slope_y
 
@@ -100,20 +98,26 @@ def look_ahead(
 @njit(cache=True)
 def settle_soil(wheel: FloatArray, depth: float, soil: FloatArray, past: FloatArray) -> None:
     """Turn the virgin soil's row, (columns,), into that of the ground which a wheel `depth` [m] below the rut meets."""
-    modulus, exponent = pressure_modulus(soil, wheel[_WIDTH]), soil[_N]
+    modulus, exponent = pressure_modulus(soil, wheel[WheelColumn.WIDTH]), soil[SoilColumn.N]
     past[MODULUS] = modulus
     past[EXPONENT] = exponent
     rut = past[RUT]
     if rut > 0.0:
         reached = rut + depth
         greatest = max(reached, past[GREATEST])
-        springs_back = reached - rut_depth(modulus, exponent, greatest, soil[_K_0], soil[_A_U])
-        given = max(soil[_EXIT_LAMBDA], 0.0)
+        springs_back = reached - rut_depth(
+            modulus,
+            exponent,
+            greatest,
+            soil[SoilColumn.UNLOADING_STIFFNESS],
+            soil[SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE],
+        )
+        given = max(soil[SoilColumn.EXIT_LAMBDA], 0.0)
         recovered = min(max(springs_back / depth, given), 1.0)
-        soil[_EXIT_LAMBDA] = given + (recovered - given) * rut / reached
-        soil[_FORM] = FORM_BEKKER
-        soil[_K_C] = 0.0
-        soil[_K_PHI], soil[_N] = equivalent_law(modulus, exponent, past[GREATEST], past[RUT], depth)
+        soil[SoilColumn.EXIT_LAMBDA] = given + (recovered - given) * rut / reached
+        soil[SoilColumn.FORM] = FORM_BEKKER
+        soil[SoilColumn.K_C] = 0.0
+        soil[SoilColumn.K_PHI], soil[SoilColumn.N] = equivalent_law(modulus, exponent, past[GREATEST], past[RUT], depth)
 
 
 @njit(cache=True)
@@ -129,19 +133,31 @@ def leave_rut(
     """Write behind a rolling wheel what it has done to the ground, down to `sinkage` [m] below what it met; other
     arguments as above and in `contact_law`.
     """
-    travel = state[_TRAVEL]
+    travel = state[StateColumn.TRAVEL]
     if abs(travel) < ROLLING:
         return
     greatest = past[RUT] + sinkage
-    rut = rut_depth(past[MODULUS], past[EXPONENT], greatest, soil[_K_0], soil[_A_U])
+    rut = rut_depth(
+        past[MODULUS],
+        past[EXPONENT],
+        greatest,
+        soil[SoilColumn.UNLOADING_STIFFNESS],
+        soil[SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE],
+    )
     if rut <= 0.0:
         return
-    pool, slots, pages, place = memory
     sense = 1.0 if travel > 0.0 else -1.0
     behind = travel * past[REACH]
-    shear = math.sqrt(state[_U_X] * state[_U_X] + state[_U_Y] * state[_U_Y])
-    write_ground(
-        pool, slots, pages, place, past[PLACE_X] - behind * forward[0], past[PLACE_Y] - behind * forward[1],
-        sense * forward[0], sense * forward[1], wheel[_WIDTH], greatest, rut, shear,
-        1.0 - soil[_COMPACTED],
-    )  # fmt: skip
+    shear = math.sqrt(
+        state[StateColumn.SHEAR_ALONG] * state[StateColumn.SHEAR_ALONG]
+        + state[StateColumn.SHEAR_SIDE] * state[StateColumn.SHEAR_SIDE]
+    )
+    line = Patch(
+        past[PLACE_X] - behind * forward[0],
+        past[PLACE_Y] - behind * forward[1],
+        sense * forward[0],
+        sense * forward[1],
+        0.0,
+        wheel[WheelColumn.WIDTH],
+    )
+    write_ground(memory, line, Trace(greatest, rut, shear, 1.0 - soil[SoilColumn.COMPACTED_SHARE]))

@@ -18,9 +18,11 @@ import numpy as np
 
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
+from sojourn_physics.contact.contact_law import WheelColumn
+from sojourn_physics.contact.tables import Ground
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus
 from sojourn_physics.soil.params import FORM_BEKKER, SoilColumn
-from sojourn_physics.terrain.height_field import HeightArray, SoilArray, sample_ground, sample_soil
+from sojourn_physics.terrain.height_field import sample_ground, sample_soil
 
 RIM_SAMPLES = 13
 RIM_SAMPLE_RANGE = 1.35
@@ -34,11 +36,6 @@ FEW_SAMPLES = 0.02
 _ANGLES = np.linspace(-RIM_SAMPLE_RANGE, RIM_SAMPLE_RANGE, RIM_SAMPLES)
 RIM_SIN: FloatArray = np.ascontiguousarray(np.sin(_ANGLES))
 RIM_COS: FloatArray = np.ascontiguousarray(np.cos(_ANGLES))
-
-_FORM = int(SoilColumn.FORM)
-_K_C = int(SoilColumn.K_C)
-_K_PHI = int(SoilColumn.K_PHI)
-_EXIT_LAMBDA = int(SoilColumn.EXIT_LAMBDA)
 
 
 @njit(cache=True)
@@ -69,42 +66,32 @@ def blend_soils(soils: FloatArray, shares: FloatArray, width: float, blended: Fl
         if share > 0.0:
             log_modulus += share * math.log(max(pressure_modulus(soils[i], width), 1.0))
             # "exit angle zero" is marked by a negative ratio, for which zero stands as well
-            exit_ratio += share * max(soils[i, _EXIT_LAMBDA], 0.0)
+            exit_ratio += share * max(soils[i, SoilColumn.EXIT_LAMBDA], 0.0)
             for k in range(blended.shape[0]):
                 blended[k] += share * soils[i, k]
-    blended[_FORM] = FORM_BEKKER
-    blended[_K_C] = 0.0
-    blended[_K_PHI] = math.exp(log_modulus)
-    blended[_EXIT_LAMBDA] = exit_ratio
+    blended[SoilColumn.FORM] = FORM_BEKKER
+    blended[SoilColumn.K_C] = 0.0
+    blended[SoilColumn.K_PHI] = math.exp(log_modulus)
+    blended[SoilColumn.EXIT_LAMBDA] = exit_ratio
     return first
 
 
 @njit(cache=True)
 def contact_plane(
-    heights: HeightArray,
-    soil_index: SoilArray,
-    grid: FloatArray,
-    centre: FloatArray,
-    forward: FloatArray,
-    up: FloatArray,
-    radius: float,
-    width: float,
-    rim_sin: FloatArray,
-    rim_cos: FloatArray,
-    shares: FloatArray,
+    ground: Ground, centre: FloatArray, forward: FloatArray, up: FloatArray, wheel: FloatArray, shares: FloatArray
 ) -> tuple[bool, float, float, float, float, float, bool]:
     """Plane that stands for the ground under one wheel.
 
     Args:
-        heights, soil_index, grid: of the height field; see `HeightField`.
-        centre: of the wheel in map, shape (3,) [m].
-        forward, up: unit vectors in the wheel's plane, shape (3,). radius, width: of the wheel [m].
-        shares: (soils,), written: weight of each soil in the contact.
+        centre: of the wheel in map, shape (3,) [m]. forward, up: unit vectors in its plane, shape (3,).
+        wheel: row of `WheelColumn`. shares: (soils,), written: weight of each soil in the contact.
 
     Returns:
         whether there is ground within reach, a point of the plane x, y, z [m], its gradients dz/dx, dz/dy,
         and whether all of it is on the map.
     """
+    heights, grid = ground.heights, ground.grid
+    radius, width = float(wheel[WheelColumn.RADIUS]), float(wheel[WheelColumn.WIDTH])
     total = 0.0
     x_mean = 0.0
     y_mean = 0.0
@@ -117,9 +104,9 @@ def contact_plane(
     on_map = True
     margin = SAMPLE_MARGIN * radius
     shares[:] = 0.0
-    for i in range(rim_sin.shape[0]):
-        ahead = radius * rim_sin[i]
-        below = radius * rim_cos[i]
+    for i in range(RIM_SAMPLES):
+        ahead = radius * RIM_SIN[i]
+        below = radius * RIM_COS[i]
         x = centre[0] + ahead * forward[0] - below * up[0]
         y = centre[1] + ahead * forward[1] - below * up[1]
         z = centre[2] + ahead * forward[2] - below * up[2]
@@ -130,7 +117,7 @@ def contact_plane(
                 base = height  # level ground then has a slope of zero, not of a rounding error
             weight = depth * depth
             total += weight
-            shares[sample_soil(soil_index, grid[0], grid[1], grid[2], x, y)] += weight
+            shares[sample_soil(ground.soil_index, grid[0], grid[1], grid[2], x, y)] += weight
             x_mean += weight * x
             y_mean += weight * y
             z_mean += weight * height

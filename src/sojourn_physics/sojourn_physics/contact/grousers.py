@@ -48,11 +48,6 @@ from sojourn_physics.soil.params import SoilColumn
 LEAST_SPEED = 0.01
 """Speed over the ground, over that of the rim, below which a wheel digs as one that spins on the spot [-]."""
 
-_COHESION = int(SoilColumn.COHESION)
-_TAN_PHI = int(SoilColumn.TAN_PHI)
-_INTERFACE_ADHESION = int(SoilColumn.INTERFACE_ADHESION)
-_INTERFACE_TAN_PHI = int(SoilColumn.INTERFACE_TAN_PHI)
-
 
 @njit(cache=True)
 def root_of_flow_value(tan_phi: float) -> float:
@@ -70,8 +65,8 @@ def shear_strength(
         radius, shear_radius, width: r, r_s, b [m]. count: N [-]. thickness: t [m]. skid: 0..1, of a braked wheel [-].
         soil: kernel row.
     """
-    cohesion, tan_phi = soil[_COHESION], soil[_TAN_PHI]
-    adhesion, tan_delta = soil[_INTERFACE_ADHESION], soil[_INTERFACE_TAN_PHI]
+    cohesion, tan_phi = soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI]
+    adhesion, tan_delta = soil[SoilColumn.INTERFACE_ADHESION], soil[SoilColumn.INTERFACE_TAN_PHI]
     height = shear_radius - radius
     if height <= 0.0:
         return adhesion, tan_delta

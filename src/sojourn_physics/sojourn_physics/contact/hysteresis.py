@@ -60,7 +60,6 @@ changes have a tangent only so: about a point where shear turns, first loading a
 ROUNDING = 1e-12
 """By how much a slider may be beyond its yield radius, over that: so that what slips no more is left alone."""
 
-_LARGEST = int(StateColumn.LARGEST_SHEAR)
 _FIRST = len(StateColumn)
 
 
@@ -74,9 +73,11 @@ def effective_shear(
         moved_x, moved_y, moved_z: of the displacement in this step [m]. kept: part of the soil that is not renewed in
             it, 0..1. displacement: |u| after the step [m]. state: row of the contact's state, written.
     """
-    on_backbone = state[_LARGEST] < 0.0
-    largest = state[_LARGEST] if on_backbone else max(state[_LARGEST] * kept, displacement)
-    state[_LARGEST] = largest
+    on_backbone = state[StateColumn.LARGEST_SHEAR] < 0.0
+    largest = (
+        state[StateColumn.LARGEST_SHEAR] if on_backbone else max(state[StateColumn.LARGEST_SHEAR] * kept, displacement)
+    )
+    state[StateColumn.LARGEST_SHEAR] = largest
     e_x = e_y = e_z = 0.0
     for k in range(SLIDERS):
         at = _FIRST + 3 * k

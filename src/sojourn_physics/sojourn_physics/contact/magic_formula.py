@@ -106,22 +106,6 @@ class MagicFormulaParams(CompliantWheelParams):
             row[start + 1 : start + 1 + len(coefficients)] = coefficients
 
 
-_RADIUS = int(WheelColumn.RADIUS)
-_RELAX_X = int(MagicColumn.RELAXATION_LONGITUDINAL)
-_RELAX_Y = int(MagicColumn.RELAXATION_LATERAL)
-_LATERAL = int(MagicColumn.LATERAL)
-_ALIGNING = int(MagicColumn.ALIGNING)
-_LONGITUDINAL = int(MagicColumn.LONGITUDINAL)
-_PENETRATION = int(MotionColumn.PENETRATION)
-_V_ALONG = int(MotionColumn.V_ALONG)
-_YAW_RATE = int(MotionColumn.YAW_RATE)
-_CAMBER = int(MotionColumn.CAMBER)
-_U_X = int(StateColumn.SHEAR_ALONG)
-_U_Y = int(StateColumn.SHEAR_SIDE)
-_TRAVEL = int(StateColumn.TRAVEL)
-_TORQUE = int(OutColumn.TORQUE)
-
-
 @njit(cache=True)
 def curve(coefficients: FloatArray, form: int, load: float, camber: float) -> tuple[float, float, float, float]:
     """B, C, D, E of one curve. coefficients: (CURVE_SIZE,). load: [kN]. camber: [degree]."""
@@ -163,8 +147,11 @@ def magic_forces(
     """
     kilonewtons = load * 1e-3
     tilt = math.degrees(camber)
-    lateral, aligning = wheel[_LATERAL : _LATERAL + CURVE_SIZE], wheel[_ALIGNING : _ALIGNING + CURVE_SIZE]
-    along = wheel[_LONGITUDINAL : _LONGITUDINAL + CURVE_SIZE]
+    lateral, aligning = (
+        wheel[MagicColumn.LATERAL : MagicColumn.LATERAL + CURVE_SIZE],
+        wheel[MagicColumn.ALIGNING : MagicColumn.ALIGNING + CURVE_SIZE],
+    )
+    along = wheel[MagicColumn.LONGITUDINAL : MagicColumn.LONGITUDINAL + CURVE_SIZE]
     b_x, c_x, d_x, e_x = curve(along, EXPONENTIAL_FORM, kilonewtons, 0.0)
     b_y, c_y, d_y, e_y = curve(lateral, LATERAL_FORM, kilonewtons, tilt)
     b_z, c_z, d_z, e_z = curve(aligning, EXPONENTIAL_FORM, kilonewtons, tilt)
@@ -195,21 +182,28 @@ def magic_forces(
 def _hold_slips(wheel: FloatArray, load: float, speed: float, state: FloatArray) -> None:
     """At a crawl, hold the displacements to what a sliding contact can store."""
     kilonewtons = load * 1e-3
-    b_x, c_x, _, _ = curve(wheel[_LONGITUDINAL : _LONGITUDINAL + CURVE_SIZE], EXPONENTIAL_FORM, kilonewtons, 0.0)
-    b_y, c_y, _, _ = curve(wheel[_LATERAL : _LATERAL + CURVE_SIZE], LATERAL_FORM, kilonewtons, 0.0)
-    xi_x = b_x * c_x * 100.0 * state[_U_X] / wheel[_RELAX_X]
-    xi_y = b_y * c_y * math.degrees(1.0) * state[_U_Y] / wheel[_RELAX_Y]
+    b_x, c_x, _, _ = curve(
+        wheel[MagicColumn.LONGITUDINAL : MagicColumn.LONGITUDINAL + CURVE_SIZE], EXPONENTIAL_FORM, kilonewtons, 0.0
+    )
+    b_y, c_y, _, _ = curve(
+        wheel[MagicColumn.LATERAL : MagicColumn.LATERAL + CURVE_SIZE], LATERAL_FORM, kilonewtons, 0.0
+    )
+    xi_x = b_x * c_x * 100.0 * state[StateColumn.SHEAR_ALONG] / wheel[MagicColumn.RELAXATION_LONGITUDINAL]
+    xi_y = b_y * c_y * math.degrees(1.0) * state[StateColumn.SHEAR_SIDE] / wheel[MagicColumn.RELAXATION_LATERAL]
     xi = math.sqrt(xi_x * xi_x + xi_y * xi_y)
     largest = CRAWL_LIMIT * (1.0 + (speed / CRAWL) ** 4)
     if xi > largest:
-        state[_U_X] *= largest / xi
-        state[_U_Y] *= largest / xi
+        state[StateColumn.SHEAR_ALONG] *= largest / xi
+        state[StateColumn.SHEAR_SIDE] *= largest / xi
 
 
 @njit(cache=True)
 def _trail(wheel: FloatArray, load: float, state: FloatArray, half: float) -> float:
     """-M_z/F_y of pure and combined slip without camber [m], at most half the contact's length; 0 at no slip."""
-    slip, angle = state[_U_X] / wheel[_RELAX_X], math.atan(state[_U_Y] / wheel[_RELAX_Y])
+    slip, angle = (
+        state[StateColumn.SHEAR_ALONG] / wheel[MagicColumn.RELAXATION_LONGITUDINAL],
+        math.atan(state[StateColumn.SHEAR_SIDE] / wheel[MagicColumn.RELAXATION_LATERAL]),
+    )
     _, force_y, moment = magic_forces(wheel, load, slip, angle, 0.0)
     small = TRAIL_FORCE * load
     return float(min(max(-moment * force_y / (force_y * force_y + small * small + SMALL), -half), half))
@@ -222,34 +216,34 @@ def magic_formula(
     """The law; arguments as in `contact_law`."""
     load = firm_load(wheel, soil, motion, out)
     slip_x, slip_y, rim_speed, rolling_radius, loaded = firm_slip(wheel, motion, out)
-    length = 2.0 * half_length(wheel[_RADIUS], motion[_PENETRATION])
-    relax_x, relax_y = wheel[_RELAX_X], wheel[_RELAX_Y]
-    speed = abs(motion[_V_ALONG])
+    length = 2.0 * half_length(wheel[WheelColumn.RADIUS], motion[MotionColumn.PENETRATION])
+    relax_x, relax_y = wheel[MagicColumn.RELAXATION_LONGITUDINAL], wheel[MagicColumn.RELAXATION_LATERAL]
+    speed = abs(motion[MotionColumn.V_ALONG])
     moved = dt * rim_speed / length
-    state[_TRAVEL] = (state[_TRAVEL] + moved) / (1.0 + abs(moved))
-    yaw_rate = motion[_YAW_RATE]
-    trail = state[_TRAVEL] * _trail(wheel, load, state, 0.5 * length)
+    state[StateColumn.TRAVEL] = (state[StateColumn.TRAVEL] + moved) / (1.0 + abs(moved))
+    yaw_rate = motion[MotionColumn.YAW_RATE]
+    trail = state[StateColumn.TRAVEL] * _trail(wheel, load, state, 0.5 * length)
     slip_there = slip_y + trail * yaw_rate  # where the force acts
-    before_x, before_y = state[_U_X], state[_U_Y]
-    state[_U_X] = (state[_U_X] + dt * slip_x) / (1.0 + dt * speed / relax_x)
-    state[_U_Y] = (state[_U_Y] + dt * slip_there) / (1.0 + dt * speed / relax_y)
+    before_x, before_y = state[StateColumn.SHEAR_ALONG], state[StateColumn.SHEAR_SIDE]
+    state[StateColumn.SHEAR_ALONG] = (state[StateColumn.SHEAR_ALONG] + dt * slip_x) / (1.0 + dt * speed / relax_x)
+    state[StateColumn.SHEAR_SIDE] = (state[StateColumn.SHEAR_SIDE] + dt * slip_there) / (1.0 + dt * speed / relax_y)
     _hold_slips(wheel, load, speed, state)
 
     ahead = bristle_lead(max(speed, abs(rim_speed))) / dt
-    slip = (state[_U_X] + ahead * (state[_U_X] - before_x)) / relax_x
-    angle = math.atan((state[_U_Y] + ahead * (state[_U_Y] - before_y)) / relax_y)
+    slip = (state[StateColumn.SHEAR_ALONG] + ahead * (state[StateColumn.SHEAR_ALONG] - before_x)) / relax_x
+    angle = math.atan((state[StateColumn.SHEAR_SIDE] + ahead * (state[StateColumn.SHEAR_SIDE] - before_y)) / relax_y)
     force_x, force_y, upright = magic_forces(wheel, load, slip, angle, 0.0)
     moment = -trail * force_y
     owed = 0.0
-    if motion[_CAMBER] != 0.0:
+    if motion[MotionColumn.CAMBER] != 0.0:
         # a wheel that leans to the left has its axle's left end down
-        camber = -math.asin(min(max(motion[_CAMBER], -1.0), 1.0))
+        camber = -math.asin(min(max(motion[MotionColumn.CAMBER], -1.0), 1.0))
         swept = max(speed, abs(slip_y), abs(rim_speed), abs(yaw_rate) * length)
         rolling = rim_speed * rim_speed / (swept * swept + ROLLING_SPEED * ROLLING_SPEED)
         force_x, leaning, leaning_moment = magic_forces(wheel, load, slip, angle, camber * rolling)
-        more, more_moment = leaning - force_y, (leaning_moment - upright) * state[_TRAVEL]
+        more, more_moment = leaning - force_y, (leaning_moment - upright) * state[StateColumn.TRAVEL]
         owed = max(more_moment * yaw_rate - more * slip_y, 0.0)
         force_y, moment = leaning, moment + more_moment
     finish_firm(wheel, motion, force_x, force_y, moment, rim_speed, rolling_radius, loaded, length, dt, state, out)
     if owed > 0.0 and rim_speed != 0.0:
-        out[_TORQUE] += owed * rolling_radius / rim_speed
+        out[OutColumn.TORQUE] += owed * rolling_radius / rim_speed

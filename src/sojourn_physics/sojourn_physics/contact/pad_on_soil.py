@@ -23,16 +23,17 @@ import math
 
 import numpy as np
 
+from sojourn_machine.contact_report import PLACE, ReportColumn
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import WheelColumn
 from sojourn_physics.contact.hysteresis import effective_shear
 from sojourn_physics.contact.shear_memory import MAX_DAMPING_GAIN, clip, shear_lead
+from sojourn_physics.contact.tables import Body, Ground
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus
 from sojourn_physics.soil.params import SoilColumn
-from sojourn_physics.terrain.height_field import HeightArray, SoilArray, sample_ground, sample_soil
+from sojourn_physics.terrain.height_field import sample_ground, sample_soil
 from sojourn_physics.terrain.memory_access import read_lowered
-from sojourn_physics.terrain.memory_tiles import MemoryTables
 
 IS_TOOL, TAKEN, PILE, MOMENT, FIRST_CUT = (int(WheelColumn.OWN) + place for place in (0, 1, 2, 3, 6))
 """Columns of a tool's pad: 1 for a tool; depth of the hole below it [m]; weight of the soil that it pushes ahead [N];
@@ -51,14 +52,6 @@ a parked rover would be a damper stiffer than the step can follow; this one damp
 PAD_MEMORY = 4.0
 """Distance after which a sliding pad forgets where it stood, in shear moduli."""
 
-_RADIUS = int(WheelColumn.RADIUS)
-_WIDTH = int(WheelColumn.WIDTH)
-_DAMPING = int(SoilColumn.CONTACT_DAMPING)
-_N = int(SoilColumn.N)
-_COHESION = int(SoilColumn.COHESION)
-_TAN_PHI = int(SoilColumn.TAN_PHI)
-_K_X = int(SoilColumn.SHEAR_MODULUS_LONGITUDINAL)
-
 
 @njit(cache=True)
 def lead_length(radius: float, cell: float) -> float:
@@ -67,10 +60,10 @@ def lead_length(radius: float, cell: float) -> float:
 
 
 @njit(cache=True)
-def is_clear(pad: FloatArray, centre: FloatArray, heights: HeightArray, grid: FloatArray, memory: MemoryTables) -> bool:
+def is_clear(pad: FloatArray, centre: FloatArray, ground: Ground) -> bool:
     """Whether a pad is above the ground and does nothing there; a tool, which may do more, never is."""
-    height, _, _, _ = sample_ground(heights, grid, centre[0], centre[1])
-    highest = HIGHEST_HEAP if memory[3][2] > 0.0 else 0.0
+    height, _, _, _ = sample_ground(ground.heights, ground.grid, centre[0], centre[1])
+    highest = HIGHEST_HEAP if ground.memory.place[2] > 0.0 else 0.0
     clear: bool = pad[IS_TOOL] <= 0.0 and height + highest <= centre[2]
     return clear
 
@@ -78,13 +71,8 @@ def is_clear(pad: FloatArray, centre: FloatArray, heights: HeightArray, grid: Fl
 @njit(cache=True)
 def pad_forces(
     pad: FloatArray,
-    centre: FloatArray,
-    velocity: FloatArray,
-    heights: HeightArray,
-    soil_index: SoilArray,
-    grid: FloatArray,
-    soils: FloatArray,
-    memory: MemoryTables,
+    body: Body,
+    ground: Ground,
     dt: float,
     state: FloatArray,
     wrench: FloatArray,
@@ -93,41 +81,40 @@ def pad_forces(
     """One pad: advances `state`, writes `wrench` and `report`. Returns False where it is off the map.
 
     Args:
-        pad: its row, (WHEEL_COLUMNS,): radius, and the coefficients of its cut in each soil. centre, velocity: in map,
-        (3,) [m], [m/s]. dt: [s]. heights, soil_index, grid, soils, memory: as in `contact_forces`.
+        pad: its row, (WHEEL_COLUMNS,): radius, and the coefficients of its cut in each soil. dt: [s].
         state: (STATE_COLUMNS,); its first three are the displacement against the ground in map [m], then a tool's D.
-        wrench: (6,), force and moment at the centre.
-        report: (REPORT_COLUMNS,), see `contact_set`.
+        wrench: (6,), force and moment at the centre. report: row of `ReportColumn`.
     """
+    centre, velocity, grid = body.centre, body.velocity, ground.grid
     wrench[:] = 0.0
     report[:] = 0.0
-    report[0:3] = centre
-    height, slope_x, slope_y, inside = sample_ground(heights, grid, centre[0], centre[1])
+    report[PLACE] = centre
+    height, slope_x, slope_y, inside = sample_ground(ground.heights, grid, centre[0], centre[1])
     norm = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
-    radius = float(pad[_RADIUS])
+    radius = float(pad[WheelColumn.RADIUS])
     is_tool = pad[IS_TOOL] > 0.0
     if is_tool:
         for k in range(3):
             wrench[3 + k] = pad[MOMENT + k]
         height -= pad[TAKEN]
-    pool, slots, _, place = memory
+    place = ground.memory.place
     if place[2] > 0.0 and centre[2] < height + (HIGHEST_HEAP_OF_TOOL if is_tool else HIGHEST_HEAP):
         lead = lead_length(radius, place[2]) if is_tool else 0.0
         ahead_x, ahead_y = centre[0] + lead * state[DRAG_X], centre[1] + lead * state[DRAG_Y]
-        height -= read_lowered(pool, slots, place, ahead_x, ahead_y)
+        height -= read_lowered(ground.memory, ahead_x, ahead_y)
     sinkage = (height - centre[2]) * norm
     if sinkage <= 0.0:
         state[:] = 0.0
         return True
     normal = np.array((-slope_x * norm, -slope_y * norm, norm))
-    soil_number = sample_soil(soil_index, grid[0], grid[1], grid[2], centre[0], centre[1])
-    soil = soils[soil_number]
+    soil_number = sample_soil(ground.soil_index, grid[0], grid[1], grid[2], centre[0], centre[1])
+    soil = ground.soils[soil_number]
     area = math.pi * radius * radius
     v_normal = velocity[0] * normal[0] + velocity[1] * normal[1] + velocity[2] * normal[2]
-    load = area * pressure_modulus(soil, radius) * sinkage ** soil[_N]
-    load *= clip(1.0 - soil[_DAMPING] * v_normal, 0.0, MAX_DAMPING_GAIN)
+    load = area * pressure_modulus(soil, radius) * sinkage ** soil[SoilColumn.N]
+    load *= clip(1.0 - soil[SoilColumn.CONTACT_DAMPING] * v_normal, 0.0, MAX_DAMPING_GAIN)
 
-    modulus = soil[_K_X]
+    modulus = soil[SoilColumn.SHEAR_MODULUS]
     slide = np.empty(3)
     for k in range(3):
         slide[k] = velocity[k] - v_normal * normal[k]
@@ -155,17 +142,17 @@ def pad_forces(
         towards[k] -= out_of_plane * normal[k] + lead_time * slide[k]
     shear = math.sqrt(towards[0] ** 2 + towards[1] ** 2 + towards[2] ** 2)
     cut = 0.0
-    if pad[_WIDTH] > 0.0:
+    if pad[WheelColumn.WIDTH] > 0.0:
         first = FIRST_CUT + CUT_COLUMNS * soil_number
         cut = sinkage * (pad[first] + sinkage * (pad[first + 1] + sinkage * pad[first + 2]))
         cut += pad[PILE] * (pad[first + 3] + pad[first + 4] * sinkage)
     gain = -math.expm1(-shear / modulus)
-    friction = (soil[_COHESION] * area + load * soil[_TAN_PHI] + cut) * gain
+    friction = (soil[SoilColumn.COHESION] * area + load * soil[SoilColumn.TAN_PHI] + cut) * gain
     for k in range(3):
         wrench[k] = load * normal[k] + (friction * towards[k] / shear if shear > 1e-12 else 0.0)
-        report[6 + k] = wrench[k]
-    report[3] = sinkage
-    report[10] = soil_number
-    report[14] = cut * gain
+        report[ReportColumn.FORCE_X + k] = wrench[k]
+    report[ReportColumn.SINKAGE] = sinkage
+    report[ReportColumn.SOIL] = soil_number
+    report[ReportColumn.BULLDOZING_RESISTANCE] = cut * gain
     on_map: bool = inside
     return on_map

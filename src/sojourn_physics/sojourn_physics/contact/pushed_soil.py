@@ -14,25 +14,15 @@ from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.soil.params import SoilColumn
 
-_DENSITY = int(SoilColumn.DENSITY)
-_INTERFACE_TAN_PHI = int(SoilColumn.INTERFACE_TAN_PHI)
-_FRONT = int(SoilColumn.FRONT_BULLDOZING)
-_SIDE = int(SoilColumn.SIDE_BULLDOZING)
-_COHESION = int(SoilColumn.BULLDOZING_COHESION)
-_TAN_PHI = int(SoilColumn.BULLDOZING_TAN_PHI)
-_K_C = int(SoilColumn.BULLDOZING_K_C)
-_K_GAMMA = int(SoilColumn.BULLDOZING_K_GAMMA)
-_MODULUS = int(SoilColumn.BULLDOZING_MODULUS)
-
 
 @njit(cache=True)
 def front_push(radius: float, width: float, gravity: float, sinkage: float, soil: FloatArray) -> float:
     """Bekker's bulldozing resistance [N] (`soil.bearing`); zero where the soil does not ask for it."""
-    if soil[_FRONT] <= 0.0 or sinkage <= 0.0:
+    if soil[SoilColumn.FRONT_BULLDOZING] <= 0.0 or sinkage <= 0.0:
         return 0.0
     depth = min(sinkage, radius)
-    unit_weight = soil[_DENSITY] * gravity
-    cohesion, tan_phi = soil[_COHESION], soil[_TAN_PHI]
+    unit_weight = soil[SoilColumn.DENSITY] * gravity
+    cohesion, tan_phi = soil[SoilColumn.BULLDOZING_COHESION], soil[SoilColumn.BULLDOZING_TAN_PHI]
     phi = math.atan(tan_phi)
     active = math.tan(0.25 * math.pi - 0.5 * phi)
     cos_approach = 1.0 - depth / radius
@@ -40,9 +30,12 @@ def front_push(radius: float, width: float, gravity: float, sinkage: float, soil
     wedge = depth * active * active
     # sin(α + φ)/(sin α cos φ) = 1 + tan φ / tan α
     shape = 0.5 * (1.0 + tan_phi * cos_approach / sin_approach)
-    passive = 2.0 * depth * cohesion * soil[_K_C] + unit_weight * depth * depth * soil[_K_GAMMA]
+    passive = (
+        2.0 * depth * cohesion * soil[SoilColumn.BULLDOZING_K_C]
+        + unit_weight * depth * depth * soil[SoilColumn.BULLDOZING_K_GAMMA]
+    )
     side = wedge**3 * unit_weight / 3.0 * (0.5 * math.pi - phi) + cohesion * wedge * wedge * (1.0 + 1.0 / active)
-    return float(soil[_FRONT] * (width * shape * passive + side))
+    return float(soil[SoilColumn.FRONT_BULLDOZING] * (width * shape * passive + side))
 
 
 @njit(cache=True)
@@ -70,7 +63,7 @@ def side_push(
     Returns:
         F_x, F_y [N], torque about the axle, moments about x and z [N m], as `wheel_forces`.
     """
-    if soil[_SIDE] <= 0.0 or lateral_slip == 0.0 or sinkage <= 0.0:
+    if soil[SoilColumn.SIDE_BULLDOZING] <= 0.0 or lateral_slip == 0.0 or sinkage <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0
     cos_entry = max(1.0 - sinkage / radius, 0.0)
     sin_entry = math.sqrt(1.0 - cos_entry * cos_entry)
@@ -81,15 +74,22 @@ def side_push(
     second += math.pi * radius * radius * beyond + 2.0 * radius * beyond * beyond
     # at nanometres the differences are rounding, of either sign
     first, second = max(first, 0.0), max(second, 0.0)
-    wall = 0.5 * soil[_DENSITY] * gravity * soil[_K_GAMMA] * second + soil[_COHESION] * soil[_K_C] * first
+    wall = (
+        0.5 * soil[SoilColumn.DENSITY] * gravity * soil[SoilColumn.BULLDOZING_K_GAMMA] * second
+        + soil[SoilColumn.BULLDOZING_COHESION] * soil[SoilColumn.BULLDOZING_K_C] * first
+    )
     sideslip = abs(lateral_slip)
     transit = 1.0 + rolling * (math.sqrt(ahead * ahead + standing_speed * standing_speed) - 1.0)
-    push = soil[_SIDE] * wall * -math.expm1(-sideslip * length / (soil[_MODULUS] * transit))
+    push = (
+        soil[SoilColumn.SIDE_BULLDOZING]
+        * wall
+        * -math.expm1(-sideslip * length / (soil[SoilColumn.BULLDOZING_MODULUS] * transit))
+    )
     arm = radius - 0.5 * min(sinkage, radius)
     sliding = ahead - rim_speed * arm / radius
     flow = face_flow * sideslip
     face_speed = math.hypot(sliding, flow)  # squares of tiny speeds would vanish
-    drag = -rolling * soil[_INTERFACE_TAN_PHI] * push * sliding / face_speed if face_speed > 0.0 else 0.0
+    drag = -rolling * soil[SoilColumn.INTERFACE_TAN_PHI] * push * sliding / face_speed if face_speed > 0.0 else 0.0
     sense = 1.0 if lateral_slip > 0.0 else -1.0
     # The face that leads is at y = -sense b/2: the wheel moves towards -s_y.
     return drag, sense * push, drag * arm, sense * push * arm, sense * 0.5 * width * drag

@@ -10,13 +10,11 @@ from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import StateColumn
 
-_HEADWAY = int(StateColumn.HEADWAY)
-
 
 @njit(cache=True)
 def advance_headway(speed: float, length: float, dt: float, state: FloatArray) -> float:
     """Advance H over dt [s] of a speed [m/s] with a length [m] more than 0, implicitly; returns it."""
     moved = dt * speed / length
-    headway = min(max((state[_HEADWAY] + moved) / (1.0 + abs(moved)), -1.0), 1.0)
-    state[_HEADWAY] = headway
+    headway = min(max((state[StateColumn.HEADWAY] + moved) / (1.0 + abs(moved)), -1.0), 1.0)
+    state[StateColumn.HEADWAY] = headway
     return float(headway)

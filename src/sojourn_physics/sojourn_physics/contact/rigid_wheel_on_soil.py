@@ -30,28 +30,6 @@ from sojourn_physics.soil.params import SoilColumn
 MIN_CONTACT_LENGTH = 0.04
 """Least contact length, as a fraction of the radius."""
 
-_RADIUS = int(WheelColumn.RADIUS)
-_SHEAR_RADIUS = int(WheelColumn.SHEAR_RADIUS)
-_WIDTH = int(WheelColumn.WIDTH)
-_GROUSER_COUNT = int(WheelColumn.GROUSER_COUNT)
-_GRAVITY = int(WheelColumn.GRAVITY)
-_PENETRATION = int(MotionColumn.PENETRATION)
-_V_NORMAL = int(MotionColumn.V_NORMAL)
-_RIM_SPEED = int(MotionColumn.RIM_SPEED)
-_CAMBER = int(MotionColumn.CAMBER)
-_TRAVEL = int(StateColumn.TRAVEL)
-_FORCE_X = int(OutColumn.FORCE_X)
-_FORCE_Y = int(OutColumn.FORCE_Y)
-_FORCE_Z = int(OutColumn.FORCE_Z)
-_MOMENT_X = int(OutColumn.MOMENT_X)
-_MOMENT_Z = int(OutColumn.MOMENT_Z)
-_TORQUE = int(OutColumn.TORQUE)
-_SINKAGE = int(OutColumn.SINKAGE)
-_COMPACTION = int(OutColumn.COMPACTION_RESISTANCE)
-_BULLDOZING = int(OutColumn.BULLDOZING_RESISTANCE)
-_DAMPING = int(SoilColumn.CONTACT_DAMPING)
-_EXIT_LAMBDA = int(SoilColumn.EXIT_LAMBDA)
-
 
 class RigidWheelOnSoilParams(ContactLawParams):
     """Rigid wheel on soil: nothing beside the wheel's shape and the soil."""
@@ -64,7 +42,7 @@ class RigidWheelOnSoilParams(ContactLawParams):
 def contact_length(radius: float, sinkage: float, soil: FloatArray, travel: float) -> float:
     """Length of the wheel's contact along the ground [m], from entry to exit, for the relaxation."""
     entry = math.acos(clip(1.0 - sinkage / radius, -0.8, 1.0))
-    exit_ratio = max(soil[_EXIT_LAMBDA], 0.0)
+    exit_ratio = max(soil[SoilColumn.EXIT_LAMBDA], 0.0)
     rolling_exit = math.acos(clip(1.0 - exit_ratio * sinkage / radius, -0.8, 1.0))
     rolling = abs(travel)
     behind = rolling * math.sin(rolling_exit) + (1.0 - rolling) * math.sin(entry)
@@ -76,24 +54,24 @@ def rigid_wheel_on_soil(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:
     """The law; arguments as in `contact_law`."""
-    radius, sinkage = float(wheel[_RADIUS]), float(motion[_PENETRATION])
-    length = max(contact_length(radius, sinkage, soil, state[_TRAVEL]), MIN_CONTACT_LENGTH * radius)
+    radius, sinkage = float(wheel[WheelColumn.RADIUS]), float(motion[MotionColumn.PENETRATION])
+    length = max(contact_length(radius, sinkage, soil, state[StateColumn.TRAVEL]), MIN_CONTACT_LENGTH * radius)
     shear_x, shear_y = advance_rolling(motion, length, dt, state)
-    sense = 1.0 if state[_TRAVEL] >= 0.0 else -1.0
+    sense = 1.0 if state[StateColumn.TRAVEL] >= 0.0 else -1.0
     slip = clip(sense * shear_x / length, -1.0, 1.0)
     side_slip = clip(shear_y / length, -1.0, 1.0)
     force_x, force_y, force_z, torque, moment_x, moment_z, _, compaction, bulldozing = wheel_forces(
-        radius, wheel[_SHEAR_RADIUS], wheel[_WIDTH], wheel[_GROUSER_COUNT], 0.0, wheel[_GRAVITY], sinkage,
-        slip, side_slip, abs(state[_TRAVEL]), soil, NODES, WEIGHTS,
+        radius, wheel[WheelColumn.SHEAR_RADIUS], wheel[WheelColumn.WIDTH], wheel[WheelColumn.GROUSER_COUNT], 0.0,
+        wheel[WheelColumn.GRAVITY], sinkage, slip, side_slip, abs(state[StateColumn.TRAVEL]), soil, NODES, WEIGHTS,
     )  # fmt: skip
-    force_z *= clip(1.0 - soil[_DAMPING] * motion[_V_NORMAL], 0.0, MAX_DAMPING_GAIN)
-    out[_FORCE_X] = sense * force_x
-    out[_FORCE_Y] = force_y
-    out[_FORCE_Z] = force_z
-    out[_MOMENT_X] = moment_x + radius * force_z * motion[_CAMBER]
-    out[_MOMENT_Z] = sense * moment_z  # turns about the normal with the sense of travel
-    out[_TORQUE] = sense * torque
-    out[_SINKAGE] = sinkage
-    out[_COMPACTION] = compaction
-    out[_BULLDOZING] = bulldozing
-    tell_slip(motion, motion[_RIM_SPEED], out)
+    force_z *= clip(1.0 - soil[SoilColumn.CONTACT_DAMPING] * motion[MotionColumn.V_NORMAL], 0.0, MAX_DAMPING_GAIN)
+    out[OutColumn.FORCE_X] = sense * force_x
+    out[OutColumn.FORCE_Y] = force_y
+    out[OutColumn.FORCE_Z] = force_z
+    out[OutColumn.MOMENT_X] = moment_x + radius * force_z * motion[MotionColumn.CAMBER]
+    out[OutColumn.MOMENT_Z] = sense * moment_z  # turns about the normal with the sense of travel
+    out[OutColumn.TORQUE] = sense * torque
+    out[OutColumn.SINKAGE] = sinkage
+    out[OutColumn.COMPACTION_RESISTANCE] = compaction
+    out[OutColumn.BULLDOZING_RESISTANCE] = bulldozing
+    tell_slip(motion, motion[MotionColumn.RIM_SPEED], out)

@@ -107,15 +107,6 @@ def _checked(angle: float) -> float:
     return angle
 
 
-_RADIUS = int(WheelColumn.RADIUS)
-_BREAK_AWAY = int(FirmColumn.BREAK_AWAY)
-_SIN = int(RollerColumn.SIN_ANGLE)
-_COS = int(RollerColumn.COS_ANGLE)
-_ROLLER_FRICTION = int(RollerColumn.ROLLER_FRICTION)
-_PENETRATION = int(MotionColumn.PENETRATION)
-_FREE = int(StateColumn.TRAVEL)
-
-
 @njit(cache=True)
 def roller_wheel(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
@@ -123,20 +114,20 @@ def roller_wheel(
     """The law; arguments as in `contact_law`. The state's TRAVEL is here the sense in which the roller turns."""
     load = firm_load(wheel, soil, motion, out)
     slip_x, slip_y, rim_speed, rolling, loaded = firm_slip(wheel, motion, out)
-    length = 2.0 * half_length(wheel[_RADIUS], motion[_PENETRATION])
-    sine, cosine = wheel[_SIN], wheel[_COS]
+    length = 2.0 * half_length(wheel[WheelColumn.RADIUS], motion[MotionColumn.PENETRATION])
+    sine, cosine = wheel[RollerColumn.SIN_ANGLE], wheel[RollerColumn.COS_ANGLE]
     along_axis = sine * slip_x + cosine * slip_y
     free = cosine * slip_x - sine * slip_y
     limit = friction_of(wheel, soil) * load
-    stiffness = 3.0 * limit / wheel[_BREAK_AWAY]
+    stiffness = 3.0 * limit / wheel[FirmColumn.BREAK_AWAY]
     # both the wheel's rotation and the roller's bring fresh ground into contact
     renewed = max(abs(rim_speed), abs(free))
     axial, _, _, _ = bristle_forces(
         along_axis, 0.0, 0.0, renewed, stiffness, stiffness, 0.0, limit, length, length, dt, state
     )
     moved = dt * free / length
-    state[_FREE] = min(max((state[_FREE] + moved) / (1.0 + abs(moved)), -1.0), 1.0)
-    bearing = min(wheel[_ROLLER_FRICTION] * load, limit) * state[_FREE]
+    state[StateColumn.TRAVEL] = min(max((state[StateColumn.TRAVEL] + moved) / (1.0 + abs(moved)), -1.0), 1.0)
+    bearing = min(wheel[RollerColumn.ROLLER_FRICTION] * load, limit) * state[StateColumn.TRAVEL]
     force_x = axial * sine + bearing * cosine
     force_y = axial * cosine - bearing * sine
     finish_firm(wheel, motion, force_x, force_y, 0.0, rim_speed, rolling, loaded, length, dt, state, out)

@@ -27,13 +27,11 @@ MAX_ITERATIONS = 60
 TOLERANCE = 1e-13
 """Of the sinkage, as a fraction of the penetration."""
 
-_N = int(SoilColumn.N)
-
 
 @njit(cache=True)
 def round_rim_on_ground(radius: float, width: float, soil: FloatArray) -> tuple[float, float]:
     """A [N/m^m] and m of the load F = A z^m of a rigid rim."""
-    n = soil[_N]
+    n = soil[SoilColumn.N]
     beta = math.sqrt(math.pi) * math.gamma(n + 1.0) / math.gamma(n + 1.5)
     return width * pressure_modulus(soil, width) * math.sqrt(2.0 * radius) * beta, n + 0.5
 

@@ -30,13 +30,6 @@ LEAD_SPEED = 0.005
 MAX_DAMPING_GAIN = 3.0
 """Largest factor by which damping raises a normal force."""
 
-_U_X = int(StateColumn.SHEAR_ALONG)
-_U_Y = int(StateColumn.SHEAR_SIDE)
-_TRAVEL = int(StateColumn.TRAVEL)
-_V_ALONG = int(MotionColumn.V_ALONG)
-_V_SIDE = int(MotionColumn.V_SIDE)
-_RIM_SPEED = int(MotionColumn.RIM_SPEED)
-
 
 @njit(cache=True)
 def clip(value: float, low: float, high: float) -> float:
@@ -61,17 +54,23 @@ def advance_rolling(motion: FloatArray, length: float, dt: float, state: FloatAr
     Returns:
         the displacements along and to the side that the stress follows, e and its lead [m].
     """
-    v_along, v_side, rim_speed = motion[_V_ALONG], motion[_V_SIDE], motion[_RIM_SPEED]
+    v_along, v_side, rim_speed = (
+        motion[MotionColumn.V_ALONG],
+        motion[MotionColumn.V_SIDE],
+        motion[MotionColumn.RIM_SPEED],
+    )
     transport = max(abs(rim_speed), math.sqrt(v_along * v_along + v_side * v_side))
     kept = 1.0 / (1.0 + dt * transport / length)
     slip_speed = rim_speed - v_along
-    u_x = (state[_U_X] + dt * slip_speed) * kept
-    u_y = (state[_U_Y] - dt * v_side) * kept
-    state[_U_X] = u_x
-    state[_U_Y] = u_y
+    u_x = (state[StateColumn.SHEAR_ALONG] + dt * slip_speed) * kept
+    u_y = (state[StateColumn.SHEAR_SIDE] - dt * v_side) * kept
+    state[StateColumn.SHEAR_ALONG] = u_x
+    state[StateColumn.SHEAR_SIDE] = u_y
     displacement = math.sqrt(u_x * u_x + u_y * u_y)
     e_x, e_y, _ = effective_shear(dt * slip_speed, -dt * v_side, 0.0, kept, displacement, state)
     travel = 0.5 * (v_along + rim_speed)
-    state[_TRAVEL] = clip((state[_TRAVEL] + dt * travel / length) / (1.0 + dt * abs(travel) / length), -1.0, 1.0)
+    state[StateColumn.TRAVEL] = clip(
+        (state[StateColumn.TRAVEL] + dt * travel / length) / (1.0 + dt * abs(travel) / length), -1.0, 1.0
+    )
     lead = shear_lead(transport)
     return e_x + lead * slip_speed, e_y - lead * v_side

@@ -69,39 +69,6 @@ class TrackParams(ContactLawParams):
     peakedness: float = Field(default=0.0, ge=0.0, le=1.0, description="a: pressure between 1 - a and 1 + a [-]")
 
 
-_RADIUS = int(WheelColumn.RADIUS)
-_WIDTH = int(WheelColumn.WIDTH)
-_GRAVITY = int(WheelColumn.GRAVITY)
-_LENGTH = int(TrackColumn.LENGTH)
-_ROAD_WHEELS = int(TrackColumn.ROAD_WHEELS)
-_PEAKEDNESS = int(TrackColumn.PEAKEDNESS)
-_PENETRATION = int(MotionColumn.PENETRATION)
-_V_ALONG = int(MotionColumn.V_ALONG)
-_V_SIDE = int(MotionColumn.V_SIDE)
-_V_NORMAL = int(MotionColumn.V_NORMAL)
-_RIM_SPEED = int(MotionColumn.RIM_SPEED)
-_YAW_RATE = int(MotionColumn.YAW_RATE)
-_U_X = int(StateColumn.SHEAR_ALONG)
-_U_Y = int(StateColumn.SHEAR_SIDE)
-_TWIST = int(StateColumn.TWIST)
-_TRAVEL = int(StateColumn.TRAVEL)
-_FORCE_X = int(OutColumn.FORCE_X)
-_FORCE_Y = int(OutColumn.FORCE_Y)
-_FORCE_Z = int(OutColumn.FORCE_Z)
-_MOMENT_Z = int(OutColumn.MOMENT_Z)
-_TORQUE = int(OutColumn.TORQUE)
-_SINKAGE = int(OutColumn.SINKAGE)
-_COMPACTION = int(OutColumn.COMPACTION_RESISTANCE)
-_BULLDOZING = int(OutColumn.BULLDOZING_RESISTANCE)
-_N = int(SoilColumn.N)
-_COHESION = int(SoilColumn.COHESION)
-_TAN_PHI = int(SoilColumn.TAN_PHI)
-_K_X = int(SoilColumn.SHEAR_MODULUS_LONGITUDINAL)
-_K_Y = int(SoilColumn.SHEAR_MODULUS_LATERAL)
-_DAMPING = int(SoilColumn.CONTACT_DAMPING)
-_DENSITY = int(SoilColumn.DENSITY)
-
-
 @njit(cache=True)
 def track_shear(
     wheel: FloatArray,
@@ -118,20 +85,20 @@ def track_shear(
         mean_pressure: p_m [Pa]. slip, side_slip: s, s_y [-]. turn: ψ [1/m]. rolling: 0..1, where 0 shears all of the
             length by the same displacement.
     """
-    length, width = wheel[_LENGTH], wheel[_WIDTH]
-    wave = 2.0 * math.pi * wheel[_ROAD_WHEELS]
+    length, width = wheel[TrackColumn.LENGTH], wheel[WheelColumn.WIDTH]
+    wave = 2.0 * math.pi * wheel[TrackColumn.ROAD_WHEELS]
     step = length / POINTS
     force_x = force_y = moment = 0.0
     for i in range(POINTS):
         part = (i + 0.5) / POINTS
         x = (part - 0.5) * length
-        pressure = mean_pressure * (1.0 - wheel[_PEAKEDNESS] * math.cos(wave * part))
+        pressure = mean_pressure * (1.0 - wheel[TrackColumn.PEAKEDNESS] * math.cos(wave * part))
         passed = rolling * (1.0 - part) * length + (1.0 - rolling) * length
-        j_x = slip * passed / soil[_K_X]
-        j_y = (side_slip + turn * x) * passed / soil[_K_Y]
+        j_x = slip * passed / soil[SoilColumn.SHEAR_MODULUS]
+        j_y = (side_slip + turn * x) * passed / soil[SoilColumn.SHEAR_MODULUS_LATERAL]
         j = math.sqrt(j_x * j_x + j_y * j_y)
         gain = -math.expm1(-j) / j if j > 1e-9 else 1.0
-        limit = (soil[_COHESION] + pressure * soil[_TAN_PHI]) * gain * width * step
+        limit = (soil[SoilColumn.COHESION] + pressure * soil[SoilColumn.TAN_PHI]) * gain * width * step
         force_x += limit * j_x
         force_y += limit * j_y
         moment += limit * j_y * x
@@ -143,49 +110,59 @@ def track(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:
     """The law; arguments as in `contact_law`."""
-    length, width, sinkage = float(wheel[_LENGTH]), float(wheel[_WIDTH]), float(motion[_PENETRATION])
-    v_along, v_side, track_speed = motion[_V_ALONG], motion[_V_SIDE], motion[_RIM_SPEED]
-    yaw_rate, n = motion[_YAW_RATE], soil[_N]
+    length, width, sinkage = (
+        float(wheel[TrackColumn.LENGTH]),
+        float(wheel[WheelColumn.WIDTH]),
+        float(motion[MotionColumn.PENETRATION]),
+    )
+    v_along, v_side, track_speed = (
+        motion[MotionColumn.V_ALONG],
+        motion[MotionColumn.V_SIDE],
+        motion[MotionColumn.RIM_SPEED],
+    )
+    yaw_rate, n = motion[MotionColumn.YAW_RATE], soil[SoilColumn.N]
     # the contact is renewed by the track's own motion, and by that of its ends over the ground
     swept = 0.5 * length * abs(yaw_rate)
     transport = max(abs(track_speed), math.sqrt(v_along * v_along + v_side * v_side), swept)
     kept = 1.0 / (1.0 + dt * transport / length)
     slip_speed = track_speed - v_along
-    state[_U_X] = (state[_U_X] + dt * slip_speed) * kept
-    state[_U_Y] = (state[_U_Y] - dt * v_side) * kept
-    state[_TWIST] = (state[_TWIST] - dt * yaw_rate) * kept
+    state[StateColumn.SHEAR_ALONG] = (state[StateColumn.SHEAR_ALONG] + dt * slip_speed) * kept
+    state[StateColumn.SHEAR_SIDE] = (state[StateColumn.SHEAR_SIDE] - dt * v_side) * kept
+    state[StateColumn.TWIST] = (state[StateColumn.TWIST] - dt * yaw_rate) * kept
     arm = TWIST_ARM * length
-    displacement = math.sqrt(state[_U_X] ** 2 + state[_U_Y] ** 2 + (arm * state[_TWIST]) ** 2)
+    displacement = math.sqrt(
+        state[StateColumn.SHEAR_ALONG] ** 2 + state[StateColumn.SHEAR_SIDE] ** 2 + (arm * state[StateColumn.TWIST]) ** 2
+    )
     shear_x, shear_y, shear_z = effective_shear(
         dt * slip_speed, -dt * v_side, -dt * arm * yaw_rate, kept, displacement, state
     )
     travel = dt * track_speed / length
-    state[_TRAVEL] = clip((state[_TRAVEL] + travel) / (1.0 + abs(travel)), -1.0, 1.0)
+    state[StateColumn.TRAVEL] = clip((state[StateColumn.TRAVEL] + travel) / (1.0 + abs(travel)), -1.0, 1.0)
     headway = advance_headway(v_along, length, dt, state)
 
     modulus = pressure_modulus(soil, min(width, length))
     greatest = modulus * sinkage**n
-    load = width * length * greatest / (1.0 + wheel[_PEAKEDNESS])
-    load *= clip(1.0 - soil[_DAMPING] * motion[_V_NORMAL], 0.0, MAX_DAMPING_GAIN)
+    load = width * length * greatest / (1.0 + wheel[TrackColumn.PEAKEDNESS])
+    load *= clip(1.0 - soil[SoilColumn.CONTACT_DAMPING] * motion[MotionColumn.V_NORMAL], 0.0, MAX_DAMPING_GAIN)
     lead = shear_lead(transport)
     slip = clip((shear_x + lead * slip_speed) / length, -1.0, 1.0)
     side_slip = clip((shear_y - lead * v_side) / length, -1.0, 1.0)
     turn = clip((shear_z / arm - lead * yaw_rate) / length, -2.0 / length, 2.0 / length)
-    sense = 1.0 if state[_TRAVEL] >= 0.0 else -1.0
+    sense = 1.0 if state[StateColumn.TRAVEL] >= 0.0 else -1.0
     # a track that runs backwards is one that runs ahead, turned about
     force_x, force_y, moment = track_shear(
-        wheel, soil, load / (width * length), sense * slip, side_slip, sense * turn, abs(state[_TRAVEL])
+        wheel, soil, load / (width * length), sense * slip, side_slip, sense * turn, abs(state[StateColumn.TRAVEL])
     )
     thrust = sense * force_x
     compaction = width * greatest * sinkage / (n + 1.0)
-    unit_weight = soil[_DENSITY] * wheel[_GRAVITY]
-    bulldozing = width * wall_resistance(sinkage, soil[_COHESION], soil[_TAN_PHI], unit_weight)
-    out[_FORCE_X] = thrust - (compaction + bulldozing) * headway
-    out[_FORCE_Y] = force_y
-    out[_FORCE_Z] = load
-    out[_MOMENT_Z] = sense * moment
-    out[_TORQUE] = wheel[_RADIUS] * thrust
-    out[_SINKAGE] = sinkage
-    out[_COMPACTION] = compaction * abs(headway)
-    out[_BULLDOZING] = bulldozing * abs(headway)
+    unit_weight = soil[SoilColumn.DENSITY] * wheel[WheelColumn.GRAVITY]
+    bulldozing = width * wall_resistance(sinkage, soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI], unit_weight)
+    out[OutColumn.FORCE_X] = thrust - (compaction + bulldozing) * headway
+    out[OutColumn.FORCE_Y] = force_y
+    out[OutColumn.FORCE_Z] = load
+    out[OutColumn.MOMENT_Z] = sense * moment
+    out[OutColumn.TORQUE] = wheel[WheelColumn.RADIUS] * thrust
+    out[OutColumn.SINKAGE] = sinkage
+    out[OutColumn.COMPACTION_RESISTANCE] = compaction * abs(headway)
+    out[OutColumn.BULLDOZING_RESISTANCE] = bulldozing * abs(headway)
     tell_slip(motion, track_speed, out)

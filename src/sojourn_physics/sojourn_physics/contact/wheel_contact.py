@@ -14,10 +14,9 @@ import math
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import MotionColumn, WheelColumn
-from sojourn_physics.contact.ground_memory import RUT, look_ahead, settle_soil
+from sojourn_physics.contact.ground_memory import RUT, Rim, look_ahead, settle_soil
 from sojourn_physics.contact.ground_plane import blend_soils, contact_plane
-from sojourn_physics.terrain.height_field import HeightArray, SoilArray
-from sojourn_physics.terrain.memory_tiles import MemoryTables
+from sojourn_physics.contact.tables import Body, Ground, Meeting
 
 MIN_COS_CAMBER = 1e-3
 """A wheel that lies flatter than this on its side has no lowest point."""
@@ -25,55 +24,23 @@ HIGHEST_HEAP = 0.1
 """A wheel whose lowest point is so far above the ground as it was once may still stand on a heap of soil [m]."""
 FRAME_VECTORS = 6
 
-_RADIUS = int(WheelColumn.RADIUS)
-_WIDTH = int(WheelColumn.WIDTH)
-_PENETRATION = int(MotionColumn.PENETRATION)
-_V_ALONG = int(MotionColumn.V_ALONG)
-_V_SIDE = int(MotionColumn.V_SIDE)
-_V_NORMAL = int(MotionColumn.V_NORMAL)
-_RIM_SPEED = int(MotionColumn.RIM_SPEED)
-_YAW_RATE = int(MotionColumn.YAW_RATE)
-_CAMBER = int(MotionColumn.CAMBER)
-_ROLL_RATE = int(MotionColumn.ROLL_RATE)
-
 
 @njit(cache=True)
 def find_contact(
-    wheel: FloatArray,
-    centre: FloatArray,
-    axle: FloatArray,
-    velocity: FloatArray,
-    angular_velocity: FloatArray,
-    heights: HeightArray,
-    soil_index: SoilArray,
-    grid: FloatArray,
-    soils: FloatArray,
-    rim: FloatArray,
-    memory: MemoryTables,
-    travel: float,
-    frame: FloatArray,
-    motion: FloatArray,
-    shares: FloatArray,
-    soil: FloatArray,
-    past: FloatArray,
+    wheel: FloatArray, body: Body, ground: Ground, travel: float, meeting: Meeting
 ) -> tuple[bool, int, bool]:
     """Contact of one wheel.
 
     Args:
-        wheel: row of `WheelColumn`. centre, axle: in map, (3,), axle a unit vector.
-        velocity, angular_velocity: of the wheel in map, (3,) [m/s], [rad/s].
-        heights, soil_index, grid, soils, rim, memory: as in `contact_forces`.
-        travel: sense of travel D that the contact remembers.
-        frame: (FRAME_VECTORS, 3), written: forward, up, in-plane (from the lowest point of the rim to the centre), and
-            the contact frame: along, side, normal.
-        motion: row of `MotionColumn`, written. shares: (soils,) and soil: (columns,), written: the ground there.
-        past: (PAST_COLUMNS,), written: what that ground has seen (see `ground_memory`).
+        wheel: row of `WheelColumn`. travel: sense of travel D that the contact remembers. meeting: written.
 
     Returns:
         whether the wheel touches the ground, index of the soil with the largest share, and whether what is under it is
         on the map. Without contact only the last has a meaning.
     """
-    radius = float(wheel[_RADIUS])
+    centre, axle, velocity, angular_velocity = body.centre, body.axle, body.velocity, body.angular_velocity
+    frame, motion, past = meeting.frame, meeting.motion, meeting.past
+    radius = float(wheel[WheelColumn.RADIUS])
     # Forward is horizontal and in the wheel's plane; with the axle upright any direction will do.
     fx = axle[1]
     fy = -axle[0]
@@ -89,13 +56,11 @@ def find_contact(
     up[1] = -forward[0] * axle[2]
     up[2] = forward[0] * axle[1] - forward[1] * axle[0]
     on_map: bool
-    found, px, py, pz, slope_x, slope_y, on_map = contact_plane(
-        heights, soil_index, grid, centre, forward, up, radius, wheel[_WIDTH], rim[0], rim[1], shares
-    )
+    found, px, py, pz, slope_x, slope_y, on_map = contact_plane(ground, centre, forward, up, wheel, meeting.shares)
     if not found:
         return False, 0, on_map
     norm = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
-    remembers = memory[3][2] > 0.0
+    remembers = ground.memory.place[2] > 0.0
     past[RUT] = 0.0
     deepest = math.inf
     if remembers:
@@ -106,7 +71,7 @@ def find_contact(
         depth = radius - rise * norm
         if depth > -HIGHEST_HEAP:
             lowered, lowered_x, lowered_y = look_ahead(
-                memory, wheel, lowest_x, lowest_y, forward, travel, max(depth, 0.0), past
+                ground.memory, wheel, Rim(lowest_x, lowest_y, forward[0], forward[1], travel, max(depth, 0.0)), past
             )
             pz -= lowered
             slope_x -= lowered_x
@@ -134,19 +99,19 @@ def find_contact(
     along[2] = side[0] * normal[1] - side[1] * normal[0]
 
     spin = angular_velocity[0] * axle[0] + angular_velocity[1] * axle[1] + angular_velocity[2] * axle[2]
-    motion[_PENETRATION] = penetration
-    motion[_V_ALONG] = velocity[0] * along[0] + velocity[1] * along[1] + velocity[2] * along[2]
-    motion[_V_SIDE] = velocity[0] * side[0] + velocity[1] * side[1] + velocity[2] * side[2]
-    motion[_V_NORMAL] = velocity[0] * normal[0] + velocity[1] * normal[1] + velocity[2] * normal[2]
-    motion[_RIM_SPEED] = radius * spin
-    motion[_YAW_RATE] = (
+    motion[MotionColumn.PENETRATION] = penetration
+    motion[MotionColumn.V_ALONG] = velocity[0] * along[0] + velocity[1] * along[1] + velocity[2] * along[2]
+    motion[MotionColumn.V_SIDE] = velocity[0] * side[0] + velocity[1] * side[1] + velocity[2] * side[2]
+    motion[MotionColumn.V_NORMAL] = velocity[0] * normal[0] + velocity[1] * normal[1] + velocity[2] * normal[2]
+    motion[MotionColumn.RIM_SPEED] = radius * spin
+    motion[MotionColumn.YAW_RATE] = (
         angular_velocity[0] * normal[0] + angular_velocity[1] * normal[1] + angular_velocity[2] * normal[2]
     )
-    motion[_CAMBER] = camber
-    motion[_ROLL_RATE] = (
+    motion[MotionColumn.CAMBER] = camber
+    motion[MotionColumn.ROLL_RATE] = (
         angular_velocity[0] * along[0] + angular_velocity[1] * along[1] + angular_velocity[2] * along[2]
     )
-    soil_number = blend_soils(soils, shares, wheel[_WIDTH], soil)
+    soil_number = blend_soils(ground.soils, meeting.shares, wheel[WheelColumn.WIDTH], meeting.soil)
     if remembers:
-        settle_soil(wheel, penetration, soil, past)
+        settle_soil(wheel, penetration, meeting.soil, past)
     return True, soil_number, on_map

@@ -86,25 +86,6 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(QUADRATURE_POINTS)
 NODES: FloatArray = np.ascontiguousarray(0.5 * (_NODES + 1.0))
 WEIGHTS: FloatArray = np.ascontiguousarray(0.5 * _WEIGHTS)
 
-_FORM = int(SoilColumn.FORM)
-_N = int(SoilColumn.N)
-_K_C = int(SoilColumn.K_C)
-_K_PHI = int(SoilColumn.K_PHI)
-_TAN_PHI = int(SoilColumn.TAN_PHI)
-_K_X = int(SoilColumn.SHEAR_MODULUS_LONGITUDINAL)
-_K_Y = int(SoilColumn.SHEAR_MODULUS_LATERAL)
-_C1 = int(SoilColumn.THETA_M_C1)
-_C2 = int(SoilColumn.THETA_M_C2)
-_LAMBDA = int(SoilColumn.EXIT_LAMBDA)
-_K_X_SLOPE = int(SoilColumn.SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE)
-_K_Y_SLOPE = int(SoilColumn.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE)
-_HUMP = int(SoilColumn.HUMP)
-_RESIDUAL = int(SoilColumn.RESIDUAL)
-_SLIP_SINKAGE = int(SoilColumn.SLIP_SINKAGE)
-_SKID_SINKAGE = int(SoilColumn.SKID_SINKAGE)
-_SIDE_SINKAGE = int(SoilColumn.SIDE_SINKAGE)
-_C3 = int(SoilColumn.THETA_M_C3)
-
 
 @njit(cache=True)
 def pressure_modulus(soil: FloatArray, width: float) -> float:
@@ -112,7 +93,9 @@ def pressure_modulus(soil: FloatArray, width: float) -> float:
 
     Zero where a negative k_c outweighs k_phi.
     """
-    modulus: float = sinkage_modulus(soil[_FORM], soil[_N], soil[_K_C], soil[_K_PHI], width)
+    modulus: float = sinkage_modulus(
+        soil[SoilColumn.FORM], soil[SoilColumn.N], soil[SoilColumn.K_C], soil[SoilColumn.K_PHI], width
+    )
     return max(modulus, 0.0)
 
 
@@ -122,9 +105,9 @@ def contact_angles(
 ) -> tuple[float, float, float]:
     """Entry, exit and greatest-stress angle [rad] at a sinkage [m]; `rolling` = |D| and `sideways` = e in 0..1."""
     entry = math.acos(min(max(1.0 - sinkage / radius, 0.0), 1.0))
-    exit_ratio = max(soil[_LAMBDA], 0.0)
+    exit_ratio = max(soil[SoilColumn.EXIT_LAMBDA], 0.0)
     rolling_exit = -math.acos(min(max(1.0 - exit_ratio * (1.0 - math.cos(entry)), -1.0), 1.0))
-    share = soil[_C1] + soil[_C2] * slip + soil[_C3] * sideways
+    share = soil[SoilColumn.THETA_M_C1] + soil[SoilColumn.THETA_M_C2] * slip + soil[SoilColumn.THETA_M_C3] * sideways
     greatest = min(max(share * entry, 0.0), 0.95 * entry)
     return entry, rolling * rolling_exit - (1.0 - rolling) * entry, rolling * greatest
 
@@ -238,26 +221,30 @@ def wheel_forces(
     entry, exit_angle, greatest = contact_angles(radius, sinkage, slip, rolling, soil, sideways)
     if entry <= 0.0:  # a sinkage that is lost in the rounding of 1 - z/r
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    n = soil[_N]
+    n = soil[SoilColumn.N]
     # The pressure is k r^n (cos θ - cos θ1)^n, with the cosine going on below zero for a wheel sunk beyond its axle.
     scale = pressure_modulus(soil, width) * radius**n
-    driven = soil[_SLIP_SINKAGE] * max(total_slip, 0.0) + soil[_SKID_SINKAGE] * min(total_slip, 0.0) ** 2
-    growth = rolling * ((1.0 - sideways) * driven + sideways * soil[_SIDE_SINKAGE])
+    driven = (
+        soil[SoilColumn.SLIP_SINKAGE] * max(total_slip, 0.0) + soil[SoilColumn.SKID_SINKAGE] * min(total_slip, 0.0) ** 2
+    )
+    growth = rolling * ((1.0 - sideways) * driven + sideways * soil[SoilColumn.SIDE_SINKAGE])
     sin_entry = math.sin(entry)
     if total_slip > 0.0 and shear_radius > radius:
-        dug = dug_depth(radius, shear_radius, grouser_count, total_slip, radius * sin_entry, soil[_TAN_PHI])
+        dug = dug_depth(radius, shear_radius, grouser_count, total_slip, radius * sin_entry, soil[SoilColumn.TAN_PHI])
         growth += rolling * (1.0 - sideways) * dug / sinkage
     if growth > 0.0:
         scale *= (1.0 + growth) ** -n
     slip_angle = math.atan2(abs(lateral_slip), max(1.0 - rolling * max(slip, 0.0), 1e-3))
-    modulus_x = soil[_K_X] + soil[_K_X_SLOPE] * slip_angle
-    modulus_y = soil[_K_Y] + soil[_K_Y_SLOPE] * slip_angle
+    modulus_x = soil[SoilColumn.SHEAR_MODULUS] + soil[SoilColumn.SHEAR_MODULUS_PER_SLIP_ANGLE] * slip_angle
+    modulus_y = (
+        soil[SoilColumn.SHEAR_MODULUS_LATERAL] + soil[SoilColumn.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE] * slip_angle
+    )
     brake_slip = min(slip, 0.0)
     cohesion, tan_phi = shear_strength(
         radius, shear_radius, width, grouser_count, grouser_thickness, -rolling * brake_slip, soil
     )
     tan_phi *= radius / shear_radius  # of the normal stress on the tip circle, which is wider than the rim
-    residual, hump = soil[_RESIDUAL], soil[_HUMP]
+    residual, hump = soil[SoilColumn.RESIDUAL], soil[SoilColumn.HUMP]
     cos_entry = 1.0 - sinkage / radius
     drive_slip = max(slip, 0.0)
     front = entry - greatest

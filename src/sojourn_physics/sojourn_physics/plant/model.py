@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from sojourn_machine.contact_report import REPORT_COLUMNS
 from sojourn_machine.drives import SeriesMotorParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.machine import MachineParams
@@ -28,8 +29,9 @@ from sojourn_machine.power.battery import BatteryParams
 from sojourn_machine.power.loads import BusParams
 from sojourn_machine.tools import ObjectParams, ToolParams
 from sojourn_physics.actuators import drive_condition, joint_drive
-from sojourn_physics.contact import contact_set, ground_plane
 from sojourn_physics.contact.rows import add_cuts, kernel_rows, law_of
+from sojourn_physics.contact.tables import Contacts, Ground
+from sojourn_physics.plant.kernels import Forces, Multibody
 from sojourn_physics.plant.params import SimulationParams
 from sojourn_physics.plant.tools.mounted_tool import MountedTool, with_tool
 from sojourn_physics.plant.wrist import WristLoad
@@ -57,6 +59,10 @@ class JointTables:
     rotors: FloatArray
     """(joints,) reflected rotor inertia of motors behind a gear with play [kg m^2]."""
 
+    def tables(self, parameters: FloatArray) -> joint_drive.Joints:
+        """For the kernels, with the parameters as they are now."""
+        return joint_drive.Joints(parameters, self.kinds, self.columns, self.loads)
+
 
 @dataclass(frozen=True, slots=True)
 class ContactTables:
@@ -69,6 +75,11 @@ class ContactTables:
     bodies: IntArray
     supports: IntArray
     offsets: FloatArray
+
+    @property
+    def tables(self) -> Contacts:
+        """For the kernels."""
+        return Contacts(self.wheels, self.bodies, self.supports, self.offsets, self.wheel_count)
 
 
 class PlantModel:
@@ -129,13 +140,18 @@ class PlantModel:
         self.soils = kernel_table(ground)
         add_cuts(self.contacts.wheels, machine.pads, ground, gravity)
         self.grid = terrain.grid
-        self.rim = np.stack([ground_plane.RIM_SIN, ground_plane.RIM_COS])
         self.untouched_ground = GroundMemory(memory_cell, terrain.origin_x, terrain.origin_y)
         self.memory = MemoryBoard(self.untouched_ground)
         self.tool = None if tool is None else MountedTool(self, tool, ground, objects)
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
         self._make_workspace()
         self._check_springs()
+
+    @property
+    def ground(self) -> Ground:
+        """For the kernels; stands until the memory of the ground is loaded anew."""
+        terrain = self.terrain
+        return Ground(terrain.heights, terrain.soil_index, self.grid, self.soils, self.memory.tables)
 
     @property
     def wheel_names(self) -> tuple[str, ...]:
@@ -309,14 +325,16 @@ class PlantModel:
         self.placements: FloatArray = np.lib.stride_tricks.as_strided(
             self.data.oMi[0].rotation.T.reshape(-1), (model.njoints, PLACEMENT_SIZE), (PLACEMENT_SIZE * 8, 8)
         )
-        self.report = np.zeros((len(self.contacts.names), contact_set.REPORT_COLUMNS))
-        self.work = np.zeros((joint_drive.WORK_ROWS, len(self.joints.names)))
-        self.efforts = np.zeros(len(self.joints.names))
-        self.currents = np.zeros(len(self.joints.names))
+        self.report = np.zeros((len(self.contacts.names), REPORT_COLUMNS))
+        nv, joints = model.nv, len(self.joints.names)
+        self.dynamics = Multibody(
+            self.placements, self.jacobian, self.mass_matrix, self.bias, self.coupling, np.zeros_like(self.coupling)
+        )
+        self.work = joint_drive.JointWork(np.zeros((joint_drive.WORK_ROWS, joints)), np.zeros(nv), np.zeros(nv))
+        self.forces = Forces(np.zeros(nv), np.zeros(nv))
+        self.efforts = np.zeros(joints)
+        self.currents = np.zeros(joints)
         self.load_power = np.zeros(len(self.bus.loads))
-        self.armature = np.zeros(model.nv)
-        self.force = np.zeros(model.nv)
-        self.contact_force = np.zeros(model.nv)
 
 
 def _check_ground(machine: MachineParams, ground: Sequence[SoilParams]) -> None:

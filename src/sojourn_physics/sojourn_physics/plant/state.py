@@ -117,7 +117,7 @@ class PlantOutput:
     """What can be seen of the period that has passed, beyond the state."""
 
     contacts: FloatArray
-    """(contacts, REPORT_COLUMNS): see `contact_set.REPORT_COLUMNS`."""
+    """(contacts, REPORT_COLUMNS): columns of `ReportColumn`."""
     efforts: FloatArray
     """(joints,) torque at each joint, gear friction included [N m]."""
     currents: FloatArray

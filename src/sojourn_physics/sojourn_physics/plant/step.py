@@ -3,9 +3,9 @@
 Semi-implicit Euler at the physics step (velocity first, then configuration with the new velocity), implicit
 in the joints' stiff terms. For each physics step:
 
-    1  placements, Jacobian and mass matrix of the machine       (Pinocchio)
-    2  contact forces, joint torques and their slopes            (`kernels.applied_forces`)
-    3  bias forces, factorisation of the mass matrix             (Pinocchio)
+    1  placements, Jacobian, mass matrix and bias forces         (Pinocchio)
+    2  contact forces, joint torques and their slopes            (`kernels.apply_forces`)
+    3  factorisation of the mass matrix                          (Pinocchio)
     4  acceleration, couplings, new velocity, energy             (`kernels.advance_velocity`)
     5  configuration on the group                                (Pinocchio)
 
@@ -19,16 +19,33 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from sojourn_machine.contact_report import FORCE
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.power import battery, loads
-from sojourn_physics.actuators.joint_drive import ANGLE, MOTOR_RATE, SPRING_REST, SPRING_STIFFNESS, STATE_ROWS
+from sojourn_physics.actuators.joint_drive import (
+    ANGLE,
+    ELECTRICAL,
+    FRICTION_HEAT,
+    MOTOR_RATE,
+    SPRING_REST,
+    SPRING_STIFFNESS,
+    STATE_ROWS,
+    STOP_HEAT,
+    WINDING_HEAT,
+    JointCommand,
+    JointReadings,
+)
 from sojourn_physics.contact.contact_law import STATE_COLUMNS, WheelColumn
 from sojourn_physics.plant.kernels import (
     ENERGY_SUMS,
     SOIL_WORK,
+    Motion,
+    PlantTables,
+    Sums,
     advance_velocity,
-    applied_forces,
+    apply_forces,
+    open_period,
 )
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import EnergyAccount, PlantCommand, PlantOutput, PlantState, zeros_command
@@ -63,72 +80,75 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     """
     _check_command(model, command)
     new = state.copy()
-    configuration, velocity = new.configuration, new.velocity
-    dt = model.simulation.physics_step
-    sums = np.zeros(ENERGY_SUMS)
-    load_energy = np.zeros(len(model.bus.loads))
-    response = np.zeros_like(model.coupling)
-    couplings = list(zip(response, model.coupling, strict=True))
-    multibody, data = model.multibody, model.data
-    joints, contacts, terrain = model.joints, model.contacts, model.terrain
-    # Bound to locals: twenty times through here is most of what the plant costs outside its kernels.
-    conditions, parameters = model.conditions, joints.parameters
+    conditions, parameters = model.conditions, model.joints.parameters
     if conditions is not None and state.conditions is not None:
         parameters = conditions.now(state.conditions)
-    joint_tables = (parameters, joints.kinds, joints.columns)
-    current_limits = (command.load_fractions * state.served)[joints.loads]
+    current_limits = (command.load_fractions * state.served)[model.joints.loads]
     if command.motor_health is not None:
         current_limits *= command.motor_health
     model.memory.load(state.ground)
     if model.tool is not None and state.tool is not None:
         model.tool.prepare(state.tool)
-    ground = (terrain.heights, terrain.soil_index, model.grid, model.soils, model.rim, model.memory.tables)
-    contact_tables = (
-        contacts.wheels, contacts.bodies, contacts.supports, contacts.offsets, contacts.wheel_count,
-    )  # fmt: skip
-    memory = (new.joints, new.contacts, command.reference, current_limits)
-    outputs = (model.report, model.work, model.contact_force, model.force, model.armature, model.mass_matrix)
-    efforts, currents, load_power = model.efforts, model.currents, model.load_power
-    touching = None if model.wrist is None or not len(model.wrist.contacts) else model.wrist.contacts
-    wrist_force: FloatArray = np.zeros((0 if touching is None else len(touching), 3))
-    squares: FloatArray = np.zeros(0 if conditions is None else len(currents))
-    on_map, rates = True, []
-    for i in range(model.simulation.substeps):
-        pin.crba(multibody, data, configuration, pin.Convention.WORLD)
-        all_on_map = applied_forces(
-            *joint_tables, *contact_tables, model.placements, model.jacobian, velocity, *ground, *memory,
-            (i + 1) * dt, state.bus_voltage, dt, *outputs,
-        )  # fmt: skip
-        on_map = on_map and all_on_map
-        if touching is not None:
-            wrist_force += model.report[touching, 6:9]
-        pin.nonLinearEffects(multibody, data, configuration, velocity)
-        pin.cholesky.decompose(multibody, data)
-        acceleration = pin.cholesky.solve(multibody, data, model.force - model.bias)
-        for row, coupling in couplings:
-            row[:] = pin.cholesky.solve(multibody, data, coupling)
-        velocity = advance_velocity(
-            *joint_tables, joints.loads, velocity, acceleration, model.coupling, response, model.contact_force, dt,
-            model.work, new.joints, efforts, currents, load_power, load_energy, sums,
-        )  # fmt: skip
-        configuration = pin.integrate(multibody, configuration, velocity * dt)
-        rates.append(velocity)
-        if conditions is not None:
-            squares += currents * currents
+    told = JointCommand(command.reference, current_limits, state.bus_voltage)
+    tables = _tables(model, new, parameters, told)
+    configuration, on_map = _sub_steps(model, new.configuration, tables)
+    motion, sums = tables.motion, tables.sums
+    velocity = motion.rates[-1].copy()
     if not (np.isfinite(configuration).all() and np.isfinite(velocity).all()):
         raise InvalidValueError("state of the plant", f"infinite at tick {state.tick + 1}", "finite numbers")
     wrist = None
     if model.wrist is not None:
         report = model.report.copy()
-        report[model.wrist.contacts, 6:9] = wrist_force / model.simulation.substeps
+        touching = model.wrist.contacts
+        report[touching, FORCE] = sums.contact_force[touching] / model.simulation.substeps
         mean = (velocity - state.velocity) / model.simulation.control_period
         wrist = model.wrist.wrench(configuration, velocity, mean, report)
     if conditions is not None and state.conditions is not None:
-        squares /= model.simulation.substeps
+        squares = sums.current_squares / model.simulation.substeps
         period = model.simulation.control_period
         new = replace(new, conditions=conditions.after(state.conditions, parameters, squares, current_limits, period))
-    spread = np.sqrt(np.mean(np.square(np.array(rates) - velocity), axis=0))
-    return _close_period(model, new, configuration, velocity, command, sums, load_energy, on_map, wrist, spread)
+    spread = np.sqrt(np.mean(np.square(motion.rates[1:] - velocity), axis=0))
+    energy, load_energy = tables.readings.energy, sums.load_energy
+    return _close_period(model, new, configuration, velocity, command, energy, load_energy, on_map, wrist, spread)
+
+
+def _tables(model: PlantModel, state: PlantState, parameters: FloatArray, command: JointCommand) -> PlantTables:
+    """What the kernels work on in a period; the joints and contacts of `state` are advanced in place."""
+    steps, loads, joints = model.simulation.substeps, len(model.bus.loads), len(model.joints.names)
+    rates = np.empty((steps + 1, len(state.velocity)))
+    rates[0] = state.velocity
+    return PlantTables(
+        model.joints.tables(parameters),
+        model.contacts.tables,
+        model.ground,
+        model.dynamics,
+        command,
+        Motion(rates, np.empty_like(state.velocity), state.joints, state.contacts),
+        model.forces,
+        model.work,
+        JointReadings(model.efforts, model.currents, model.load_power, np.zeros(ENERGY_SUMS)),
+        model.report,
+        Sums(np.zeros((len(model.report), 3)), np.zeros(joints), np.zeros(loads)),
+        model.simulation.physics_step,
+    )
+
+
+def _sub_steps(model: PlantModel, configuration: FloatArray, tables: PlantTables) -> tuple[FloatArray, bool]:
+    """The physics steps of a period: the configuration at its end, and whether all contacts were on the map."""
+    multibody, data, forces, motion = model.multibody, model.data, tables.forces, tables.motion
+    rates, couplings = list(motion.rates), list(zip(model.dynamics.response, model.coupling, strict=True))
+    period, on_map = open_period(tables), True
+    for i in range(model.simulation.substeps):
+        pin.crba(multibody, data, configuration, pin.Convention.WORLD)
+        pin.nonLinearEffects(multibody, data, configuration, rates[i])
+        on_map &= apply_forces(period, i)
+        pin.cholesky.decompose(multibody, data)
+        acceleration = pin.cholesky.solve(multibody, data, forces.net)
+        for row, coupling in couplings:
+            row[:] = pin.cholesky.solve(multibody, data, coupling)
+        advance_velocity(period, i, acceleration)
+        configuration = pin.integrate(multibody, configuration, motion.displacement)
+    return configuration, on_map
 
 
 def _check_command(model: PlantModel, command: PlantCommand) -> None:
@@ -177,10 +197,10 @@ def _close_period(
     new_battery = battery.step(model.battery, state.battery, supply.current, period)
     old = state.energy
     energy = EnergyAccount(
-        electrical=old.electrical + float(sums[0]) + drawn.electrical,
-        winding_heat=old.winding_heat + float(sums[1]) + drawn.winding_heat,
-        friction_heat=old.friction_heat + float(sums[2]) + drawn.friction_heat,
-        stop_heat=old.stop_heat + float(sums[3]),
+        electrical=old.electrical + float(sums[ELECTRICAL]) + drawn.electrical,
+        winding_heat=old.winding_heat + float(sums[WINDING_HEAT]) + drawn.winding_heat,
+        friction_heat=old.friction_heat + float(sums[FRICTION_HEAT]) + drawn.friction_heat,
+        stop_heat=old.stop_heat + float(sums[STOP_HEAT]),
         soil_work=old.soil_work + float(sums[SOIL_WORK]) + drawn.soil_work - gained,
         mechanical=mechanical + gained,
     )

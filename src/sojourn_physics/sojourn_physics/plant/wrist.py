@@ -13,11 +13,9 @@ the mean of a period, as an integrating converter gives it.
 import numpy as np
 import pinocchio as pin
 
+from sojourn_machine.contact_report import FORCE, PLACE
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray, IntArray
-
-_FORCE = slice(6, 9)
-"""Columns of a contact's report: force in map; 0 to 2 are the place."""
 
 
 class WristLoad:
@@ -62,10 +60,10 @@ class WristLoad:
         pin.updateGlobalPlacements(self._multibody, self._data)
         load = -np.array(self._data.f[self._joint].vector)
         touching = report[self.contacts]
-        if touching[:, _FORCE].any():  # an arm seldom touches anything
+        if touching[:, FORCE].any():  # an arm seldom touches anything
             placement = self._data.oMi[self._joint]
             for contact in touching:
-                force = placement.rotation.T @ contact[_FORCE]
+                force = placement.rotation.T @ contact[FORCE]
                 load[:3] += force
-                load[3:] += np.cross(placement.actInv(contact[:3]), force)
+                load[3:] += np.cross(placement.actInv(contact[PLACE]), force)
         return load

@@ -31,7 +31,7 @@ Range of validity: homogeneous ground, widths from about 0.03 to 0.5 m, sinkage 
 import math
 from collections.abc import Sequence
 from enum import IntEnum
-from typing import Literal, Self
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
@@ -59,48 +59,6 @@ SOIL_ONLY = ("cohesion", "shear_modulus", "shear_modulus_lateral", "density", "t
 
 FORM_BEKKER = 0.0
 FORM_REECE = 1.0
-
-
-class SoilColumn(IntEnum):
-    """Columns of a kernel row. New columns are added at the end, so that a kernel's indices stay right."""
-
-    FORM = 0
-    N = 1
-    K_C = 2
-    K_PHI = 3
-    COHESION = 4
-    TAN_PHI = 5
-    SHEAR_MODULUS_LONGITUDINAL = 6
-    SHEAR_MODULUS_LATERAL = 7
-    THETA_M_C1 = 8
-    THETA_M_C2 = 9
-    EXIT_LAMBDA = 10
-    CONTACT_DAMPING = 11
-    DENSITY = 12
-    SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE = 13
-    SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE = 14
-    UNLOADING_STIFFNESS = 15
-    UNLOADING_STIFFNESS_PER_SINKAGE = 16
-    INTERFACE_ADHESION = 17
-    INTERFACE_TAN_PHI = 18
-    HUMP = 19
-    RESIDUAL = 20
-    SLIP_SINKAGE = 21
-    SKID_SINKAGE = 22
-    SIDE_SINKAGE = 23
-    THETA_M_C3 = 24
-    FRONT_BULLDOZING = 25
-    SIDE_BULLDOZING = 26
-    BULLDOZING_COHESION = 27
-    BULLDOZING_TAN_PHI = 28
-    BULLDOZING_K_C = 29
-    BULLDOZING_K_GAMMA = 30
-    BULLDOZING_MODULUS = 31
-    COMPACTED_SHARE = 32
-
-
-SOIL_COLUMNS: tuple[str, ...] = tuple(column.name.lower() for column in SoilColumn)
-"""Names of the columns of a kernel row, in order."""
 
 
 def parse_exit_angle(text: str) -> float | None:
@@ -276,51 +234,68 @@ class SoilParams(Params):
         return self.density * gravity
 
 
+class Derived(NamedTuple):
+    """Columns of a kernel row that are not fields of a soil as they stand."""
+
+    form: float
+    tan_phi: float
+    exit_lambda: float
+    unloading_stiffness: float
+    unloading_stiffness_per_sinkage: float
+    interface_tan_phi: float
+    interface_adhesion: float
+    residual: float
+    hump: float
+    bulldozing_cohesion: float
+    bulldozing_tan_phi: float
+    bulldozing_k_c: float
+    bulldozing_k_gamma: float
+
+
+def _derived(soil: SoilParams) -> Derived:
+    tan_phi = math.tan(soil.friction_angle)
+    # rock springs back along the line that it was loaded on, and keeps no rut
+    yields = soil.kind == "soil"
+    bare = soil.interface_friction_angle_deg
+    residual, hump = hump_coefficients(soil.residual_shear_ratio)
+    failing = failure_strength(soil.cohesion, soil.friction_angle, soil.bulldozing_failure == "local")
+    return Derived(
+        form=FORM_BEKKER if soil.form == "bekker" else FORM_REECE,
+        tan_phi=tan_phi,
+        exit_lambda=EXIT_LAMBDA_ZERO if soil.exit_lambda is None else soil.exit_lambda,
+        unloading_stiffness=soil.unloading_stiffness if yields else 0.0,
+        unloading_stiffness_per_sinkage=soil.unloading_stiffness_per_sinkage if yields else 0.0,
+        # a soil weaker than its interface shears in itself
+        interface_tan_phi=tan_phi if bare is None else min(math.tan(math.radians(bare)), tan_phi),
+        interface_adhesion=soil.cohesion if bare is None else min(soil.interface_adhesion, soil.cohesion),
+        residual=residual,
+        hump=hump,
+        bulldozing_cohesion=failing.cohesion,
+        bulldozing_tan_phi=math.tan(failing.friction_angle),
+        bulldozing_k_c=failing.factors.k_c,
+        bulldozing_k_gamma=failing.factors.k_gamma,
+    )
+
+
+NUMBERS = tuple(name for name, field in SoilParams.model_fields.items() if field.annotation in (float, bool))
+"""Fields of a soil that the kernels get as they are."""
+SOIL_COLUMNS: tuple[str, ...] = tuple(dict.fromkeys((*NUMBERS, *Derived._fields)))
+"""Names of the columns of a kernel row, in order."""
+
+
+def _columns(names: Sequence[str]) -> Any:
+    """Numbers from 0 on, by name: of a type that no checker knows, since the names are those of a soil's fields."""
+    return IntEnum("SoilColumn", [name.upper() for name in names], start=0, module=__name__)
+
+
+SoilColumn = _columns(SOIL_COLUMNS)
+"""Columns of a kernel row, by name: a new field of a soil is one, and needs no other line."""
+
+
 def kernel_row(params: SoilParams) -> FloatArray:
     """Numbers of one soil for the contact kernels: shape (len(SOIL_COLUMNS),), contiguous, all finite."""
-    exit_lambda = params.exit_lambda
-    row = np.empty(len(SOIL_COLUMNS), dtype=np.float64)
-    row[SoilColumn.FORM] = FORM_BEKKER if params.form == "bekker" else FORM_REECE
-    row[SoilColumn.N] = params.n
-    row[SoilColumn.K_C] = params.k_c
-    row[SoilColumn.K_PHI] = params.k_phi
-    row[SoilColumn.COHESION] = params.cohesion
-    row[SoilColumn.TAN_PHI] = math.tan(params.friction_angle)
-    row[SoilColumn.SHEAR_MODULUS_LONGITUDINAL] = params.shear_modulus
-    row[SoilColumn.SHEAR_MODULUS_LATERAL] = params.shear_modulus_lateral
-    row[SoilColumn.THETA_M_C1] = params.theta_m_c1
-    row[SoilColumn.THETA_M_C2] = params.theta_m_c2
-    row[SoilColumn.EXIT_LAMBDA] = EXIT_LAMBDA_ZERO if exit_lambda is None else exit_lambda
-    row[SoilColumn.CONTACT_DAMPING] = params.contact_damping
-    row[SoilColumn.DENSITY] = params.density
-    row[SoilColumn.SHEAR_MODULUS_LONGITUDINAL_PER_SLIP_ANGLE] = params.shear_modulus_per_slip_angle
-    row[SoilColumn.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE] = params.shear_modulus_lateral_per_slip_angle
-    # rock springs back along the line that it was loaded on, and keeps no rut
-    yields = params.kind == "soil"
-    row[SoilColumn.UNLOADING_STIFFNESS] = params.unloading_stiffness if yields else 0.0
-    row[SoilColumn.UNLOADING_STIFFNESS_PER_SINKAGE] = params.unloading_stiffness_per_sinkage if yields else 0.0
-    bare = params.interface_friction_angle_deg
-    # a soil weaker than its interface shears in itself
-    tan_phi = row[SoilColumn.TAN_PHI]
-    row[SoilColumn.INTERFACE_TAN_PHI] = tan_phi if bare is None else min(math.tan(math.radians(bare)), tan_phi)
-    row[SoilColumn.INTERFACE_ADHESION] = (
-        params.cohesion if bare is None else min(params.interface_adhesion, params.cohesion)
-    )
-    row[SoilColumn.RESIDUAL], row[SoilColumn.HUMP] = hump_coefficients(params.residual_shear_ratio)
-    row[SoilColumn.SLIP_SINKAGE] = params.slip_sinkage
-    row[SoilColumn.SKID_SINKAGE] = params.skid_sinkage
-    row[SoilColumn.SIDE_SINKAGE] = params.side_sinkage
-    row[SoilColumn.THETA_M_C3] = params.theta_m_c3
-    row[SoilColumn.FRONT_BULLDOZING] = float(params.front_bulldozing)
-    row[SoilColumn.SIDE_BULLDOZING] = float(params.side_bulldozing)
-    row[SoilColumn.BULLDOZING_MODULUS] = params.bulldozing_modulus
-    failing = failure_strength(params.cohesion, params.friction_angle, params.bulldozing_failure == "local")
-    row[SoilColumn.BULLDOZING_COHESION] = failing.cohesion
-    row[SoilColumn.BULLDOZING_TAN_PHI] = math.tan(failing.friction_angle)
-    row[SoilColumn.BULLDOZING_K_C] = failing.factors.k_c
-    row[SoilColumn.BULLDOZING_K_GAMMA] = failing.factors.k_gamma
-    row[SoilColumn.COMPACTED_SHARE] = params.compacted_share
-    return row
+    values = {name: float(getattr(params, name)) for name in NUMBERS} | _derived(params)._asdict()
+    return np.array([values[name] for name in SOIL_COLUMNS], dtype=np.float64)
 
 
 def kernel_table(soils: Sequence[SoilParams]) -> FloatArray:

@@ -118,7 +118,7 @@ class MemoryBoard:
     @property
     def tables(self) -> MemoryTables:
         """For the kernels; stands until the next `load`."""
-        return self.pool, self.slots, self.pages, self.place
+        return MemoryTables(self.pool, self.slots, self.pages, self.place)
 
     def load(self, memory: GroundMemory) -> None:
         """Make this the working copy of a memory, with room for a period. Free of cost if it was made here last."""

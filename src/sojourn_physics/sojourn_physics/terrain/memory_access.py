@@ -1,17 +1,44 @@
 """What a contact reads of the ground's memory, and what it writes into it: see `memory`."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from sojourn_machine.kernels import njit
-from sojourn_machine.params import FloatArray, IntArray
-from sojourn_physics.terrain.memory_tiles import TILE, Tile, find_page, new_page
+from sojourn_machine.params import IntArray
+from sojourn_physics.terrain.memory_tiles import DUG, RUT, SHEAR, SINKAGE, TILE, MemoryTables, find_page, new_page
+
+
+class Patch(NamedTuple):
+    """A rectangle on the ground."""
+
+    x: float
+    """Of its middle in map [m]."""
+    y: float
+    ahead_x: float
+    """Unit vector along it."""
+    ahead_y: float
+    length: float
+    """[m]"""
+    width: float
+    """[m]"""
+
+
+class Trace(NamedTuple):
+    """What a wheel leaves behind [m]."""
+
+    sinkage: float
+    rut: float
+    shear: float
+    beside: float
+    """Part of the soil that is newly pressed down which goes into the banks [-]."""
 
 
 @njit(cache=True)
-def read_lowered(pool: Tile, slots: IntArray, place: FloatArray, x: float, y: float) -> float:
-    """How far the ground at (x, y) in map lies below what it was, by ruts and digging [m]; arguments as below."""
+def read_lowered(memory: MemoryTables, x: float, y: float) -> float:
+    """How far the ground at (x, y) in map lies below what it was, by ruts and digging [m]."""
+    pool, slots, place = memory.pool, memory.slots, memory.place
     column = (x - place[0]) / place[2]
     row = (y - place[1]) / place[2]
     if not (column >= 0.0 and row >= 0.0 and column < 1e9 and row < 1e9):
@@ -25,41 +52,28 @@ def read_lowered(pool: Tile, slots: IntArray, place: FloatArray, x: float, y: fl
                 node = pool[page, (first_row + i) % TILE, (first_column + j) % TILE]
                 u = column - first_column if j else 1.0 - column + first_column
                 v = row - first_row if i else 1.0 - row + first_row
-                lowered += u * v * (node[1] + node[3])
+                lowered += u * v * (node[RUT] + node[DUG])
     return float(lowered)
 
 
 @njit(cache=True)
-def read_ground(
-    pool: Tile,
-    slots: IntArray,
-    place: FloatArray,
-    x: float,
-    y: float,
-    ahead_x: float,
-    ahead_y: float,
-    length: float,
-    width: float,
-) -> tuple[float, float, float, float, float]:
+def read_ground(memory: MemoryTables, patch: Patch) -> tuple[float, float, float, float, float]:
     """Weighted mean of the ground's memory over a rectangle: sum(w v)/sum(w) over its nodes.
 
     w = (1 - s^2)^2 (1 - t^2)^2 with s, t from -1 to 1 along and across it: a node comes and goes with no weight, so
-    that the mean and its gradients are smooth in the place of the rectangle.
-
-    Args:
-        pool, slots, place: of a MemoryBoard.
-        x, y: middle of the rectangle in map [m]. ahead_x, ahead_y: unit vector along it. length, width: its sides [m];
-            at least two cells count.
+    that the mean and its gradients are smooth in the place of the rectangle. Of its sides at least two cells count.
 
     Returns:
         greatest sinkage, depth of the rut, depth of what was dug away [m], and the gradients of the two depths together
         by x and y [-].
     """
+    pool, slots, place = memory.pool, memory.slots, memory.place
+    ahead_x, ahead_y = patch.ahead_x, patch.ahead_y
     cell = place[2]
-    half = max(0.5 * length, cell)
-    half_across = max(0.5 * width, cell)
-    middle_x = x - place[0]
-    middle_y = y - place[1]
+    half = max(0.5 * patch.length, cell)
+    half_across = max(0.5 * patch.width, cell)
+    middle_x = patch.x - place[0]
+    middle_y = patch.y - place[1]
     reach_x = half * abs(ahead_x) + half_across * abs(ahead_y)
     reach_y = half * abs(ahead_y) + half_across * abs(ahead_x)
     if not (middle_x >= reach_x and middle_y >= reach_y and middle_x < 1e9 * cell and middle_y < 1e9 * cell):
@@ -103,10 +117,10 @@ def read_ground(
             across_weights += by_across
             if page > 0:
                 node = pool[page, row % TILE, column % TILE]
-                sinkage += weight * node[0]
-                rut += weight * node[1]
-                dug += weight * node[3]
-                depth = node[1] + node[3]
+                sinkage += weight * node[SINKAGE]
+                rut += weight * node[RUT]
+                dug += weight * node[DUG]
+                depth = node[RUT] + node[DUG]
                 along_depth += by_along * depth
                 across_depth += by_across * depth
     if weights <= 0.0:
@@ -131,33 +145,19 @@ def _touched(slots: IntArray, first_column: int, last_column: int, first_row: in
 
 
 @njit(cache=True)
-def write_ground(
-    pool: Tile,
-    slots: IntArray,
-    pages: IntArray,
-    place: FloatArray,
-    x: float,
-    y: float,
-    ahead_x: float,
-    ahead_y: float,
-    width: float,
-    sinkage: float,
-    rut: float,
-    shear: float,
-    beside: float,
-) -> None:
-    """Raise the memory to these values [m] behind a line across a wheel: in a rectangle of its width, one cell long.
+def write_ground(memory: MemoryTables, line: Patch, trace: Trace) -> None:
+    """Raise the memory to a wheel's trace behind a line across it: in a rectangle of its width, one cell long.
 
     Args:
-        pool, slots, pages, place: of a MemoryBoard, written.
-        x, y: middle of the line in map [m]. ahead_x, ahead_y: unit vector of travel. width: of the wheel [m].
-        beside: part of the soil that is newly pressed down which goes into the banks [-].
+        memory: written. line: its middle, the way of travel, and the width of the wheel; of no length.
     """
+    pool, slots, pages, place = memory.pool, memory.slots, memory.pages, memory.place
+    ahead_x, ahead_y = line.ahead_x, line.ahead_y
     cell = place[2]
     # a wheel narrower than a cell still leaves a trace of nodes
-    half = max(0.5 * width, 0.5 * math.sqrt(2.0) * cell)
-    middle_x = x - 0.5 * cell * ahead_x - place[0]
-    middle_y = y - 0.5 * cell * ahead_y - place[1]
+    half = max(0.5 * line.width, 0.5 * math.sqrt(2.0) * cell)
+    middle_x = line.x - 0.5 * cell * ahead_x - place[0]
+    middle_y = line.y - 0.5 * cell * ahead_y - place[1]
     reach_x = 0.5 * cell * abs(ahead_x) + half * abs(ahead_y)
     reach_y = 0.5 * cell * abs(ahead_y) + half * abs(ahead_x)
     if not (middle_x >= reach_x and middle_y >= reach_y and middle_x < 1e9 * cell and middle_y < 1e9 * cell):
@@ -167,9 +167,9 @@ def write_ground(
     first_row = math.ceil((middle_y - reach_y) / cell)
     last_row = math.floor((middle_y + reach_y) / cell)
     # compared as they are stored: a number that lost its last digits there would be written again and again
-    new_sinkage = np.float32(sinkage)
-    new_rut = np.float32(rut)
-    new_shear = np.float32(shear)
+    new_sinkage = np.float32(trace.sinkage)
+    new_rut = np.float32(trace.rut)
+    new_shear = np.float32(trace.shear)
     pressed = 0.0
     page = 0
     page_column = -1
@@ -189,36 +189,28 @@ def write_ground(
                 if page == 0:
                     return
             node = pool[page, row % TILE, column % TILE]
-            if new_sinkage > node[0] or new_rut > node[1] or new_shear > node[2]:
-                if new_rut > node[1]:
-                    pressed += np.float64(new_rut) - np.float64(node[1])
-                node[0] = max(node[0], new_sinkage)
-                node[1] = max(node[1], new_rut)
-                node[2] = max(node[2], new_shear)
+            if new_sinkage > node[SINKAGE] or new_rut > node[RUT] or new_shear > node[SHEAR]:
+                if new_rut > node[RUT]:
+                    pressed += np.float64(new_rut) - np.float64(node[RUT])
+                node[SINKAGE] = max(node[SINKAGE], new_sinkage)
+                node[RUT] = max(node[RUT], new_rut)
+                node[SHEAR] = max(node[SHEAR], new_shear)
                 pages[page, 2] = 1
-    if beside > 0.0 and pressed > 0.0:
-        _bank(pool, slots, pages, cell, middle_x, middle_y, ahead_x, ahead_y, max(half, cell), beside * pressed)
+    if trace.beside > 0.0 and pressed > 0.0:
+        middle = Patch(middle_x, middle_y, ahead_x, ahead_y, cell, line.width)
+        _bank(memory, middle, max(half, cell), trace.beside * pressed)
 
 
 @njit(cache=True)
-def _bank(
-    pool: Tile,
-    slots: IntArray,
-    pages: IntArray,
-    cell: float,
-    middle_x: float,
-    middle_y: float,
-    ahead_x: float,
-    ahead_y: float,
-    edge: float,
-    amount: float,
-) -> None:
+def _bank(memory: MemoryTables, line: Patch, edge: float, amount: float) -> None:
     """Heap soil up on both sides of a rut, falling evenly from its edge over half as much again.
 
     Args:
-        middle_x, middle_y: of the line that was written, from the grid's origin [m]. edge: where the banks begin, from
-            there: no nearer than what a wheel reads of its own track [m]. amount: sum of the nodes' heights [m].
+        line: that was written, its middle from the grid's origin. edge: where the banks begin, from there: no nearer
+            than what a wheel reads of its own track [m]. amount: sum of the nodes' heights [m].
     """
+    pool, slots, pages, cell = memory.pool, memory.slots, memory.pages, memory.place[2]
+    middle_x, middle_y, ahead_x, ahead_y = line.x, line.y, line.ahead_x, line.ahead_y
     wide = max(0.5 * edge, 2.0 * cell)
     reach_x = 0.5 * cell * abs(ahead_x) + (edge + wide) * abs(ahead_y)
     reach_y = 0.5 * cell * abs(ahead_y) + (edge + wide) * abs(ahead_x)
@@ -243,7 +235,7 @@ def _bank(
                 if page == 0:
                     return
                 node = pool[page, row % TILE, column % TILE]
-                node[3] = np.float32(np.float64(node[3]) - amount * weight / total)
+                node[DUG] = np.float32(np.float64(node[DUG]) - amount * weight / total)
                 pages[page, 2] = 1
         if total <= 0.0:
             return

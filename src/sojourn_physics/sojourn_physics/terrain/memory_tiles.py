@@ -4,7 +4,7 @@
 the page of a tile here, or takes a new one.
 """
 
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,16 @@ from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 
 Tile: TypeAlias = NDArray[np.float32]
-MemoryTables: TypeAlias = tuple[Tile, IntArray, IntArray, FloatArray]
-"""Pool, slots, pages and place of a MemoryBoard, for the kernels."""
+
+
+class MemoryTables(NamedTuple):
+    """A MemoryBoard (see there), for the kernels."""
+
+    pool: Tile
+    slots: IntArray
+    pages: IntArray
+    place: FloatArray
+
 
 TILE = 32
 """Nodes along the side of a tile."""

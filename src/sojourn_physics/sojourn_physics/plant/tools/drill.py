@@ -17,6 +17,7 @@ percussion; chips are cleared, and are not found again on the ground; walls neit
 import math
 from dataclasses import replace
 
+from sojourn_machine.contact_report import FORCE, ReportColumn
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import DrillToolParams
@@ -66,13 +67,13 @@ class Drill:
         wanted = max(float(around.reference[1]), 0.0)
         if not isinstance(own, DrillState):
             raise InvalidValueError("state of the drill", type(own).__name__, "DrillState")
-        place = float(report[0]), float(report[1])
-        touches, over = report[3] > 0.0, self._over(own, place)
+        place = float(report[ReportColumn.X]), float(report[ReportColumn.Y])
+        touches, over = report[ReportColumn.SINKAGE] > 0.0, self._over(own, place)
         hole = 0.0 if over is None else own.holes[over].depth
         thrust, found = 0.0, NO_DRILLING
         if touches:
-            thrust = max(-float(report[6:9] @ axis), 0.0)
-            found = drill(self.params.bit, self._energies[int(report[10])], thrust)
+            thrust = max(-float(report[FORCE] @ axis), 0.0)
+            found = drill(self.params.bit, self._energies[int(report[ReportColumn.SOIL])], thrust)
         turned = spindle_step(
             self.params.motor,
             self.params.gear,
@@ -85,7 +86,9 @@ class Drill:
             around.dt,
         )
         angle = 0.5 * (state.rate + turned.rate) * around.dt
-        gone = min(found.depth_per_turn * angle / (2.0 * math.pi), float(report[3])) if touches else 0.0
+        gone = (
+            min(found.depth_per_turn * angle / (2.0 * math.pi), float(report[ReportColumn.SINKAGE])) if touches else 0.0
+        )
         turning = angle > 0.0
         torque = found.torque if turning or turned.stalled else 0.0
         work = turned.at_load * around.dt

@@ -25,6 +25,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from sojourn_machine.contact_report import PLACE
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import GripperToolParams, ObjectParams
@@ -114,7 +115,7 @@ class Gripper:
         for number, (thing, place) in enumerate(zip(self._objects, own.places, strict=True)):
             if not after <= thing.width <= before:
                 continue
-            offset = np.array(place) - around.report[:3]
+            offset = np.array(place) - around.report[PLACE]
             behind = -float(offset @ around.axis)
             aside = math.sqrt(max(float(offset @ offset) - behind * behind, 0.0))
             if -0.25 * thing.height <= behind <= self.params.finger_length and aside <= 0.5 * (
@@ -128,7 +129,8 @@ class Gripper:
         if held is None:
             own = own if own.held is None else self._fallen(own, own.held, around)
             return replace(own, held=None, grasp=0.0, needed=0.0, before=(), has_worked=True)
-        tip = (float(around.report[0]), float(around.report[1]), float(around.report[2]))
+        x, y, z = around.report[PLACE].tolist()
+        tip = (x, y, z)
         acceleration = np.zeros(3)
         if len(own.before) == 2:
             acceleration = (np.array(tip) - 2.0 * np.array(own.before[1]) + np.array(own.before[0])) / around.dt**2
@@ -151,7 +153,8 @@ class Gripper:
 
     def _fallen(self, own: GripperState, number: int, around: Surroundings) -> GripperState:
         """The object lies on the ground under the tip."""
-        place = self._on_ground(self._objects[number], float(around.report[0]), float(around.report[1]))
+        x, y, _ = around.report[PLACE].tolist()
+        place = self._on_ground(self._objects[number], x, y)
         return replace(own, places=(*own.places[:number], place, *own.places[number + 1 :]))
 
     def _on_ground(self, thing: ObjectParams, x: float, y: float) -> tuple[float, float, float]:

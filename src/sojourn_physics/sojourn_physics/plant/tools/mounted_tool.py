@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 import pinocchio as pin
 
+from sojourn_machine.contact_report import ReportColumn
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.machine import MachineParams
 from sojourn_machine.params import FloatArray
@@ -118,7 +119,7 @@ class MountedTool:
         """
         report = model.report[self.pad]
         wanted = np.array([state.position, 0.0, 0.0]) if reference is None else reference
-        if self._law.idle(state, wanted, bool(report[3] > 0.0)):
+        if self._law.idle(state, wanted, bool(report[ReportColumn.SINKAGE] > 0.0)):
             return state, NO_ENERGY
         to_map = model.placements[self._joint, :9].reshape(3, 3)
         around = Surroundings(

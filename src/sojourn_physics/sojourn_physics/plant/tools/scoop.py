@@ -20,6 +20,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from sojourn_machine.contact_report import PLACE, ReportColumn
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import ScoopToolParams
@@ -63,7 +64,7 @@ class Scoop:
         own = state.own
         if not isinstance(own, ScoopState):
             raise InvalidValueError("state of the scoop", type(own).__name__, "ScoopState")
-        touches = around.report[3] > 0.0
+        touches = around.report[ReportColumn.SINKAGE] > 0.0
         lid = self._lid(state, around)
         open_ = lid > 0.5 * self.params.lid.opening
         moved = lid != state.position
@@ -86,7 +87,7 @@ class Scoop:
 
     def _cut(self, own: ScoopState, around: Surroundings, open_: bool) -> ScoopState:
         """The end is in the ground."""
-        soil, place = int(around.report[10]), around.report[:3]
+        soil, place = int(around.report[ReportColumn.SOIL]), around.report[PLACE]
         drag = math.hypot(around.drag[0], around.drag[1])
         if drag < LEAST_DRAG or not self._cuts[soil] or around.board.place[2] <= 0.0:
             return own
@@ -119,7 +120,8 @@ class Scoop:
         pushed = own.pushed.less(fallen(own.pushed, own.ahead, around)) if own.pushed.volume > DUST else own.pushed
         carried = own.carried
         if open_ and carried.volume > DUST:
-            carried = carried.less(fallen(carried, (float(around.report[0]), float(around.report[1])), around))
+            x, y, _ = around.report[PLACE].tolist()
+            carried = carried.less(fallen(carried, (x, y), around))
         put = own.carried.volume - carried.volume + own.pushed.volume - pushed.volume
         return replace(own, carried=carried, pushed=pushed, front=None, taken=own.taken - put)
 

@@ -184,7 +184,7 @@ class Surroundings:
     supply: float
     """Part of its power that it can have, 0 to 1."""
     report: FloatArray
-    """Of its end's contact, see `contact_set.REPORT_COLUMNS`."""
+    """Of its end's contact, row of `ReportColumn`."""
     drag: FloatArray
     """Way on which its end is dragged, D of `pad_on_soil`, (2,)."""
     axis: FloatArray
