@@ -25,8 +25,8 @@ PERIODS = 20
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Bag:
     """Twenty periods with a little of everything."""
     run = SyntheticRun(tmp_path_factory.mktemp("fields") / "bag", "flat_drive")
-    wheels = [wheel.joint for wheel in run.run.rover.wheels]
-    points = np.zeros((len(wheels) + len(run.run.rover.pads), 11))
+    wheels = [wheel.joint for wheel in run.run.machine.wheels]
+    points = np.zeros((len(wheels) + len(run.run.machine.pads), 11))
     for period in range(1, PERIODS + 1):
         stamp = period * PERIOD
         joints = {name: 0.1 * number * period for number, name in enumerate(wheels)}

@@ -6,7 +6,8 @@ from sojourn_config.urdf import parse_urdf
 
 
 def test_the_joined_urdf_goes_with_the_run_where_no_file_has_it() -> None:
-    arm, rover = (Run.of_scenario(load_scenario(name)) for name in ("cylindrical_course", "flat_drive"))
+    arm = Run.of_scenario(load_scenario("cylindrical_course"))
+    rover = Run.of_scenario(load_scenario("flat_drive", ["machine=skid"]))
     attached = {each.name: each for each in arm.attachments()}
     names = parse_urdf(attached[COMPOSED_NAME].data.decode(), COMPOSED_NAME).moving_joints
     assert names == arm.arm_joints

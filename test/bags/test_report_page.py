@@ -123,7 +123,7 @@ def test_gaps_of_the_recorders_account_are_told(tmp_path: Path) -> None:
 def test_margin_is_that_of_the_machine_by_hand(tmp_path: Path) -> None:
     """Wheels on a level plane at the corners of a known rectangle; the centre of mass as Pinocchio has it."""
     run = SyntheticRun(tmp_path / "bag", "flat_drive")
-    wheels = run.run.rover.wheels
+    wheels = run.run.machine.wheels
     points = np.zeros((len(wheels), 11))
     points[:, 0] = [1.0, 1.0, 0.0, 0.0, -1.0, -1.0]
     points[:, 1] = [0.6, -0.6] * 3

@@ -54,7 +54,7 @@ def make_run(
 ) -> Path:
     """An arc of known length, then three goals of the arm; the goals are off by known distances."""
     run = SyntheticRun(folder, "lunar_sample")
-    names = [wheel.joint for wheel in run.run.rover.wheels] + list(run.run.resolved["arm"]["joint_names"])
+    names = [wheel.joint for wheel in run.run.machine.wheels] + list(run.run.resolved["arm"]["joint_names"])
     unfolded = dict(zip(names[6:], run.run.resolved["arm"]["named_poses"]["unfold"], strict=True))
     x, y, z, yaw = end_pose()
     tip = tip_by_hand(run.run.urdf, unfolded)

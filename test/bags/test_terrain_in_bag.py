@@ -20,7 +20,7 @@ def test_the_ground_from_a_file_comes_back_out_of_the_bag(tmp_path: Path) -> Non
     file = {"path": "dem.npy", "cell": 0.5, "soil_path": "soil.npy", "soil_classes": classes}
     terrain = {"kind": "file", "size_x": 10.0, "size_y": 8.0, "resolution": 0.1, "file": file}
     document = {
-        "description": "stand on a model", "seed": 1, "rover": "explorer", "body": "moon", "terrain": terrain,
+        "description": "stand on a model", "seed": 1, "machine": "explorer", "body": "moon", "terrain": terrain,
         "soil": "lunar_nominal", "duration_limit_s": 10.0,
     }  # fmt: skip
     path = tmp_path / "mine.yaml"

@@ -87,7 +87,7 @@ def test_json_is_the_table(capsys: pytest.CaptureFixture[str]) -> None:
     shown = json.loads(capsys.readouterr().out)
     assert list(shown["topics"]) == [row.name for row in TOPICS]
     assert shown["digest"] == contract_data()["digest"]
-    assert shown["rover"]["joints"]["steer_front_left_joint"] == {
+    assert shown["machine"]["joints"]["steer_front_left_joint"] == {
         "group": "steer",
         "held_by": "position",
         "kind": "revolute",

@@ -201,20 +201,20 @@ def test_a_namespace_is_a_name_of_ros_or_is_refused(text: str) -> None:
 
 
 def test_a_rover_without_an_arm_has_no_role_arm(tmp_path: Path) -> None:
-    plan, said = plan_of(tmp_path, "--rover", "skid")
+    plan, said = plan_of(tmp_path, "--machine", "skid")
     assert plan.participants == tuple(role for role in ROLE_NAMES if role != "arm")
-    assert plan.overrides == ("rover=skid",)
+    assert plan.overrides == ("machine=skid",)
     assert not said
     for asked in (["--only", "arm"], ["--replace", "arm=true"], ["--shadow", "arm=true"]):
-        with pytest.raises(UsageError, match="the rover skid has no arm"):
-            plan_of(tmp_path / "x", "--rover", "skid", *asked)
+        with pytest.raises(UsageError, match="the machine skid has no arm"):
+            plan_of(tmp_path / "x", "--machine", "skid", *asked)
 
 
 def test_a_machine_that_stands_fast_has_no_role_drive(tmp_path: Path) -> None:
     plan, said = plan_of(tmp_path, scenario="puma560_course")
     assert plan.participants == tuple(role for role in ROLE_NAMES if role != "drive") and not said
     for asked in (["--only", "drive"], ["--replace", "drive=true"], ["--shadow", "drive=true"]):
-        with pytest.raises(UsageError, match="the rover puma560 stands fast, it has no wheels: there is no role drive"):
+        with pytest.raises(UsageError, match="puma560 stands fast, it has no wheels: there is no role drive"):
             plan_of(tmp_path / "x", *asked, scenario="puma560_course")
 
 

@@ -66,7 +66,7 @@ def test_the_explorers_arm_has_the_motors_of_the_rover() -> None:
 def test_a_rover_stands_for_its_arm_and_its_urdf_for_the_longest_line_of_joints() -> None:
     arm = load_arm("explorer")
     assert arm.name == "explorer_arm"
-    assert load_arm(str(urdf_folder() / "explorer.urdf")).joint_names == arm.joint_names
+    assert load_arm(str(urdf_folder() / "explorer_arm.urdf")).joint_names == arm.joint_names
 
 
 def test_an_unknown_arm_is_answered_with_the_list(tmp_path: Path) -> None:

@@ -17,11 +17,11 @@ from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import build_arm_model
 
 ALONE = [name for name in available("arms") if load_params("arms", name, ArmConfig).urdf is not None]
-MOUNT = "rover.arm_mount={link: base_link, xyz: [0.1, 0, 0.2], rpy: [0, 0, 0.5]}"
+MOUNT = "machine.arm_mount={link: base_link, xyz: [0.1, 0, 0.2], rpy: [0, 0, 0.5]}"
 SLOW = "arm.max_velocity=[0.8, 0.7, 1.2, 2.0, 2.0, 2.0]"
 """As far as the bus of that rover can drive it, of 20 V when its battery is empty."""
-ON_SKID = ["rover=skid", "rover.arm=puma560", MOUNT, SLOW]
-CYLINDRICAL = ["rover=skid", "rover.arm=cylindrical"]
+ON_SKID = ["machine=skid", "machine.arm=puma560", MOUNT, SLOW]
+CYLINDRICAL = ["machine=skid", "machine.arm=cylindrical"]
 
 
 @pytest.fixture(scope="module")
@@ -30,11 +30,11 @@ def carried() -> LoadedScenario:
 
 
 def test_it_brings_its_drives_encoders_and_load_along(carried: LoadedScenario) -> None:
-    alone = load_scenario("flat_drive", ["rover=skid"])
+    alone = load_scenario("flat_drive", ["machine=skid"])
     params = load_params("arms", "puma560", ArmConfig)
     assert carried.arm_joints == tuple(f"arm_{name}" for name in params.joint_names)
     assert carried.urdf.moving_joints == (*alone.urdf.moving_joints, *carried.arm_joints)
-    driven = [joint for drive in carried.rover.drives for joint in drive.joints]
+    driven = [joint for drive in carried.machine.drives for joint in drive.joints]
     assert driven[-6:] == list(carried.arm_joints) and len(driven) == 10
     measured = [joint for group in carried.sensors.joint_groups.values() for joint in group.joints]
     assert measured == driven
@@ -44,7 +44,7 @@ def test_it_brings_its_drives_encoders_and_load_along(carried: LoadedScenario) -
 
 
 def test_its_masses_and_its_reach_are_added_where_it_is_bolted_on(carried: LoadedScenario) -> None:
-    skid = load_scenario("flat_drive", ["rover=skid"])
+    skid = load_scenario("flat_drive", ["machine=skid"])
     total = sum(inertial.mass for inertial in carried.urdf.inertials.values())
     assert total == pytest.approx(sum(i.mass for i in skid.urdf.inertials.values()) + 17.4 + 4.8 + 0.82 + 0.34 + 0.09)
     arm, own = build_arm_model(carried.urdf_xml, carried.carried_arm()), load_arm("puma560")
@@ -78,31 +78,37 @@ def test_drives_and_encoders_fit_motors_and_gears_of_the_urdf(name: str) -> None
     ("overrides", "words"),
     [
         (
-            ["rover=explorer", "rover.arm=puma560", "rover.arm_mount={link: base_link}"],
-            ["joint arm_elbow_joint", "is in urdf/puma560.urdf too", "another arm_mount.prefix"],
+            ["machine=skid", "machine.arm=puma560", 'machine.arm_mount={link: base_link, prefix: ""}'],
+            ["link base_link", "is in urdf/puma560.urdf too", "another arm_mount.prefix"],
         ),
         (
-            [*ON_SKID, "rover.arm_mount.link=deck"],
+            [*ON_SKID, "machine.arm_mount.link=deck"],
             ["arm_mount.link = 'deck'", "is no link of urdf/skid.urdf", "base_link"],
         ),
-        (["rover=skid", "rover.arm=puma560"], ["config/rovers/skid.yaml: arm_mount", "where puma560 stands"]),
         (
-            ["rover=explorer_arm", "arm.of_rover=null"],
-            ["config/rovers/explorer_arm.yaml", "arm_mount", "explorer_arm has no URDF of its own"],
+            ["machine=skid", "machine.arm=puma560"],
+            ["config/machines/skid/machine.yaml: arm_mount", "where puma560 stands"],
         ),
-        (["rover=explorer_arm", "arm.of_rover=explorr"], ["of_rover = 'explorr'", "did you mean explorer?"]),
         (
-            ["rover=explorer_arm", "arm.urdf_root=arm_link"],
-            ["urdf_root = 'arm_link'", "is no link of urdf/explorer.urdf"],
+            ["machine=explorer_arm", "arm.urdf=null"],
+            ["config/machines/explorer_arm/machine.yaml:", "arm_mount", "explorer_arm has no URDF of its own"],
         ),
-        (["rover=puma560", "arm.joint_groups={}"], ["joint_names[0] = 'arm_waist_joint'", "has no encoder"]),
-        (["rover=puma560", "arm.drives=[]"], ["joint_names[5] = 'arm_flange_joint'", "has no drive"]),
         (
-            ["rover=puma560", "arm.tip_link=waist_link"],
+            ["machine=explorer_arm", "arm.urdf=explorr_arm.urdf"],
+            ["urdf = 'explorr_arm.urdf'", "mean explorer_arm.ur"],
+        ),
+        (
+            ["machine=explorer_arm", "arm.urdf_root=arm_link"],
+            ["urdf_root = 'arm_link'", "is no link of urdf/explorer_arm.urdf"],
+        ),
+        (["machine=puma560", "arm.joint_groups={}"], ["joint_names[0] = 'arm_waist_joint'", "has no encoder"]),
+        (["machine=puma560", "arm.drives=[]"], ["joint_names[5] = 'arm_flange_joint'", "has no drive"]),
+        (
+            ["machine=puma560", "arm.tip_link=waist_link"],
             ["joint_names", "towards arm_waist_link, which hangs on"],
         ),
-        ([*ON_SKID, "rover.arm_mount.prefix=Arm"], ["arm_mount.prefix = 'Arm'", "lower case, ends with _"]),
-        ([*ON_SKID, "rover.arm_mount.xyz=[0, 0]"], ["arm_mount.xyz", "[m]"]),
+        ([*ON_SKID, "machine.arm_mount.prefix=Arm"], ["arm_mount.prefix = 'Arm'", "lower case, ends with _"]),
+        ([*ON_SKID, "machine.arm_mount.xyz=[0, 0]"], ["arm_mount.xyz", "[m]"]),
         (
             [*ON_SKID, "arm.drives[0].load=drill"],
             ["drives[0].load = 'drill'", "config/arms/puma560.yaml", "no load of the bus"],
@@ -112,23 +118,23 @@ def test_drives_and_encoders_fit_motors_and_gears_of_the_urdf(name: str) -> None
             ["max_torque = 200", "at most 186.4 N m", "arm_shoulder_joint"],
         ),
         ([*ON_SKID, "arm.joint_groups.waist.joints=[hip_joint]"], ["joint_groups.waist.joints[0]", "arm_hip_joint"]),
-        (["rover=puma560", "drive.goal_tolerance=1"], ["drive.goal_tolerance=1", "puma560 does not drive"]),
-        (["rover=puma560"], ["steps[0].drive_to", "puma560 stands fast: it has no wheels"]),
-        (["rover=puma560", "rover.drive=drive"], ["drive = 'drive'", "stands fast"]),
-        (["rover=skid", "rover.fixed_base=true"], ["fixed_base with 4 wheels"]),
-        (["rover=skid", "rover.wheels=[]"], ["wheels", "fixed_base = true"]),
-        (["rover=skid", "rover.drive=null"], ["drive", "with wheels"]),
-        (["rover=puma560", "rover.arm=null"], ["arm", "nothing moves on a fixed base"]),
+        (["machine=puma560", "drive.goal_tolerance=1"], ["drive.goal_tolerance=1", "a stand does not drive"]),
+        (["machine=puma560"], ["steps[0].drive_to", "puma560 stands fast: it has no wheels"]),
+        (["machine=puma560", "machine.fixed_base=false"], ["fixed_base = false", "allowed is one of True"]),
+        (["machine=skid", "machine.fixed_base=true"], ["fixed_base = true", "allowed is one of False"]),
+        (["machine=skid", "machine.wheels=[]"], ["wheels", "fixed_base = true"]),
+        (["machine=skid", "drive=null"], ["drive = null", "unknown key"]),
+        (["machine=puma560", "machine.arm=null"], ["arm", "nothing moves on a fixed base"]),
         (
-            ["rover=skid", "rover.arm=puma560", MOUNT],
+            ["machine=skid", "machine.arm=puma560", MOUNT],
             ["max_velocity[1] = 1.0", "skid_battery gives 19.9 V", "allowed is some 0.7"],
         ),
         (
-            [*CYLINDRICAL, "rover.arm_mount={link: base_link, xyz: [1.2, 0, 0]}"],
+            [*CYLINDRICAL, "machine.arm_mount={link: base_link, xyz: [1.2, 0, 0]}"],
             ["arm_mount = 'cylindrical'", "tips the machine over in pose 'stow'", "0.21 m outside the wheels"],
         ),
         (
-            ["rover=lrv", "rover.arm=srms", "rover.arm_mount={}"],
+            ["machine=lrv", "machine.arm=srms", "machine.arm_mount={}"],
             ["named_poses.stow", "arm_shoulder_pitch_joint would hold 38", "allowed is 1570 N m"],
         ),
         (["body=low_earth_orbit"], ["body = 'low_earth_orbit'", "free fall", "wheels of explorer"]),
@@ -144,15 +150,15 @@ def test_what_does_not_fit_is_refused(overrides: list[str], words: list[str]) ->
 def test_the_explorers_arm_comes_with_what_the_explorer_has_of_it() -> None:
     stand, explorer = load_scenario("explorer_arm_course"), load_scenario("flat_drive")
     assert stand.arm_joints == stand.urdf.moving_joints == explorer.arm_joints  # its mount has no prefix
-    own = {joint: drive for drive in explorer.rover.drives for joint in drive.joints}
-    assert {joint: drive for drive in stand.rover.drives for joint in drive.joints} == {
+    own = {joint: drive for drive in explorer.machine.drives for joint in drive.joints}
+    assert {joint: drive for drive in stand.machine.drives for joint in drive.joints} == {
         joint: own[joint] for joint in stand.arm_joints
     }
     for group in ("arm", "wrist"):
         assert stand.sensors.joint_groups[group] == explorer.sensors.joint_groups[group]
     assert stand.sensors.wrist == explorer.sensors.wrist
-    assert stand.rover.wrench_sensor_link == explorer.rover.wrench_sensor_link
-    assert [pad.name for pad in stand.rover.pads] == ["arm_tip"] and stand.tool == explorer.tool
+    assert stand.machine.wrench_sensor_link == explorer.machine.wrench_sensor_link
+    assert [pad.name for pad in stand.machine.pads] == ["arm_tip"] and stand.tool == explorer.tool
     mass = sum(inertial.mass for name, inertial in stand.urdf.inertials.items() if name != "base_link")
     links = explorer.urdf.below("arm_mount_link")
     assert mass == pytest.approx(sum(i.mass for name, i in explorer.urdf.inertials.items() if name in links))
@@ -170,7 +176,7 @@ def test_a_denavit_hartenberg_table_stands_for_its_urdf() -> None:
 
 
 def test_who_carries_it_well_is_let_be() -> None:
-    load_scenario("flat_drive", [*CYLINDRICAL, "rover.arm_mount={link: base_link, xyz: [0.1, 0, 0]}"])
+    load_scenario("flat_drive", [*CYLINDRICAL, "machine.arm_mount={link: base_link, xyz: [0.1, 0, 0]}"])
 
 
 def test_what_a_joint_would_hold_is_what_rigid_body_dynamics_says(carried: LoadedScenario) -> None:

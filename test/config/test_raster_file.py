@@ -47,7 +47,7 @@ def scenario(folder: Path, file: dict[str, Any], **terrain: Any) -> Path:
     """A scenario on an elevation model, as a user would write it."""
     ground = {"kind": "file", "size_x": 12.0, "size_y": 10.0, "resolution": 0.25, "file": file, **terrain}
     document = {
-        "description": "drive on a model", "seed": 1, "rover": "explorer", "body": "moon", "terrain": ground,
+        "description": "drive on a model", "seed": 1, "machine": "explorer", "body": "moon", "terrain": ground,
         "soil": "lunar_nominal", "start": {"x": 0.0, "y": 0.0}, "duration_limit_s": 10.0,
     }  # fmt: skip
     path = folder / "mine.yaml"

@@ -8,7 +8,7 @@ from sojourn_config.scenario import load_scenario
 
 
 def test_it_loads_and_has_no_arm() -> None:
-    scenario = load_scenario("flat_drive", ["rover=skid"])
+    scenario = load_scenario("flat_drive", ["machine=skid"])
     assert scenario.arm is None
     assert scenario.arm_joints == ()
     assert scenario.arm_pose("stow") == {}
@@ -18,17 +18,17 @@ def test_it_loads_and_has_no_arm() -> None:
 @pytest.mark.parametrize(
     ("scenario", "override", "words"),
     [
-        ("lunar_sample", "seed=1", ["steps[2].arm_joints", "steps[3].arm_to_ground", "the rover skid has no arm"]),
-        ("flat_drive", "arm.tip_link=base_link", ["arm.tip_link=base_link", "the rover skid has no arm"]),
+        ("lunar_sample", "seed=1", ["steps[2].arm_joints", "steps[3].arm_to_ground", "the machine skid has no arm"]),
+        ("flat_drive", "arm.tip_link=base_link", ["arm.tip_link=base_link", "the machine skid has no arm"]),
     ],
 )
 def test_what_asks_for_an_arm_is_refused(scenario: str, override: str, words: list[str]) -> None:
     with pytest.raises(ConfigError) as caught:
-        load_scenario(scenario, ["rover=skid", override])
+        load_scenario(scenario, ["machine=skid", override])
     for word in words:
         assert word in str(caught.value)
 
 
 def test_the_bench_says_that_a_rover_has_no_arm() -> None:
-    with pytest.raises(ConfigError, match="the rover skid has no arm"):
+    with pytest.raises(ConfigError, match="the machine skid has no arm"):
         load_arm("skid")

@@ -63,14 +63,14 @@ def test_every_body_loads_under_its_own_name(name: str) -> None:
 
 
 def test_bundle_holds_what_a_run_needs(flat: LoadedScenario) -> None:
-    assert isinstance(flat.rover, MachineParams)
-    assert flat.urdf_xml.lstrip().startswith("<?xml")
+    assert isinstance(flat.machine, MachineParams)
+    assert flat.urdf_xml.startswith('<robot name="explorer">')
     assert flat.soil_names == ("lunar_nominal", "rigid_rock")
     assert flat.body.name == "moon"
     assert flat.simulation.substeps == 20
     assert flat.power_manager.loads == flat.bus.loads
     assert flat.power_manager.battery == flat.battery
-    assert [wheel.name for wheel in flat.rover.wheels] == [
+    assert [wheel.name for wheel in flat.machine.wheels] == [
         "front_left", "front_right", "middle_left", "middle_right", "rear_left", "rear_right",
     ]  # fmt: skip
     names = list(flat.files)
@@ -99,7 +99,7 @@ def test_a_blind_drive_uses_no_camera(flat: LoadedScenario) -> None:
 
 
 def test_arm_gets_rotor_inertia_and_friction_of_its_drives(flat: LoadedScenario) -> None:
-    drives = {joint: drive for drive in flat.rover.drives for joint in drive.joints}
+    drives = {joint: drive for drive in flat.machine.drives for joint in drive.joints}
     for index, joint in enumerate(flat.arm.joint_names):
         drive = drives[joint]
         wanted = drive.motor.rotor_inertia * drive.gear.ratio**2
@@ -163,7 +163,10 @@ def refused(workspace: Path) -> Callable[[str, str, str], str]:
 
 
 SCENARIO = "config/scenarios/flat_drive.yaml"
-ROVER = "config/rovers/explorer.yaml"
+ROVER = "config/machines/explorer/machine.yaml"
+WHEEL = "config/machines/explorer/wheel.yaml"
+ARM = "config/arms/explorer_arm.yaml"
+ARM_URDF = "urdf/explorer_arm.urdf"
 SOIL = "config/soils/lunar_nominal.yaml"
 BODY = "config/bodies/moon.yaml"
 
@@ -176,7 +179,7 @@ BODY = "config/bodies/moon.yaml"
         (SCENARIO, "seed: 1", "seed: 1.5", ["seed = 1.5", "whole number"]),
         (SCENARIO, "battery_soc: 0.8", "battery_soc: 80", ["battery_soc = 80", "at most 1"]),
         (SCENARIO, "battery_soc: 0.8", "battery_soc: 80 %", ["'80 %'", "number", "no unit"]),
-        (SCENARIO, "rover: explorer", "rover: explorr", ["rover = 'explorr'", "did you mean explorer?"]),
+        (SCENARIO, "machine: explorer", "machine: explorr", ["machine = 'explorr'", "did you mean explorer?"]),
         (SCENARIO, "body: moon", "body: mun", [f"{SCENARIO}:5", "mars", "did you mean moon?"]),
         (SCENARIO, "soil: lunar_nominal", "soil: lunar", ["config/soils", "did you mean lunar_nominal?"]),
         (SCENARIO, "kind: flat", "kind: flet", ["terrain.kind = 'flet'", "did you mean flat?"]),
@@ -213,26 +216,26 @@ BODY = "config/bodies/moon.yaml"
             ["orientation", "length 2"],
         ),
         (ROVER, "urdf: explorer.urdf", "urdf: explore.urdf", [f"{ROVER}:", "did you mean explorer.urdf?"]),
-        (ROVER, "radius: 0.125", "radius: 0.13", ["wheels[0].radius = 0.13", "0.125 m", "urdf/"]),
-        (ROVER, "width: 0.16", "width: 160", ["wheels[0].width = 160", "at most 3", "[m]"]),
+        (WHEEL, "radius: 0.125", "radius: 0.13", [f"{WHEEL}:2: wheels[0].radius = 0.13", "0.125 m", "urdf/"]),
+        (WHEEL, "width: 0.16", "width: 160", [f"{WHEEL}:3: wheels[0].width = 160", "at most 3", "[m]"]),
         (
-            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {model: brushh}}",
+            ROVER, "name: front_left,", "name: front_left, contact: {model: brushh},",
             ["wheels[0].contact.model = 'brushh'", "did you mean brush?", "rigid_wheel_on_soil"],
         ),
         (
-            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {model: brush, stiffness: 1.0e+4}}",
+            ROVER, "name: front_left,", "name: front_left, contact: {model: brush, stiffness: 1.0e+4},",
             ["wheels[0].contact.cornering_stiffness", "missing", "[N/rad]"],
         ),
         (
-            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {model: roller_wheel, roller_angle_deg: 100}}",
+            ROVER, "name: front_left,", "name: front_left, contact: {model: roller_wheel, roller_angle_deg: 100},",
             ["wheels[0].contact.roller_angle_deg = 100", "at most 90", "[degree]"],
         ),
         (
-            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {model: roller_wheel, roller_angle_deg: 2}}",
+            ROVER, "name: front_left,", "name: front_left, contact: {model: roller_wheel, roller_angle_deg: 2},",
             ["wheels[0].contact", "roller_angle_deg", "5 to 90"],
         ),
         (
-            ROVER, "grouser_count: 30}", "grouser_count: 30, contact: {stiffness: 1.0e+4}}",
+            ROVER, "name: front_left,", "name: front_left, contact: {stiffness: 1.0e+4},",
             ["wheels[0].contact.model", "the key is missing"],
         ),
         (
@@ -271,40 +274,54 @@ BODY = "config/bodies/moon.yaml"
             "suspensions: [{joints: [bogie_left_joint], stiffness: 0, damping: 1.0, rest: 9.0}]\ncouplings:",
             ["suspensions[0].stiffness = 0", "above 0", "[N m/rad]"],
         ),
-        (ROVER, "motor: {resistance", "motor: {kind: seris, resistance", ["drives[0].motor", "seris"]),
+        (ROVER, "motor: {extends", "motor: {kind: seris, extends", ["drives[0].motor", "seris"]),
         (
-            ROVER, "motor: {resistance", "motor: {kind: series, resistance",
+            ROVER, "motor: {extends", "motor: {kind: series, extends",
             ["drives[0].motor.field_constant", "missing"],
         ),
-        (ROVER, "link: base_link", "link: base", ["pads[0].link = 'base'", "did you mean base_link?"]),
-        (ROVER, "battery: explorer_battery", "battery: explorer", ["allowed is one of", "explorer_battery"]),
+        (
+            ROVER, "front_left, link: base_link", "front_left, link: base",
+            ["pads[0].link = 'base'", "did you mean base_link?"],
+        ),
+        (ROVER, "arm: explorer_arm", "arm: explorer", ["allowed is one of", "did you mean explorer_arm?"]),
+        (ROVER, "kind: rover", "kind: rovr", [f"{ROVER}:", "kind = 'rovr'", "one of rover, stand", "mean rover?"]),
+        (ROVER, "kind: rover\n", "", [f"{ROVER}: kind: the key is missing", "rover, stand"]),
+        (ROVER, "kind: rover", "kind: stand", ["wheels = ", "a stand has none"]),
+        (
+            "config/parts/nca_cell.yaml", "coulombic_efficiency: 0.99", "coulombic_efficiency: 9",
+            ["config/parts/nca_cell.yaml:", "battery.coulombic_efficiency = 9"],
+        ),
+        (
+            "config/parts/rover_flight.yaml", "yaw_gain: 0.8 ", "yaw_gain: -0.8 ",
+            ["config/parts/rover_flight.yaml:", "drive.follower.yaw_gain = -0.8"],
+        ),
         (ROVER, "load: steer", "load: steer\n    load: steer", ["drives[1].load", "twice"]),
         (SOIL, "k_phi:", "kphi:", ["kphi", "did you mean k_phi?"]),
         (SOIL, "name: lunar_nominal", "name: other", ["name = 'other'", "lunar_nominal"]),
         (BODY, "\nradius: ", "\nradius: -", [BODY, "radius = -", "[m]"]),
         (
-            "config/arms/explorer_arm.yaml", "tip_link: arm_tip_link", "tip_link: arm_tip",
+            ARM, "tip_link: arm_tip_link", "tip_link: arm_tip",
             ["tip_link = 'arm_tip'", "did you mean arm_tip_link?"],
         ),
         (
-            "config/sensors/explorer_sensors.yaml", "rocker_left_joint", "roker_left_joint",
+            "config/machines/explorer/sensors.yaml", "rocker_left_joint", "roker_left_joint",
             ["joint_groups.suspension.joints[0]", "did you mean rocker_left_joint?"],
         ),
         (
-            "config/sensors/explorer_sensors.yaml", "side: motor, gear_ratio: 1500.0", "side: output",
+            ARM, "side: motor, gear_ratio: 1500.0", "side: output",
             ["joint_groups.wrist.encoder.side = 'output'", "arm_wrist_joint is closed on its motor", "has play"],
         ),
         (
-            "config/nodes/drive.yaml", "max_wheel_rate: 1.0", "max_wheel_rate: 2.0",
-            ["limits.max_wheel_rate = 2.0", "at most 1 rad/s", "urdf/explorer.urdf"],
+            "config/machines/explorer/flight.yaml", "max_wheel_rate: 1.0", "max_wheel_rate: 2.0",
+            ["drive.limits.max_wheel_rate = 2.0", "at most 1 rad/s", "urdf/explorer.urdf"],
         ),
         ("urdf/explorer.urdf", "</robot>", "", ["urdf/explorer.urdf", "not an XML document"]),
-        ("urdf/explorer.urdf", '<link name="arm_tip_link"/>', "", ["arm_tip_link", "not a link"]),
+        (ARM_URDF, '<link name="arm_tip_link"/>', "", ["arm_tip_link", "not a link"]),
         ("urdf/explorer.urdf", 'lower="-0.45"', "", ["rocker_left_joint", "lower and upper"]),
         ("urdf/explorer.urdf", 'lower="-0.45"', 'lower="low"', ["rocker_left_joint", "'low'", "number"]),
         ("urdf/explorer.urdf", 'name="mast_link"', 'name="base_link"', ["link base_link", "2 times"]),
         ("urdf/explorer.urdf", 'xyz="0 0.3 -0.07"', 'xyz="0 0.3"', ["three numbers"]),
-        ("urdf/explorer.urdf", '<mass value="40"/>', '<mass value="4"/>', ["mass = 180.0", "sum up to 144 kg"]),
+        ("urdf/explorer.urdf", '<mass value="40"/>', '<mass value="4"/>', ["mass = 173.0", "sum up to 137 kg"]),
         ("urdf/explorer.urdf", '<mass value="40"/>', '<mass value="-40"/>', ["avionics_link, mass = -40"]),
         ("urdf/explorer.urdf", '<mass value="40"/>', "", ["avionics_link", "needs mass and inertia"]),
         ("urdf/explorer.urdf", 'ixx="0.7493333"', 'ixx="7.5"', ["avionics_link, inertia", "sum of the other two"]),
@@ -328,7 +345,7 @@ BODY = "config/bodies/moon.yaml"
             ROVER, "second: rocker_right_joint, ratio", "second: rocker_left_joint, ratio",
             ["couplings[0].second = 'rocker_left_joint'", "another joint"],
         ),
-        (ROVER, "mass: 180.0", "mass: 0", ["mass = 0", "above 0"]),
+        (ROVER, "mass: 173.0", "mass: 0", ["mass = 0", "above 0"]),
     ],
 )  # fmt: skip
 def test_a_mistake_is_refused_with_its_place(
@@ -363,8 +380,8 @@ def test_all_that_does_not_fit_the_urdf_is_told_together(workspace: Path) -> Non
     urdf.write_text(text, encoding="utf-8")
     config = rover.read_text(encoding="utf-8")
     for old, new in (
-        ("mass: 180.0", "mass: 200.0"),
-        ("radius: 0.125", "radius: 0.2"),
+        ("mass: 173.0", "mass: 200.0"),
+        ("name: front_left,", "name: front_left, radius: 0.2,"),
         ("joint: wheel_rear_left_joint", "joint: wheel_rear_lift_joint"),
         ("second: rocker_right_joint", "second: rocker_wrong_joint"),
     ):
@@ -418,7 +435,7 @@ def test_overrides_reach_every_file() -> None:
             "body=mars",
             "soil=jsc_1a",
             "soil.cohesion=900",
-            "rover.drives[0].gear.ratio=900",
+            "machine.drives[0].gear.ratio=900",
             "battery.capacity_ah=9",
             "drive.limits.max_speed=0.05",
             "arm.settle_time=0.3",
@@ -430,7 +447,7 @@ def test_overrides_reach_every_file() -> None:
     assert scenario.config.steps[0].drive_to.x == 1.5
     assert scenario.body.name == "mars"
     assert (scenario.soil.name, scenario.soil.cohesion) == ("jsc_1a", 900.0)
-    assert scenario.rover.drives[0].gear.ratio == 900.0
+    assert scenario.machine.drives[0].gear.ratio == 900.0
     assert scenario.battery.capacity_ah == 9.0
     assert scenario.drive.limits.max_speed == 0.05
     assert scenario.arm.settle_time == 0.3
@@ -443,7 +460,7 @@ def test_overrides_reach_every_file() -> None:
         ("soil.k_fi=1", ["--set k_fi=1", "config/soils/lunar_nominal.yaml", "did you mean k_phi?"]),
         ("steps[3].wait_s=1", ["--set steps[3].wait_s=1", "no index of a list of 1"]),
         ("battery_soc=full", ["--set battery_soc=full", "is text", "number"]),
-        ("rover.wheels[0].radius=0.2", ["wheels[0].radius = 0.2", "0.125 m"]),
+        ("machine.wheels[0].radius=0.2", ["wheels[0].radius = 0.2", "0.125 m"]),
         ("terain.kind=flat", ["unknown key", "did you mean terrain?"]),
     ],
 )
@@ -479,11 +496,10 @@ def test_ground_that_lacks_what_a_contact_model_needs_is_refused_with_all_that_i
     for key in ("cohesion", "theta_m_c1", "theta_m_c2"):
         assert f"{ROCK}: {key}: the key is missing" in message
     assert "front_left (rigid_wheel_on_soil)" in message
-    rover = workspace / ROVER
-    text = rover.read_text(encoding="utf-8")
-    rover.write_text(text.replace("grouser_count: 30}", f"grouser_count: 30, contact: {FIRM}}}"), encoding="utf-8")
+    wheel = workspace / WHEEL
+    wheel.write_text(f"{wheel.read_text(encoding='utf-8')}contact: {FIRM}\n", encoding="utf-8")
     loaded = load_scenario("flat_drive")
-    assert {wheel.contact.model for wheel in loaded.rover.wheels} == {"wheel_and_ground_in_series"}
+    assert {wheel.contact.model for wheel in loaded.machine.wheels} == {"wheel_and_ground_in_series"}
 
 
 def test_the_soil_of_a_patch_is_asked_for_what_the_wheels_need_too(workspace: Path) -> None:

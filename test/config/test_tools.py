@@ -17,7 +17,7 @@ def test_every_tool_fits_the_explorer(name: str) -> None:
 def test_the_rover_names_its_tool_and_the_scenario_may_name_another() -> None:
     assert load_scenario("flat_drive").tool.kind == "scoop"
     assert load_scenario("drill_sample").tool.kind == "drill"
-    assert load_scenario("flat_drive", ["rover=skid"]).tool is None
+    assert load_scenario("flat_drive", ["machine=skid"]).tool is None
     assert load_scenario("flat_drive", ["tool.tool.capacity=1.0e-4"]).tool.capacity == 1e-4
 
 
@@ -25,10 +25,10 @@ def test_the_rover_names_its_tool_and_the_scenario_may_name_another() -> None:
     ("overrides", "reason"),
     [
         (["tool=drill", "soil=jsc_1a"], "specific_energy.*needed by the drill"),
-        (["rover=skid", "tool=scoop"], "has no arm"),
-        (["rover=skid", "tool.tool.radius=0.1"], "no tool"),
+        (["machine=skid", "tool=scoop"], "has no arm"),
+        (["machine=skid", "tool.tool.radius=0.1"], "no tool"),
         (["tool=spoon"], "spoon"),
-        (["tool.tool.pad=tip"], "no pad of the rover.*arm_tip"),
+        (["tool.tool.pad=tip"], "no pad of the machine.*arm_tip"),
         (["tool.tool.capacity=-1.0"], "capacity.*-1"),
         (["objects=[{name: a, x: 90.0, y: 0.0, mass: 1.0, width: 0.03, height: 0.03, friction: 0.4}]"], "x = 90"),
     ],

@@ -3,6 +3,7 @@
 import ast
 import itertools
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -97,10 +98,22 @@ def test_the_example_node_has_the_topics_of_its_role() -> None:
 def test_the_example_scenario_is_valid(tmp_path: Path) -> None:
     from sojourn_config.scenario import load_scenario
 
-    text, *_ = blocks(THE_FILES, "yaml")
+    (text,) = (text for text in blocks(THE_FILES, "yaml") if "\nsteps:" in text)
     file = tmp_path / "mine.yaml"
     file.write_text(text, encoding="utf-8")
     assert len(load_scenario(str(file)).config.steps) == len(yaml.safe_load(text)["steps"])
+
+
+def test_the_example_of_a_machine_of_ones_own_is_valid(tmp_path: Path) -> None:
+    from sojourn_config.scenario import load_scenario
+
+    (flight,) = (text for text in blocks(THE_FILES, "yaml") if "mine/flight.yaml" in text)
+    shutil.copytree(ROOT / "config" / "machines" / "skid", tmp_path / "skid")
+    shutil.copytree(tmp_path / "skid", tmp_path / "mine")
+    (tmp_path / "mine" / "flight.yaml").write_text(flight, encoding="utf-8")
+    mine, skid = (load_scenario("flat_drive", [f"machine={tmp_path / name}"]).drive for name in ("mine", "skid"))
+    assert mine.limits.max_speed == 0.15 < skid.limits.max_speed
+    assert mine.model_copy(update={"limits": skid.limits}) == skid
 
 
 def test_the_example_grounds_are_valid() -> None:

@@ -1,4 +1,4 @@
-"""Every rover of config/rovers: its URDF is of uniform solids, it stands level on all of its wheels, and it drives."""
+"""Every rover of config/machines: its URDF is of uniform solids, it stands level on its wheels, and it drives."""
 
 from xml.etree import ElementTree
 
@@ -7,15 +7,14 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from sojourn_config.load import load_params
+from sojourn_config.machine_reader import machine_config
 from sojourn_config.paths import available, urdf_folder
-from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import load_scenario
 from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import step
 from sojourn_plant.start import build_plant
 
-ROVERS = [name for name in available("rovers") if not load_params("rovers", name, RoverConfig).fixed_base]
+ROVERS = [name for name in available("machines") if not machine_config(name).fixed_base]
 FORCE_Z = 8
 """Column of the vertical force in the plant's report of contacts."""
 G_MOON = 4902.800e9 / 1737.4e3**2
@@ -40,7 +39,7 @@ def solids(link: ElementTree.Element) -> list[tuple[coal.ShapeBase, np.ndarray, 
 
 @pytest.mark.parametrize("rover", ROVERS)
 def test_inertias_are_those_of_uniform_solids(rover: str) -> None:
-    root = ElementTree.parse(urdf_folder() / load_params("rovers", rover, RoverConfig).urdf).getroot()
+    root = ElementTree.parse(urdf_folder() / machine_config(rover).urdf).getroot()
     for link in root.findall("link"):
         entry = link.find("inertial")
         if entry is None:
@@ -63,7 +62,7 @@ def test_inertias_are_those_of_uniform_solids(rover: str) -> None:
 
 @pytest.mark.parametrize("rover", ROVERS)
 def test_it_stands_level_on_all_of_its_wheels_and_drives_ahead(rover: str) -> None:
-    model, state = build_plant(load_scenario("flat_drive", [f"rover={rover}"]))
+    model, state = build_plant(load_scenario("flat_drive", [f"machine={rover}"]))
     x, y = state.configuration[3:5]
     assert np.degrees(2.0 * np.hypot(x, y)) < 1.0, "tilt"
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
@@ -75,7 +74,7 @@ def test_it_stands_level_on_all_of_its_wheels_and_drives_ahead(rover: str) -> No
     assert loads[:wheels].min() > 0.5 * model.mass * G_MOON / wheels
     assert not loads[wheels:].any(), "a pad touches the ground"
     radii = [wheel.shear_radius for wheel in model.machine.wheels]
-    scenario = load_scenario("flat_drive", [f"rover={rover}"])
+    scenario = load_scenario("flat_drive", [f"machine={rover}"])
     speed = 0.5 * scenario.drive.limits.max_speed
     command.reference[1, model.reference_rows([wheel.joint for wheel in model.machine.wheels])] = speed / np.array(
         radii

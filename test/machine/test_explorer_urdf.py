@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from sojourn_config.arm_config import ArmConfig
 from sojourn_config.load import load_params
-from sojourn_config.paths import urdf_folder
-from sojourn_config.rover import RoverConfig
+from sojourn_config.machine import MachineConfig
+from sojourn_config.machine_reader import joined_machine
 
-FILE = urdf_folder() / "explorer.urdf"
-TEXT = FILE.read_text(encoding="utf-8")
+EXPLORER = joined_machine("explorer")
+TEXT = EXPLORER.urdf.text
 ROOT = ElementTree.fromstring(TEXT)
 GROUND = -0.47
 """Height of flat ground in base_link at zero pose [m]."""
@@ -78,8 +78,8 @@ def model() -> pin.Model:
 
 
 @pytest.fixture(scope="module")
-def rover() -> RoverConfig:
-    return load_params("rovers", "explorer", RoverConfig)
+def rover() -> MachineConfig:
+    return EXPLORER.config
 
 
 def posture(model: pin.Model, arm: tuple[float, ...] = STOW, **joints: float) -> Array:
@@ -191,7 +191,7 @@ def test_total_mass_is_of_the_mer_class(model: pin.Model) -> None:
     assert sum(arm.values()) == pytest.approx(4.0)
 
 
-def test_wheelbase_track_radius_and_clearance(model: pin.Model, rover: RoverConfig) -> None:
+def test_wheelbase_track_radius_and_clearance(model: pin.Model, rover: MachineConfig) -> None:
     q = pin.neutral(model)
     centre = {wheel: placement(model, f"wheel_{wheel}_link", q).translation for wheel in WHEELS}
     for side in SIDES:

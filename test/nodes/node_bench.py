@@ -2,10 +2,8 @@
 
 import math
 import time
-import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -38,11 +36,7 @@ from sojourn_machine.tools import TOOL_JOINT
 PATIENCE_S = 300.0
 """Wall time after which a test gives up; nothing is measured by it."""
 SCENARIO = "flat_drive"
-URDF = Path(__file__).parents[2] / "urdf" / "explorer.urdf"
-JOINTS = (
-    *(joint.attrib["name"] for joint in ElementTree.parse(URDF).iter("joint") if joint.attrib.get("type") != "fixed"),
-    TOOL_JOINT,
-)
+JOINTS = (*load_scenario(SCENARIO).urdf.moving_joints, TOOL_JOINT)
 WHEELS = tuple(name for name in JOINTS if name.startswith("wheel_"))
 STEERS = tuple(name for name in JOINTS if name.startswith("steer_"))
 ARM = tuple(name for name in JOINTS if name.startswith("arm_"))

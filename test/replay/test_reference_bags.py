@@ -208,12 +208,12 @@ def test_all_that_is_said_is_handed_out(domain: int) -> None:
 def test_configuration_is_that_of_the_run_and_what_differs_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     bag = reference("short_goals")
     changed = Bag(bag.path, True, bag.topics, dict(bag.attachments), bag.records)
-    name = "config/nodes/drive.yaml"
+    name = "config/machines/explorer/flight.yaml"
     changed.attachments[name] = bag.attachments[name] + b"\n# as it was then\n"
     with run_configuration(changed) as configuration:
         assert configuration.changed == (name,)
-        assert "the run's are used: config/nodes/drive.yaml" in configuration.warnings()[0]
-        assert (configuration.folder / "nodes" / "drive.yaml").read_bytes().endswith(b"as it was then\n")
+        assert "the run's are used: config/machines/explorer/flight.yaml" in configuration.warnings()[0]
+        assert (configuration.folder.parent / name).read_bytes().endswith(b"as it was then\n")
         assert not configuration.resolved_otherwise
         folder = configuration.folder
     assert not Path(folder).exists()

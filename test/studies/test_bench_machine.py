@@ -20,7 +20,7 @@ def test_energies_of_a_drive_over_rough_ground_balance() -> None:
 
 @pytest.mark.parametrize("axles", [2, 3, 4, 10])
 def test_platforms_carry_their_weight_on_all_wheels(axles: int) -> None:
-    rover = read_machine("explorer", "moon", "lunar_nominal").rover
+    rover = read_machine("explorer", "moon", "lunar_nominal").machine
     places = [0.7 * (0.5 * (axles - 1) - number) for number in range(axles)]
     platform = wheeled_platform(places, rover.wheels[0], rover.drives[:1], chassis_mass=56.0 * axles)
     machine = StandingMachine(platform.urdf_xml, platform.machine, 1.6)

@@ -65,7 +65,7 @@ def test_a_machine_of_the_plant_shows_what_its_plant_does(capsys: pytest.Capture
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["lvr"], ["rover", "lvr", "lrv", "explorer"]),
+        (["lvr"], ["machine", "lvr", "lrv", "explorer"]),
         (["lrv", "--soil", "cheese"], ["cheese", "lunar_nominal"]),
         (["lrv", "--body", "krypton"], ["krypton", "moon"]),
         (["explorer", "--soil", "cheese"], ["cheese", "lunar_nominal"]),

@@ -111,7 +111,7 @@ def test_a_dead_front_wheel_is_trailed_up_a_slope() -> None:
 
 def test_lrv_climbs_what_it_climbed_on_the_moon() -> None:
     """20 to 23 degrees were climbed, 25 at most; with a tread as strong as the soil it went up 30."""
-    slip, _ = drive(on_plane("flat_drive", ("rover=lrv",), 21.0, 0.0))
+    slip, _ = drive(on_plane("flat_drive", ("machine=lrv",), 21.0, 0.0))
     assert 0.1 < slip < 0.5
-    slip, _ = drive(on_plane("flat_drive", ("rover=lrv",), 28.0, 0.0))
+    slip, _ = drive(on_plane("flat_drive", ("machine=lrv",), 28.0, 0.0))
     assert slip > 0.8

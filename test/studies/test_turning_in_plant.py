@@ -11,7 +11,7 @@ from sojourn_studies.measure_turning import Turn, track_ratio, turn
 @pytest.mark.parametrize("rover", ["lunokhod", "micro", "skid"])
 def test_a_machine_turns_at_the_rate_that_is_asked_for(rover: str) -> None:
     """On the spot, at the wheel rates that the drive commands; with a track ratio of 1 it was about half."""
-    scenario = on_plane("flat_drive", [f"rover={rover}"], 0.0, 0.0)
+    scenario = on_plane("flat_drive", [f"machine={rover}"], 0.0, 0.0)
     table, asked = scenario.steering.table(scenario.drive.track_ratio), 0.8 * scenario.drive.limits.max_yaw_rate
     none = np.zeros(len(table))
     rates = wheel_rates(table, PlanarTwist(0.0, 0.0, asked), none, none) / (1.0 - scenario.drive.odometry.mean_slip)

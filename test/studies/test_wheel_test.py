@@ -15,7 +15,7 @@ from sojourn_analysis.wheels.examples import WHEELS
 from sojourn_config.command_errors import UsageError
 from sojourn_config.errors import ConfigError
 from sojourn_config.load import load_params
-from sojourn_config.rover import RoverConfig
+from sojourn_config.machine_reader import machine_config
 from sojourn_machine.contact_choice import CONTACT_LAWS
 from sojourn_physics.contact.wheel_shape import WheelShape
 from sojourn_physics.soil.params import SoilParams
@@ -151,10 +151,10 @@ def test_every_contact_law(name: str, capsys: pytest.CaptureFixture[str]) -> Non
 
 @pytest.mark.parametrize("rover", ["explorer", "lrv", "omni"])
 def test_the_wheel_of_a_rover(rover: str, capsys: pytest.CaptureFixture[str]) -> None:
-    wheel = load_params("rovers", rover, RoverConfig).wheels[0]
-    (found,) = run_json(capsys, "--rover", rover, "--load", "50", "--slip", "0.1")
+    wheel = machine_config(rover).wheels[0]
+    (found,) = run_json(capsys, "--machine", rover, "--load", "50", "--slip", "0.1")
     assert (found["wheel"], found["law"]) == (wheel.name, wheel.contact.model)
-    (wider,) = run_json(capsys, "--rover", rover, "--load", "50", "--slip", "0.1", "--set", "wheel.width=1.0")
+    (wider,) = run_json(capsys, "--machine", rover, "--load", "50", "--slip", "0.1", "--set", "wheel.width=1.0")
     assert wider["sinkage_m"] < found["sinkage_m"]
 
 
@@ -164,14 +164,14 @@ def test_the_wheel_of_a_rover(rover: str, capsys: pytest.CaptureFixture[str]) ->
         (["--load", "50", "--law", "rubber"], ("rubber", "brush")),
         (["--load", "50", "--law", "wheel_and_ground_in_series"], ("stiffness", "missing")),
         (["--load", "50", "--law", "rigid_wheel_on_rigid_ground", "--set", "law.grip=1"], ("grip", "break_away")),
-        (["--load", "50", "--rover", "lrv", "--law", "brush"], ("--law", "--rover")),
-        (["--load", "50", "--rover", "zebra"], ("zebra", "explorer")),
+        (["--load", "50", "--machine", "lrv", "--law", "brush"], ("--law", "--machine")),
+        (["--load", "50", "--machine", "zebra"], ("zebra", "explorer")),
         (["--load", "1e7", "--soil", "snow", "--law", "bekker_wheel_on_soil"], ("1e+07", "does not carry")),
         (["--csv", str(DING_KLS1), "--law", "bekker_wheel_on_soil"], ("--law", "--csv")),
         (["--soil", "porridge", "--load", "50"], ("porridge", "lunar_nominal")),
         (["--wheel", "cog", "--load", "50"], ("cog", "explorer")),
         (["--load", "50", "--set", "soil.stickiness=3"], ("stickiness",)),
-        (["--load", "50", "--set", "rover.mass=3"], ("rover", "wheel.KEY")),
+        (["--load", "50", "--set", "machine.mass=3"], ("machine", "wheel.KEY")),
         (["--load", "50", "--set", "soil.exit_angle=late"], ("exit_angle", "lambda")),
         (["--load", "50", "--slip", "1.2"], ("slip", "1.2")),
         (["--load", "50", "--slip", "0.1,-1.01"], ("slip", "-1.01")),

@@ -17,10 +17,10 @@ from sojourn_flight.arm.orientation import from_quaternion
 from sojourn_machine.params import FloatArray
 
 HERE = Path(__file__).parent
-MOUNT = "rover.arm_mount={link: forward_link, xyz: [0.0, 0.0, 0.2]}"
+MOUNT = "machine.arm_mount={link: forward_link, xyz: [0.0, 0.0, 0.2]}"
 COURSES: dict[str, tuple[str, tuple[str, ...]]] = {
     "ssrms": ("ssrms_course", ()),  # seven joints, without weight
-    "puma560_on_lrv": (str(HERE / "foreign_arm.yaml"), ("rover.arm=puma560", MOUNT)),  # on springs, on soil
+    "puma560_on_lrv": (str(HERE / "foreign_arm.yaml"), ("machine.arm=puma560", MOUNT)),  # on springs, on soil
     "puma560": ("puma560_course", ()),
     "cylindrical": ("cylindrical_course", ()),  # two of four joints slide
 }

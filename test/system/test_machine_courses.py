@@ -10,18 +10,17 @@ from programs import demos
 from sojourn_bags.machine import euler_angles, poses_of
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bringup.demonstration import scenario_of
-from sojourn_config.load import load_params
+from sojourn_config.machine_reader import machine_config
 from sojourn_config.paths import available
-from sojourn_config.rover import RoverConfig
 from sojourn_config.scenario import load_scenario
 
-ROVERS = [name for name in available("rovers") if not load_params("rovers", name, RoverConfig).fixed_base]
+ROVERS = [name for name in available("machines") if not machine_config(name).fixed_base]
 SLOPE_DEG = 10.0
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str, Path]]:
-    return demos({rover: ["--rover", rover] for rover in ROVERS}, tmp_path_factory.mktemp("courses"))
+    return demos({rover: ["--machine", rover] for rover in ROVERS}, tmp_path_factory.mktemp("courses"))
 
 
 def track(bag: Bag) -> tuple[np.ndarray, np.ndarray]:
@@ -37,7 +36,7 @@ def test_course(rover: str, runs: dict[str, tuple[int, str, Path]]) -> None:
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     assert summary["all_met"] and summary["complete"] and not summary["rolled_over"]
     places, pitch = track(read_bag(folder))
-    scenario = load_scenario(scenario_of(None, rover), [f"rover={rover}"])
+    scenario = load_scenario(scenario_of(None, rover), [f"machine={rover}"])
     # the square: as many metres to the east and to the north as asked, and back
     corners = np.array([
         (point.x, point.y)
@@ -63,7 +62,7 @@ def test_who_is_not_asked_for_the_step_cannot_climb_it_by_the_data_sheet() -> No
     from sojourn_studies.datasheet_of_rover import subject_of
 
     for rover in ROVERS:
-        course = load_scenario(scenario_of(None, rover), [f"rover={rover}"])
+        course = load_scenario(scenario_of(None, rover), [f"machine={rover}"])
         if any(feature.kind == "step" for feature in course.terrain.features):
             continue
         side = subject_of(rover, "moon", "lunar_nominal").side()

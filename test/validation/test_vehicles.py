@@ -16,12 +16,13 @@ from sojourn_analysis.vehicle.handling import (
 )
 from sojourn_analysis.vehicle.law_wheel import LawWheel
 from sojourn_analysis.vehicle.longitudinal import Course, greatest_grade, greatest_speed, steady_state
-from sojourn_analysis.vehicle.params import VehicleParams
 from sojourn_analysis.vehicle.quarter_car import QuarterCar, fixed_point, optimum_damping, undamped_modes
 from sojourn_analysis.vehicle.ride import HORIZONTAL, VERTICAL, Weighting, iso_2631_gain
 from sojourn_analysis.vehicle.steering_geometry import path_radii, steering_error, turn_of_outer_wheel
 from sojourn_analysis.vehicle.wheel_traction import ClosedFormWheel
+from sojourn_config.bundle import read_machine
 from sojourn_config.load import load_params
+from sojourn_config.vehicle import vehicle_of_machine
 from sojourn_machine.drives import MotorParams
 from sojourn_physics.actuators import dc_motor
 from sojourn_physics.soil.params import SoilParams
@@ -31,7 +32,7 @@ MOON = 1.624
 
 @pytest.fixture(scope="module")
 def lrv_on_the_moon() -> Course:
-    vehicle = load_params("vehicles", "lrv", VehicleParams)
+    vehicle = vehicle_of_machine("lrv", read_machine("lrv", "moon", "lunar_nominal"))
     soil = load_params("soils", "lunar_nominal", SoilParams)
     front = vehicle.axles[0]
     wheel = ClosedFormWheel(soil, front.wheel_radius, front.wheel_width, MOON)

@@ -3,7 +3,7 @@
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 from sojourn_arm.command import Command, command_of
@@ -30,6 +30,7 @@ from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput, ArmOutput
 from sojourn_flight.arm.tasks import task_control
 from sojourn_flight.arm.tasks.task_control import TaskState
+from sojourn_machine.evolution import replace
 
 ARM_LOAD = "arm"
 STATUS, SWITCHES = "/arm/status", "/power/switches"
@@ -68,9 +69,9 @@ class ArmApp(App[ArmAppState]):
         self._tool = scenario.tool
         self._rated_power = next((load.power_w for load in scenario.bus.loads if load.name == ARM_LOAD), 0.0)
         self._measurements = Measurements(self.params.joint_names, scenario.urdf_xml, scenario.gravity)
-        self._rover = RoverWatch(self.params.interlock, [wheel.joint for wheel in scenario.rover.wheels])
+        self._rover = RoverWatch(self.params.interlock, [wheel.joint for wheel in scenario.machine.wheels])
         self._ground = GroundWatch(self.params, scenario, reach_from_base(self.model))
-        self._stand = Stand(self.params, scenario.urdf_xml, scenario.rover)
+        self._stand = Stand(self.params, scenario.urdf_xml, scenario.machine)
         self._goals = GoalReader(self.params)
 
     def warm_up(self) -> None:

@@ -2,7 +2,7 @@
 the status.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from sojourn_arm.rover import BASE_FRAME, Rover, in_base
@@ -24,6 +24,7 @@ from sojourn_flight.arm.jogging import JogCommand
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.state import ArmOutput
 from sojourn_flight.arm.tasks.task_control import TaskReport
+from sojourn_machine.evolution import replace
 
 ON_ARC = "arc"
 """header.frame_id of a pose of a path that the tip goes by on an arc."""

@@ -55,7 +55,7 @@ class GroundWatch:
         self._fixed: GroundPlane | None = None
         self._under: GroundUnderWheels | None = None
         self._reach = reach
-        wheels = [(wheel.joint, wheel.radius + wheel.grouser_height) for wheel in scenario.rover.wheels]
+        wheels = [(wheel.joint, wheel.radius + wheel.grouser_height) for wheel in scenario.machine.wheels]
         if params.avoid_ground and params.ground_height is not None:
             self._fixed = GroundPlane(params.ground_height)
         elif params.avoid_ground and wheels:

@@ -1,11 +1,12 @@
 """How the rover stands under its arm: what its wheels carry, found anew a few times a second."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from sojourn_arm.measurements import Measured
 from sojourn_contract.values import JointState
 from sojourn_flight.arm.footing import Footing, WheelLoads
 from sojourn_flight.arm.params import ArmParams
+from sojourn_machine.evolution import replace
 from sojourn_machine.machine import MachineParams
 
 PERIODS = 5

@@ -1,6 +1,5 @@
 """Tasks as they come over /arm/task, and what the status says of them."""
 
-from dataclasses import replace
 from typing import TypeAlias
 
 from sojourn_arm.measurements import Measured
@@ -13,6 +12,7 @@ from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput
 from sojourn_flight.arm.tasks.requests import TASKS, TaskRequest, parse_task
 from sojourn_flight.arm.tasks.task_control import TaskInput, TaskReport
+from sojourn_machine.evolution import replace
 
 Request: TypeAlias = ArmGoal | TaskRequest | JogCommand
 """What an operator may ask of the arm."""

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from sojourn_bags.errors import IncompleteConfigError
 from sojourn_bags.reading import Bag
 from sojourn_bags.writer import Attachment
-from sojourn_config.rover import RoverConfig
+from sojourn_config.machine import MACHINE_KINDS, MachineConfig
 from sojourn_config.scenario import LoadedScenario, ScenarioConfig
 from sojourn_config.urdf import parse_urdf
 from sojourn_machine.tools import ToolParams, read_tool
@@ -26,7 +26,7 @@ COMPOSED_NAME = "machine.urdf"
 """Of a machine whose arm has a URDF of its own: both in one, as they were used."""
 _MEDIA_TYPES = {".yaml": "application/yaml", ".urdf": "application/xml"}
 _SETS = (
-    "rover",
+    "machine",
     "body",
     "soil",
     "rock_soil",
@@ -44,7 +44,7 @@ class Run:
     """What was run.
 
     Args:
-        name: of the scenario. scenario: its content. rover: the machine. urdf: text of its URDF.
+        name: of the scenario. scenario: its content. machine: what ran it. urdf: text of its URDF.
         resolved: every parameter set as it was used, with overrides and defaults, in plain JSON values.
         files: text of every file that was read, by name. overrides: texts that went over them.
         digests: SHA-256 of the data files of the terrain, by name. raster: what was read from them.
@@ -52,7 +52,7 @@ class Run:
 
     name: str
     scenario: ScenarioConfig
-    rover: RoverConfig
+    machine: MachineConfig
     urdf: str
     resolved: dict[str, Any]
     files: dict[str, str]
@@ -72,7 +72,7 @@ class Run:
         return cls(
             name=loaded.name,
             scenario=loaded.config,
-            rover=loaded.rover,
+            machine=loaded.machine,
             urdf=loaded.urdf_xml,
             resolved={name: value and value.model_dump(mode="json") for name, value in sets.items()},
             files=dict(loaded.files),
@@ -91,7 +91,7 @@ class Run:
             return cls(
                 name=document["name"],
                 scenario=ScenarioConfig.model_validate_json(json.dumps(resolved["scenario"])),
-                rover=RoverConfig.model_validate_json(json.dumps(resolved["rover"])),
+                machine=_machine_of(resolved["machine"]),
                 urdf=_urdf_of(bag, files),
                 resolved=resolved,
                 files=files,
@@ -107,7 +107,7 @@ class Run:
 
     @property
     def arm(self) -> dict[str, Any] | None:
-        """Parameter set of the arm, None for a rover without one."""
+        """Parameter set of the arm, None for a machine without one."""
         arm: dict[str, Any] | None = self.resolved["arm"]
         return arm
 
@@ -151,6 +151,10 @@ class Run:
         if self.raster is not None:
             found.append(Attachment(ELEVATION_NAME, "application/zip", _raster_bytes(self.raster)))
         return found
+
+
+def _machine_of(resolved: dict[str, Any]) -> MachineConfig:
+    return MACHINE_KINDS.get(resolved["kind"]).model_validate_json(json.dumps(resolved))
 
 
 def _urdf_of(bag: Bag, files: dict[str, str]) -> str:

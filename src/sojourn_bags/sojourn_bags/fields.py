@@ -228,10 +228,10 @@ def _nearest(name: str, known: Sequence[str]) -> list[str]:
 
 def _contact_names(bag: Bag) -> list[str]:
     try:
-        rover = Run.of_bag(bag).rover
+        machine = Run.of_bag(bag).machine
     except IncompleteConfigError:
         return []
-    return [wheel.name for wheel in rover.wheels] + [pad.name for pad in rover.pads]
+    return [wheel.name for wheel in machine.wheels] + [pad.name for pad in machine.pads]
 
 
 def _stamps(messages: Messages) -> FloatArray:

@@ -110,8 +110,8 @@ def machine_of(bag: Bag) -> Machine:
     try:
         run = Run.of_bag(bag)
         return Machine.of(
-            run.scenario.rover,
-            run.rover,
+            run.scenario.machine,
+            run.machine,
             parse_urdf(run.urdf, f"URDF of {run.name}"),
             run.arm_joints,
             [load["name"] for load in run.resolved["bus"]["loads"]],

@@ -63,12 +63,12 @@ def write_report(
     wheel_axes = [figure.add_subplot(grid[row, 1], sharex=charge_axes) for row in range(4)]
     _draw_power(charge_axes, bag)
     if run.arm_joints:
-        label = "torque [N m], force [N]" if run.rover.fixed_base else "torque [N m]"
+        label = "torque [N m], force [N]" if run.machine.fixed_base else "torque [N m]"
         _draw_joints(arm_axes, bag, run.arm_joints, "Torque of the arm joints, force at the wrist", label)
         _draw_wrist(arm_axes, bag)
     else:
         _draw_attitude(arm_axes, bag)
-    if run.rover.fixed_base:
+    if run.machine.fixed_base:
         draw_standing_arm(wheel_axes, bag, run.arm_joints, _draw_curves)
     else:
         _draw_wheels(wheel_axes, bag, run)
@@ -104,9 +104,9 @@ def _draw_wheels(panels: Sequence[Axes], bag: Bag, run: Run) -> None:
     """Four panels of a machine with wheels."""
     _draw_contacts(panels[0], bag, run, "sinkage", 1000.0, "Sinkage of each wheel", "sinkage [mm]")
     _draw_slip(panels[1], bag, run)
-    _draw_joints(panels[2], bag, [wheel.joint for wheel in run.rover.wheels], "Torque of the wheel drives")
-    if run.rover.steer_joints:
-        _draw_joints(panels[3], bag, list(run.rover.steer_joints), "Torque of the steering joints")
+    _draw_joints(panels[2], bag, [wheel.joint for wheel in run.machine.wheels], "Torque of the wheel drives")
+    if run.machine.steer_joints:
+        _draw_joints(panels[3], bag, list(run.machine.steer_joints), "Torque of the steering joints")
     else:
         _draw_contacts(panels[3], bag, run, "slip_angle", 180.0 / np.pi, "Slip angle of each wheel", "angle [°]")
 
@@ -115,7 +115,7 @@ def _draw_contacts(axes: Axes, bag: Bag, run: Run, field: str, scale: float, tit
     """One curve a wheel from the true contacts, whose first points are the wheels."""
     contacts = bag["/truth/contacts"]
     values = scale * contacts.points()[field]
-    names = [wheel.name.replace("_", " ") for wheel in run.rover.wheels]
+    names = [wheel.name.replace("_", " ") for wheel in run.machine.wheels]
     _draw_curves(axes, contacts.times, values[:, : len(names)], names)
     axes.set(title=title, ylabel=label)
 
@@ -126,13 +126,13 @@ def _draw_slip(axes: Axes, bag: Bag, run: Run) -> None:
     velocity = truth.columns(*(f"twist.twist.linear.{axis}" for axis in "xyz"))
     speed = np.interp(contacts.times, truth.times, np.linalg.norm(velocity, axis=1))
     joints = states.joints()
-    slip = contacts.points()["slip_ratio"][:, : len(run.rover.wheels)].copy()
-    for number, wheel in enumerate(run.rover.wheels):
+    slip = contacts.points()["slip_ratio"][:, : len(run.machine.wheels)].copy()
+    for number, wheel in enumerate(run.machine.wheels):
         rim = np.interp(
             contacts.times, states.times, wheel.radius * np.abs(joints.velocity[:, joints.index(wheel.joint)])
         )
         slip[np.maximum(rim, speed) < STANDING, number] = 0.0
-    _draw_curves(axes, contacts.times, slip, [wheel.name.replace("_", " ") for wheel in run.rover.wheels])
+    _draw_curves(axes, contacts.times, slip, [wheel.name.replace("_", " ") for wheel in run.machine.wheels])
     axes.set(title="Slip of each wheel (0 where it stands)", ylabel="slip ratio [-]")
 
 

@@ -55,7 +55,7 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     drive_errors = [result.error_m for result in results if result.goal.topic in DRIVE_TOPICS]
     arm_errors = [result.error_m for result in results if result.goal.topic in ARM_TOPICS]
     max_tilt_deg = float(np.degrees(tilts(poses_of(bag, "/truth/odom")[:, 3:]).max())) if has_truth else None
-    rolled_over = max_tilt_deg is not None and max_tilt_deg >= run.rover.roll_over_tilt_deg
+    rolled_over = max_tilt_deg is not None and max_tilt_deg >= run.machine.roll_over_tilt_deg
     charge = charges(bag)
     complete = bag.whole and bag.records.get(RECORD, {}).get("complete") == "true"
     distance = distance_driven(bag) if has_truth else None
@@ -75,14 +75,14 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
         "energy_wh": energy_used(bag),
         "soc_start": float(charge[0]) if charge.size else None,
         "soc_end": float(charge[-1]) if charge.size else None,
-        "max_sinkage_m": max_sinkage(bag, len(run.rover.wheels)),
+        "max_sinkage_m": max_sinkage(bag, len(run.machine.wheels)),
         "max_tilt_deg": max_tilt_deg,
         "rolled_over": rolled_over,
         "goals": [result.as_data() for result in results],
         "steps_not_sent": not_sent,
         "messages": messages(bag),
     }
-    summary["verdict"] = _verdict(summary, results, run.rover.fixed_base)
+    summary["verdict"] = _verdict(summary, results, run.machine.fixed_base)
     return {
         key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in summary.items()
     }

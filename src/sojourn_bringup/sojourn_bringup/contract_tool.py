@@ -9,7 +9,7 @@ from sojourn_bringup.references import default_reference
 from sojourn_config import command_line
 
 SCENARIO = "lunar_sample"
-"""Whose rover is meant where nothing else says."""
+"""Whose machine is meant where nothing else says."""
 LIVE_S = 10.0
 
 
@@ -19,8 +19,8 @@ def parser() -> argparse.ArgumentParser:
     commands = result.add_subparsers(dest="command", required=True)
     show = commands.add_parser("show", help="print topics, fields, rules and joints")
     show.add_argument("--format", choices=("table", "json", "html"), default="table", help="default: %(default)s")
-    show.add_argument("--scenario", metavar="NAME", help=f"whose rover to show (default: {SCENARIO})")
-    command_line.add_rover(show)
+    show.add_argument("--scenario", metavar="NAME", help=f"whose machine to show (default: {SCENARIO})")
+    command_line.add_machine(show)
     check = commands.add_parser(
         "check", help="judge every message; exit status 1 if there is any violation, or the bag is cut off"
     )
@@ -35,8 +35,8 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     add_bench(check)
     check.add_argument("--node", metavar="NAME", help="judge this role alone (default: all)")
-    check.add_argument("--scenario", metavar="NAME", help=f"whose rover runs (default: the bag's own; live {SCENARIO})")
-    command_line.add_rover(check)
+    check.add_argument("--scenario", metavar="NAME", help=f"whose machine runs (default: the bag's; live {SCENARIO})")
+    command_line.add_machine(check)
     check.add_argument(
         "--seconds", type=command_line.positive_seconds, default=LIVE_S, metavar="S",
         help="how long to listen, wall time (default: %(default)g)",

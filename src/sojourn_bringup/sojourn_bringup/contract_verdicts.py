@@ -28,8 +28,8 @@ from sojourn_contract.description import contract_data
 from sojourn_contract.page import contract_page
 from sojourn_operator.scenario_steps import course_of
 
-ROVER_SCENARIO = "flat_drive"
-"""Around a rover that --rover names: any rover can drive it."""
+MACHINE_SCENARIO = "flat_drive"
+"""Around a machine that --machine names: any rover can drive it."""
 Checked = tuple[Report, dict[str, Any], list[Bag]]
 """Verdict, where it is from, and the bags that were read."""
 
@@ -49,7 +49,7 @@ def show_as(form: str, machine: Machine) -> None:
     if form == "html":
         print(contract_page(machine), end="")
     elif form == "json":
-        print(json.dumps(contract_data() | {"rover": machine.as_data()}, indent=2, ensure_ascii=False))
+        print(json.dumps(contract_data() | {"machine": machine.as_data()}, indent=2, ensure_ascii=False))
     else:
         show_contract(wide_console(), machine)
 
@@ -91,12 +91,12 @@ def _check_program(given: argparse.Namespace) -> Checked:
 
 
 def _machine(given: argparse.Namespace) -> Machine | None:
-    """The rover that --scenario or --rover names; None where neither is given."""
-    if given.scenario is None and given.rover is None:
+    """The machine that --scenario or --machine names; None where neither is given."""
+    if given.scenario is None and given.machine is None:
         return None
-    if given.rover is None:
+    if given.machine is None:
         return _machine_of(given.scenario)
-    return _machine_of(given.scenario or course_of(given.rover, ROVER_SCENARIO), (f"rover={given.rover}",))
+    return _machine_of(given.scenario or course_of(given.machine, MACHINE_SCENARIO), (f"machine={given.machine}",))
 
 
 def _machine_of(scenario: str, overrides: Sequence[str] = ()) -> Machine:

@@ -8,7 +8,7 @@ from sojourn_config import command_line
 
 DEFAULT_SCENARIO = "lunar_sample"
 MACHINE_SCENARIO = "machine_course"
-"""What a rover named by --rover drives, unless config/scenarios has one called ROVER_course."""
+"""What a machine named by --machine does, unless config/scenarios has one called NAME_course."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -18,10 +18,10 @@ def parser() -> argparse.ArgumentParser:
     )
     result.add_argument(
         "--scenario",
-        help=f"name in config/scenarios, or a YAML file (default: {DEFAULT_SCENARIO}; with --rover ROVER_course or "
+        help=f"name in config/scenarios, or a YAML file (default: {DEFAULT_SCENARIO}; with --machine NAME_course or "
         f"{MACHINE_SCENARIO})",
     )
-    command_line.add_rover(result)
+    command_line.add_machine(result)
     kind = result.add_mutually_exclusive_group()
     kind.add_argument("--composed", action="store_true", help="all nodes in one process (the default)")
     kind.add_argument(

@@ -69,17 +69,17 @@ class BarScreen(Screen):
         self._bar.stop()
 
 
-def scenario_of(scenario: str | None, rover: str | None) -> str:
-    """The scenario that was named, or that which shows a rover, or the default."""
-    if scenario is not None or rover is None:
+def scenario_of(scenario: str | None, machine: str | None) -> str:
+    """The scenario that was named, or that which shows a machine, or the default."""
+    if scenario is not None or machine is None:
         return scenario or DEFAULT_SCENARIO
-    return course_of(rover, MACHINE_SCENARIO)
+    return course_of(machine, MACHINE_SCENARIO)
 
 
 def start_arguments(given: argparse.Namespace) -> list[str]:
     """The same wishes as options of scripts/start.py."""
     arguments = [
-        scenario_of(given.scenario, given.rover),
+        scenario_of(given.scenario, given.machine),
         "--domain",
         str(given.domain),
         "--namespace",
@@ -89,7 +89,7 @@ def start_arguments(given: argparse.Namespace) -> list[str]:
         "--start-timeout",
         str(given.start_timeout),
     ]
-    for name in ("rover", "seed", "run_dir"):
+    for name in ("machine", "seed", "run_dir"):
         value = getattr(given, name)
         if value is not None:
             arguments += [f"--{name.replace('_', '-')}", value]

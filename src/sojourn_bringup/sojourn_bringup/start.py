@@ -51,7 +51,7 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
     command_line.add_place(result)
     result.add_argument("--network", action="store_true", help="find nodes on other machines too")
     result.add_argument("--run-dir", type=Path, metavar="DIR", help="folder of the run (default: a new one in runs/)")
-    command_line.add_rover(result)
+    command_line.add_machine(result)
     result.add_argument("--seed", type=command_line.whole_number, metavar="N", help="seed in place of the scenario's")
     result.add_argument(
         "--set",
@@ -60,6 +60,11 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
         dest="overrides",
         metavar="KEY=VALUE",
         help="set a value of the scenario or of a file that it names: battery_soc=0.5, soil.k_c=1400; again for more",
+    )
+    result.add_argument(
+        "--resolved",
+        action="store_true",
+        help="start nothing: print every file of the run as it comes out, each value with file and line",
     )
     add_patience(result)
     return result

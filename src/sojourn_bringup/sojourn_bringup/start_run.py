@@ -12,7 +12,8 @@ from sojourn_bringup.process_table import PROCESSES, ROLE_NAMES, check_roles, pr
 from sojourn_bringup.run_folder import make_run_folder
 from sojourn_bringup.screen import Screen, default_screen
 from sojourn_config.command_errors import UsageError
-from sojourn_config.scenario import LoadedScenario
+from sojourn_config.resolved import resolved_text
+from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.shared_memory import remove_tracing_files
 from sojourn_operator.scenario_steps import absent_roles, needed_roles, prepare_scenario
 
@@ -25,17 +26,13 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     """
     replacements = _commands(given.replace, "--replace")
     shadows = _commands(given.shadow, "--shadow")
-    overrides = list(given.overrides)
-    for key in ("rover", "seed"):
-        value = getattr(given, key)
-        overrides += [] if value is None else [f"{key}={value}"]
-    scenario = prepare_scenario(given.scenario, overrides)
+    scenario = prepare_scenario(given.scenario, overrides_of(given))
     participants = _participants(given, scenario.loaded, screen)
     started = tuple(role for role in participants if not given.only or role in given.only)
-    machine = scenario.loaded.config.rover
+    machine = scenario.loaded.config.machine
     for role, reason in absent_roles(scenario.loaded).items():
         if role in {*given.only, *replacements, *shadows}:
-            raise UsageError(f"the rover {machine} {reason}: there is no role {role} in its runs")
+            raise UsageError(f"the machine {machine} {reason}: there is no role {role} in its runs")
     for role in given.only:
         if role in given.without:
             raise UsageError(f"--only and --without both name {role}")
@@ -76,6 +73,12 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
         start_timeout_s=given.start_timeout,
         loaded=scenario.loaded,
     )
+
+
+def overrides_of(given: argparse.Namespace) -> list[str]:
+    """All that goes over the files, as KEY=VALUE."""
+    chosen = {key: getattr(given, key) for key in ("machine", "seed")}
+    return [*given.overrides, *(f"{key}={value}" for key, value in chosen.items() if value is not None)]
 
 
 def _commands(texts: Sequence[str], option: str) -> dict[str, str]:
@@ -137,6 +140,9 @@ def run_plan(plan: RunPlan, layout: Layout, screen: Screen) -> Outcome:
 
 def run(given: argparse.Namespace) -> int:
     """Start a run and return its status: 0 done, 1 failed, 2 bad usage or configuration, 130 interrupted."""
+    if given.resolved:
+        print(resolved_text(load_scenario(given.scenario, overrides_of(given)).documents), end="")
+        return 0
     screen = default_screen()
     plan = make_plan(given, screen)
     screen.say(f"run {plan.run_dir}, domain {plan.domain}{', namespace ' + plan.namespace if plan.namespace else ''}")

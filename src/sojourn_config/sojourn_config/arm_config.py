@@ -18,12 +18,6 @@ class ArmConfig(ArmParams):
         min_length=1,
         description="of an arm that a machine may carry on a mount: file in urdf/, or a table such as dh/puma560.yaml",
     )
-    of_rover: str | None = Field(
-        default=None,
-        min_length=1,
-        description="rover in whose URDF the arm is: on a mount elsewhere it comes with that rover's drives, encoders, "
-        "pads, load and wrist sensor of the arm",
-    )
     urdf_root: str | None = Field(
         default=None, min_length=1, description="link with which the arm begins in that file; left out: the outermost"
     )

@@ -6,8 +6,9 @@ import numpy as np
 
 from sojourn_config.arm_config import ArmConfig
 from sojourn_config.errors import Problem
+from sojourn_config.machine import MachineConfig
 from sojourn_config.mechanism_checks import BASE_LINK
-from sojourn_config.rover import RoverConfig
+from sojourn_config.mounting import Machine
 from sojourn_config.still_machine import StillMachine
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
@@ -16,28 +17,22 @@ from sojourn_machine.params import FloatArray
 from sojourn_machine.power.battery import BatteryParams
 
 
-def carrying_problems(
-    rover: RoverConfig,
-    urdf: UrdfSummary,
-    arm: ArmConfig | None,
-    gravity: float,
-    battery: BatteryParams,
-    documents: Mapping[str, YamlDocument],
-) -> Iterator[Problem]:
+def carrying_problems(machine: Machine, gravity: float, documents: Mapping[str, YamlDocument]) -> Iterator[Problem]:
     """All that does not fit of an arm that is mounted on a machine; nothing of one that is in the machine's own URDF.
 
     Args:
-        urdf: of both in one. arm: with the names on the machine. documents: files by role (`rover`, `arm`).
+        machine: joined with its arm. documents: files by role (`machine`, `arm`).
     """
-    if arm is None or rover.arm_mount is None:
+    arm, urdf = machine.arm, machine.urdf
+    if arm is None or machine.config.arm_mount is None:
         return
     document = documents["arm"]
-    yield from _voltage_problems(arm, battery, document)
+    yield from _voltage_problems(arm, machine.battery, document)
     for pose, positions in arm.named_poses.items():
         still = StillMachine(urdf, dict(zip(arm.joint_names, positions, strict=True)))
         yield from _holding_problems(arm, urdf, still, pose, gravity, document)
-        if not rover.fixed_base:
-            yield from _balance_problems(rover, urdf, still, pose, documents["rover"])
+        if not machine.config.fixed_base:
+            yield from _balance_problems(machine.config, urdf, still, pose, documents["machine"])
 
 
 def _voltage_problems(arm: ArmConfig, battery: BatteryParams, document: YamlDocument) -> Iterator[Problem]:
@@ -71,19 +66,19 @@ def _holding_problems(
 
 
 def _balance_problems(
-    rover: RoverConfig, urdf: UrdfSummary, still: StillMachine, pose: str, document: YamlDocument
+    config: MachineConfig, urdf: UrdfSummary, still: StillMachine, pose: str, document: YamlDocument
 ) -> Iterator[Problem]:
     """On level ground the machine stands on its wheels as long as its centre of mass is above the area between them."""
     in_base = np.linalg.inv(still.place(BASE_LINK))
     _, centre = still.weight_of(urdf.links)
     centre = (in_base @ np.append(centre, 1.0))[:2]
-    feet = np.array([(in_base @ still.place(urdf.joints[wheel.joint].child))[:2, 3] for wheel in rover.wheels])
+    feet = np.array([(in_base @ still.place(urdf.joints[wheel.joint].child))[:2, 3] for wheel in config.wheels])
     outside = _distance_outside(feet, centre)
     if outside > 0.0:
         where = f"x {centre[0]:.2f}, y {centre[1]:.2f} m, {outside:.2f} m outside the wheels"
         allowed = f"tips the machine over in pose {pose!r}, its centre of mass at {where}: "
         allowed += "allowed is a lighter arm or another place for it"
-        yield document.problem(("arm_mount",), rover.arm, allowed)
+        yield document.problem(("arm_mount",), config.arm, allowed)
 
 
 def _distance_outside(feet: FloatArray, point: FloatArray) -> float:

@@ -13,6 +13,7 @@ from typing import NoReturn
 from sojourn_config.collector import collect_seldom
 from sojourn_config.command_errors import CommandError, UsageError
 from sojourn_config.errors import ConfigError
+from sojourn_config.paths import available
 from sojourn_config.ros_environment import HIGHEST_DOMAIN, default_domain
 from sojourn_config.shared_memory import remove_tracing_files
 
@@ -43,9 +44,11 @@ def add_place(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_rover(parser: argparse.ArgumentParser) -> None:
-    """--rover: another machine than the scenario's."""
-    parser.add_argument("--rover", metavar="NAME", help="rover in place of the scenario's: name in config/rovers")
+def add_machine(parser: argparse.ArgumentParser) -> None:
+    """--machine: another than the scenario's."""
+    known = ", ".join(available("machines"))
+    help_text = f"machine in place of the scenario's: the path of its folder, or one of {known}"
+    parser.add_argument("--machine", metavar="NAME", help=help_text)
 
 
 def add_result(parser: argparse.ArgumentParser, names: str) -> None:

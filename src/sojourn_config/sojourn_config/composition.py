@@ -2,14 +2,14 @@
 
 The arm's links and joints get a prefix; its first link is fixed to the machine by a joint of its own. What neither the
 plant nor the arm's node reads is left out: the arm's transmissions (its drives are in `config/arms`) and anything else
-outside links and joints.
+outside links, joints and materials; a material of the machine's goes before one of that name of the arm's.
 """
 
 from copy import deepcopy
 from xml.etree import ElementTree
 
 from sojourn_config.errors import ConfigError, Problem
-from sojourn_config.rover import ArmMountParams
+from sojourn_config.machine import ArmMountParams
 from sojourn_config.urdf import UrdfSummary, parse_urdf
 
 
@@ -24,7 +24,7 @@ def mounted_urdf(machine: UrdfSummary, arm: UrdfSummary, root: str, mount: ArmMo
     """
     links = arm.below(root)
     joints = [joint.name for joint in arm.joints.values() if joint.parent in links]
-    foot = f"{mount.prefix}mount_joint"
+    foot = mount.foot
     clashes = [
         Problem(machine.file, f"{kind} {name}", "", f"is in {arm.file} too: allowed is another arm_mount.prefix")
         for kind, theirs, ours in (
@@ -39,9 +39,12 @@ def mounted_urdf(machine: UrdfSummary, arm: UrdfSummary, root: str, mount: ArmMo
     whole, part = ElementTree.fromstring(machine.text), ElementTree.fromstring(arm.text)
     whole.append(_foot(foot, mount, mount.prefix + root))
     taken = {"link": links, "joint": joints}
+    materials = {element.get("name") for element in whole.findall("material")}
     for element in part:
         if element.get("name") in taken.get(element.tag, ()):
             whole.append(_renamed(element, mount.prefix))
+        elif element.tag == "material" and element.get("name") not in materials:
+            whole.append(element)
     return parse_urdf(ElementTree.tostring(whole, encoding="unicode"), f"{machine.file} with {arm.file}")
 
 

@@ -9,9 +9,10 @@ from pydantic import BaseModel, ValidationError
 
 from sojourn_config.errors import MISSING, ConfigError
 from sojourn_config.explain import problems_of
+from sojourn_config.extends import read_document
 from sojourn_config.overrides import override_document
 from sojourn_config.paths import resolve
-from sojourn_config.yaml_file import YamlDocument, read_yaml
+from sojourn_config.yaml_file import YamlDocument
 from sojourn_machine.errors import MachineError
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -38,7 +39,7 @@ def load_params(
     Raises:
         ConfigError: there is no such set, or its content is not what the schema allows.
     """
-    document = read_yaml(resolve(kind, name, asked_by, () if folder is None else (folder, Path.cwd())))
+    document = read_document(resolve(kind, name, asked_by, () if folder is None else (folder, Path.cwd())), kind)
     return validate(override_document(document, overrides), model)
 
 

@@ -1,4 +1,4 @@
-"""Checks of a rover across its files: URDF, wheels, drives, loads, sensors, arm, drive node."""
+"""Checks of a machine across its files: URDF, wheels, drives, loads, sensors, arm, drive node."""
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -6,8 +6,9 @@ from typing import TypeVar
 
 from sojourn_config.arm_config import ArmConfig
 from sojourn_config.errors import MISSING, Problem
+from sojourn_config.machine import MachineConfig
+from sojourn_config.machine_reader import MachineSets
 from sojourn_config.mechanism_checks import BASE_LINK, mass_problems, mechanism_problems
-from sojourn_config.rover import RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
 from sojourn_flight.arm.params import ArmParams
@@ -27,72 +28,62 @@ SAME_LENGTH = 1e-6
 """Largest difference of two lengths that are meant to be one [m]."""
 
 
-def machine_problems(
-    rover: RoverConfig,
-    own_urdf: UrdfSummary,
-    urdf: UrdfSummary,
-    bus: BusParams,
-    sensors: SensorSuiteParams,
-    arm: ArmConfig | None,
-    drive: DriveParams | None,
-    documents: Mapping[str, YamlDocument],
-) -> list[Problem]:
-    """All that does not fit together.
-
-    Args:
-        rover, urdf, bus, sensors: joined with those of the arm. own_urdf: the machine's without it.
-        arm: None for a machine without one. drive: None for one without wheels.
-        documents: the files by role (`rover`, `sensors`, `arm`, `drive`), for messages.
-    """
-    own_drives = rover.drives[: len(rover.drives) - len(arm.drives)] if arm else rover.drives
+def machine_problems(sets: MachineSets) -> list[Problem]:
+    """All that does not fit together."""
+    config, urdf, bus, sensors, arm = (
+        sets.joined.config, sets.joined.urdf, sets.joined.bus, sets.joined.sensors, sets.joined.arm,
+    )  # fmt: skip
+    documents = sets.documents
+    own_drives = config.drives[: len(config.drives) - len(arm.drives)] if arm else config.drives
     own_groups = {
         name: group for name, group in sensors.joint_groups.items() if not arm or name not in arm.joint_groups
     }
     problems = [
-        *mass_problems(rover, own_urdf, documents["rover"]),
-        *mechanism_problems(rover, urdf, documents["rover"], arm.inertias_as_published if arm else ()),
-        *_wheel_problems(rover, urdf, documents["rover"]),
-        *_drive_problems(own_drives, urdf, bus, documents["rover"]),
-        *_reference_problems(rover, urdf, documents["rover"]),
+        *mass_problems(config, sets.own_urdf, documents["machine"]),
+        *mechanism_problems(config, urdf, documents["machine"], arm.inertias_as_published if arm else ()),
+        *_wheel_problems(config, urdf, documents["machine"]),
+        *_drive_problems(own_drives, urdf, bus, documents["machine"]),
+        *_reference_problems(config, urdf, documents["machine"]),
         *_sensor_problems(sensors, urdf, documents["sensors"]),
         *_supply_problems(sensors, bus, documents["sensors"]),
         *_group_problems(own_groups, urdf, documents["sensors"]),
     ]
     if arm is not None:
         measured = {joint for group in sensors.joint_groups.values() for joint in group.joints}
-        problems += _arm_problems(arm, rover, urdf, measured, documents["arm"])
+        problems += _arm_problems(arm, config, urdf, measured, documents["arm"])
         problems += _drive_problems(arm.drives, urdf, bus, documents["arm"])
-        problems += _shaft_problems(arm, rover, sensors, documents["sensors"])
-        prefix = rover.arm_mount.prefix if rover.arm_mount else ""
+        prefix = config.arm_mount.prefix if config.arm_mount else ""
         named_in_file = {name.removeprefix(prefix): group for name, group in arm.joint_groups.items()}
+        problems += _shaft_problems(arm, config, own_groups, documents["sensors"])
+        problems += _shaft_problems(arm, config, named_in_file, documents["arm"])
         problems += _group_problems(named_in_file, urdf, documents["arm"])
-    if drive is not None and not problems:
-        problems += _limit_problems(rover, urdf, drive, documents["drive"])
+    if sets.drive is not None and not problems:
+        problems += _limit_problems(config, urdf, sets.drive, documents["flight"])
     return problems
 
 
-def ground_problems(rover: RoverConfig, soil: SoilParams, document: YamlDocument) -> list[Problem]:
+def ground_problems(config: MachineConfig, soil: SoilParams, document: YamlDocument) -> list[Problem]:
     """What the contact models of the wheels need of a soil and its file does not give, one problem a key; and a soil
     that has no stiffness under wheels as narrow as these.
     """
     askers: dict[str, list[str]] = {}
-    for wheel in rover.wheels:
+    for wheel in config.wheels:
         for name in law_of(wheel.contact).missing_in(soil):
             askers.setdefault(name, []).append(f"{wheel.name} ({wheel.contact.model})")
     missing = [
         document.problem((name,), MISSING, "the key is missing: needed by the contact model of " + ", ".join(wheels))
         for name, wheels in askers.items()
     ]
-    narrow = [f"{wheel.name} ({wheel.width:g} m)" for wheel in rover.wheels if wheel.width <= soil.least_width]
+    narrow = [f"{wheel.name} ({wheel.width:g} m)" for wheel in config.wheels if wheel.width <= soil.least_width]
     if narrow:
         allowed = f"allowed is more than {-soil.k_phi:g} times the width, or the ground pulls at {', '.join(narrow)}"
         missing.append(document.problem(("k_c",), soil.k_c, allowed))
     return missing
 
 
-def steering_geometry(rover: RoverConfig, urdf: UrdfSummary) -> SteeringGeometryParams:
+def steering_geometry(config: MachineConfig, urdf: UrdfSummary) -> SteeringGeometryParams:
     """The wheels as the drive node sees them. They roll on the circle on which the soil shears."""
-    return SteeringGeometryParams(wheels=tuple(_wheel_geometry(wheel, urdf) for wheel in rover.wheels))
+    return SteeringGeometryParams(wheels=tuple(_wheel_geometry(wheel, urdf) for wheel in config.wheels))
 
 
 def _wheel_geometry(wheel: WheelParams, urdf: UrdfSummary) -> WheelGeometry:
@@ -128,9 +119,9 @@ def _finite(limit: float) -> float | None:
     return limit if math.isfinite(limit) else None
 
 
-def with_drive_data(arm: AnyArm, rover: RoverConfig) -> AnyArm:
-    """The arm with rotor inertia and friction of the rover's drives, where its own file leaves them out."""
-    drives = {joint: drive for drive in rover.drives for joint in drive.joints}
+def with_drive_data(arm: AnyArm, config: MachineConfig) -> AnyArm:
+    """The arm with rotor inertia and friction of the machine's drives, where its own file leaves them out."""
+    drives = {joint: drive for drive in config.drives for joint in drive.joints}
     found = [drives[joint] for joint in arm.joint_names]
     update = {
         "reflected_inertia": tuple(drive.reflected_inertia for drive in found),
@@ -164,9 +155,9 @@ def _joint_problem(document: YamlDocument, path: KeyPath, name: str, urdf: UrdfS
     return document.problem(path, name, f"{why} in {urdf.file}: " + names_text(name, urdf.moving_joints))
 
 
-def _wheel_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
-    driven = {joint for drive in rover.drives for joint in drive.joints}
-    for index, wheel in enumerate(rover.wheels):
+def _wheel_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+    driven = {joint for drive in config.drives for joint in drive.joints}
+    for index, wheel in enumerate(config.wheels):
         path: KeyPath = ("wheels", index)
         problem = _joint_problem(document, (*path, "joint"), wheel.joint, urdf)
         if problem is not None:
@@ -219,18 +210,18 @@ def _drive_problems(
                 yield document.problem((*path, "servo", "max_torque"), drive.servo.max_torque, allowed)
 
 
-def _reference_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
-    for index, coupling in enumerate(rover.couplings):
+def _reference_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+    for index, coupling in enumerate(config.couplings):
         for key, name in (("first", coupling.first), ("second", coupling.second)):
             problem = _joint_problem(document, ("couplings", index, key), name, urdf)
             if problem is not None:
                 yield problem
-    for index, pad in enumerate(rover.pads):
+    for index, pad in enumerate(config.pads):
         if pad.link not in urdf.links:
             allowed = f"is not a link of {urdf.file}: " + names_text(pad.link, urdf.links)
             yield document.problem(("pads", index, "link"), pad.link, allowed)
     if BASE_LINK not in urdf.links:
-        yield document.problem(("urdf",), rover.urdf, f"has no link {BASE_LINK}")
+        yield document.problem(("urdf",), config.urdf, f"has no link {BASE_LINK}")
 
 
 def _group_problems(
@@ -244,12 +235,12 @@ def _group_problems(
 
 
 def _shaft_problems(
-    arm: ArmConfig, rover: RoverConfig, sensors: SensorSuiteParams, document: YamlDocument
+    arm: ArmConfig, config: MachineConfig, groups: Mapping[str, JointGroupParams], document: YamlDocument
 ) -> Iterator[Problem]:
     """Servo and encoder of an arm's joint must be on the same shaft where its gear has play: the arm's law makes up for
     what the gear gives in both, or in neither."""
-    drives = {joint: drive for drive in rover.drives for joint in drive.joints}
-    for group, params in sensors.joint_groups.items():
+    drives = {joint: drive for drive in config.drives for joint in drive.joints}
+    for group, params in groups.items():
         for name in params.joints:
             drive = drives.get(name)
             if name not in arm.joint_names or drive is None or drive.play is None:
@@ -279,16 +270,16 @@ def _supply_problems(sensors: SensorSuiteParams, bus: BusParams, document: YamlD
 
 
 def _arm_problems(
-    arm: ArmConfig, rover: RoverConfig, urdf: UrdfSummary, measured: Collection[str], document: YamlDocument
+    arm: ArmConfig, config: MachineConfig, urdf: UrdfSummary, measured: Collection[str], document: YamlDocument
 ) -> Iterator[Problem]:
-    driven = {joint for drive in rover.drives for joint in drive.joints}
+    driven = {joint for drive in config.drives for joint in drive.joints}
     for index, name in enumerate(arm.joint_names):
         problem = _joint_problem(document, ("joint_names", index), name, urdf)
         if problem is not None:
             yield problem
             continue
         if name not in driven:
-            yield document.problem(("joint_names", index), name, "has no drive in the rover's drives")
+            yield document.problem(("joint_names", index), name, "has no drive in the machine's drives")
         if name not in measured:
             yield document.problem(("joint_names", index), name, "has no encoder: name it in joint_groups")
         joint = urdf.joints[name]
@@ -313,14 +304,14 @@ def _arm_problems(
 
 
 def _limit_problems(
-    rover: RoverConfig, urdf: UrdfSummary, drive: DriveParams, document: YamlDocument
+    config: MachineConfig, urdf: UrdfSummary, drive: DriveParams, document: YamlDocument
 ) -> Iterator[Problem]:
     """The drive node may not ask for more than the fastest of the joints can do; slower ones keep to their own."""
     for key, value, joints in (
-        ("max_wheel_rate", drive.limits.max_wheel_rate, [wheel.joint for wheel in rover.wheels]),
-        ("max_steer_rate", drive.limits.max_steer_rate, rover.steer_joints),
+        ("max_wheel_rate", drive.limits.max_wheel_rate, [wheel.joint for wheel in config.wheels]),
+        ("max_steer_rate", drive.limits.max_steer_rate, config.steer_joints),
     ):
         fastest = max((urdf.joints[joint].velocity for joint in joints), default=value)
         if value > fastest:
             allowed = f"allowed is at most {fastest:g} rad/s, the velocity of these joints in {urdf.file}"
-            yield document.problem(("limits", key), value, allowed)
+            yield document.problem(("drive", "limits", key), value, allowed)

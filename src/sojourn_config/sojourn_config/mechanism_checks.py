@@ -1,11 +1,11 @@
-"""Checks of a rover's mechanism: masses and inertias of its URDF, axes of its wheels, couplings of its joints."""
+"""Checks of a machine's mechanism: masses and inertias of its URDF, axes of its wheels, couplings of its joints."""
 
 from collections.abc import Collection, Iterator
 
 import numpy as np
 
 from sojourn_config.errors import Problem
-from sojourn_config.rover import RoverConfig
+from sojourn_config.machine import MachineConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
 from sojourn_machine.names import names_text
@@ -24,26 +24,26 @@ TRIANGLE = 1e-6
 
 
 def mechanism_problems(
-    rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument, as_published: Collection[str] = ()
+    config: MachineConfig, urdf: UrdfSummary, document: YamlDocument, as_published: Collection[str] = ()
 ) -> Iterator[Problem]:
     """All that is wrong.
 
     Args:
-        document: the rover's file, for messages. as_published: links whose inertia is not judged.
+        document: the machine's file, for messages. as_published: links whose inertia is not judged.
     """
     yield from _inertia_problems(urdf, as_published)
     yield from _weightless_problems(urdf)
-    yield from _axis_problems(rover, urdf)
-    yield from _steering_problems(rover, urdf)
-    yield from _suspension_problems(rover, urdf, document)
-    yield from _coupling_problems(rover, urdf, document)
+    yield from _axis_problems(config, urdf)
+    yield from _steering_problems(config, urdf)
+    yield from _suspension_problems(config, urdf, document)
+    yield from _coupling_problems(config, urdf, document)
 
 
-def mass_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+def mass_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
     """A machine, without an arm that is mounted on it, weighs what its file says."""
     total = sum(inertial.mass for inertial in urdf.inertials.values())
-    if rover.mass is not None and abs(total - rover.mass) > SAME_MASS * rover.mass:
-        yield document.problem(("mass",), rover.mass, f"the masses of {urdf.file} sum up to {total:g} kg")
+    if config.mass is not None and abs(total - config.mass) > SAME_MASS * config.mass:
+        yield document.problem(("mass",), config.mass, f"the masses of {urdf.file} sum up to {total:g} kg")
 
 
 def _inertia_problems(urdf: UrdfSummary, as_published: Collection[str]) -> Iterator[Problem]:
@@ -76,9 +76,9 @@ def _weightless_problems(urdf: UrdfSummary) -> Iterator[Problem]:
             yield Problem(urdf.file, f"joint {name}", urdf.joints[name].child, allowed)
 
 
-def _axis_problems(rover: RoverConfig, urdf: UrdfSummary) -> Iterator[Problem]:
+def _axis_problems(config: MachineConfig, urdf: UrdfSummary) -> Iterator[Problem]:
     """The plant takes the y axis of a wheel's joint for its axle, and that to the left at zero pose."""
-    for wheel in rover.wheels:
+    for wheel in config.wheels:
         joint = urdf.joints.get(wheel.joint)
         if joint is None or joint.kind == "fixed":
             continue  # told elsewhere
@@ -91,10 +91,10 @@ def _axis_problems(rover: RoverConfig, urdf: UrdfSummary) -> Iterator[Problem]:
             yield Problem(urdf.file, f"joint {wheel.joint}, axis", own, allowed)
 
 
-def _steering_problems(rover: RoverConfig, urdf: UrdfSummary) -> Iterator[Problem]:
+def _steering_problems(config: MachineConfig, urdf: UrdfSummary) -> Iterator[Problem]:
     """A steering joint is above its wheel and turns it to the left: only then does an angle mean what is commanded."""
     above = {joint.child: joint for joint in urdf.joints.values()}
-    for wheel in rover.wheels:
+    for wheel in config.wheels:
         steer, joint = urdf.joints.get(wheel.steer_joint or ""), urdf.joints.get(wheel.joint)
         if steer is None or joint is None:
             continue  # not steered, or told elsewhere
@@ -122,9 +122,9 @@ def _direction_in_root(urdf: UrdfSummary, name: str) -> FloatArray:
     return np.asarray(direction)
 
 
-def _suspension_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+def _suspension_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
     """A spring acts on a joint that moves between stops, and is not relaxed far beyond them."""
-    for index, suspension in enumerate(rover.suspensions):
+    for index, suspension in enumerate(config.suspensions):
         for number, name in enumerate(suspension.joints):
             path = ("suspensions", index, "joints", number)
             joint = urdf.joints.get(name)
@@ -137,11 +137,11 @@ def _suspension_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDo
                 yield document.problem(("suspensions", index, "rest"), suspension.rest, allowed)
 
 
-def _coupling_problems(rover: RoverConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+def _coupling_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
     """Couplings must be independent: two that say the same make the equations of motion singular."""
     names = urdf.moving_joints
     rows = np.zeros((0, len(names)))
-    for index, coupling in enumerate(rover.couplings):
+    for index, coupling in enumerate(config.couplings):
         if coupling.first not in names or coupling.second not in names:
             continue  # told elsewhere
         if coupling.first == coupling.second:

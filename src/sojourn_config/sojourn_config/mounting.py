@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from sojourn_config.arm_config import ArmConfig
 from sojourn_config.composition import mounted_urdf
 from sojourn_config.errors import MISSING, Problem
+from sojourn_config.machine import ArmMountParams, MachineConfig
 from sojourn_config.mechanism_checks import BASE_LINK
-from sojourn_config.rover import ArmMountParams, RoverConfig
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
 from sojourn_flight.power_manager.params import PowerLawParams
 from sojourn_machine.names import names_text
+from sojourn_machine.power.battery import BatteryParams
 from sojourn_machine.power.loads import BusParams
 from sojourn_physics.sensors.params import SensorSuiteParams
 
@@ -20,51 +21,29 @@ from sojourn_physics.sensors.params import SensorSuiteParams
 class Machine:
     """The parameter sets that a machine and its arm share."""
 
-    rover: RoverConfig
+    config: MachineConfig
     urdf: UrdfSummary
+    battery: BatteryParams
     bus: BusParams
     law: PowerLawParams
     sensors: SensorSuiteParams
     arm: ArmConfig | None
 
 
-def lent(arm: ArmConfig, lender: Machine) -> ArmConfig:
-    """The arm's set with what the rover that it belongs to has of it.
-
-    Args:
-        lender: that rover; its URDF has the arm.
-    """
-    rover, links = lender.rover, lender.urdf.below(arm.urdf_root or lender.urdf.root)
-    joints = set(arm.joint_names)
-    drives = tuple(drive for drive in rover.drives if joints.issuperset(drive.joints))
-    sensed = rover.wrench_sensor_link if rover.wrench_sensor_link in links else None
-    return arm.model_copy(
-        update={
-            "drives": drives,
-            "joint_groups": {
-                name: group for name, group in lender.sensors.joint_groups.items() if joints.issuperset(group.joints)
-            },
-            "pads": tuple(pad for pad in rover.pads if pad.link in links),
-            "load": next((load for load in lender.bus.loads if load.name in {drive.load for drive in drives}), None),
-            "wrench_sensor_link": sensed,
-            "wrist": lender.sensors.wrist if sensed else None,
-            "ignored_link_pairs": tuple(pair for pair in arm.ignored_link_pairs if set(pair) <= set(links)),
-        }
-    )
-
-
 def on_machine(arm: ArmConfig, mount: ArmMountParams, root: str, first_joint_child: str) -> ArmConfig:
     """The arm's set with the names that its joints and links have on the machine; goals are in base_link there.
 
     Args:
-        root: first link of the arm, in its own URDF. first_joint_child: link that its first joint moves: it may touch
-            what the arm stands on.
+        root: first link of the arm, in its own URDF. first_joint_child: link that its first joint moves: where the
+            mount says so, it may touch what the arm stands on.
     """
 
     def name(own: str) -> str:
         return mount.prefix + own
 
-    pairs = [*arm.ignored_link_pairs, (first_joint_child, root)]
+    pairs = [(name(one), name(other)) for one, other in arm.ignored_link_pairs]
+    if mount.touches:
+        pairs += [(name(first_joint_child), name(root)), (name(first_joint_child), mount.link)]
     return arm.model_copy(
         update={
             "joint_names": tuple(map(name, arm.joint_names)),
@@ -73,10 +52,7 @@ def on_machine(arm: ArmConfig, mount: ArmMountParams, root: str, first_joint_chi
             "locked_positions": {name(joint): value for joint, value in arm.locked_positions.items()},
             "inertias_as_published": tuple(map(name, arm.inertias_as_published)),
             "ground_contact_links": tuple(map(name, arm.ground_contact_links)),
-            "ignored_link_pairs": (
-                *((name(one), name(other)) for one, other in pairs),
-                (name(first_joint_child), mount.link),
-            ),
+            "ignored_link_pairs": tuple(pairs),
             "drives": tuple(
                 drive.model_copy(update={"joints": tuple(map(name, drive.joints))}) for drive in arm.drives
             ),
@@ -96,23 +72,23 @@ def mount_problems(
     """Why the arm cannot be put on the machine as it is asked for.
 
     Args:
-        arm_urdf: as for `join`. documents: files by role (`rover`, `arm`), for messages.
+        arm_urdf: as for `join`. documents: files by role (`machine`, `arm`), for messages.
     """
-    arm, mount, name = machine.arm, machine.rover.arm_mount, machine.rover.arm
+    arm, mount, name = machine.arm, machine.config.arm_mount, machine.config.arm
     if arm is None:
         return
     if mount is None:
         if arm.urdf is not None and arm.joint_names[0] not in machine.urdf.joints:
             allowed = f"the key is missing: where {name} stands on the machine, as {{link: {BASE_LINK}}}"
-            yield documents["rover"].problem(("arm_mount",), MISSING, allowed)
+            yield documents["machine"].problem(("arm_mount",), MISSING, allowed)
         return
     if arm_urdf is None:
-        allowed = f"{name} has no URDF of its own: allowed is an arm with urdf or of_rover in its file in config/arms"
-        yield documents["rover"].problem(("arm_mount",), MISSING, allowed)
+        allowed = f"{name} has no URDF of its own: allowed is an arm with urdf in its file in config/arms"
+        yield documents["machine"].problem(("arm_mount",), MISSING, allowed)
         return
     if mount.link not in machine.urdf.links:
         allowed = f"is no link of {machine.urdf.file}: " + names_text(mount.link, machine.urdf.links)
-        yield documents["rover"].problem(("arm_mount", "link"), mount.link, allowed)
+        yield documents["machine"].problem(("arm_mount", "link"), mount.link, allowed)
     if arm.urdf_root is not None and arm.urdf_root not in arm_urdf.links:
         allowed = f"is no link of {arm_urdf.file}: " + names_text(arm.urdf_root, arm_urdf.links)
         yield documents["arm"].problem(("urdf_root",), arm.urdf_root, allowed)
@@ -131,14 +107,14 @@ def join(machine: Machine, arm_urdf: UrdfSummary | None) -> Machine:
     Raises:
         ConfigError: names of links or joints that clash.
     """
-    arm, rover, urdf = machine.arm, machine.rover, machine.urdf
+    arm, config, urdf = machine.arm, machine.config, machine.urdf
     if arm is None:
         return machine
-    if rover.arm_mount is not None and arm_urdf is not None:
+    if config.arm_mount is not None and arm_urdf is not None:
         root = arm.urdf_root or arm_urdf.root
-        urdf = mounted_urdf(urdf, arm_urdf, root, rover.arm_mount)
-        arm = on_machine(arm, rover.arm_mount, root, arm_urdf.joints[arm.joint_names[0]].child)
-    if rover.fixed_base and arm.ground_height is None:
+        urdf = mounted_urdf(urdf, arm_urdf, root, config.arm_mount)
+        arm = on_machine(arm, config.arm_mount, root, arm_urdf.joints[arm.joint_names[0]].child)
+    if config.fixed_base and arm.ground_height is None:
         arm = arm.model_copy(update={"ground_height": 0.0})  # where a stand stands is known, without wheels to tell it
     bus, law = machine.bus, machine.law
     if arm.load is not None and arm.load.name not in {load.name for load in bus.loads}:
@@ -147,14 +123,15 @@ def join(machine: Machine, arm_urdf: UrdfSummary | None) -> Machine:
     sensors = machine.sensors
     joined = {**sensors.joint_groups, **arm.joint_groups}
     return Machine(
-        rover=rover.model_copy(
+        config=config.model_copy(
             update={
-                "drives": (*rover.drives, *arm.drives),
-                "pads": (*rover.pads, *arm.pads),
-                "wrench_sensor_link": rover.wrench_sensor_link or arm.wrench_sensor_link,
+                "drives": (*config.drives, *arm.drives),
+                "pads": (*config.pads, *arm.pads),
+                "wrench_sensor_link": config.wrench_sensor_link or arm.wrench_sensor_link,
             }
         ),
         urdf=urdf,
+        battery=machine.battery,
         bus=bus,
         law=law,
         sensors=sensors.model_copy(update={"joint_groups": joined, "wrist": sensors.wrist or arm.wrist}),

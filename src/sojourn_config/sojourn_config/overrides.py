@@ -1,6 +1,7 @@
 """Values set on the command line: `--set battery_soc=0.5`, `--set soil.n=1`, `--set steps[0].wait_s=5`."""
 
 import copy
+import dataclasses
 import re
 from collections.abc import Sequence
 
@@ -53,7 +54,7 @@ def override_document(document: YamlDocument, overrides: Sequence[str]) -> YamlD
         return document
     changed = dict(document.overridden)
     changed.update((split_override(text)[0], text) for text in overrides)
-    return YamlDocument(document.file, apply_overrides(document.data, overrides), document.lines, changed)
+    return dataclasses.replace(document, data=apply_overrides(document.data, overrides), overridden=changed)
 
 
 def route_overrides(overrides: Sequence[str], heads: Sequence[str]) -> tuple[list[str], dict[str, list[str]]]:

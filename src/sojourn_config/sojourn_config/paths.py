@@ -12,11 +12,11 @@ from sojourn_config.errors import MISSING, single
 from sojourn_machine.names import names_text
 
 ENVIRONMENT_VARIABLE = "SOJOURN_CONFIG_DIR"
-KINDS: tuple[str, ...] = (
-    "arms", "bodies", "nodes", "power", "rovers", "scenarios", "sensors", "soils", "tools", "vehicles", "wheels",
-)  # fmt: skip
+KINDS = ("arms", "bodies", "machines", "nodes", "parts", "scenarios", "soils", "tools", "wheels")
 """Folders of `config/`."""
 SUFFIX = ".yaml"
+FIRST_FILES = {"machines": "machine"}
+"""Kinds whose sets are folders of several files, with the name of the one that there must be."""
 
 
 def repository_root() -> Path:
@@ -59,7 +59,10 @@ def urdf_folder() -> Path:
 
 def available(kind: str) -> tuple[str, ...]:
     """Names of the parameter sets of a kind, sorted."""
-    return tuple(sorted(path.stem for path in (config_folder() / kind).glob(f"*{SUFFIX}")))
+    folder = config_folder() / kind
+    if kind in FIRST_FILES:
+        return tuple(sorted(path.parent.name for path in folder.glob(f"*/{FIRST_FILES[kind]}{SUFFIX}")))
+    return tuple(sorted(path.stem for path in folder.glob(f"*{SUFFIX}")))
 
 
 def display(path: Path) -> str:
@@ -76,7 +79,7 @@ def resolve(kind: str, name: str, asked_by: tuple[str, str] | None = None, folde
 
     Args:
         kind: one of KINDS.
-        name: a name (`jsc_1a`), or the path of a file, see `named_file`.
+        name: a name (`jsc_1a`), or the path of a file, see `named_file`; of a machine, also that of its folder.
         asked_by: file and key that name it, for the message.
         folders: from which a path counts, the first choice first; none: the working folder.
 
@@ -86,8 +89,9 @@ def resolve(kind: str, name: str, asked_by: tuple[str, str] | None = None, folde
     file, key = asked_by if asked_by is not None else ("command line", kind)
     if kind not in KINDS:
         raise single(file, key, kind, names_text(kind, KINDS))
-    if _is_path(name):
-        found = named_file(name, (file, key), *(folders or (Path.cwd(),)))
+    inner = f"/{FIRST_FILES[kind]}{SUFFIX}" if kind in FIRST_FILES else ""
+    if is_path(name):
+        found = named_file(name if name.endswith(SUFFIX) else name + inner, (file, key), *(folders or (Path.cwd(),)))
         if found is not None:
             return found
         known = names_text(Path(name).stem, available(kind))
@@ -95,7 +99,7 @@ def resolve(kind: str, name: str, asked_by: tuple[str, str] | None = None, folde
     names = available(kind)
     if name not in names:
         raise single(file, key, name, f"not in config/{kind}: " + names_text(name, names))
-    return config_folder() / kind / f"{name}{SUFFIX}"
+    return config_folder() / kind / (name + (inner or SUFFIX))
 
 
 def resolve_urdf(name: str, asked_by: tuple[str, str], folder: Path) -> Path:
@@ -132,5 +136,6 @@ def named_file(name: str, asked_by: tuple[str, str], *folders: Path) -> Path | N
     return found[0] if found else None
 
 
-def _is_path(name: str) -> bool:
+def is_path(name: str) -> bool:
+    """Whether a text is a path and no name."""
     return "/" in name or os.sep in name or name.endswith((SUFFIX, ".yml"))

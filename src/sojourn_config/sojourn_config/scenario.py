@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field, field_validator
 
+from sojourn_config import machine_reader
 from sojourn_config.bundle import Bundle, BundleReader, Driving
 from sojourn_config.errors import ConfigError, single
+from sojourn_config.extends import read_document
 from sojourn_config.load import validate
 from sojourn_config.overrides import override_document, route_overrides
 from sojourn_config.paths import resolve
 from sojourn_config.scenario_checks import scenario_problems
 from sojourn_config.steps import FARTHEST, LONGEST, StepConfig
-from sojourn_config.yaml_file import read_yaml
 from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.params import FloatArray, Params
 from sojourn_machine.timing import CONTROL_PERIOD_S
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 STOWED = "stow"
 """Pose of the arm while the rover drives."""
-HEADS = ("rover", "body", "soil", "rock_soil", "battery", "loads", "power_manager", "sensors", "arm", "tool", "drive")
+HEADS = ("body", "soil", "rock_soil", "arm", "tool", *machine_reader.HEADS)
 """First word of an override that is for another file than the scenario's."""
 
 
@@ -54,9 +55,9 @@ class ScenarioConfig(Params):
 
     description: str = Field(min_length=1, description="what happens, in one sentence")
     seed: int = Field(ge=0, lt=2**63, description="seed of everything random [-]")
-    rover: str = Field(min_length=1, description="name in config/rovers")
+    machine: str = Field(min_length=1, description="name in config/machines")
     tool: str | None = Field(
-        default=None, min_length=1, description="name in config/tools, in place of the rover's own tool"
+        default=None, min_length=1, description="name in config/tools, in place of the machine's own tool"
     )
     body: str = Field(min_length=1, description="name in config/bodies")
     terrain: TerrainParams = Field(description="the ground")
@@ -86,7 +87,7 @@ class ScenarioConfig(Params):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoadedScenario(Bundle):
-    """A scenario with everything that it names, validated together. See Bundle for what comes from the rover.
+    """A scenario with everything that it names, validated together. See Bundle for what comes from the machine.
 
     Args:
         name: name of the scenario, or its file without suffix.
@@ -128,7 +129,7 @@ class LoadedScenario(Bundle):
 
         stowed = None if self.arm is None else self.arm.named_poses.get(STOWED)
         angles = {} if self.arm is None or stowed is None else dict(zip(self.arm.joint_names, stowed, strict=True))
-        return wheel_load_map(self.urdf_xml, self.rover, self.gravity, angles)
+        return wheel_load_map(self.urdf_xml, self.machine, self.gravity, angles)
 
     def sun_direction(self, time: float) -> FloatArray:
         """Unit vector to the Sun in map, shape (3,), `time` [s] after the start of the run."""
@@ -154,19 +155,19 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
 
     Args:
         name: name in `config/scenarios`, or the path of a file.
-        overrides: `KEY=VALUE` texts. A first word of HEADS means the file that scenario or rover name:
-            `soil.k_c=1400`, `rover.drives[0].gear.ratio=500`; all others to the scenario: `battery_soc=0.5`.
+        overrides: `KEY=VALUE` texts. A first word of HEADS means the file that scenario or machine name:
+            `soil.k_c=1400`, `machine.drives[0].gear.ratio=500`; all others to the scenario: `battery_soc=0.5`.
 
     Raises:
         ConfigError: with every problem of every file in it.
     """
     path = resolve("scenarios", name, ("command line", "scenario"))
     own, routed = route_overrides(overrides, HEADS)
-    document = override_document(read_yaml(path), own)
+    document = override_document(read_document(path, "scenarios"), own)
     config = validate(document, ScenarioConfig)
     reader = BundleReader(document, path, routed)
     soils = config.soil, config.rock_soil, config.terrain.extra_soils
-    bundle = reader.read(config.rover, config.body, *soils, config.tool)
+    bundle = reader.read(config.machine, config.body, *soils, config.tool)
     problems = [*reader.problems, *scenario_problems(config, bundle, document)]
     raster, digests = None, {}
     if config.terrain.file is not None:

@@ -27,19 +27,19 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
         path: KeyPath = ("steps", index, step.kind)
         action = step.action
         if isinstance(action, DriveGoalStep | DriveRouteStep) and bundle is not None and bundle.driving is None:
-            yield document.problem(path, step.kind, f"the machine {config.rover} stands fast: it has no wheels")
+            yield document.problem(path, step.kind, f"the machine {config.machine} stands fast: it has no wheels")
         elif isinstance(action, DriveGoalStep):
             places.append((path, action.x, action.y))
         elif isinstance(action, DriveRouteStep):
             places += [((*path, "points", i), point.x, point.y) for i, point in enumerate(action.points)]
         elif isinstance(action, ArmPoseStep | ArmGroundStep | ArmJointsStep) and bundle is not None:
             if bundle.arm is None:
-                yield document.problem(path, step.kind, f"the rover {config.rover} has no arm")
+                yield document.problem(path, step.kind, f"the machine {config.machine} has no arm")
             elif isinstance(action, ArmJointsStep):
                 yield from _arm_goal_problems(action, path, bundle.arm, bundle.urdf, document)
-    if bundle is not None and bundle.body.free_fall and bundle.rover.wheels:
+    if bundle is not None and bundle.body.free_fall and bundle.machine.wheels:
         allowed = (
-            f"is in free fall, where the wheels of {config.rover} do not press on the ground: allowed is a planet, "
+            f"is in free fall, where the wheels of {config.machine} do not press on the ground: allowed is a planet, "
         )
         yield document.problem(("body",), config.body, allowed + "a moon or an asteroid")
     if bundle is not None:
@@ -72,8 +72,8 @@ def _place_problems(
 
 
 def _fault_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
-    """A motor that fails is one of the rover's, and an angle at which it locks one that it can reach."""
-    servos = {joint: drive.servo.mode for drive in bundle.rover.drives for joint in drive.joints}
+    """A motor that fails is one of the machine's, and an angle at which it locks one that it can reach."""
+    servos = {joint: drive.servo.mode for drive in bundle.machine.drives for joint in drive.joints}
     for index, fault in enumerate(config.faults):
         path: KeyPath = ("faults", index)
         if fault.joint not in servos:

@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from sojourn_config.errors import MISSING, Problem
-from sojourn_config.rover import RoverConfig
+from sojourn_config.machine import MachineConfig
 from sojourn_config.yaml_file import YamlDocument
 from sojourn_machine.names import names_text
 from sojourn_machine.params import Params
@@ -25,13 +25,13 @@ class ToolSet(Params):
     effort_noise: float = Field(ge=0.0, le=1e3, description="standard deviation of the measured effort [N m or N]")
 
 
-def pad_problem(rover: RoverConfig, tool: ToolSet, document: YamlDocument) -> Problem | None:
+def pad_problem(config: MachineConfig, tool: ToolSet, document: YamlDocument) -> Problem | None:
     """Why the tool does not fit onto the machine, if it does not."""
-    pads = [pad.name for pad in rover.pads]
+    pads = [pad.name for pad in config.pads]
     if tool.tool.pad in pads:
         return None
     return document.problem(
-        ("tool", "pad"), tool.tool.pad, "is no pad of the rover: " + names_text(tool.tool.pad, pads)
+        ("tool", "pad"), tool.tool.pad, "is no pad of the machine: " + names_text(tool.tool.pad, pads)
     )
 
 

@@ -51,20 +51,29 @@ class YamlDocument:
         data: its content: a table.
         lines: line of each key, by path.
         overridden: text of the override that set a key, by path.
+        origins: file in which a key is written, by path, where that is another one (`extends`).
+        texts: text of every file that it is made of, by name.
     """
 
     file: str
     data: dict[str, Data]
     lines: dict[KeyPath, int] = field(default_factory=dict)
     overridden: dict[KeyPath, str] = field(default_factory=dict)
+    origins: dict[KeyPath, Path] = field(default_factory=dict)
+    texts: dict[str, str] = field(default_factory=dict)
 
     def place(self, path: KeyPath) -> tuple[str, int | None]:
         """File and line of the key at `path`, or of the nearest table around it; or the override of it."""
+        if path and path not in self.lines:  # a table that only the command line has
+            for inner, text in self.overridden.items():
+                if inner[: len(path)] == path:
+                    return f"--set {text} (in {self.file})", None
         for length in range(len(path), 0, -1):
             if path[:length] in self.overridden:
                 return f"--set {self.overridden[path[:length]]} (in {self.file})", None
             if path[:length] in self.lines:
-                return self.file, self.lines[path[:length]]
+                origin = self.origins.get(path[:length])
+                return self.file if origin is None else display(origin), self.lines[path[:length]]
         return self.file, None
 
     def problem(self, path: KeyPath, value: object, allowed: str) -> Problem:
@@ -74,9 +83,14 @@ class YamlDocument:
 
 
 def asking_folders(document: YamlDocument, path: KeyPath, folder: Path) -> tuple[Path, Path]:
-    """Where a path counts from that stands at a key, the first choice first: the folder of its file, and the working
-    folder; the other way round where the command line has set the key.
+    """Where a path counts from that stands at a key, the first choice first: the folder of the file that has the key,
+    and the working folder; the other way round where the command line has set it.
+
+    Args:
+        folder: of the document's own file.
     """
+    origin = document.origins.get(path)
+    folder = folder if origin is None else origin.parent
     overridden = any(path[:length] in document.overridden for length in range(1, len(path) + 1))
     return (Path.cwd(), folder) if overridden else (folder, Path.cwd())
 
@@ -137,7 +151,7 @@ def parse_yaml(text: str, file: str) -> YamlDocument:
         raise ConfigError([Problem(file, "", "", f"not a YAML document: {reason}", line)]) from error
     if not isinstance(root, MappingNode):
         raise ConfigError([Problem(file, "", "", "allowed is a table of keys and values that is not empty")])
-    document = YamlDocument(file, {})
+    document = YamlDocument(file, {}, texts={file: text})
     reader = _Reader(document)
     data = reader.convert(root, ())
     if reader.problems:

@@ -33,7 +33,7 @@ def contract_page(machine: Machine) -> str:
         f"<h1>The contract of Sojourn</h1><p class=quiet>Contract {escape(contract_name(data))}, rover "
         f"{escape(machine.name)}. Judged by <code>scripts/contract check</code>.</p>",
         "<nav><a href='#roles'>Roles</a><a href='#rules'>Rules</a><a href='#topics'>Topics</a>"
-        "<a href='#fields'>Fields</a><a href='#rover'>Rover</a></nav>",
+        "<a href='#fields'>Fields</a><a href='#machine'>Machine</a></nav>",
         _heading("roles", "Roles"),
         _roles(),
         _heading("rules", "Rules"),
@@ -42,7 +42,7 @@ def contract_page(machine: Machine) -> str:
         _topics(data["topics"]),
         _heading("fields", "Fields"),
         *(_fields(name, topic) for name, topic in data["topics"].items()),
-        _heading("rover", f"Rover: {machine.name}"),
+        _heading("machine", f"Machine: {machine.name}"),
         _rover(machine),
     ]
     head = "<meta charset=utf-8><meta name=viewport content='width=device-width'><title>The contract of Sojourn</title>"

@@ -3,7 +3,7 @@
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,7 @@ from sojourn_flight.supervision.drive import LONGEST_PERIOD, DriveModel
 from sojourn_flight.supervision.drive_status import drive_status
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, DriveState, TwistCommand
 from sojourn_machine.errors import MachineError
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 MEASUREMENTS = ("/joint_states", "/imu/data")
@@ -93,7 +94,7 @@ class DriveApp(App[DriveAppState]):
     def __init__(self, scenario: LoadedScenario) -> None:
         self._start = scenario.config.start
         self.model = DriveModel(scenario.drive, scenario.steering, eye_of(scenario), scenario.wheel_loads())
-        self._measurements = WheelMeasurements(scenario.rover, scenario.urdf_xml)
+        self._measurements = WheelMeasurements(scenario.machine, scenario.urdf_xml)
         self._sun = SunSightings(scenario)
         self._charge = ChargeGauge(scenario.power_manager)
         self._interlock = ArmInterlock(scenario.arm)

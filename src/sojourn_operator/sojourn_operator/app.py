@@ -5,7 +5,7 @@ how many it has sent; drive, arm and plant wait for that tick, and so a scripted
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
@@ -14,6 +14,7 @@ from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Header, Odometry
+from sojourn_machine.evolution import replace
 from sojourn_operator.actions import Action, ArmGround, ArmTo
 from sojourn_operator.goal_messages import goal_message, report_of
 from sojourn_operator.ground import ground_point

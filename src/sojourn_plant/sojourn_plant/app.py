@@ -1,7 +1,7 @@
 """The plant without ROS: the simulated machine and its ground. Commands in, the truth of the next period out."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from sojourn_config.scenario import LoadedScenario
@@ -9,6 +9,7 @@ from sojourn_contract import stamps
 from sojourn_contract.app import Answer, App, Period
 from sojourn_contract.events import parse_tick
 from sojourn_contract.topic_types import Topic
+from sojourn_machine.evolution import replace
 from sojourn_physics.plant.faults import HeldAngles, MotorFaults
 from sojourn_physics.plant.state import PlantState
 from sojourn_physics.plant.step import step

@@ -1,7 +1,7 @@
 """The commands that the plant holds: the last good one of each topic, until it is too old."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from sojourn_contract.heartbeat import status_values
 from sojourn_contract.switches import check_switches, fraction_of
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import TOOL_JOINT
 from sojourn_physics.actuators import joint_drive

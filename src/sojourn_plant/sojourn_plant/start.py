@@ -18,7 +18,7 @@ def build_plant(scenario: LoadedScenario, terrain: HeightField | None = None) ->
     """
     model = PlantModel(
         scenario.urdf_xml,
-        scenario.rover,
+        scenario.machine,
         scenario.gravity,
         terrain or scenario.height_field(),
         list(scenario.soils.values()),

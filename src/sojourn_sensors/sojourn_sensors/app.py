@@ -1,7 +1,7 @@
 """The sensors without ROS: truth in, measurements out, from the emulators of `sojourn_physics.sensors`."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from sojourn_contract.messages import wrench_stamped
 from sojourn_contract.topics import topic
 from sojourn_contract.values import JointState, Odometry
 from sojourn_machine.errors import MachineError
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 from sojourn_physics.sensors import suite
 from sojourn_physics.sensors.noise import NoiseStream
@@ -79,7 +80,7 @@ class SensorsApp(App[SensorsState]):
         self._truth = TruthReader(self._motion)
         self._sun = SunReadings(scenario)
         self._view = HazardView(scenario)
-        self._wrist_frame = scenario.rover.wrench_sensor_link or ""
+        self._wrist_frame = scenario.machine.wrench_sensor_link or ""
 
     def warm_up(self) -> None:
         """Those of the suite."""

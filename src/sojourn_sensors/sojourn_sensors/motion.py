@@ -11,6 +11,7 @@ import pinocchio as pin
 from sojourn_contract.values import Odometry
 from sojourn_machine.mounting import IMU_LINK, mounting
 from sojourn_machine.params import FloatArray
+from sojourn_machine.vectors import cross
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,17 +60,12 @@ class ImuMotion:
         orientation = odometry.orientation
         rotation = rotation_matrix(orientation)
         angular = odometry.angular
-        velocity = rotation @ (odometry.linear + _cross(angular, self._lever))
+        velocity = rotation @ (odometry.linear + cross(angular, self._lever))
         change = np.zeros(3) if before is None else velocity - before.velocity
         specific = rotation.T @ (change / dt - self._gravity)
         mean = angular if before is None else rotation_vector(before.orientation, orientation) / dt
         motion = Motion(self._rotation_imu_to_base.T @ mean, self._rotation_imu_to_base.T @ specific)
         return MotionBefore(velocity, orientation), motion
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    # numpy's own is made for large arrays and takes twenty times as long for one pair
-    return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
 
 
 def rotation_vector(before: FloatArray, now: FloatArray) -> FloatArray:

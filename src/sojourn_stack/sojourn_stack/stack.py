@@ -5,27 +5,31 @@ and tells the truth of the next period. What a node's shell does between message
 checked on arrival, refused ones counted, goals wait for their period, and each role says its heartbeat once a second.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from sojourn_contract import stamps
 from sojourn_contract.app import App, Period
 from sojourn_contract.arrival import check_input
 from sojourn_contract.barrier import Barrier, awaited_inputs, is_due, stamp_due
-from sojourn_contract.decoding import refusing
-from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.errors import RefusedMessageError, unreadable
 from sojourn_contract.events import EventQueue
 from sojourn_contract.heartbeat import ENDED, RUNNING, Counters, beats, heartbeat_message
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import inputs_of, outputs_of, topic
-from sojourn_contract.values import Message
+from sojourn_contract.values import DiagnosticArray, Message
+from sojourn_machine.evolution import replace
 from sojourn_stack.errors import WaitingError
 
 PLANT = "plant"
 HEARTBEATS = "/diagnostics"
 Said = tuple[Topic, Message]
 """A row and its message."""
+Due = tuple[Topic, int]
+"""A row, and the stamp of its message that a role waits for [ns]."""
+Heard = tuple[Message, str]
+"""A message, and why nobody may take it; empty where all may."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,10 +51,10 @@ class RoleState:
         """For a heartbeat."""
         return Counters(dict(self.published), dict(self.refused), self.last_refusal)
 
-    def refusing(self, name: str, refusal: Exception) -> "RoleState":
+    def refusing(self, name: str, reason: str) -> "RoleState":
         """One more message on a topic was refused."""
         refused = {**self.refused, name: self.refused.get(name, 0) + 1}
-        return replace(self, refused=refused, last_refusal=str(refusal))
+        return replace(self, refused=refused, last_refusal=reason)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +64,9 @@ class StackState:
     period: int
     """The control period that is acted on next: 1, 2, ..."""
     roles: Mapping[str, RoleState]
-    messages: Mapping[str, Mapping[int, Message]]
-    """Last messages of each topic by stamp [ns], as far back as somebody waits for them."""
+    messages: Mapping[str, Mapping[int, Heard]]
+    """Last messages of each topic by stamp [ns], as far back as somebody waits for them, with why the contract refuses
+    them."""
     finished: bool = False
 
     @property
@@ -84,22 +89,23 @@ class Stack:
         present = [role for role in participants if role != "recorder"]
         self._awaited = {role: awaited_inputs(role, present) for role in acting}
         self._strides = {role: Barrier(rows, role == PLANT).stride for role, rows in self._awaited.items()}
-        self._outputs = {role: {row.name: row for row in outputs_of(role, {*participants, role})} for role in acting}
+        self.outputs = {role: {row.name: row for row in outputs_of(role, {*participants, role})} for role in acting}
         events = {role: [row.name for row in inputs_of(role, {*present, role}) if row.is_event] for role in acting}
-        self._takers = {
+        self.takers = {
             row.name: [role for role in acting if row.name in events[role]]
-            for rows in self._outputs.values()
+            for rows in self.outputs.values()
             for row in rows.values()
             if row.is_event
         }
-        self._lags = {row.name: row.lag for rows in self._awaited.values() for row in rows}
+        self.lags = {row.name: row.lag for rows in self._awaited.values() for row in rows}
 
     def begin(self) -> tuple[StackState, list[Said]]:
         """The first state, and the truth with which the run begins."""
         roles = {role: RoleState(app.initial_state()) for role, app in self.apps.items()}
-        state = StackState(1, roles, {})
         truth = self.apps[PLANT].first_messages(roles[PLANT].app, stamps.CONTROL_PERIOD_NS)
-        return self._say(state, PLANT, truth)
+        period = _Period(self, StackState(1, roles, {}))
+        period.say(PLANT, truth)
+        return period.state(1), period.said
 
     def step(self, state: StackState) -> tuple[StackState, list[Said]]:
         """One control period: the state after it, and all that was said in it.
@@ -107,92 +113,115 @@ class Stack:
         Raises:
             WaitingError: a role waits for what nobody sends.
         """
-        said: list[Said] = []
-        acting = [role for role, stride in self._strides.items() if state.period % stride == 0]
-        while acting:
-            ready = next((role for role in acting if not self._missing(role, state)), None)
+        period = _Period(self, state)
+        waiting = {role: self._due(role, state.period) for role in self.acting_at(state.period)}
+        while waiting:
+            ready = next((role for role, due in waiting.items() if not period.missing(due)), None)
             if ready is None:
-                row = self._missing(acting[0], state)[0]
-                raise WaitingError(acting[0], row.name, stamps.seconds(stamp_due(row, state.period)))
-            acting.remove(ready)
-            state, new = self._act(ready, state)
-            said += new
-        return replace(state, period=state.period + 1), said
+                role, due = next(iter(waiting.items()))
+                row, stamp = period.missing(due)[0]
+                raise WaitingError(role, row.name, stamps.seconds(stamp))
+            period.act(ready, waiting.pop(ready))
+        return period.state(state.period + 1), period.said
 
     def farewells(self, state: StackState) -> list[Said]:
         """Last heartbeats, with what each role has said in all."""
-        return [(topic(HEARTBEATS), self._heartbeat(role, ENDED, one)) for role, one in state.roles.items() if one.now]
+        return [(topic(HEARTBEATS), self.heartbeat(role, ENDED, one)) for role, one in state.roles.items() if one.now]
 
-    def _missing(self, role: str, state: StackState) -> list[Topic]:
-        return [
-            row
-            for row in self._awaited[role]
-            if is_due(row, state.period) and stamp_due(row, state.period) not in state.messages.get(row.name, {})
-        ]
+    def acting_at(self, period: int) -> list[str]:
+        """Roles that act in a period."""
+        return [role for role, stride in self._strides.items() if period % stride == 0]
 
-    def _act(self, role: str, state: StackState) -> tuple[StackState, list[Said]]:
-        app, one, stamp = self.apps[role], state.roles[role], state.period * stamps.CONTROL_PERIOD_NS
-        inputs: dict[str, Any] = {}
-        for row in self._awaited[role]:
-            if is_due(row, state.period):
-                message = state.messages[row.name][stamp_due(row, state.period)]
-                refusal = _refusal(app, row, message)
-                inputs[row.name] = message if refusal is None else None
-                one = one if refusal is None else one.refusing(row.name, refusal)
-        goals, taken = one.goals.taken(stamp)
-        memory, answer = app.step(one.app, Period(stamp, inputs, taken, one.last_refusal))
-        before, one = one.now, replace(one, app=memory, goals=goals, now=stamp)
-        for name, refused in answer.refusals:
-            one = one.refusing(name, refused)
-        state = replace(state, roles={**state.roles, role: one}, finished=state.finished or answer.finished)
-        state, said = self._say(state, role, answer.messages)
-        if beats(before, stamp):
-            one = _counting(state.roles[role], [HEARTBEATS])
-            state = replace(state, roles={**state.roles, role: one})
-            said.append((topic(HEARTBEATS), self._heartbeat(role, RUNNING, one)))
-        return state, said
-
-    def _heartbeat(self, role: str, kind: str, one: RoleState) -> Any:
+    def heartbeat(self, role: str, kind: str, one: RoleState) -> DiagnosticArray:
+        """What a role says of itself."""
         values = self.apps[role].heartbeat_values(one.app, one.now)
         return heartbeat_message(role, kind, one.now, one.counters, "", values)
 
-    def _say(self, state: StackState, role: str, messages: Iterable[tuple[str, Any]]) -> tuple[StackState, list[Said]]:
-        """With what a role says: kept for those who wait for it, given to those whose goal it is."""
-        outputs = self._outputs[role]
+    def _due(self, role: str, period: int) -> list[Due]:
+        return [(row, stamp_due(row, period)) for row in self._awaited[role] if is_due(row, period)]
+
+
+class _Period:
+    """A control period while roles act in it: from the state at its beginning to that at its end.
+
+    Args:
+        stack: whose period it is. state: at the beginning; not changed.
+    """
+
+    def __init__(self, stack: Stack, state: StackState) -> None:
+        self.said: list[Said] = []
+        self._stack = stack
+        self._stamp = state.period * stamps.CONTROL_PERIOD_NS
+        self._roles = dict(state.roles)
+        self._messages = {name: dict(kept) for name, kept in state.messages.items()}
+        self._finished = state.finished
+
+    def state(self, period: int) -> StackState:
+        """At the end, with the number of the next one."""
+        return StackState(period, self._roles, self._messages, self._finished)
+
+    def missing(self, due: Sequence[Due]) -> list[Due]:
+        """What has not been said yet."""
+        return [(row, stamp) for row, stamp in due if stamp not in self._messages.get(row.name, ())]
+
+    def act(self, role: str, due: Sequence[Due]) -> None:
+        """Let a role act on what is due for it."""
+        app, one = self._stack.apps[role], self._roles[role]
+        inputs: dict[str, Any] = {}
+        for row, stamp in due:
+            message, refusal = self._messages[row.name][stamp]
+            refusal = refusal or _refusal(app.check, row, message)
+            inputs[row.name] = None if refusal else message
+            one = one.refusing(row.name, refusal) if refusal else one
+        goals, taken = one.goals.taken(self._stamp)
+        memory, answer = app.step(one.app, Period(self._stamp, inputs, taken, one.last_refusal))
+        before, one = one.now, replace(one, app=memory, goals=goals, now=self._stamp)
+        for name, refused in answer.refusals:
+            one = one.refusing(name, str(refused))
+        self._roles[role] = one
+        self._finished = self._finished or answer.finished
+        self.say(role, answer.messages)
+        if beats(before, self._stamp):
+            self._roles[role] = one = _counting(self._roles[role], [HEARTBEATS])
+            self.said.append((topic(HEARTBEATS), self._stack.heartbeat(role, RUNNING, one)))
+
+    def say(self, role: str, messages: Iterable[tuple[str, Message]]) -> None:
+        """Keep what a role says for those who wait for it, and give it to those whose goal it is."""
+        outputs = self._stack.outputs[role]
         said = [(outputs[name], message) for name, message in messages if name in outputs]
-        roles = {**state.roles, role: _counting(state.roles[role], [row.name for row, _ in said])}
-        kept = dict(state.messages)
+        self._roles[role] = _counting(self._roles[role], [row.name for row, _ in said])
         for row, message in said:
             if row.is_event:
-                for taker in self._takers[row.name]:
-                    roles[taker] = self._offered(roles[taker], taker, row, message)
-            elif row.name in self._lags:
+                for taker in self._stack.takers[row.name]:
+                    self._offer(taker, row, message)
+            elif row.name in self._stack.lags:
                 stamp = message.stamp
-                oldest = stamp - self._lags[row.name] * stamps.CONTROL_PERIOD_NS
-                known = kept.get(row.name, {})
-                kept[row.name] = {at: older for at, older in known.items() if at >= oldest} | {stamp: message}
-        return replace(state, roles=roles, messages=kept), said
+                oldest = stamp - self._stack.lags[row.name] * stamps.CONTROL_PERIOD_NS
+                kept = {at: older for at, older in self._messages.get(row.name, {}).items() if at >= oldest}
+                self._messages[row.name] = kept | {stamp: (message, _refusal(check_input, row, message))}
+        self.said += said
 
-    def _offered(self, one: RoleState, role: str, row: Topic, message: Any) -> RoleState:
+    def _offer(self, role: str, row: Topic, message: Message) -> None:
+        one = self._roles[role]
         one = replace(one, goals=one.goals.counted(row))
-        refusal = _refusal(self.apps[role], row, message)
-        if refusal is None:
+        refusal = _refusal(check_input, row, message) or _refusal(self._stack.apps[role].check, row, message)
+        if not refusal:
             try:
-                return replace(one, goals=one.goals.offered(row, message.stamp, one.now, message))
+                one = replace(one, goals=one.goals.offered(row, message.stamp, one.now, message))
             except RefusedMessageError as late:
-                refusal = late
-        return one.refusing(row.name, refusal)
+                refusal = str(late)
+        self._roles[role] = one.refusing(row.name, refusal) if refusal else one
 
 
-def _refusal(app: App[Any], row: Topic, message: Any) -> RefusedMessageError | None:
-    """Why a message is not taken, by the contract or the role itself."""
+def _refusal(check: Callable[[Topic, Message], None], row: Topic, message: Message) -> str:
+    """Why a message does not pass a check, empty where it does; whatever the check raises is the message's fault."""
     try:
-        with refusing(row.name, f"a {row.type} that can be read"):
-            check_input(row, message)
-            app.check(row, message)
+        check(row, message)
     except RefusedMessageError as refusal:
-        return refusal
-    return None
+        return str(refusal)
+    except Exception as error:
+        return str(unreadable(row.name, f"a {row.type} that can be read", error))
+    return ""
 
 
 def _counting(one: RoleState, names: Iterable[str]) -> RoleState:

@@ -117,8 +117,8 @@ def _driving(count: int) -> tuple[PlantModel, PlantState, PlantCommand]:
     axles = count // 2
     platform = wheeled_platform(
         [SPACING * (0.5 * (axles - 1) - number) for number in range(axles)],
-        scenario.rover.wheels[0],
-        scenario.rover.drives[:1],
+        scenario.machine.wheels[0],
+        scenario.machine.drives[:1],
         chassis_mass=MASS_PER_AXLE * axles,
     )
     model = PlantModel(

@@ -63,7 +63,7 @@ class ClosedLoop:
         self.told: PlantOutput | None = None
         """What the plant tells of the last period."""
         self.period = 0
-        self._wheels = WheelMeasurements(scenario.rover, scenario.urdf_xml)
+        self._wheels = WheelMeasurements(scenario.machine, scenario.urdf_xml)
         self._view, self._eye = HazardView(scenario), self.drive.eye
         self._seen = self._view.initial_state()
         self._sightings, self._sun = SunSightings(scenario), SunReadings(scenario)
@@ -126,7 +126,7 @@ class ClosedLoop:
 
         The plant counts it on the rim.
         """
-        wheels = self.scenario.rover.wheels
+        wheels = self.scenario.machine.wheels
         if self.told is None:
             return np.zeros(len(wheels))
         tips = np.array([wheel.shear_radius / wheel.radius for wheel in wheels])

@@ -36,7 +36,7 @@ def main() -> None:
     _look_and_drive(scenario)
     wheel = load_params("wheels", "explorer", WheelShape)
     measure(wheel, load_params("soils", "cmu_sand", SoilParams), load=50.0, slips_of_carriage=[0.2])
-    LawWheel(scenario.rover.wheels[0], scenario.soil, scenario.gravity, greatest=0.005).forces(50.0, 0.1)
+    LawWheel(scenario.machine.wheels[0], scenario.soil, scenario.gravity, greatest=0.005).forces(50.0, 0.1)
     arm = scenario.carried_arm()
     controller.warm_up(arm, build_arm_model(scenario.urdf_xml, arm))
     manager.warm_up(scenario.power_manager)

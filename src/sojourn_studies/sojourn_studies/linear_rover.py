@@ -32,14 +32,14 @@ def linear_plants(bundle: Bundle, pose: dict[str, float], speed: float) -> tuple
         np.zeros(nodes), np.zeros(nodes, np.uint8), RESOLUTION, -10.0, -0.5 * WIDTH, (bundle.soil.name,)
     )
     model = PlantModel(
-        bundle.urdf_xml, bundle.rover, bundle.gravity, ground, list(bundle.soils.values()), bundle.battery, bundle.bus
+        bundle.urdf_xml, bundle.machine, bundle.gravity, ground, list(bundle.soils.values()), bundle.battery, bundle.bus
     )
     state = initial_state(model, 0.0, 0.0, 0.0, 1.0, pose)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
     command.reference[0] = state.motor_angles
     standing = linearise(model, state, command)
-    rows = model.reference_rows([wheel.joint for wheel in bundle.rover.wheels])
-    radii = np.array([wheel.radius for wheel in bundle.rover.wheels])
+    rows = model.reference_rows([wheel.joint for wheel in bundle.machine.wheels])
+    radii = np.array([wheel.radius for wheel in bundle.machine.wheels])
     try:
         state = _steady_drive(model, state, command, rows, speed / radii)
         return standing, linearise(model, state, command)

@@ -1,6 +1,6 @@
-"""Measures in the plant what driving costs: the figures of `energy:` in config/nodes/drive.yaml.
+"""Measures in the plant what driving costs: the figures of `energy:` in flight.yaml.
 
-    scripts/lib/python -m sojourn_studies.measure_energy --rover explorer
+    scripts/lib/python -m sojourn_studies.measure_energy --machine explorer
 
 Plant, sensors and drive run in one loop without ROS (closed_loop). The machine goes straight to a goal on planes of the
 scenario's soil, up and down; energy and time for each metre of way are those between the first 1.5 m, after which rear
@@ -106,13 +106,13 @@ def turning(scenario: str, overrides: Sequence[str]) -> tuple[Spent, Spent]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Measure and print, as config/nodes/drive.yaml has it."""
+    """Measure and print, as flight.yaml has it."""
     parser = command_line.Parser(prog="measure_energy", description="Measure what driving costs.")
     parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
-    command_line.add_rover(parser)
+    command_line.add_machine(parser)
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
     given = parser.parse_args(arguments)
-    overrides = [*given.set, *([] if given.rover is None else [f"rover={given.rover}"])]
+    overrides = [*given.set, *([] if given.machine is None else [f"machine={given.machine}"])]
     grades = {grade: on_grade(given.scenario, overrides, grade) for grade in GRADES_DEG}
     print(f"grades_deg: {list(GRADES_DEG)}")
     print(f"energy_per_metre: {[round(metre.motion, 1) for metre, _ in grades.values()]}")

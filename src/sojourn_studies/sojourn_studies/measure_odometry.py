@@ -1,7 +1,7 @@
 """Measures how far off the odometry is, over seeds of ground, soil and sensors; no seed knows of another.
 
     scripts/lib/python -m sojourn_studies.measure_odometry --seeds 20
-    scripts/lib/python -m sojourn_studies.measure_odometry --rover omni --set soil=rigid_rock --seeds 4
+    scripts/lib/python -m sojourn_studies.measure_odometry --machine omni --set soil=rigid_rock --seeds 4
 
 Each seed drives the first route of a scenario in plant, sensors and drive (see `closed_loop`). Its ground, rocks and
 all noise are those of the seed; its soil is the scenario's with parameters off by SPREAD, while the drive believes what
@@ -108,12 +108,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print; status 1 where a bound is not kept."""
     parser = command_line.Parser(prog="measure_odometry", description="Error of /odom over seeds of ground and soil.")
     parser.add_argument("--scenario", default="lunar_sample", help="whose first route (default: %(default)s)")
-    command_line.add_rover(parser)
+    command_line.add_machine(parser)
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
     parser.add_argument("--seeds", type=int, default=20, metavar="N", help="1 to N (default: %(default)s)")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="at a time (default: %(default)s)")
     given = parser.parse_args(arguments)
-    overrides = [*given.set, *([] if given.rover is None else [f"rover={given.rover}"])]
+    overrides = [*given.set, *([] if given.machine is None else [f"machine={given.machine}"])]
     results = []
     with ProcessPoolExecutor(given.jobs) as pool:
         for result in pool.map(partial(drive, given.scenario, overrides), range(1, given.seeds + 1)):

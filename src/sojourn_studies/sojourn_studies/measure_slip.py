@@ -1,6 +1,6 @@
-"""Measures in the plant what the odometry expects of the slip, for `odometry:` in a rover's file in config/nodes.
+"""Measures in the plant what the odometry expects of the slip, for `odometry:` in a machine's flight.yaml.
 
-    scripts/lib/python -m sojourn_studies.measure_slip --rover explorer
+    scripts/lib/python -m sojourn_studies.measure_slip --machine explorer
 
 The machine drives straight ahead on planes of the scenario's soil, up, down and across, at a steady rate of its wheels
 near its top speed. Slip is the part of the travel of the grouser tips that does not become way; side slip is the way
@@ -65,10 +65,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print."""
     parser = command_line.Parser(prog="measure_slip", description="Measure the slip that the odometry should expect.")
     parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
-    command_line.add_rover(parser)
+    command_line.add_machine(parser)
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
     given = parser.parse_args(arguments)
-    overrides = [*given.set, *([] if given.rover is None else [f"rover={given.rover}"])]
+    overrides = [*given.set, *([] if given.machine is None else [f"machine={given.machine}"])]
     slips = {}
     for grade in GRADES_DEG:
         slips[grade], _ = drive(on_plane(given.scenario, overrides, abs(grade), 0.0 if grade > 0.0 else 180.0))

@@ -1,4 +1,4 @@
-"""Measures in the plant what the slip estimate believes of the soil: `slip: fresh, rut` in config/nodes/drive.yaml.
+"""Measures in the plant what the slip estimate believes of the soil: `slip: fresh, rut` in flight.yaml.
 
     scripts/lib/python -m sojourn_studies.measure_traction --scenario flat_drive
 
@@ -102,7 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for grade in GRADES_DEG:
         scenario = on_plane(given.scenario, given.set, abs(grade), 0.0 if grade > 0.0 else 180.0)
         if scenario.drive.slip is None or (loads := scenario.wheel_loads()) is None:
-            raise UsageError(f"the drive of {scenario.config.rover}: no `slip`; allowed is one that estimates it")
+            raise UsageError(f"the drive of {scenario.config.machine}: no `slip`; allowed is one that estimates it")
         looks += samples(scenario, grade, loads, scenario.drive.slip.rut_width)
         print(
             f"grade {grade:+.0f} deg: slip {looks[-1].slip:.3f}, torque coefficient {looks[-1].torque:.3f}", flush=True

@@ -1,6 +1,6 @@
 """Measures in the plant how far apart the free-rolling centres of a skid-steered machine lie: its `track_ratio`.
 
-    scripts/lib/python -m sojourn_studies.measure_turning --rover skid
+    scripts/lib/python -m sojourn_studies.measure_turning --machine skid
 
 The machine drives curves and turns on the spot on level ground of the scenario's soil, its wheels turning at steady
 rates that differ from side to side. With the speeds V of the grouser tips on the two sides, the track B and the true
@@ -89,14 +89,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         prog="measure_turning", description="Measure the effective track of a skid-steered rover."
     )
     parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
-    command_line.add_rover(parser)
+    command_line.add_machine(parser)
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
     given = parser.parse_args(arguments)
-    overrides = [*given.set, *([] if given.rover is None else [f"rover={given.rover}"])]
+    overrides = [*given.set, *([] if given.machine is None else [f"machine={given.machine}"])]
     scenario = on_plane(given.scenario, overrides, 0.0, 0.0)
     if not scrubs(scenario.steering.wheels):
         raise UsageError(
-            f"{scenario.config.rover}: all of its wheels can roll in a turn; allowed is a machine that skids"
+            f"{scenario.config.machine}: all of its wheels can roll in a turn; allowed is a machine that skids"
         )
     limits, slip = scenario.drive.limits, scenario.drive.odometry.mean_slip
     sides = [wheel.y for wheel in scenario.steering.wheels]

@@ -3,7 +3,7 @@
     scripts/pictures             all of them
     scripts/pictures arm power   some of them; names are those of FIGURES in picture_list.py
     scripts/pictures report RUN  the report of a finished run (a folder in runs/), reduced, for README.md
-    scripts/pictures course RUN  the machine of a run of scripts/demo --rover NAME, and its track, for sojourn_machine
+    scripts/pictures course RUN  the machine of a run of scripts/demo --machine NAME, and its track, for sojourn_machine
 
 For maintainers, after a change of a model or of a parameter set. Takes about two minutes, most of it for the arm.
 """

@@ -16,7 +16,7 @@ from sojourn_studies.picture_style import BLUE, GREEN, GREY, ORANGE
 
 def wheel(scenario: LoadedScenario) -> Figure:
     """Drawbar pull, torque and sinkage of one wheel against slip, at the load that it carries on the Moon."""
-    shape = scenario.rover.wheels[0]
+    shape = scenario.machine.wheels[0]
     load = 180.0 * scenario.gravity / 6.0
     slips = np.linspace(-0.2, 0.9, 56)
     figure, axes = plt.subplots(1, 3, figsize=(11.0, 3.5), layout="constrained")

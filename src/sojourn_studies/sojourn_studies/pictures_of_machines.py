@@ -54,7 +54,7 @@ def explorer(scenario: LoadedScenario) -> Figure:
         ylabel="y left [m]",
         title="From above",
     )
-    wheels = {wheel.name: placed_joint(model, placed, wheel.joint) for wheel in scenario.rover.wheels}
+    wheels = {wheel.name: placed_joint(model, placed, wheel.joint) for wheel in scenario.machine.wheels}
     front, rear = wheels["front_right"], wheels["rear_right"]
     dimension(side, (rear[0], -0.54), (front[0], -0.54), f"wheelbase {front[0] - rear[0]:.2f} m")
     left, right = wheels["rear_left"], wheels["rear_right"]
@@ -128,7 +128,7 @@ def reach_class(params: ArmParams, model: ArmModel, target: tuple[float, float, 
 def steering(scenario: LoadedScenario) -> Figure:
     """Wheels of the explorer in a curve, sideways and in a point turn, from the steering kinematics."""
     geometry = scenario.steering
-    table, size = geometry.table(), scenario.rover.wheels[0]
+    table, size = geometry.table(), scenario.machine.wheels[0]
     motions = (
         ("Curve of 1.5 m radius", PlanarTwist(0.05, 0.0, 0.05 / 1.5)),
         ("Diagonal, heading kept", PlanarTwist(0.05, 0.05, 0.0)),
@@ -168,7 +168,7 @@ def steering(scenario: LoadedScenario) -> Figure:
 
 
 def course(run: Path) -> None:
-    """A machine from the right, and its track over the heights of its course, from a run of the demo with --rover."""
+    """A machine from the right, and its track over the heights of its course, from a run of the demo with --machine."""
     bag = read_bag(run)
     story = Run.of_bag(bag)
     model = pin.buildModelFromXML(story.urdf)
@@ -204,8 +204,8 @@ def course(run: Path) -> None:
     above.plot(*way[-1, :2], "s", color="white", markersize=5)
     above.set_aspect("equal")
     above.set(xlabel="x, east [m]", ylabel="y, north [m]", title="Its course: from the circle to the square mark")
-    name = story.scenario.rover
-    figure.suptitle(f"{name}: {story.rover.description}", fontsize=10.5)
+    name = story.scenario.machine
+    figure.suptitle(f"{name}: {story.machine.description}", fontsize=10.5)
     target = repository_root() / "src" / "sojourn_machine" / "doc" / f"{name}.jpg"
     figure.savefig(target, dpi=90, pil_kwargs={"quality": 80, "optimize": True})
     plt.close(figure)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sojourn_config import command_line
+from sojourn_config.paths import available
 
 
 def parser() -> argparse.ArgumentParser:
@@ -13,7 +14,8 @@ def parser() -> argparse.ArgumentParser:
         prog="rover_datasheet",
         description="Figures and plots of a rover: loads, tip-over, steps, traction, grade, energy, steering, ride.",
     )
-    result.add_argument("rover", help="name in config/rovers or config/vehicles, or the path of a rover's file")
+    known = ", ".join(available("machines"))
+    result.add_argument("machine", help=f"a machine that drives: the path of its folder, or one of {known}")
     result.add_argument("--body", default="moon", help="name in config/bodies (default: %(default)s)")
     result.add_argument("--soil", default="lunar_nominal", help="name in config/soils (default: %(default)s)")
     result.add_argument(

@@ -16,8 +16,8 @@ from sojourn_analysis.wheels.trials import QUANTITIES, predict, summary
 from sojourn_analysis.wheels.wheel_bench import BenchResult
 from sojourn_config.command_errors import UsageError
 from sojourn_config.load import load_params, validate
+from sojourn_config.machine_reader import machine_config
 from sojourn_config.overrides import override_document, split_override
-from sojourn_config.rover import RoverConfig
 from sojourn_config.yaml_file import Data, YamlDocument
 from sojourn_machine.contact_choice import CONTACT_LAWS, ContactChoice
 from sojourn_machine.errors import MachineError
@@ -40,7 +40,7 @@ def _run(given: argparse.Namespace) -> int:
         raise UsageError("--where goes with --csv")
     if given.load is None:
         raise UsageError("--load is missing: the load on the wheel [N] (see wheel_test --help)")
-    wheel, contact = _of_rover(given, changes) if given.rover is not None else _of_options(given, changes)
+    wheel, contact = _of_machine(given, changes) if given.machine is not None else _of_options(given, changes)
     bed = Bed(wheel, contact, soil, given.load, given.gravity)
     slips, angles = given.slip or [0.2], given.slip_angle or [0.0]
     results = bed.measure(slips, angles)
@@ -60,7 +60,7 @@ def _run(given: argparse.Namespace) -> int:
 
 
 def _trials(given: argparse.Namespace, soil: SoilParams, wheel_changes: list[str]) -> int:
-    refused = ("load", "slip", "slip_angle", "plot", "law", "rover")
+    refused = ("load", "slip", "slip_angle", "plot", "law", "machine")
     for option in refused:
         if getattr(given, option) is not None:
             raise UsageError(f"--{option.replace('_', '-')} does not go with --csv: the file says it, of rigid wheels")
@@ -102,24 +102,24 @@ def _of_options(given: argparse.Namespace, changes: Mapping[str, list[str]]) -> 
     return _wheel(given.wheel, changes["wheel"]), contact
 
 
-def _of_rover(given: argparse.Namespace, changes: Mapping[str, list[str]]) -> tuple[WheelShape, ContactChoice]:
-    """The first wheel of a rover's file, and its law, with the changes."""
+def _of_machine(given: argparse.Namespace, changes: Mapping[str, list[str]]) -> tuple[WheelShape, ContactChoice]:
+    """The first wheel of a machine's file, and its law, with the changes."""
     for option in ("wheel", "law"):
         if getattr(given, option) is not None:
-            raise UsageError(f"--{option} does not go with --rover: the rover's file says it")
-    wheels = load_params("rovers", given.rover, RoverConfig).wheels
+            raise UsageError(f"--{option} does not go with --machine: the machine's file says it")
+    wheels = machine_config(given.machine).wheels
     if not wheels:
-        raise UsageError(f"--rover {given.rover}: it has no wheel")
+        raise UsageError(f"--machine {given.machine}: it has no wheel")
     first = wheels[0]
     shape: dict[str, Data] = {
         "name": first.name,
-        "citation": f"config/rovers/{given.rover}",
+        "citation": f"config/machines/{given.machine}",
         **{key: getattr(first, key) for key in ("radius", "width", "grouser_height", "grouser_count")},
     }
     table: dict[str, Data] = first.contact.model_dump(mode="json")
     return (
-        validate(override_document(YamlDocument(given.rover, shape, {}), changes["wheel"]), WheelShape),
-        validate(override_document(YamlDocument(given.rover, table, {}), changes["law"]), type(first.contact)),
+        validate(override_document(YamlDocument(given.machine, shape, {}), changes["wheel"]), WheelShape),
+        validate(override_document(YamlDocument(given.machine, table, {}), changes["law"]), type(first.contact)),
     )
 
 

@@ -28,7 +28,7 @@ parameters for --set (of config/wheels and config/soils), for example:
   soil.friction_angle_deg soil.shear_modulus soil.theta_m_c1 soil.theta_m_c2
   soil.exit_angle   zero, or lambda:L with L the height of the rut behind the wheel over the sinkage
   soil.form         bekker: p = (k_c/b + k_phi) z^n; reece: p = (k_c + b k_phi)(z/b)^n
-  law.KEY           a parameter of the contact law that --law names, as in the table `contact` of a rover's wheel
+  law.KEY           a parameter of the contact law that --law names, as in the table `contact` of a machine's wheel
 
 columns of a --csv file: load_n or vertical_load_n; slip_ratio or slip; slip_angle_deg; wheel_radius_m, wheel_width_m,
   grouser_height_m, grouser_count (which count where --wheel is not given); measured: tractive_force_n or
@@ -58,7 +58,7 @@ def parser() -> argparse.ArgumentParser:
         help="contact law of the wheel: " + ", ".join(CONTACT_LAWS.names()) + f" (default: {DEFAULT_LAW})",
     )  # fmt: skip
     result.add_argument(
-        "--rover", metavar="NAME|FILE", help="take the first wheel of a rover, with its law, in place of --wheel, --law"
+        "--machine", metavar="NAME", help="take the first wheel of a machine, and its law, in place of --wheel, --law"
     )
     result.add_argument("--load", type=command_line.number, metavar="N", help="load on the wheel [N]")
     result.add_argument(

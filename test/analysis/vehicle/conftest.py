@@ -8,6 +8,8 @@ import yaml
 from sojourn_analysis.vehicle.longitudinal import Course
 from sojourn_analysis.vehicle.params import VehicleParams
 from sojourn_analysis.vehicle.wheel_traction import ClosedFormWheel, FirmWheel, RollingLoss
+from sojourn_config.bundle import read_machine
+from sojourn_config.vehicle import vehicle_of_machine
 from sojourn_physics.soil.params import SoilParams
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
@@ -16,7 +18,7 @@ MOON = 1.624
 
 @pytest.fixture(scope="session")
 def lrv() -> VehicleParams:
-    return VehicleParams.model_validate(yaml.safe_load((CONFIG / "vehicles" / "lrv.yaml").read_text("utf-8")))
+    return vehicle_of_machine("lrv", read_machine("lrv", "moon", "lunar_nominal"))
 
 
 @pytest.fixture(scope="session")

@@ -18,11 +18,12 @@ from sojourn_analysis.datasheet.suspending import differential
 from sojourn_analysis.datasheet.turning import steering
 from sojourn_analysis.vehicle.from_machine import Supply, vehicle_of
 from sojourn_analysis.vehicle.longitudinal import loads
-from sojourn_analysis.vehicle.params import PublishedFigure, VehicleParams
+from sojourn_analysis.vehicle.params import PublishedFigure
 from sojourn_analysis.vehicle.travel_steer import contact_shift, suspension_joints
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
 from sojourn_config.bundle import read_machine
 from sojourn_config.load import load_params
+from sojourn_config.vehicle import vehicle_of_machine
 from sojourn_machine.drives import MotorParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_physics.environment.body import BodyParams
@@ -33,7 +34,7 @@ from sojourn_physics.soil.params import SoilParams
 def rover() -> Subject:
     """The lunar roving vehicle."""
     return Subject(
-        load_params("vehicles", "lrv", VehicleParams),
+        vehicle_of_machine("lrv", read_machine("lrv", "moon", "lunar_nominal")),
         load_params("soils", "lunar_nominal", SoilParams),
         load_params("bodies", "moon", BodyParams),
     )
@@ -47,7 +48,7 @@ def sheet(rover: Subject) -> Datasheet:
 @pytest.fixture(scope="module")
 def explorer() -> Subject:
     bundle = read_machine("explorer", "moon", "lunar_nominal")
-    machine = StandingMachine(bundle.urdf_xml, bundle.rover, bundle.gravity)
+    machine = StandingMachine(bundle.urdf_xml, bundle.machine, bundle.gravity)
     angles = dict(zip(bundle.arm.joint_names, bundle.arm.named_poses["stow"], strict=True))
     vehicle = vehicle_of("explorer", machine, Supply(29.0, 473.0, 80.0), 0.1, angles)
     return Subject(vehicle, bundle.soil, bundle.body, machine, angles)
@@ -162,19 +163,19 @@ def test_footing_is_the_load_over_the_contact(sheet: Datasheet, rover: Subject) 
 def test_arms_of_a_suspension_shift_the_contact() -> None:
     """Lunokhod's arms: the contact moves at right angles to the line to the arm's pivot, as the URDF has it."""
     bundle = read_machine("lunokhod", "moon", "lunar_nominal")
-    machine = StandingMachine(bundle.urdf_xml, bundle.rover, bundle.gravity)
+    machine = StandingMachine(bundle.urdf_xml, bundle.machine, bundle.gravity)
     for wheel in range(len(machine.wheels)):
         (joint,) = suspension_joints(machine, wheel)
         pin.forwardKinematics(machine.model, machine.data, pin.neutral(machine.model))
         pivot = machine.data.oMi[machine.model.getJointId(joint)].translation
-        contact = machine.data.oMi[machine.wheels[wheel]].translation - [0.0, 0.0, bundle.rover.wheels[wheel].radius]
+        contact = machine.data.oMi[machine.wheels[wheel]].translation - [0.0, 0.0, bundle.machine.wheels[wheel].radius]
         along, down = contact[0] - pivot[0], contact[2] - pivot[2]
         assert contact_shift(machine, wheel) == pytest.approx(-down / along, rel=1e-6)
 
 
 def test_the_bar_of_a_differential() -> None:
     bundle = read_machine("micro", "moon", "lunar_nominal")
-    machine = StandingMachine(bundle.urdf_xml, bundle.rover, bundle.gravity)
+    machine = StandingMachine(bundle.urdf_xml, bundle.machine, bundle.gravity)
     vehicle = vehicle_of("micro", machine, Supply(12.0, 50.0, 5.0), 0.1)
     section = differential(Subject(vehicle, bundle.soil, bundle.body, machine))
     assert section is not None
@@ -182,7 +183,7 @@ def test_the_bar_of_a_differential() -> None:
     assert found["differential_reach"] == pytest.approx(30.0) and 0.0 < found["differential_error"] < 2.0
     (curve,) = section.curves
     (angles, errors) = curve.lines["away from the mean of the rockers"]
-    bar = bundle.rover.couplings[0].bar
+    bar = bundle.machine.couplings[0].bar
     assert bar is not None
     # the links keep their length: closure of the left side, then of the right one, at the largest angle
     left, right = math.radians(angles[-1]), math.radians(2.0 * errors[-1] - angles[-1])
@@ -211,7 +212,7 @@ def test_what_the_drives_of_a_machine_give(explorer: Subject) -> None:
     assert found[f"stall_torque_{name}"] == pytest.approx(stall)
     assert found[f"back_efficiency_{name}"] == pytest.approx(1.0 / (2.0 - wheel.gear.efficiency))
     assert len([key for key in found if key.startswith("motor_torque_")]) == len(machine.drives)
-    orbiter = read_machine("srms", "low_earth_orbit", "rigid_rock").rover.drives[0]
+    orbiter = read_machine("srms", "low_earth_orbit", "rigid_rock").machine.drives[0]
     dressed = machine.model_copy(update={"drives": (orbiter,)})
     other = copy.copy(explorer.machine)
     other.machine = dressed

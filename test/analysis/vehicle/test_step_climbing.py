@@ -18,9 +18,7 @@ from sojourn_analysis.vehicle.step_climbing import (
     least_friction,
 )
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
-from sojourn_config.load import load_params
-from sojourn_config.paths import urdf_folder
-from sojourn_config.rover import RoverConfig
+from sojourn_config.machine_reader import joined_machine
 from sojourn_machine.errors import InvalidValueError
 
 R, BASE, AHEAD, UP = 0.1, 1.0, 0.45, 0.25
@@ -93,9 +91,8 @@ def test_weak_motors_climb_less() -> None:
 
 
 def test_explorer_climbs_more_than_its_wheels_radius() -> None:
-    rover = load_params("rovers", "explorer", RoverConfig)
-    text = (urdf_folder() / rover.urdf).read_text(encoding="utf-8")
-    machine = StandingMachine(text, rover, 3.73)
+    rover = joined_machine("explorer")
+    machine = StandingMachine(rover.urdf.text, rover.config, 3.73)
     side = side_view(machine)
     assert [wheel.on_bogie for wheel in side.wheels] == [False, True, True]
     assert 2.0 * (side.mass + side.bogie_mass) == pytest.approx(machine.mass)

@@ -32,13 +32,13 @@ PIVOT = np.array([0.25, 0.9, 0.15])
 @pytest.fixture(scope="module")
 def rover() -> StandingMachine:
     bundle = read_machine("explorer", "moon", "lunar_nominal")
-    return StandingMachine(bundle.urdf_xml, bundle.rover, bundle.gravity)
+    return StandingMachine(bundle.urdf_xml, bundle.machine, bundle.gravity)
 
 
 @pytest.fixture(scope="module")
 def arms() -> StandingMachine:
     """A platform whose wheels hang on oblique trailing arms; at the front, arms across the vehicle."""
-    rover = read_machine("explorer", "moon", "lunar_nominal").rover
+    rover = read_machine("explorer", "moon", "lunar_nominal").machine
     rigid = wheeled_platform([0.5, -0.5], rover.wheels[0], rover.drives[:1], track=TRACK)
     urdf = rigid.urdf_xml.replace("</robot>", "")
     for number in (0, 1):
@@ -118,7 +118,7 @@ def test_rockers_do_not_steer_straight_wheels_but_steered_ones(rover: StandingMa
 
 
 def test_rigid_axles_have_no_travel_and_unknown_joints_are_refused(rover: StandingMachine) -> None:
-    explorer = read_machine("explorer", "moon", "lunar_nominal").rover
+    explorer = read_machine("explorer", "moon", "lunar_nominal").machine
     rigid = wheeled_platform([0.5, -0.5], explorer.wheels[0], explorer.drives[:1])
     machine = StandingMachine(rigid.urdf_xml, rigid.machine, 1.6)
     assert travel_rates(machine, 0) is None
@@ -129,7 +129,7 @@ def test_rigid_axles_have_no_travel_and_unknown_joints_are_refused(rover: Standi
 
 def test_springs_of_a_machine_as_its_wheels_feel_them() -> None:
     """On struts the rate at the wheel is the spring's; what hangs on a strut is unsprung; loads need no friction."""
-    explorer = read_machine("explorer", "moon", "lunar_nominal").rover
+    explorer = read_machine("explorer", "moon", "lunar_nominal").machine
     spring = SuspensionParams(joints=("pattern",), stiffness=3000.0, damping=400.0)
     platform = wheeled_platform([0.5, -0.3], explorer.wheels[0], explorer.drives[:1], struts=spring)
     machine = StandingMachine(platform.urdf_xml, platform.machine, 1.6)
@@ -149,7 +149,7 @@ def test_springs_of_a_machine_as_its_wheels_feel_them() -> None:
 
 def test_two_bodies_of_an_articulated_machine() -> None:
     """The rear axle on a body of its own, 0.1 m behind the middle, which a motor turns about the vertical."""
-    rover = read_machine("explorer", "moon", "lunar_nominal").rover
+    rover = read_machine("explorer", "moon", "lunar_nominal").machine
     rigid = wheeled_platform([0.5, -0.6], rover.wheels[0], rover.drives[:1], chassis_mass=60.0, centre=(0.2, 0.1))
     urdf = rigid.urdf_xml.replace("</robot>", "").replace('xyz="-0.6 ', 'xyz="-0.5 ')
     for side in ("left", "right"):
@@ -180,4 +180,4 @@ def test_two_bodies_of_an_articulated_machine() -> None:
 
 def read_and_stand(name: str) -> StandingMachine:
     bundle = read_machine(name, "moon", "lunar_nominal")
-    return StandingMachine(bundle.urdf_xml, bundle.rover, bundle.gravity)
+    return StandingMachine(bundle.urdf_xml, bundle.machine, bundle.gravity)

@@ -10,7 +10,7 @@ import yaml
 
 from sojourn_analysis.vehicle.differential import bar_right_angle, chassis_error
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine, least_energy_forces
-from sojourn_config.rover import RoverConfig
+from sojourn_config.machine_reader import joined_machine
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.machine import DifferentialBarParams
 
@@ -20,8 +20,8 @@ WEIGHT = 180.0 * 3.73
 
 @pytest.fixture(scope="module")
 def explorer() -> StandingMachine:
-    machine = RoverConfig.model_validate(yaml.safe_load((ROOT / "config/rovers/explorer.yaml").read_text("utf-8")))
-    return StandingMachine((ROOT / "urdf/explorer.urdf").read_text("utf-8"), machine, 3.73)
+    machine = joined_machine("explorer")
+    return StandingMachine(machine.urdf.text, machine.config, 3.73)
 
 
 def energy(machine: StandingMachine, ground: object) -> float:

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sojourn_config.arm_config import ArmConfig
 from sojourn_config.arms import load_arm
-from sojourn_config.load import load_params
+from sojourn_config.machine_reader import joined_machine
 from sojourn_flight.arm.model import ArmModel, build_arm_model
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.serial_arm import SerialArm
@@ -132,9 +131,8 @@ def small() -> Arm:
 @pytest.fixture(scope="session")
 def explorer() -> Arm:
     """The explorer's arm as it is delivered."""
-    urdf = (ROOT / "urdf" / "explorer.urdf").read_text(encoding="utf-8")
-    params = load_params("arms", "explorer_arm", ArmConfig)
-    return Arm(params, build_arm_model(urdf, params), urdf)
+    machine = joined_machine("explorer")
+    return Arm(machine.arm, build_arm_model(machine.urdf.text, machine.arm), machine.urdf.text)
 
 
 @pytest.fixture(params=["small", "explorer"])

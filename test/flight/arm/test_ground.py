@@ -16,7 +16,7 @@ from sojourn_flight.arm.tasks.start import check_line
 from sojourn_machine.errors import InvalidValueError
 
 SCENARIO = load_scenario("flat_drive")
-WHEELS = [(wheel.joint, wheel.radius) for wheel in SCENARIO.rover.wheels]
+WHEELS = [(wheel.joint, wheel.radius) for wheel in SCENARIO.machine.wheels]
 SEED = 7
 
 

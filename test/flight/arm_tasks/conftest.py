@@ -51,7 +51,7 @@ class RoverArm:
         """What the flight side knows of the rover's stand."""
         params = self.scenario.arm
         footing = Footing(
-            self.scenario.urdf_xml, self.scenario.rover, params.joint_names, params.base_link, params.tip_link
+            self.scenario.urdf_xml, self.scenario.machine, params.joint_names, params.base_link, params.tip_link
         )
         joints = dict(zip(self.model.joints.names, self.plant.joints[0], strict=True))
         return footing.loads(joints, positions, gravity)

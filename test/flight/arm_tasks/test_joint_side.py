@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 JOINT_SIDE = (
-    *(f"rover.drives[{index}].servo.encoder=joint" for index in (2, 3, 4)),
+    *(f"machine.drives[{index}].servo.encoder=joint" for index in (2, 3, 4)),
     *(
         f"sensors.joint_groups.{group}.encoder.{key}"
         for group in ("arm", "wrist")

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
+from sojourn_config.bundle import read_machine
 from sojourn_flight.mobility.wheel_twist import twist_from_wheels
 from sojourn_flight.supervision.drive import DriveModel
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, DriveState
@@ -22,13 +22,11 @@ from sojourn_machine.params import FloatArray
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-DRIVE_YAML = Path(__file__).parents[3] / "config" / "nodes" / "drive.yaml"
-
 
 @pytest.fixture(scope="session")
 def drive_params() -> DriveParams:
     """What the drive node ships with, for ground on which no slip is expected."""
-    shipped = DriveParams.model_validate(yaml.safe_load(DRIVE_YAML.read_text(encoding="utf-8")))
+    shipped = read_machine("explorer", "moon", "lunar_nominal").drive
     firm = {"mean_slip": 0.0, "slip_per_grade": 0.0, "side_slip_per_grade": 0.0}
     return shipped.model_copy(update={"odometry": shipped.odometry.model_copy(update=firm)})
 

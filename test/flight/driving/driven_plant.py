@@ -30,7 +30,7 @@ class DrivenPlant:
         self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
         self._command = zeros_command(len(self.plant.joints.names), len(self.plant.bus.loads))
         self._command.reference[0] = self.state.joints[0]
-        wheels = loaded.rover.wheels
+        wheels = loaded.machine.wheels
         self._wheels = self.plant.reference_rows([wheel.joint for wheel in wheels])
         self._steered = [i for i, wheel in enumerate(wheels) if wheel.steer_joint is not None]
         self._steering = self.plant.reference_rows([w.steer_joint for w in wheels if w.steer_joint is not None])

@@ -6,23 +6,20 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
+from sojourn_config.bundle import read_machine
 from sojourn_flight.hazards.obstacle_map import ObstacleMap, empty_map, with_cloud
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
 from sojourn_flight.hazards.stereo_camera import StereoEye
 from sojourn_physics.sensors import hazcam
-from sojourn_physics.sensors.hazcam import HazcamParams
 from sojourn_physics.terrain.height_field import HeightField
 
 ROOT = Path(__file__).parents[3]
-PARAMS = ObstacleParams(**yaml.safe_load((ROOT / "config/nodes/drive.yaml").read_text(encoding="utf-8"))["obstacles"])
+EXPLORER = read_machine("explorer", "moon", "lunar_nominal")
+PARAMS: ObstacleParams = EXPLORER.drive.obstacles
 RIDE = PARAMS.outline.ride_height
-CAMERA = hazcam.hazcam_on(
-    HazcamParams(**yaml.safe_load((ROOT / "config/sensors/explorer_sensors.yaml").read_text())["hazcam"]),
-    (ROOT / "urdf/explorer.urdf").read_text(encoding="utf-8"),
-)
+CAMERA = hazcam.hazcam_on(EXPLORER.sensors.hazcam, EXPLORER.urdf_xml)
 EYE = StereoEye(
     CAMERA.position,
     CAMERA.directions[len(CAMERA.directions) // 2],

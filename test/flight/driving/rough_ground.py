@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import numpy as np
-import yaml
 
+from sojourn_config.machine_reader import joined_machine
 from sojourn_flight.hazards.stereo_camera import StereoEye
 from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_machine.mounting import mounting
@@ -20,8 +20,9 @@ ROOT = Path(__file__).parents[3]
 RIDE = 0.47
 """Height of base_link above the ground below it [m]."""
 CELL, SIDE = 0.05, 16.0
-PARAMS = HazcamParams(**yaml.safe_load((ROOT / "config/sensors/explorer_sensors.yaml").read_text())["hazcam"])
-URDF = (ROOT / "urdf" / "explorer.urdf").read_text(encoding="utf-8")
+EXPLORER = joined_machine("explorer")
+URDF = EXPLORER.urdf.text
+PARAMS: HazcamParams = EXPLORER.sensors.hazcam
 CAMERA = hazcam_on(PARAMS, URDF)
 STEREO = StereoEye(
     CAMERA.position,

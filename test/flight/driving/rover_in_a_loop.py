@@ -46,7 +46,7 @@ class Loop:
         self.model = DriveModel(scenario.drive, scenario.steering, eye_of(scenario))
         start = scenario.config.start
         self.drive = self.model.initial_state(start.x, start.y, start.yaw)
-        wheels = scenario.rover.wheels
+        wheels = scenario.machine.wheels
         self._wheels = self.plant.reference_rows([wheel.joint for wheel in wheels])
         self._steered = [place for place, wheel in enumerate(wheels) if wheel.steer_joint is not None]
         self._steers = self.plant.reference_rows([wheel.steer_joint for wheel in wheels if wheel.steer_joint])

@@ -242,6 +242,17 @@ def test_loose_ground_is_closed_and_left_backwards() -> None:
     assert off.min() > policy.loose_radius + 0.6
 
 
+def test_loose_ground_round_the_goal_is_not_closed() -> None:
+    """The ground ahead reaches to 1.44 m, and a rover that keeps clear of it comes no nearer to it than 1.39 m. On 12
+    degrees across, 2.4 m before its goal, it went back and then found no way."""
+    policy = DRIVE.slip_policy
+    assert policy is not None
+    level = see(AVOIDANCE, initial_avoidance(AVOIDANCE, 0.0, 0.0), dense(lambda x, y: 0.0 * x), at(0.0, 0.0), 0.02)
+    for x, closes in ((2.8, False), (2.9, True)):
+        state, _ = sent(level, Goal.at(x, 0.0), at(0.0, 0.0))
+        assert (from_loose_ground(AVOIDANCE, state, at(0.0, 0.0), policy, 0.7) is not state) == closes
+
+
 def test_where_a_point_turn_just_fits_it_is_not_stopped() -> None:
     """The circles that cover the outline sweep 1.23 m, the outline itself 1.04 m."""
     state = facing_a_block(1.35, 1.5, 1.2)

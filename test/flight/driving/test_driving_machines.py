@@ -30,7 +30,7 @@ def moved(machine: DrivenPlant, twist: PlanarTwist, seconds: float) -> tuple[flo
     "twist", [(0.15, 0.0, 0.0), (0.0, 0.15, 0.0), (0.1, -0.1, 0.0), (0.0, 0.0, 0.3), (0.0, 0.1, 0.2)]
 )
 def test_omni_drives_in_every_direction_on_rock(twist: tuple[float, float, float]) -> None:
-    machine = DrivenPlant("flat_drive", ["rover=omni", ROCK])
+    machine = DrivenPlant("flat_drive", ["machine=omni", ROCK])
     asked = PlanarTwist(*twist)
     machine.run(3.0, twist=asked)  # until it is up to speed
     ahead, left, turn = moved(machine, asked, 4.0)
@@ -44,7 +44,7 @@ def test_omni_drives_in_every_direction_on_rock(twist: tuple[float, float, float
 
 
 def test_articulated_folds_at_a_stand_and_keeps_to_its_curve() -> None:
-    machine = DrivenPlant("flat_drive", ["rover=articulated"])
+    machine = DrivenPlant("flat_drive", ["machine=articulated"])
     asked = PlanarTwist(0.12, 0.0, 0.06)
     start = machine.position
     dragged: list[float] = []

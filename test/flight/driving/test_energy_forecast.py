@@ -153,7 +153,7 @@ def test_tables_that_do_not_fit_are_refused(changes: dict, message: str) -> None
 
 @pytest.mark.parametrize("rover", ["articulated", "explorer", "lrv", "lunokhod", "micro", "omni", "skid"])
 def test_every_rover_knows_what_a_way_will_cost_and_refuses_one_beyond_its_charge(rover: str) -> None:
-    scenario = load_scenario("flat_drive", [f"rover={rover}", "steps=[]"])
+    scenario = load_scenario("flat_drive", [f"machine={rover}", "steps=[]"])
     model = DriveModel(scenario.drive, scenario.steering)
     wheels = np.zeros(len(scenario.steering.wheels))
     for left, kind in ((1e9, None), (10.0, "refused")):

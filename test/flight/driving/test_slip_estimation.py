@@ -76,8 +76,8 @@ def scenario() -> LoadedScenario:
 def test_expected_loads_are_those_of_statics(scenario: LoadedScenario) -> None:
     """Exactly on level ground, where no force along the ground is needed; nearly on a slope of 8 degrees."""
     angles = dict(zip(scenario.arm.joint_names, scenario.arm.named_poses["stow"], strict=True))
-    loads = wheel_load_map(scenario.urdf_xml, scenario.rover, scenario.gravity, angles)
-    machine = StandingMachine(scenario.urdf_xml, scenario.rover, scenario.gravity)
+    loads = wheel_load_map(scenario.urdf_xml, scenario.machine, scenario.gravity, angles)
+    machine = StandingMachine(scenario.urdf_xml, scenario.machine, scenario.gravity)
     level = machine.loads(machine.stand(lambda x, y: 0.0, angles=angles)).normal
     np.testing.assert_allclose(loads[:, 0], level, rtol=2e-3)
     assert loads[:, 0].sum() == pytest.approx(machine.mass * scenario.gravity, rel=1e-9)

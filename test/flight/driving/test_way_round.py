@@ -271,6 +271,28 @@ def test_two_obstacles_on_the_line_are_gone_round_in_one_way() -> None:
             assert room.at(*(one + part * (other - one)).tolist()) > STRAIGHT - CELL
 
 
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.tuples(st.floats(-3.0, 5.0), st.floats(-3.0, 5.0)), max_size=6), st.booleans())
+def test_a_rover_beside_its_way_gets_to_it_past_what_stands_between(
+    blocks: list[tuple[float, float]], corner: bool
+) -> None:
+    """The rover has left its way at (-4, 3.5) by 3.5 m, and the way itself is open, or closed beyond a corner. Such a
+    way was taken up at its end, or at the corner, straight through the block between."""
+    blocks = [(x, y) for x, y in blocks if math.hypot(x, y) > 1.8 and abs(y - 3.5) > 1.2] + [(0.0, 1.8)]
+    places = [(x - 0.3, y - 0.3, x + 0.3, y + 0.3) for x, y in blocks]
+    map_, room = with_obstacles(*places, *([(3.6, 3.2, 4.0, 3.8)] if corner else []))
+    goal = Goal.along([(0.5, 3.5), (5.5, 3.5)]) if corner else Goal.at(5.5, 3.5)
+    route = advanced(route_of(goal, (-4.0, 3.5), 0.0), (-0.5, 3.5), 0.05)
+    points = plan_detour(Maps(map_.known, LEVEL, WIDE), room, route, HERE, STRAIGHT, TURNING)
+    if points is None:
+        assert len(blocks) > 1, "past a single one there is a way"
+        return
+    assert points[-1] == (5.5, 3.5) and (not corner or (0.5, 3.5) in points)
+    for one, other in itertools.pairwise(np.array([(0.0, 0.0), *points])):
+        for part in np.linspace(0.0, 1.0, 60):
+            assert room.at(*(one + part * (other - one)).tolist()) > STRAIGHT - CELL
+
+
 def test_a_gap_is_taken_where_the_rover_fits_and_not_else() -> None:
     """A wall across both maps with a gap: 2 r + 2 cells wide it is driven through, narrower it is not."""
     walls = remembering((1.0, 3.4), (-25.0, 25.0))

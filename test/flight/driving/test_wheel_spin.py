@@ -82,7 +82,7 @@ def test_on_a_slope_too_steep_the_goal_ends_and_no_headway_is_believed() -> None
     it would have arrived. Rolling back from the first try is where its error comes from.
     """
     overrides = ["terrain.features[0].height=0.01", "terrain.features[1].height=3.0"]
-    loop = ClosedLoop(load_scenario("lrv_course", ["rover=lrv", "seed=2", "start.x=19.0", *overrides]))
+    loop = ClosedLoop(load_scenario("lrv_course", ["machine=lrv", "seed=2", "start.x=19.0", *overrides]))
     outcomes = []
     for period in range(1600):
         outcomes += loop.step(Goal.at(26.0, 0.0) if period == 0 else None).outcomes
@@ -106,7 +106,7 @@ def test_wheels_that_slip_slowly_and_machines_that_have_not_stood_are_left_alone
 @pytest.mark.parametrize("yaw_rate", [0.0, 0.3, -0.2])
 def test_the_speed_of_the_rims_is_that_of_the_body(yaw_rate: float) -> None:
     """But for the way from the kingpins to the wheels, which makes 0.02 %."""
-    table = load_scenario("flat_drive", ["rover=lrv"]).steering.table()
+    table = load_scenario("flat_drive", ["machine=lrv"]).steering.table()
     wheels = wheels_from_twist(table, PlanarTwist(1.5, 0.0, yaw_rate), np.zeros(4))
     assert rim_speed(table, wheels.wheel_rates, wheels.steer_angles) == pytest.approx(1.5, rel=1e-3)
 

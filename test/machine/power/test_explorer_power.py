@@ -1,28 +1,17 @@
 """The explorer's own parameter sets: their sizes, and battery, bus and manager together until empty."""
 
-from pathlib import Path
-from typing import Any
-
 import pytest
-import yaml
 
+from sojourn_config.machine_reader import joined_machine
 from sojourn_flight.power_manager import law as manager
 from sojourn_flight.power_manager.law import PowerManagerInput
 from sojourn_flight.power_manager.params import PowerManagerParams
 from sojourn_machine.power import battery, loads
-from sojourn_machine.power.battery import BatteryParams
-from sojourn_machine.power.loads import BusParams, BusState
+from sojourn_machine.power.loads import BusState
 
-CONFIG = Path(__file__).parents[3] / "config"
-
-
-def read(name: str) -> Any:
-    return yaml.safe_load((CONFIG / name).read_text(encoding="utf-8"))
-
-
-PACK = BatteryParams(**read("power/explorer_battery.yaml"))
-BUS = BusParams(**read("power/explorer_loads.yaml"))
-PARAMS = PowerManagerParams(battery=PACK, loads=BUS.loads, law=read("power/explorer_manager.yaml"))
+EXPLORER = joined_machine("explorer")
+PACK, BUS = EXPLORER.battery, EXPLORER.bus
+PARAMS = PowerManagerParams(battery=PACK, loads=BUS.loads, law=EXPLORER.law)
 
 
 def test_the_pack_is_of_the_mer_class() -> None:

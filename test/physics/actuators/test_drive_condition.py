@@ -100,9 +100,9 @@ def test_a_brake_closes_without_current_and_opens_with_it() -> None:
 def stand(**change: object) -> PlantModel:
     """A PUMA 560 on its stand, all of its drives changed."""
     bundle = read_machine("puma560", "earth", "lunar_nominal")
-    drives = tuple(one.model_copy(update=change) for one in bundle.rover.drives)
+    drives = tuple(one.model_copy(update=change) for one in bundle.machine.drives)
     ground = HeightField(np.zeros((41, 41)), np.zeros((41, 41), np.uint8), 0.1, -2.0, -2.0, (bundle.soil.name,))
-    rover = bundle.rover.model_copy(update={"drives": drives})
+    rover = bundle.machine.model_copy(update={"drives": drives})
     return PlantModel(
         bundle.urdf_xml, rover, bundle.gravity, ground, list(bundle.soils.values()), bundle.battery, bundle.bus
     )
@@ -155,10 +155,10 @@ def test_the_heat_of_the_windings_is_in_the_motors() -> None:
 def test_arms_of_ours_name_them() -> None:
     """The SRMS has brushless motors with brakes that heat up, the gantry a screw; a series motor has no magnets."""
     bundle = read_machine("srms", "low_earth_orbit", "rigid_rock")
-    assert all(one.brake and one.thermal and one.motor.kind == "brushless" for one in bundle.rover.drives)
-    gantry = read_machine("cartesian", "earth", "lunar_nominal").rover.drives[2]
+    assert all(one.brake and one.thermal and one.motor.kind == "brushless" for one in bundle.machine.drives)
+    gantry = read_machine("cartesian", "earth", "lunar_nominal").machine.drives[2]
     assert gantry.transmission.ratio == pytest.approx(628.3185307)
     assert gantry.transmission.efficiency == pytest.approx(0.9, rel=1e-3)
-    lrv = read_machine("lrv", "moon", "lunar_nominal").rover.drives[0]
+    lrv = read_machine("lrv", "moon", "lunar_nominal").machine.drives[0]
     with pytest.raises(ValueError, match="magnets"):
         DriveParams.model_validate(lrv.model_dump() | {"thermal": HEAT.model_dump()})

@@ -35,9 +35,9 @@ def run(model: PlantModel, state: PlantState, seconds: float) -> PlantState:
 def falling_arm(physics_step: float) -> tuple[PlantModel, PlantState]:
     """The arm without motors and friction, let go from its pose."""
     scenario = puma()
-    free = {"drives": (), "passive_joint": scenario.rover.passive_joint}
+    free = {"drives": (), "passive_joint": scenario.machine.passive_joint}
     model = PlantModel(
-        scenario.urdf_xml, scenario.rover.model_copy(update=free), scenario.gravity, scenario.height_field(),
+        scenario.urdf_xml, scenario.machine.model_copy(update=free), scenario.gravity, scenario.height_field(),
         list(scenario.soils.values()), scenario.battery, scenario.bus,
         SimulationParams(physics_step=physics_step, settle_time=0.0),
     )  # fmt: skip

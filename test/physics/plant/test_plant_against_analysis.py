@@ -30,7 +30,7 @@ def bundle() -> Bundle:
 @pytest.fixture(scope="module")
 def explorer(bundle: Bundle, fresh: Any) -> Subject:
     """The explorer as the analysis sees it, joints where the plant has them."""
-    machine = StandingMachine(bundle.urdf_xml, bundle.rover, bundle.gravity)
+    machine = StandingMachine(bundle.urdf_xml, bundle.machine, bundle.gravity)
     index = fresh.model.joint_index
     angles = {name: float(fresh.start.joints[0, index[name]]) for name in bundle.arm.joint_names}
     vehicle = vehicle_of("explorer", machine, Supply(29.0, 473.0, 80.0), 0.05, angles)

@@ -87,7 +87,7 @@ def test_energy_comes_from_the_battery(flat: Any) -> None:
         ((), 600.0),
         (("start.yaw=1.5708",), 30.0),
         (("start.yaw=0.7",), 20.0),
-        (("rover=lunokhod", "terrain.slope_deg=20.0"), 30.0),
+        (("machine=lunokhod", "terrain.slope_deg=20.0"), 30.0),
     ],
 )
 def test_a_parked_rover_stays(machine: Machines, overrides: tuple[str, ...], seconds: float) -> None:
@@ -169,7 +169,7 @@ def rests(overrides: list[str]) -> np.ndarray:
     return np.array((state.configuration[0] - start.x, state.configuration[1] - start.y, yaw))
 
 
-@pytest.mark.parametrize("overrides", [["rover=omni", "seed=2", "start.yaw=1.0"], ["rover=skid", "seed=6"]])
+@pytest.mark.parametrize("overrides", [["machine=omni", "seed=2", "start.yaw=1.0"], ["machine=skid", "seed=6"]])
 def test_a_machine_on_rough_rock_starts_where_it_was_asked_for(overrides: list[str]) -> None:
     """They started 82 mm and 60 mrad off, and 57 mm and 48 mrad, put down again and again, without a word."""
     assert np.all(np.abs(rests(overrides)) < 1e-3)
@@ -178,4 +178,4 @@ def test_a_machine_on_rough_rock_starts_where_it_was_asked_for(overrides: list[s
 def test_a_place_where_a_machine_does_not_rest_is_refused_with_the_number() -> None:
     """Rollers leave a rigid frame that stands on one diagonal free to roll: it ends 0.1 m on."""
     with pytest.raises(InvalidValueError, match=r"at rest 1\d\d\.\d mm and \d\.\d mrad off"):
-        rests(["rover=omni", "seed=1"])
+        rests(["machine=omni", "seed=1"])

@@ -97,7 +97,7 @@ def test_start_with_an_unknown_joint_is_refused(flat: Any) -> None:
 
 def build(scenario: Any, changes: dict[str, Any]) -> PlantModel:
     machine = MachineParams.model_validate({
-        name: changes.get(name, getattr(scenario.rover, name)) for name in MachineParams.model_fields
+        name: changes.get(name, getattr(scenario.machine, name)) for name in MachineParams.model_fields
     })  # fmt: skip
     soils = [soil for soil in scenario.soils.values() if soil.name not in changes.get("without", ())]
     return PlantModel(
@@ -113,7 +113,7 @@ def build(scenario: Any, changes: dict[str, Any]) -> PlantModel:
 
 def test_names_that_do_not_fit_are_refused(flat: Any) -> None:
     scenario = load_scenario("flat_drive")
-    rover = scenario.rover
+    rover = scenario.machine
     drive, *others = rover.drives
     wheel, *wheels = rover.wheels
     pad, *pads = rover.pads
@@ -137,7 +137,7 @@ def test_names_that_do_not_fit_are_refused(flat: Any) -> None:
 
 
 def test_machines_that_contradict_themselves_are_refused() -> None:
-    rover = load_scenario("flat_drive").rover
+    rover = load_scenario("flat_drive").machine
     good = {name: getattr(rover, name) for name in MachineParams.model_fields}
     with pytest.raises(ValidationError, match="2 drives"):
         MachineParams.model_validate({**good, "drives": (*rover.drives, rover.drives[0])})

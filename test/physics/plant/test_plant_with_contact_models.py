@@ -53,9 +53,9 @@ def with_contacts(scenario: str, contacts: list[Contact], *overrides: str) -> tu
     loaded = load_scenario(scenario, overrides)
     wheels = tuple(
         WheelParams.model_validate({**wheel.model_dump(), "contact": contact})
-        for wheel, contact in zip(loaded.rover.wheels, contacts, strict=True)
+        for wheel, contact in zip(loaded.machine.wheels, contacts, strict=True)
     )
-    fields = {name: getattr(loaded.rover, name) for name in MachineParams.model_fields}
+    fields = {name: getattr(loaded.machine, name) for name in MachineParams.model_fields}
     machine = MachineParams.model_validate({**fields, "wheels": wheels})
     model = PlantModel(
         loaded.urdf_xml, machine, loaded.gravity, loaded.height_field(), list(loaded.soils.values()), loaded.battery,
@@ -156,12 +156,12 @@ def test_ground_that_lacks_what_a_wheel_needs_is_refused() -> None:
     )  # fmt: skip
     loaded = load_scenario("flat_drive")
     ground = loaded.height_field()
-    fields = {name: getattr(loaded.rover, name) for name in MachineParams.model_fields}
+    fields = {name: getattr(loaded.machine, name) for name in MachineParams.model_fields}
 
     def build(contacts: list[Contact]) -> PlantModel:
         wheels = tuple(
             WheelParams.model_validate({**wheel.model_dump(), "contact": contact})
-            for wheel, contact in zip(loaded.rover.wheels, contacts, strict=True)
+            for wheel, contact in zip(loaded.machine.wheels, contacts, strict=True)
         )
         machine = MachineParams.model_validate({**fields, "wheels": wheels})
         soils = [bare.model_copy(update={"name": name}) for name in ground.soil_names]

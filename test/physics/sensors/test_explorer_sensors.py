@@ -1,23 +1,13 @@
 """The explorer's sensor set: complete for its joints, and of the published quality."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
-import yaml
 
+from sojourn_config.machine_reader import joined_machine
 from sojourn_physics.sensors import suite
-from sojourn_physics.sensors.params import SensorSuiteParams
 
-CONFIG = Path(__file__).parents[3] / "config"
-
-
-def read(name: str) -> Any:
-    return yaml.safe_load((CONFIG / name).read_text(encoding="utf-8"))
-
-
-PARAMS = SensorSuiteParams(**read("sensors/explorer_sensors.yaml"))
+EXPLORER = joined_machine("explorer")
+PARAMS = EXPLORER.sensors
 
 
 def test_every_joint_of_the_machine_is_measured_once() -> None:
@@ -45,9 +35,7 @@ def test_encoders_are_within_the_published_bits_and_fine_enough_to_work_with() -
 
 
 def test_encoders_on_motors_count_with_the_gears_of_the_rover() -> None:
-    ratios = {
-        joint: drive["gear"]["ratio"] for drive in read("rovers/explorer.yaml")["drives"] for joint in drive["joints"]
-    }
+    ratios = {joint: drive.gear.ratio for drive in EXPLORER.config.drives for joint in drive.joints}
     compared = 0
     for group in PARAMS.joint_groups.values():
         if group.encoder.side == "motor":

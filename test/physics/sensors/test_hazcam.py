@@ -6,19 +6,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from sojourn_config.machine_reader import joined_machine
 from sojourn_machine.errors import InvalidValueError
 from sojourn_physics.sensors import hazcam
 from sojourn_physics.sensors.hazcam import Hazcam, HazcamParams, hazcam_on
 from sojourn_physics.terrain.height_field import HeightField
 
 ROOT = Path(__file__).parents[3]
-URDF = (ROOT / "urdf" / "explorer.urdf").read_text(encoding="utf-8")
-PARAMS = HazcamParams(**yaml.safe_load((ROOT / "config/sensors/explorer_sensors.yaml").read_text())["hazcam"])
+EXPLORER = joined_machine("explorer")
+URDF = EXPLORER.urdf.text
+PARAMS: HazcamParams = EXPLORER.sensors.hazcam
 HEIGHT = 0.47
 """Of base_link above level ground [m]."""
 LEVEL = np.eye(3)

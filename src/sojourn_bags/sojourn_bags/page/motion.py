@@ -22,7 +22,7 @@ def wheels(story: Story) -> Section:
             "wheels", "Wheels", paragraph("The bag has no true contacts of a known machine on /truth/contacts.")
         )
     times, parts = story.times(contacts), []
-    drives = [wheel.joint for wheel in story.run.rover.wheels]
+    drives = [wheel.joint for wheel in story.run.machine.wheels]
     driven = story.moved(drives)
     if not driven:
         parts.append(paragraph("No wheel has turned: slip and drive torque are left out."))
@@ -44,7 +44,7 @@ def wheels(story: Story) -> Section:
         draw("Horizontal contact force of each wheel", level[:, :count], "force [N]")
         parts.append(_pads(story, times))
     parts.append(_torques(story, drives if driven else [], "Torque of the wheel drives"))
-    steered = list(story.run.rover.steer_joints)
+    steered = list(story.run.machine.steer_joints)
     parts.append(_torques(story, steered if story.moved(steered) else [], "Torque of the steering joints"))
     return Section("wheels", "Wheels", "".join(parts))
 

@@ -33,7 +33,7 @@ def write_page(bag: Bag, path: Path, judged: bool = True) -> Story:
     story = Story(bag)
     if judged:
         story.judge()
-    stands_fast = story.run is not None and story.run.rover.fixed_base
+    stands_fast = story.run is not None and story.run.machine.fixed_base
     sections = [make(story) for make in SECTIONS if not (stands_fast and make in OF_WHEELS)]
     name = story.run.name if story.run else bag.path.name
     script = POINTER % (LEFT, RIGHT, story.axis.begin, story.axis.end)

@@ -143,12 +143,12 @@ class Story:
     @property
     def wheels(self) -> list[str]:
         """Names of the wheels, which are the first contacts."""
-        return [wheel.name for wheel in self.run.rover.wheels] if self.run else []
+        return [wheel.name for wheel in self.run.machine.wheels] if self.run else []
 
     @property
     def pads(self) -> list[str]:
         """Names of the pads, which are the contacts after the wheels."""
-        return [pad.name for pad in self.run.rover.pads] if self.run else []
+        return [pad.name for pad in self.run.machine.pads] if self.run else []
 
     def moved(self, joints: list[str]) -> bool:
         """Whether any of these joints has turned."""

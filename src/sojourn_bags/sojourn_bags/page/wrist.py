@@ -35,7 +35,7 @@ def _contact(story: Story) -> list[Curve]:
     contacts = story.find("/truth/contacts", CLOUD)
     if contacts is None or story.run is None:
         return []
-    names = [pad.name for pad in story.run.rover.pads if pad.link.startswith("arm_")]
+    names = [pad.name for pad in story.run.machine.pads if pad.link.startswith("arm_")]
     places = [len(story.wheels) + story.pads.index(name) for name in names]
     points = story.points
     if not {"force_x", "force_y", "force_z"} <= points.keys() or not places:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sojourn_config.rover import RoverConfig
+from sojourn_config.machine import MachineConfig
 from sojourn_config.scenario import LoadedScenario
 from sojourn_config.urdf import UrdfJoint, UrdfSummary
 from sojourn_machine.tools import TOOL_JOINT, ToolParams
@@ -38,35 +38,35 @@ class Machine:
     def of(
         cls,
         name: str,
-        rover: RoverConfig,
+        config: MachineConfig,
         urdf: UrdfSummary,
         arm_joints: Sequence[str],
         loads: Sequence[str],
         poses: Sequence[str],
         tool: ToolParams | None = None,
     ) -> "Machine":
-        """From a rover's parameter sets."""
+        """From a machine's parameter sets."""
         of_tool = {} if tool is None else {TOOL_JOINT: _actuator(tool)}
-        held = {joint for drive in rover.drives if drive.servo.mode == "position" for joint in drive.joints}
+        held = {joint for drive in config.drives if drive.servo.mode == "position" for joint in drive.joints}
         return cls(
             name=name,
             joints={joint: urdf.joints[joint] for joint in urdf.moving_joints} | of_tool,
-            drive=tuple(wheel.joint for wheel in rover.wheels),
-            steer=rover.steer_joints,
+            drive=tuple(wheel.joint for wheel in config.wheels),
+            steer=config.steer_joints,
             arm=tuple(arm_joints),
             tool=tuple(of_tool),
             held=frozenset(held | (set(of_tool) if tool is not None and tool.joint.held else set())),
             loads=tuple(loads),
             poses=tuple(poses),
-            contacts=len(rover.wheels) + len(rover.pads),
+            contacts=len(config.wheels) + len(config.pads),
         )
 
     @classmethod
     def of_scenario(cls, scenario: LoadedScenario) -> "Machine":
-        """The rover of a scenario."""
+        """The machine of a scenario."""
         return cls.of(
-            scenario.config.rover,
-            scenario.rover,
+            scenario.config.machine,
+            scenario.machine,
             scenario.urdf,
             scenario.arm_joints,
             [load.name for load in scenario.bus.loads],

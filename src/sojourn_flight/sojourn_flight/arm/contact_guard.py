@@ -17,10 +17,12 @@ servos had run ahead is taken back at once.
 """
 
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio
+from numpy.typing import NDArray
 
 from sojourn_flight.arm.contact_params import ContactParams
 from sojourn_flight.arm.footing import WheelLoads
@@ -83,8 +85,9 @@ def observe(
     """
     positions, velocities, efforts = joints
     rigid, data = model.pinocchio_model, model.data
-    mass = np.triu(pinocchio.crba(rigid, data, positions))
-    mass = mass + np.triu(mass, 1).T
+    upper, above = _triangles(len(positions))
+    mass = np.where(upper, pinocchio.crba(rigid, data, positions), 0.0)
+    mass = mass + np.where(above, mass, 0.0).T
     if not rotors:
         mass = mass - np.diag(rigid.armature)
     momentum = mass @ velocities
@@ -95,6 +98,13 @@ def observe(
     coriolis = pinocchio.computeCoriolisMatrix(rigid, data, positions, velocities)
     change = efforts + coriolis.T @ velocities - weight + residual
     return MomentumObserver(integral + dt * change, residual)
+
+
+@cache
+def _triangles(count: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Of a square matrix: with its diagonal, and what is above it."""
+    whole = np.ones((count, count), dtype=bool)
+    return np.triu(whole), np.triu(whole, 1)
 
 
 def before(felt: Felt, count: int) -> Before:

@@ -24,8 +24,6 @@ follows the position and velocity given here and adds the effort.
 The state is a value: copy it, save it, go on from it; nothing is kept elsewhere.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from sojourn_flight.arm.collision import check_posture
@@ -53,6 +51,7 @@ from sojourn_flight.arm.tasks.tip_motion import TipMotion
 from sojourn_flight.arm.trajectory import JointReference, TrajectoryError, at_rest, point_to_point, stop
 from sojourn_flight.arm.ways import Plan
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 __all__ = ["ArmInput", "ArmOutput", "ArmState", "ArmStatus", "initial_state", "step", "warm_up"]

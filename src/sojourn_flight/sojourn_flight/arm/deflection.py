@@ -28,7 +28,8 @@ def gear_twist(params: ArmParams, efforts: FloatArray) -> FloatArray:
     """x (n,) [rad]: motor over the gear less joint, under joint torques `efforts` (n,) [N m]."""
     bearing = np.maximum(np.array(params.bearing_friction), _LEAST_FRICTION)
     half = 0.5 * np.array(params.gear_backlash)
-    return np.asarray(np.array(params.gear_compliance) * efforts + half * np.clip(efforts / bearing, -1.0, 1.0))
+    flank = np.minimum(np.maximum(efforts / bearing, -1.0), 1.0)
+    return np.asarray(np.array(params.gear_compliance) * efforts + half * flank)
 
 
 def joint_positions(params: ArmParams, model: ArmModel, measured: FloatArray, gravity: FloatArray) -> FloatArray:

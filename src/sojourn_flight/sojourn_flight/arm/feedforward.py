@@ -63,4 +63,4 @@ def feedforward_effort(
     """Inverse dynamics and friction of the reference, cut to the URDF's effort limits: (n,) [N m or N]."""
     effort = rigid_effort(model, positions, velocities, accelerations, gravity_vector)
     effort += friction_effort(params, velocities)
-    return np.asarray(np.clip(effort, -model.max_effort, model.max_effort), dtype=np.float64)
+    return np.minimum(np.maximum(effort, -model.max_effort), model.max_effort)

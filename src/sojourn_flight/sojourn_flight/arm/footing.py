@@ -67,6 +67,8 @@ class Footing:
         self._arm = [self._model.joints[self._model.getJointId(name)].idx_q for name in joints]
         self._base, self._tip = self._model.getFrameId(base_link), self._model.getFrameId(tip_link)
         self._names = tuple(wheel.name for wheel in machine.wheels)
+        joints_of = zip(self._model.names, self._model.joints, strict=True)
+        self._places = {name: joint.idx_q for name, joint in joints_of if joint.nq == 1}
 
     def loads(self, joints: Mapping[str, float], positions: FloatArray, gravity: FloatArray) -> WheelLoads:
         """Loads with the joints of the suspension as they are measured [rad or m], others at zero, and the arm at
@@ -74,10 +76,9 @@ class Footing:
         """
         model, data, q = self._model, self._data, pin.neutral(self._model)
         for name, value in joints.items():
-            if model.existJointName(name):
-                joint = model.joints[model.getJointId(name)]
-                if joint.nq == 1:
-                    q[joint.idx_q] = value
+            place = self._places.get(name)
+            if place is not None:
+                q[place] = value
         q[self._arm] = positions
         pin.computeJointJacobians(model, data, q)
         pin.updateFramePlacements(model, data)

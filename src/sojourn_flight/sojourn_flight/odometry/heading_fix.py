@@ -34,7 +34,7 @@ Assumptions: small errors; the ephemeris and the clock are exact; the rover turn
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -42,6 +42,7 @@ from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_flight.odometry.odometry import MOUNTING, OdometryState, corrected, wrap_angle
 from sojourn_flight.odometry.odometry_kernels import update_all
 from sojourn_flight.supervision.params import HeadingFixParams
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 

@@ -3,10 +3,12 @@
 Candidates are the places of that way, a step apart, that lie on the maps behind the first closed stretch, up to the
 next of its corners that is free: what the operator has named is not cut off. Taken is the one with the least cost of
 the way there (`way_round`) plus the length that then remains, of which the closed part counts CLOSED times: one way
-round two obstacles is better than two. Corners that lie before the closed stretch are passed first.
+round two obstacles is better than two. Corners that lie before the closed stretch are passed first. A rover that has
+left a way which is open joins it AHEAD or beyond; the way to where it joins, or to the first corner, is planned, too.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +20,7 @@ from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.goal import Point
 from sojourn_flight.planning.route import Route
 from sojourn_flight.planning.way_round import (
+    Graph,
     Slopes,
     cell_costs,
     cheapest_ways,
@@ -25,6 +28,7 @@ from sojourn_flight.planning.way_round import (
     line_costs,
     on_maps,
     static_costs,
+    straight_cost,
     taut_path,
 )
 from sojourn_machine.params import FloatArray
@@ -69,23 +73,58 @@ def plan_detour(
     closed = ~np.isfinite(line_costs(lasting, places, ahead)) & on_maps(lasting, places)
     begin, end = _closed_stretch(stations, closed)
     before = [float(s) for s in corners if route.progress + PASSED < s < begin]
-    start = pose if not before else _pose(route, before[-1])
-    costs = cell_costs(room, maps.known, start, straight, turning)
-    graph = graph_of(room, costs, maps.wide, maps.slopes)
+    points: list[Point] = []
+    start = pose
+    if before:
+        first, start = _pose(route, before[0]), _pose(route, before[-1])
+        ways = _ways_from(maps, room, pose, straight, turning)
+        there = None if ways is None else ways.straight_or_round((pose.x, pose.y), (first.x, first.y))
+        if there is None:
+            return None
+        points = there + [(corner.x, corner.y) for corner in (_pose(route, station) for station in before[1:])]
+    ways = _ways_from(maps, room, start, straight, turning)
+    if ways is None:
+        return None
+    costs = np.array([ways.cost(place) for place in places.tolist()])
+    found = _joined(stations, closed, corners, end, costs)
+    if found is None:
+        return None
+    x, y = places[found].tolist()
+    onwards = ways.to((x, y)) or []
+    return [*points, *onwards, *route.corners_beyond(float(stations[found]))]
+
+
+class _Ways(NamedTuple):
+    """The cheapest ways from a place to all others."""
+
+    graph: Graph
+    costs: FloatArray
+    """Shape (nodes,)."""
+    before: NDArray[np.int32]
+
+    def cost(self, place: Sequence[float]) -> float:
+        """That of the way to a place, infinite where there is none."""
+        node = self.graph.node_of(place[0], place[1])
+        return math.inf if node is None else float(self.costs[node])
+
+    def to(self, place: Point) -> list[Point] | None:
+        """Points of the way to a place, itself the last; None where there is none."""
+        node = self.graph.node_of(*place)
+        if node is None or not math.isfinite(self.costs[node]):
+            return None
+        return [*taut_path(self.graph, self.costs, self.before, node)[:-1], place]
+
+    def straight_or_round(self, start: Point, place: Point) -> list[Point] | None:
+        """The same as `to`, but straight from its start where nothing closes that."""
+        straight = straight_cost(self.graph, np.array(start), np.array(place))
+        return [place] if math.isfinite(straight) else self.to(place)
+
+
+def _ways_from(maps: Maps, room: Room, start: Pose, straight: float, turning: float) -> _Ways | None:
+    """None for a start that is on neither map."""
+    graph = graph_of(room, cell_costs(room, maps.known, start, straight, turning), maps.wide, maps.slopes)
     node = graph.node_of(start.x, start.y)
-    if node is None:
-        return None
-    ways, previous = cheapest_ways(graph, node)
-    nodes = [graph.node_of(x, y) for x, y in places.tolist()]
-    there = np.array([math.inf if at is None else float(ways[at]) for at in nodes])
-    found = _joined(stations, closed, corners, end, there)
-    at = None if found is None else nodes[found]
-    if found is None or at is None:
-        return None
-    path = taut_path(graph, ways, previous, at)
-    joined: Point = (float(places[found, 0]), float(places[found, 1]))
-    first = [(corner.x, corner.y) for corner in (_pose(route, station) for station in before)]
-    return [*first, *path[:-1], joined, *route.corners_beyond(float(stations[found]))]
+    return None if node is None else _Ways(graph, *cheapest_ways(graph, node))
 
 
 def _pose(route: Route, station: float) -> Pose:
@@ -95,10 +134,11 @@ def _pose(route: Route, station: float) -> Pose:
 
 
 def _closed_stretch(stations: FloatArray, closed: NDArray[np.bool_]) -> tuple[float, float]:
-    """Where the way is first closed: from, to. Where it is open, from nowhere to a little ahead."""
+    """Where the way is first closed: from, to. Where it is open, both are a little ahead."""
     where = np.flatnonzero(closed)
     if not len(where):
-        return math.inf, min(float(stations[0]) + AHEAD, float(stations[-1]) - 1e-6)
+        near = min(float(stations[0]) + AHEAD, float(stations[-1]) - 1e-6)
+        return near, near
     gaps = np.flatnonzero(np.diff(where) > 1)
     last = where[gaps[0]] if len(gaps) else where[-1]
     return float(stations[where[0]]), float(stations[last])

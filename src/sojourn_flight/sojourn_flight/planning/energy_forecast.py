@@ -16,7 +16,7 @@ within the battery (about 1 %) are in the margin."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ import numpy as np
 from sojourn_flight.planning.energy_params import EnergyParams
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.planning.path import Path
+from sojourn_machine.evolution import replace
 
 SECONDS_PER_HOUR = 3600.0
 

@@ -22,7 +22,7 @@ the path. Source of the speeds: Aicardi, Casalino, Bicchi, Balestrino, IEEE Robo
 [rad]."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal, NamedTuple
 
@@ -35,6 +35,7 @@ from sojourn_flight.planning.path import Path, PathPoint
 from sojourn_flight.planning.path_planner import plan_path
 from sojourn_flight.planning.path_tracking import Tracking, track
 from sojourn_flight.supervision.params import GoalFollowerParams
+from sojourn_machine.evolution import replace
 
 SLOWEST_TURN = 0.1
 """Smallest rate of a point turn as a fraction of the largest, so that it ends [-]."""

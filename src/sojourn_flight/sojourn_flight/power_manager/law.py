@@ -29,12 +29,13 @@ of the battery.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import exp, isfinite
 from typing import Literal, TypeAlias
 
 from sojourn_flight.power_manager.params import PowerLawParams, PowerManagerParams
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.evolution import replace
 from sojourn_machine.power import battery
 from sojourn_machine.power.battery import SECONDS_PER_HOUR, BatteryParams
 from sojourn_machine.power.loads import LoadParams

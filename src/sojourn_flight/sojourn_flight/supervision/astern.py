@@ -16,7 +16,6 @@ Without a camera no ground is looked at anyway, and all of the way is driven bac
 Source: Arvidson et al. (2010), J. Geophys. Res. 115:E00F03 (Spirit, its right front wheel dead, driven backwards).
 """
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +29,7 @@ from sojourn_flight.planning.route import advanced
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState
 from sojourn_flight.supervision.driven_machine import DrivenMachine
 from sojourn_flight.supervision.path_check import closed_ahead, path_ahead
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 LOOK_TIME = 2.5

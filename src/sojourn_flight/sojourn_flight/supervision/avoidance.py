@@ -14,17 +14,16 @@ Three layers, from slow to fast:
   This holds for /cmd_vel, too, unless it is switched off.
 
 A plan is made by the costs of cells and then checked pose by pose with the chassis settled on the map; where that finds
-it too steep, the place is closed and the next plan made; where it is too narrow for a rover turned off its path,
-the next keeps more room; TRIES times (Toupet et al. 2020, IEEE Aerospace Conf.: ENav ranks paths by costs and checks
-the best by settling). It keeps to the limits; under way they may be exceeded by the part `hysteresis`, so that noise
-about a limit changes no plan.
+it too steep or too narrow, the place is closed and the next plan made (for a rover turned off its path the next first
+keeps more room), TRIES times (Toupet et al. 2020, IEEE Aerospace Conf.: ENav ranks paths by costs and checks the best
+by settling). No path is taken that this check finds closed within HURRY. It keeps to the limits; under way they may be
+exceeded by the part `hysteresis`, so that noise about a limit changes no plan.
 
 A goal in an obstacle that the map knows is refused (`refusal`). Hidden ground closes the way, but does not make a goal
 impossible: it may be seen from elsewhere. Positions in odom.
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -45,6 +44,7 @@ from sojourn_flight.planning.way_round import Slopes, static_costs, sure_slopes
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, ClosedPlace, Guidance
 from sojourn_flight.supervision.path_check import closed_ahead, nearest_obstacle, slope_at, tilts_of
 from sojourn_flight.supervision.slip_policy import SlipPolicyParams
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 NEAR_GOAL = 3.0
@@ -61,9 +61,11 @@ HEADWAY, WITHOUT_HEADWAY = 0.3, 8
 """So many ways round may be planned within so much of driving [m]; with one more the rover gives up [-]."""
 CORNER_CUTS = (1.0, 0.5, 0.25, 0.1)
 """Parts of the follower's corner_cut that are tried for a path that stays clear [-]."""
+STARTS = (*((part, False) for part in CORNER_CUTS), (CORNER_CUTS[-1], True))
+"""Paths that are tried along the same points: part of corner_cut, and whether they begin with a turn on the spot."""
 TRIES = 4
-"""Plans that are made for one way round, each without the places where the one before was too steep [-]."""
-TOO_STEEP = 0.3
+"""Plans that are made for one way round, each without the place where the one before was closed [-]."""
+TOO_STEEP, TOO_NARROW = 0.3, 0.2
 """So far about such a place the next plan does not go [m]."""
 EXAMPLE_CLOUD = np.array([[3.0, 0.2 * y, 0.2 * z] for y in range(-6, 7) for z in range(5)])
 """A wall that closes the way, for the warm-up [m]."""
@@ -210,20 +212,23 @@ def _way_round(
     limits, slopes = avoidance.params.passable, sure_slopes(state.ground.slopes)
     maps = Maps(state.map.known, Slopes(slopes, limits.tilts), state.wide)
     straight, wide = avoidance.straight, avoidance.straight_at(drift)
-    found: FollowerState | GoalOutcome | None = None
+    farthest: FollowerState | GoalOutcome | None = None
+    reach = HURRY
     for _ in range(TRIES):
         points = plan_detour(maps, room, route, here, straight, avoidance.turning)
         if points is None:
-            return found
+            break
         goal = replace(route.goal, points=tuple(points), heights=())
         found, closed = _path_along(avoidance, state, goal, here, drift)
-        if closed is None or (not closed.tilt and straight == wide):
+        if closed is None:
             return found
-        if closed.tilt:
-            room = room.without(closed.pose.x, closed.pose.y, TOO_STEEP)
+        if closed.distance > reach:
+            farthest, reach = found, closed.distance
+        if closed.tilt or straight == wide:
+            room = room.without(closed.pose.x, closed.pose.y, TOO_STEEP if closed.tilt else TOO_NARROW)
         else:
             straight = wide
-    return found
+    return farthest
 
 
 def _path_along(
@@ -232,9 +237,10 @@ def _path_along(
     """The path along planned points that keeps clear, or the last that was tried and where it does not."""
     answer: FollowerState | GoalOutcome
     closed: ClosedPlace | None = None
-    for part in CORNER_CUTS:
-        cut = part * avoidance.follower.corner_cut
-        narrow = avoidance.follower.model_copy(update={"corner_cut": cut})
+    follower = avoidance.follower
+    for part, turns in STARTS:
+        angle = follower.align_tolerance if turns else follower.realign_angle
+        narrow = follower.model_copy(update={"corner_cut": part * follower.corner_cut, "realign_angle": angle})
         answer = accept(narrow, avoidance.turning_limits, goal, here)
         closed = None
         if isinstance(answer, FollowerState):
@@ -275,12 +281,17 @@ def _go_back(
 def from_loose_ground(
     avoidance: Avoidance, state: AvoidanceState, odometry: OdometryState, policy: SlipPolicyParams, slip: float
 ) -> AvoidanceState:
-    """The state of a rover whose wheels slip by a mean `slip` [-]: the ground ahead is closed, and it goes back."""
+    """The state of a rover whose wheels slip by a mean `slip` [-]: the ground ahead is closed, and it goes back.
+
+    Not where the goal lies in that ground: no other way leads there, and the rover goes on slowly while it can.
+    """
     if state.route is None or state.back is not None:
         return state
     here = Pose(odometry.x, odometry.y, odometry.yaw)
     ahead = avoidance.params.outline.front + policy.loose_radius
     place = (here.x + ahead * math.cos(here.heading), here.y + ahead * math.sin(here.heading))
+    if math.dist(place, state.route.goal.points[-1]) < policy.loose_radius + avoidance.straight:
+        return state
     map_ = with_slip(state.map, place, policy.loose_radius, slip, odometry.distance)
     state = judged_anew(avoidance, replace(state, map=map_), odometry)
     back = way_back(state.track, here, state.room, None, policy.back)

@@ -351,7 +351,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         behind=behind,
         avoidance=arbiter.avoidance,
     )
-    pose_covariance, twist_covariance = message_covariances(params.odometry, odometry, dt)
+    pose_covariance, twist_covariance = message_covariances(params.odometry, published, dt)
     pace = Pace(inputs.power_limit, cut, limited)
     output = DriveOutput(
         limited.state.wheel_rates,

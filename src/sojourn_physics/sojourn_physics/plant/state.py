@@ -3,10 +3,11 @@
 All of them are plain values: copy one and you have a branch.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 from sojourn_machine.power.battery import BatteryState
 from sojourn_machine.power.loads import BusState

@@ -14,6 +14,7 @@ from sojourn_flight.arm.kinematics import TipPose
 from sojourn_flight.arm.model import ArmModel
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
+from sojourn_machine.vectors import cross
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +28,7 @@ class ContactSense:
     def tool_load(self, model: ArmModel, tip: TipPose, gravity_in_base: FloatArray) -> FloatArray:
         """Wrench of the tool's own weight in the sensor's frame, (6,)."""
         weight = self.mass * (sensor_rotation(model, tip).T @ gravity_in_base)
-        return np.concatenate([weight, np.cross(self.centre, weight)])
+        return np.concatenate([weight, cross(self.centre, weight)])
 
     def contact(self, model: ArmModel, tip: TipPose, wrench: FloatArray, gravity_in_base: FloatArray) -> FloatArray:
         """Force of the ground on the tool in base_link, (3,) [N].

@@ -18,8 +18,6 @@ A pause brings a planned motion to rest on its path, and the tip of a guided one
 less power is granted than it draws, a guided motion is slower, but for giving way.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from sojourn_flight.arm import controller
@@ -60,6 +58,7 @@ from sojourn_flight.arm.tasks.tip_motion import (
     rates_of,
     turn_joints,
 )
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 __all__ = ["TaskInput", "TaskReport", "TaskState", "initial_state", "step", "warm_up"]

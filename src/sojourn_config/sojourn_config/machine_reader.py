@@ -1,0 +1,190 @@
+"""Reads the folder of a machine, config/machines/NAME, and joins the machine with the arm that it carries."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from sojourn_config.arm_config import ArmConfig
+from sojourn_config.errors import MISSING, ConfigError
+from sojourn_config.explain import problems_of
+from sojourn_config.extends import PARTS
+from sojourn_config.machine import MACHINE_KINDS, FlightSet, MachineConfig, PowerSet
+from sojourn_config.mounting import Machine, join, mount_problems
+from sojourn_config.paths import SUFFIX, config_folder
+from sojourn_config.set_reader import Asked, ReadSet, SetReader
+from sojourn_config.tool_config import ToolSet, pad_problem
+from sojourn_config.urdf import UrdfSummary
+from sojourn_config.yaml_file import YamlDocument
+from sojourn_flight.supervision.params import DriveParams
+from sojourn_machine.errors import UnknownNameError
+from sojourn_machine.names import names_text
+from sojourn_physics.sensors.params import SensorSuiteParams
+
+Model = TypeVar("Model", bound=BaseModel)
+MACHINES = "machines"
+COMMAND_LINE = Asked(YamlDocument("command line", {}), Path("command line"))
+"""Names a set where no file does."""
+FILES: Mapping[str, tuple[str, ...]] = {
+    "machine": (),
+    "power": ("battery", "bus"),
+    "flight": ("drive", "power_manager"),
+    "sensors": (),
+}
+"""Files of a machine's folder, and the tables in them that an override may begin with; none: the file's own name."""
+HEADS = tuple(head for file, tables in FILES.items() for head in tables or (file,))
+"""First words of overrides that are for a machine's files."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MachineSets:
+    """A machine as it was read.
+
+    Args:
+        joined: with its arm. own_urdf: without it.
+        drive: None for a machine that stands fast. tool: None for an arm without one.
+        documents: its files by role (`machine`, `power`, `flight`, `sensors`; `arm` and `tool` where it has them).
+    """
+
+    joined: Machine
+    own_urdf: UrdfSummary
+    drive: DriveParams | None
+    tool: ReadSet[ToolSet] | None
+    documents: Mapping[str, YamlDocument]
+
+
+class MachineReader(SetReader):
+    """Reads machines; what is wrong goes into `problems`, what was read into `files`."""
+
+    def machine(self, name: str, asked: Asked, mounted: str | None = None) -> MachineSets | None:
+        """The machine that the key `machine` names; None with the reason in `problems`.
+
+        Args:
+            mounted: a tool in place of the machine's own, which `asked` names.
+        """
+        path = self.place(MACHINES, name, "machine", asked)
+        read = None if path is None else self.config(path)
+        if path is None or read is None:
+            return None
+        config = read.params
+        urdf = self.urdf(config.urdf, read.asked)
+        power = self._file(path, "power", PowerSet, config)
+        flight = self._file(path, "flight", config.flight, config)
+        sensors = self._file(path, "sensors", SensorSuiteParams, config)
+        arm = self._arm(name, read)
+        tool = self._tool(read, asked, mounted)
+        if urdf is None or power is None or flight is None or sensors is None:
+            return None
+        if (config.arm is not None and arm is None) or (tool is None and (mounted or config.tool)):
+            return None
+        documents = {
+            role: found.document
+            for role, found in (
+                ("machine", read), ("power", power), ("flight", flight),
+                ("sensors", sensors), ("arm", arm), ("tool", tool),
+            )
+            if found is not None
+        }  # fmt: skip
+        law: FlightSet = flight.params
+        alone = Machine(
+            config, urdf, power.params.battery, power.params.bus, law.power_manager, sensors.params, arm and arm.params
+        )
+        joined = self._with_arm(alone, documents, arm)
+        if joined is None:
+            return None
+        misplaced = tool and pad_problem(joined.config, tool.params, tool.document)
+        self.problems += [misplaced] if misplaced else []
+        return MachineSets(joined, urdf, law.drive, tool, documents)
+
+    def config(self, path: Path) -> ReadSet[MachineConfig] | None:
+        """The set of `machine.yaml`, of the kind that it names; None with the reason in `problems`."""
+        document = self.document(path, MACHINES, self._overrides_of("machine"))
+        if document is None:
+            return None
+        name = document.data.get("kind")
+        try:
+            kind = MACHINE_KINDS.get(str(name))
+        except UnknownNameError:
+            known = names_text(str(name), MACHINE_KINDS.names())
+            problem = document.problem(("kind",), MISSING, f"the key is missing: {known}")
+            self.problems.append(problem if name is None else document.problem(("kind",), name, known))
+            return None
+        return self.validated(document, path, kind)
+
+    def _file(self, path: Path, file: str, model: type[Model], config: MachineConfig) -> ReadSet[Model] | None:
+        """One of the files beside `machine.yaml`, or what stands for it in machines of its kind."""
+        own = path.with_name(file + SUFFIX)
+        if not own.is_file() and file in config.defaults:
+            own = config_folder() / PARTS / (config.defaults[file] + SUFFIX)
+        document = self.document(own, MACHINES, self._overrides_of(file))
+        return None if document is None else self.validated(document, own, model)
+
+    def _overrides_of(self, file: str) -> list[str]:
+        if not FILES[file]:
+            return self.overrides.get(file, [])
+        return [f"{head}.{text}" for head in FILES[file] for text in self.overrides.get(head, ())]
+
+    def _with_arm(
+        self, machine: Machine, documents: Mapping[str, YamlDocument], arm: ReadSet[ArmConfig] | None
+    ) -> Machine | None:
+        """The machine joined with its arm; None with the reason in `problems`."""
+        arm_urdf = None
+        if arm is not None and machine.config.arm_mount is not None and arm.params.urdf is not None:
+            arm_urdf = self.urdf(arm.params.urdf, arm.asked)
+            if arm_urdf is None:
+                return None
+        problems = list(mount_problems(machine, arm_urdf, documents))
+        if problems:
+            self.problems += problems
+            return None
+        try:
+            joined = join(machine, arm_urdf)
+        except ConfigError as error:
+            self.problems += error.problems
+            return None
+        try:
+            type(joined.config).model_validate(joined.config.model_dump())
+        except ValidationError as error:
+            self.problems += problems_of(error, type(joined.config), documents["machine"])
+            return None
+        return joined
+
+    def _arm(self, name: str, machine: ReadSet[MachineConfig]) -> ReadSet[ArmConfig] | None:
+        """The set of the arm; None where the machine has none, or with the reason in `problems`."""
+        if machine.params.arm is not None:
+            return self.load("arms", machine.params.arm, "arm", ArmConfig, machine.asked)
+        self.refuse_overrides("arm", f"the machine {name} has no arm")
+        return None
+
+    def _tool(self, machine: ReadSet[MachineConfig], asked: Asked, mounted: str | None) -> ReadSet[ToolSet] | None:
+        """The set of the tool; None where the arm has none, or with the reason in `problems`."""
+        name, asked = (mounted, asked) if mounted else (machine.params.tool, machine.asked)
+        if name is None:
+            self.refuse_overrides("tool", "the arm has no tool")
+            return None
+        if machine.params.arm is None:
+            why = f"the machine {machine.params.urdf} has no arm"
+            self.problems.append(asked.document.problem(("tool",), name, why))
+            return None
+        return self.load("tools", name, "tool", ToolSet, asked)
+
+
+def machine_config(name: str) -> MachineConfig:
+    """What `machine.yaml` of a machine says, without its other files. Raises ConfigError."""
+    reader = MachineReader({})
+    path = reader.place(MACHINES, name, "machine", COMMAND_LINE)
+    found = None if path is None else reader.config(path)
+    if found is None:
+        raise ConfigError(reader.problems)
+    return found.params
+
+
+def joined_machine(name: str) -> Machine:
+    """A machine with its arm, on no ground. Raises ConfigError."""
+    reader = MachineReader({})
+    found = reader.machine(name, COMMAND_LINE)
+    if found is None or reader.problems:
+        raise ConfigError(reader.problems)
+    return found.joined
