@@ -67,7 +67,7 @@ class Bench:
         ]])  # fmt: skip
         zero = np.zeros(1, dtype=np.int64)
         joints = jd.Joints(row, np.array([self.kind]), zero, zero)
-        told = jd.JointCommand(self.command, np.array([self.fraction]), self.voltage)
+        told = jd.JointCommand(self.command, np.array([self.fraction]), np.array([self.voltage]))
         work = jd.JointWork(np.zeros((jd.WORK_ROWS, 1)), np.zeros(1), np.zeros(1))
         readings = jd.JointReadings(np.zeros(1), np.zeros(1), np.zeros(1), self.energy)
         for _ in range(count):

@@ -24,7 +24,7 @@ from sojourn_physics.contact.contact_law import (
 )
 from sojourn_physics.contact.contact_set import contact_forces
 from sojourn_physics.contact.dispatch import apply_law
-from sojourn_physics.contact.tables import Contacts, Ground, Kinematics
+from sojourn_physics.contact.tables import Contacts, Ground, Kinematics, Touch, make_workspace
 from sojourn_physics.soil.params import SoilColumn, SoilParams, kernel_table
 from sojourn_physics.terrain.height_field import SoilArray
 from sojourn_physics.terrain.memory import GroundMemory, MemoryBoard
@@ -104,7 +104,8 @@ class Rig:
         )
         ground = Ground(self.heights, self.soil_index, self.grid, self.soils, self.memory.tables)
         machine = Kinematics(np.ascontiguousarray(placement), np.eye(6), twist)
-        self.on_map = contact_forces(contacts, ground, machine, self.dt, self.state, self.report, force)
+        touch = Touch(self.state, self.report, force, make_workspace(self.soils))
+        self.on_map = contact_forces(contacts, ground, machine, self.dt, touch)
         return force[:3], force[3:] - np.cross(centre, force[:3])
 
     def hold(

@@ -24,7 +24,6 @@ sinkage of the wheels and the bristles of friction; contacts as they are, none m
 ruts do not count.
 """
 
-import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -41,7 +40,6 @@ from sojourn_physics.plant.params import SimulationParams
 from sojourn_physics.plant.state import PlantCommand, PlantState
 from sojourn_physics.plant.step import step
 from sojourn_physics.terrain.height_field import HeightField
-from sojourn_physics.terrain.memory import MemoryBoard
 
 BASE = ("x", "y", "z", "roll", "pitch", "yaw")
 TURNED_BY = {"y": ("yaw", 1.0), "z": ("pitch", -1.0)}
@@ -163,10 +161,8 @@ class _Tangent:
     """The plant's step as a map between small changes of one state."""
 
     def __init__(self, model: PlantModel, state: PlantState, command: PlantCommand, time_step: float) -> None:
-        self.model = copy.copy(model)
-        self.model.simulation = SimulationParams(physics_step=time_step, control_period=time_step)
-        self.model.untouched_ground = replace(model.untouched_ground, cell=0.0)
-        self.model.memory = MemoryBoard(self.model.untouched_ground)
+        simulation = SimulationParams(physics_step=time_step, control_period=time_step)
+        self.model = model.variant(simulation=simulation, memory_cell=0.0)
         self.state = replace(state.copy(), ground=self.model.untouched_ground)
         self.state.contacts[: model.contacts.wheel_count, StateColumn.LARGEST_SHEAR] = ON_BACKBONE
         self.command = command
@@ -216,12 +212,12 @@ class _Tangent:
 
     def on_ground(self, wheel: int, kind: str, amount: float) -> FloatArray:
         """Change after one step on ground that is higher [m] or slopes up forward [-] under one wheel."""
-        flat = self.model.terrain
-        self.model.terrain = self._ground_under(wheel, kind, amount)
+        flat = self.model
+        self.model = flat.variant(terrain=self._ground_under(wheel, kind, amount))
         try:
             return self._change(self._step(self.state, self.command))
         finally:
-            self.model.terrain = flat
+            self.model = flat
 
     def mass(self) -> FloatArray:
         """Mass matrix in the coordinates."""

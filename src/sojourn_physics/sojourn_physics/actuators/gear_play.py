@@ -15,10 +15,10 @@ Assumptions: whether a flank is touched is decided at the start of the step; one
 Range: any stiffness (implicit); what is faster than the step is damped, not resolved.
 """
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 
 
-@njit(cache=True)
+@kernel
 def tooth_torque(
     twist: float, twist_rate: float, half_gap: float, stiffness: float, damping: float, dt: float
 ) -> tuple[float, float]:
@@ -31,7 +31,7 @@ def tooth_torque(
     return torque, stiffness * dt + damping
 
 
-@njit(cache=True)
+@kernel
 def on_joint(
     drive: float, slope: float, inertia: float, tooth: float, tooth_slope: float, dt: float
 ) -> tuple[float, float, float, float]:

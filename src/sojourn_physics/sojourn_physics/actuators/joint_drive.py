@@ -39,7 +39,7 @@ with them.
 import math
 from typing import NamedTuple
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.actuators.gear_play import on_joint, tooth_torque
 from sojourn_physics.actuators.series_drive import series_current, series_torque, torque_at_full_voltage
@@ -98,8 +98,8 @@ class JointCommand(NamedTuple):
     """(3, joints)"""
     limits: FloatArray
     """(joints,): fraction of its current that each motor may draw; 0 is switched off, or dead."""
-    bus_voltage: float
-    """[V]"""
+    bus_voltage: FloatArray
+    """(1,) [V]"""
 
 
 class JointWork(NamedTuple):
@@ -126,7 +126,7 @@ class JointReadings(NamedTuple):
     """At least (ENERGY_TERMS,): electrical, winding heat, friction heat, stop heat [J]; added to."""
 
 
-@njit(cache=True)
+@kernel
 def _dahl(friction: float, viscous: float, deflection: float, rate: float, dt: float) -> tuple[float, float]:
     """Friction torque at the end of the step [N m], and its slope [N m s/rad]."""
     stiffness = friction / FRICTION_ANGLE
@@ -135,7 +135,7 @@ def _dahl(friction: float, viscous: float, deflection: float, rate: float, dt: f
     return -stiffness * (deflection + dt * rate) / relaxed - viscous * rate, stiffness * dt / relaxed + viscous
 
 
-@njit(cache=True)
+@kernel
 def _loss(p: FloatArray, torque: float, deflection: float) -> float:
     """λ: friction over the motor's torque [-]."""
     loss, more = float(1.0 - p[EFFICIENCY]), float(p[BACK_LOSS])
@@ -145,7 +145,7 @@ def _loss(p: FloatArray, torque: float, deflection: float) -> float:
     return loss
 
 
-@njit(cache=True)
+@kernel
 def _within_effort(p: FloatArray, torque: float, deflection: float, rate: float, dt: float) -> float:
     """The motor's torque [N m], less where with friction it would be above the effort that the joint may bear.
 
@@ -160,13 +160,13 @@ def _within_effort(p: FloatArray, torque: float, deflection: float, rate: float,
     return float(min(max(torque, (-effort - others) / (1.0 - loss * sense)), 0.0))
 
 
-@njit(cache=True)
+@kernel
 def _slipped(deflection: float, rate: float, old_rate: float, dt: float) -> float:
     """Deflection z at the end of the step [rad]."""
     return (deflection + dt * rate) / (1.0 + dt * abs(old_rate) / FRICTION_ANGLE)
 
 
-@njit(cache=True)
+@kernel
 def joint_torques(
     joints: Joints,
     command: JointCommand,
@@ -182,7 +182,7 @@ def joint_torques(
         lead: time since the command's stamp [s]: a position reference moves on at its rate.
         velocity: (nv,) [rad/s]. states: (STATE_ROWS, joints), servo integral advanced in place. work: written.
     """
-    kinds, reference, bus_voltage = joints.kinds, command.reference, command.bus_voltage
+    kinds, reference, bus_voltage = joints.kinds, command.reference, command.bus_voltage[0]
     generalised_force = work.force
     for i in range(kinds.shape[0]):
         p = joints.parameters[i]
@@ -304,7 +304,7 @@ def joint_torques(
         work.armature[column] = dt * (through_slope + bearing_slope + stop_slope)
 
 
-@njit(cache=True)
+@kernel
 def settle_joints(
     joints: Joints,
     old_velocity: FloatArray,

@@ -14,23 +14,23 @@ Rates and torques are those of the motor's shaft unless told otherwise. Range: t
 
 import math
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 
 
-@njit(cache=True)
+@kernel
 def series_torque(constant: float, saturation: float, current: float) -> float:
     """T [N m] of a current of at least 0 [A]. constant: K_0 [N m/A^2]. saturation: I_sat [A]."""
     return constant * current * current / (1.0 + current / saturation)
 
 
-@njit(cache=True)
+@kernel
 def series_current(constant: float, saturation: float, torque: float) -> float:
     """Current [A] of a torque of at least 0 [N m]: the inverse of `series_torque`."""
     half = 0.5 * torque / saturation
     return (half + math.sqrt(half * half + constant * torque)) / constant
 
 
-@njit(cache=True)
+@kernel
 def torque_at_full_voltage(
     constant: float, saturation: float, resistance: float, voltage: float, rate: float
 ) -> tuple[float, float]:

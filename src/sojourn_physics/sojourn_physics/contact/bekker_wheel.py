@@ -20,7 +20,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
     ContactModel,
@@ -50,7 +50,7 @@ class BekkerWheelParams(ContactLawParams):
     model: Literal["bekker_wheel_on_soil"] = Field(description="contact model")
 
 
-@njit(cache=True)
+@kernel
 def wheel_load(radius: float, width: float, sinkage: float, soil: FloatArray) -> float:
     """W [N] of a wheel sunk by `sinkage` [m]."""
     n = soil[SoilColumn.N]
@@ -58,7 +58,7 @@ def wheel_load(radius: float, width: float, sinkage: float, soil: FloatArray) ->
     return float(width * pressure_modulus(soil, width) * math.sqrt(2.0 * radius) * sinkage ** (n + 0.5) * factor)
 
 
-@njit(cache=True)
+@kernel
 def mean_shear(j: float, rolling: float) -> float:
     """Part of the soil's strength that is mobilised, over j: growing evenly (rolling = 1), or all the same (0)."""
     if j < 1e-4:
@@ -67,7 +67,7 @@ def mean_shear(j: float, rolling: float) -> float:
     return (rolling * (1.0 - same / j) + (1.0 - rolling) * same) / j
 
 
-@njit(cache=True)
+@kernel
 def bekker_wheel(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:

@@ -20,7 +20,7 @@ convex potential of u: no motion takes energy out of it.
 
 import math
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import StateColumn
 from sojourn_physics.contact.shear_memory import LEAD_SPEED
@@ -30,14 +30,14 @@ BRISTLE_LEAD = 0.02
 stiffer and damp less (estimate)."""
 
 
-@njit(cache=True)
+@kernel
 def bristle_lead(speed: float) -> float:
     """Lead [s] at a speed of the rim [m/s]."""
     ratio = speed / LEAD_SPEED
     return BRISTLE_LEAD / (1.0 + ratio * ratio)
 
 
-@njit(cache=True)
+@kernel
 def bristle_forces(
     slip_x: float,
     slip_y: float,

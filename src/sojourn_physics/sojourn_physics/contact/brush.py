@@ -20,7 +20,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bristle_friction import bristle_forces
 from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, StateColumn, WheelColumn
@@ -57,14 +57,14 @@ class BrushParams(CompliantWheelParams):
     )
 
 
-@njit(cache=True)
+@kernel
 def pneumatic_trail(x: float, half: float) -> float:
     """Trail [m] at a part x (0..1) of full sliding, of a contact of half length `half` [m]."""
     rest = 1.0 - x
     return half / 3.0 * rest**3 / (rest + x * x / 3.0)
 
 
-@njit(cache=True)
+@kernel
 def brush(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:

@@ -35,7 +35,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
     ContactModel,
@@ -96,7 +96,7 @@ class CompliantWheelOnSoilParams(ContactLawParams):
     )
 
 
-@njit(cache=True)
+@kernel
 def flattening(wheel: FloatArray, soil: FloatArray, penetration: float) -> tuple[float, float, float]:
     """Sinkage [m], deflection [m] and greatest pressure [Pa] at a penetration [m]."""
     modulus = pressure_modulus(soil, wheel[WheelColumn.WIDTH])
@@ -113,7 +113,7 @@ def flattening(wheel: FloatArray, soil: FloatArray, penetration: float) -> tuple
     return sinkage, penetration - sinkage, modulus * sinkage ** soil[SoilColumn.N]
 
 
-@njit(cache=True)
+@kernel
 def _shear(
     rolled: float, across: float, pressed: float, slip: float, side_slip: float, rolling: float, soil: FloatArray
 ) -> tuple[float, float]:
@@ -125,7 +125,7 @@ def _shear(
     return gain * j_x, gain * j_y
 
 
-@njit(cache=True)
+@kernel
 def soft_rim_forces(
     wheel: FloatArray,
     soil: FloatArray,
@@ -195,7 +195,7 @@ def soft_rim_forces(
     return force_x * excess, force_y * excess, force_z * excess, along * excess, penetration - deflection, deflection
 
 
-@njit(cache=True)
+@kernel
 def compliant_wheel_on_soil(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:

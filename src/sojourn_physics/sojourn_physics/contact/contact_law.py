@@ -27,7 +27,7 @@ modules.
 import math
 from enum import IntEnum
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 
 
@@ -150,7 +150,7 @@ REST_SPEED = 1e-4
 """Below this speed no slip is told [m/s]."""
 
 
-@njit(cache=True)
+@kernel
 def tell_slip(motion: FloatArray, rim_speed: float, out: FloatArray) -> None:
     """Write slip ratio and slip angle as they are defined for steady rolling.
 

@@ -5,26 +5,22 @@ row names makes of that (`dispatch`), and the force and moment in map, as a gene
 Jacobian. Pads on bodies have a law and a geometry of their own (`pad_on_soil`).
 """
 
-import numpy as np
-
-from sojourn_machine.contact_report import FORCE, PLACE, ReportColumn
-from sojourn_machine.kernels import njit
+from sojourn_machine.contact_report import ReportColumn
+from sojourn_machine.kernels import kernel, small_kernel
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.contact.contact_law import (
-    MOTION_COLUMNS,
-    OUT_COLUMNS,
     OutColumn,
     StateColumn,
     WheelColumn,
 )
 from sojourn_physics.contact.dispatch import apply_law
-from sojourn_physics.contact.ground_memory import PAST_COLUMNS, leave_rut
+from sojourn_physics.contact.ground_memory import leave_rut
 from sojourn_physics.contact.pad_on_soil import is_clear, pad_forces
-from sojourn_physics.contact.tables import Body, Contacts, Ground, Kinematics, Meeting
-from sojourn_physics.contact.wheel_contact import FRAME_VECTORS, find_contact
+from sojourn_physics.contact.tables import Body, Contacts, Ground, Kinematics, Touch
+from sojourn_physics.contact.wheel_contact import find_contact
 
 
-@njit(cache=True)
+@small_kernel
 def _to_map(out: FloatArray, frame: FloatArray, body: Body, wrench: FloatArray) -> None:
     """Force and moment at the wheel's centre in map, and the power that they take from the wheel."""
     along, side, normal = frame[3], frame[4], frame[5]
@@ -41,13 +37,14 @@ def _to_map(out: FloatArray, frame: FloatArray, body: Body, wrench: FloatArray) 
     out[OutColumn.POWER] = power
 
 
-@njit(cache=True)
+@small_kernel
 def _tell(out: FloatArray, wrench: FloatArray, soil_number: int, report: FloatArray) -> None:
     """What a contact does, from its law's answer; the place is told already."""
     report[ReportColumn.SINKAGE] = out[OutColumn.SINKAGE]
     report[ReportColumn.SLIP_RATIO] = out[OutColumn.SLIP_RATIO]
     report[ReportColumn.SLIP_ANGLE] = out[OutColumn.SLIP_ANGLE]
-    report[FORCE] = wrench[0:3]
+    for k in range(3):
+        report[ReportColumn.FORCE_X + k] = wrench[k]
     report[ReportColumn.TORQUE] = out[OutColumn.TORQUE]
     report[ReportColumn.SOIL] = soil_number
     report[ReportColumn.DEFLECTION] = out[OutColumn.DEFLECTION]
@@ -57,7 +54,7 @@ def _tell(out: FloatArray, wrench: FloatArray, soil_number: int, report: FloatAr
     report[ReportColumn.POWER] = out[OutColumn.POWER]
 
 
-@njit(cache=True)
+@small_kernel
 def _place_body(contacts: Contacts, i: int, placements: FloatArray, body: Body) -> None:
     """Centre and axle of a contact's body, from the placement of the joint that carries it."""
     joint = placements[contacts.bodies[i]]
@@ -68,7 +65,7 @@ def _place_body(contacts: Contacts, i: int, placements: FloatArray, body: Body) 
         body.axle[k] = joint[3 + k]
 
 
-@njit(cache=True)
+@small_kernel
 def _move_body(support: IntArray, machine: Kinematics, twist: FloatArray, body: Body) -> None:
     """Velocities of a contact's body. twist: (6,), written: those of the point of the body at the map's origin."""
     twist[:] = 0.0
@@ -83,7 +80,7 @@ def _move_body(support: IntArray, machine: Kinematics, twist: FloatArray, body: 
     velocity[2] = twist[2] + twist[3] * centre[1] - twist[4] * centre[0]
 
 
-@njit(cache=True)
+@small_kernel
 def _add_force(
     support: IntArray, jacobian: FloatArray, centre: FloatArray, wrench: FloatArray, force: FloatArray
 ) -> None:
@@ -98,67 +95,57 @@ def _add_force(
             force[column] += jacobian[k, column] * wrench[k]
 
 
-@njit(cache=True)
-def contact_forces(
-    contacts: Contacts,
-    ground: Ground,
-    machine: Kinematics,
-    dt: float,
-    states: FloatArray,
-    report: FloatArray,
-    generalised_force: FloatArray,
-) -> bool:
-    """Forces of all contacts, as one generalised force.
+@small_kernel
+def _wheel(i: int, contacts: Contacts, ground: Ground, dt: float, touch: Touch) -> bool:
+    """One wheel: its wrench, state and report. Returns whether what is under it is on the map."""
+    row, state, report, work = contacts.rows[i], touch.states[i], touch.report[i], touch.workspace
+    body, meeting, wrench, out = work.body, work.meeting, work.wrench, work.out
+    centre, frame = body.centre, meeting.frame
+    radius = row[WheelColumn.RADIUS]
+    wrench[:] = 0.0
+    report[:] = 0.0
+    on_map: bool
+    touches, soil_number, on_map = find_contact(row, body, ground, state[StateColumn.TRAVEL], meeting)
+    if touches:
+        out[:] = 0.0
+        apply_law(row, meeting.soil, meeting.motion, dt, state, out)
+        _to_map(out, frame, body, wrench)
+        _tell(out, wrench, soil_number, report)
+        if ground.memory.place[2] > 0.0:
+            leave_rut(ground.memory, row, meeting.soil, out[OutColumn.SINKAGE], frame[0], state, meeting.past)
+        for k in range(3):
+            report[ReportColumn.X + k] = centre[k] - radius * frame[2, k]
+    else:
+        state[:] = 0.0
+        report[ReportColumn.X] = centre[0]
+        report[ReportColumn.Y] = centre[1]
+        report[ReportColumn.Z] = centre[2] - radius
+    return on_map
 
-    Args:
-        states: (contacts, STATE_COLUMNS), advanced in place. report: (contacts, REPORT_COLUMNS), written.
-        generalised_force: (nv,), added to.
+
+@kernel
+def contact_forces(contacts: Contacts, ground: Ground, machine: Kinematics, dt: float, touch: Touch) -> bool:
+    """Forces of all contacts, as one generalised force.
 
     Returns:
         whether every contact is on the map.
     """
     on_map = True
-    wrench, twist, out = np.empty(6), np.empty(6), np.empty(OUT_COLUMNS)
-    body = Body(np.empty(3), np.empty(3), np.empty(3), twist[3:6])
-    meeting = Meeting(
-        np.empty((FRAME_VECTORS, 3)),
-        np.empty(MOTION_COLUMNS),
-        np.empty(ground.soils.shape[0]),
-        np.empty(ground.soils.shape[1]),
-        np.empty(PAST_COLUMNS),
-    )
-    centre, frame = body.centre, meeting.frame
-    remembers = ground.memory.place[2] > 0.0
+    work = touch.workspace
+    centre = work.body.centre
     for i in range(contacts.bodies.shape[0]):
-        row, state = contacts.rows[i], states[i]
-        _place_body(contacts, i, machine.placements, body)
-        if i >= contacts.wheel_count and is_clear(row, centre, ground):  # nearly all pads, nearly always
-            state[:] = 0.0
-            report[i, :] = 0.0
-            report[i, PLACE] = centre
+        _place_body(contacts, i, machine.placements, work.body)
+        if i >= contacts.wheel_count and is_clear(contacts.rows[i], centre, ground):  # nearly all pads, nearly always
+            touch.states[i, :] = 0.0
+            touch.report[i, :] = 0.0
+            for k in range(3):
+                touch.report[i, ReportColumn.X + k] = centre[k]
             continue
-        _move_body(contacts.supports[i], machine, twist, body)
+        support = contacts.supports[i]
+        _move_body(support, machine, work.twist, work.body)
         if i < contacts.wheel_count:
-            radius = row[WheelColumn.RADIUS]
-            wrench[:] = 0.0
-            report[i, :] = 0.0
-            touches, soil_number, inside = find_contact(row, body, ground, state[StateColumn.TRAVEL], meeting)
-            on_map &= inside
-            if touches:
-                out[:] = 0.0
-                apply_law(row, meeting.soil, meeting.motion, dt, state, out)
-                _to_map(out, frame, body, wrench)
-                _tell(out, wrench, soil_number, report[i])
-                if remembers:
-                    leave_rut(ground.memory, row, meeting.soil, out[OutColumn.SINKAGE], frame[0], state, meeting.past)
-                for k in range(3):
-                    report[i, ReportColumn.X + k] = centre[k] - radius * frame[2, k]
-            else:
-                state[:] = 0.0
-                report[i, ReportColumn.X] = centre[0]
-                report[i, ReportColumn.Y] = centre[1]
-                report[i, ReportColumn.Z] = centre[2] - radius
+            on_map &= _wheel(i, contacts, ground, dt, touch)
         else:
-            on_map &= pad_forces(row, body, ground, dt, state, wrench, report[i])
-        _add_force(contacts.supports[i], machine.jacobian, centre, wrench, generalised_force)
+            on_map &= pad_forces(contacts.rows[i], ground, dt, touch.states[i], touch.report[i], work)
+        _add_force(support, machine.jacobian, centre, work.wrench, touch.force)
     return on_map

@@ -1,6 +1,6 @@
 """The contact law of a wheel, by the number in its row."""
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bekker_wheel import bekker_wheel
 from sojourn_physics.contact.brush import brush
@@ -14,7 +14,7 @@ from sojourn_physics.contact.roller_wheel import roller_wheel
 from sojourn_physics.contact.track import track
 
 
-@njit(cache=True)
+@kernel
 def apply_law(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:

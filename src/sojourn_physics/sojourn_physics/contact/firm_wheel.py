@@ -20,7 +20,7 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import MotionColumn, OutColumn, WheelColumn, tell_slip
 from sojourn_physics.contact.law_params import FIRM_GROUND, ContactLawParams
@@ -78,7 +78,7 @@ class CompliantWheelParams(FirmWheelParams):
     damping: float = Field(default=1.0, ge=0.0, le=100.0, description="Hunt-Crossley damping of the wheel [s/m]")
 
 
-@njit(cache=True)
+@kernel
 def firm_load(wheel: FloatArray, soil: FloatArray, motion: FloatArray, out: FloatArray) -> float:
     """Load of the contact [N], also written to `out` with sinkage and deflection."""
     radius, penetration = float(wheel[WheelColumn.RADIUS]), float(motion[MotionColumn.PENETRATION])
@@ -104,20 +104,20 @@ def firm_load(wheel: FloatArray, soil: FloatArray, motion: FloatArray, out: Floa
     return float(load)
 
 
-@njit(cache=True)
+@kernel
 def half_length(radius: float, penetration: float) -> float:
     """Half the length of the contact [m]."""
     depth = min(penetration, radius)
     return max(math.sqrt(depth * (2.0 * radius - depth)), MIN_HALF_LENGTH * radius)
 
 
-@njit(cache=True)
+@kernel
 def friction_of(wheel: FloatArray, soil: FloatArray) -> float:
     """Coefficient of friction [-]."""
     return float(wheel[FirmColumn.FRICTION]) if wheel[FirmColumn.FRICTION] > 0.0 else float(soil[SoilColumn.TAN_PHI])
 
 
-@njit(cache=True)
+@kernel
 def firm_slip(wheel: FloatArray, motion: FloatArray, out: FloatArray) -> tuple[float, float, float, float, float]:
     """w_x, w_y, r_e ω [m/s], rolling and loaded radius [m]; after `firm_load`."""
     radius = float(wheel[WheelColumn.RADIUS])
@@ -129,7 +129,7 @@ def firm_slip(wheel: FloatArray, motion: FloatArray, out: FloatArray) -> tuple[f
     return rim_speed - motion[MotionColumn.V_ALONG], slip_y, rim_speed, rolling, loaded
 
 
-@njit(cache=True)
+@kernel
 def finish_firm(
     wheel: FloatArray,
     motion: FloatArray,

@@ -15,7 +15,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bristle_friction import bristle_forces
 from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, WheelColumn
@@ -60,7 +60,7 @@ class CompliantWheelOnRigidGroundParams(CompliantWheelParams):
     break_away: float = Field(default=5e-3, ge=1e-5, le=0.1, description="displacement before full sliding [m]")
 
 
-@njit(cache=True)
+@kernel
 def coulomb_wheel(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:

@@ -19,7 +19,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, OutColumn, StateColumn, WheelColumn
 from sojourn_physics.contact.hysteresis import effective_shear
@@ -44,7 +44,7 @@ class FootPadParams(ContactLawParams):
     model: Literal["foot_pad"] = Field(description="contact model")
 
 
-@njit(cache=True)
+@kernel
 def pad_pressure(radius: float, sinkage: float, soil: FloatArray, unit_weight: float) -> float:
     """Mean pressure under a pad at a depth [Pa]."""
     bekker = pressure_modulus(soil, radius) * sinkage ** soil[SoilColumn.N]
@@ -55,7 +55,7 @@ def pad_pressure(radius: float, sinkage: float, soil: FloatArray, unit_weight: f
     return float(low / (1.0 + (low / high) ** SHARPNESS) ** (1.0 / SHARPNESS))
 
 
-@njit(cache=True)
+@kernel
 def foot_pad(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:

@@ -30,7 +30,7 @@ rigid one would have.
 import math
 from typing import NamedTuple
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import small_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import StateColumn, WheelColumn
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus
@@ -62,7 +62,7 @@ class Rim(NamedTuple):
     """Below that ground, at least 0 [m]."""
 
 
-@njit(cache=True)
+@small_kernel
 def look_ahead(memory: MemoryTables, wheel: FloatArray, rim: Rim, past: FloatArray) -> tuple[float, float, float]:
     """Read what the ground ahead of a wheel has seen.
 
@@ -95,7 +95,7 @@ def look_ahead(memory: MemoryTables, wheel: FloatArray, rim: Rim, past: FloatArr
     return rut + dug, slope_x, slope_y
 
 
-@njit(cache=True)
+@small_kernel
 def settle_soil(wheel: FloatArray, depth: float, soil: FloatArray, past: FloatArray) -> None:
     """Turn the virgin soil's row, (columns,), into that of the ground which a wheel `depth` [m] below the rut meets."""
     modulus, exponent = pressure_modulus(soil, wheel[WheelColumn.WIDTH]), soil[SoilColumn.N]
@@ -120,7 +120,7 @@ def settle_soil(wheel: FloatArray, depth: float, soil: FloatArray, past: FloatAr
         soil[SoilColumn.K_PHI], soil[SoilColumn.N] = equivalent_law(modulus, exponent, past[GREATEST], past[RUT], depth)
 
 
-@njit(cache=True)
+@small_kernel
 def leave_rut(
     memory: MemoryTables,
     wheel: FloatArray,

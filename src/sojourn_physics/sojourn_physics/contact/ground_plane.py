@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import small_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import WheelColumn
 from sojourn_physics.contact.tables import Ground
@@ -38,7 +38,7 @@ RIM_SIN: FloatArray = np.ascontiguousarray(np.sin(_ANGLES))
 RIM_COS: FloatArray = np.ascontiguousarray(np.cos(_ANGLES))
 
 
-@njit(cache=True)
+@small_kernel
 def blend_soils(soils: FloatArray, shares: FloatArray, width: float, blended: FloatArray) -> int:
     """Parameters of the ground under a wheel that touches several soils.
 
@@ -56,7 +56,8 @@ def blend_soils(soils: FloatArray, shares: FloatArray, width: float, blended: Fl
         if shares[i] > shares[first]:
             first = i
     if shares[first] == total:
-        blended[:] = soils[first]
+        for k in range(blended.shape[0]):
+            blended[k] = soils[first, k]
         return first
     blended[:] = 0.0
     log_modulus = 0.0
@@ -76,7 +77,7 @@ def blend_soils(soils: FloatArray, shares: FloatArray, width: float, blended: Fl
     return first
 
 
-@njit(cache=True)
+@small_kernel
 def contact_plane(
     ground: Ground, centre: FloatArray, forward: FloatArray, up: FloatArray, wheel: FloatArray, shares: FloatArray
 ) -> tuple[bool, float, float, float, float, float, bool]:

@@ -41,7 +41,7 @@ Range: grousers straight across the rim, wholly in the soil. `test/validation/te
 
 import math
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.soil.params import SoilColumn
 
@@ -49,13 +49,13 @@ LEAST_SPEED = 0.01
 """Speed over the ground, over that of the rim, below which a wheel digs as one that spins on the spot [-]."""
 
 
-@njit(cache=True)
+@kernel
 def root_of_flow_value(tan_phi: float) -> float:
     """√N_φ = tan(45° + φ/2) [-]."""
     return float(tan_phi + math.sqrt(1.0 + tan_phi * tan_phi))
 
 
-@njit(cache=True)
+@kernel
 def shear_strength(
     radius: float, shear_radius: float, width: float, count: float, thickness: float, skid: float, soil: FloatArray
 ) -> tuple[float, float]:
@@ -80,7 +80,7 @@ def shear_strength(
     return adhesion + gain * max(between - adhesion, 0.0), tan_delta + gain * max(between_tan - tan_delta, 0.0)
 
 
-@njit(cache=True)
+@kernel
 def dug_depth(
     radius: float, shear_radius: float, count: float, slip: float, half_length: float, tan_phi: float
 ) -> float:

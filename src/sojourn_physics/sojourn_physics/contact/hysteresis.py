@@ -31,7 +31,7 @@ import math
 
 import numpy as np
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import small_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import SLIDERS, StateColumn
 
@@ -63,7 +63,7 @@ ROUNDING = 1e-12
 _FIRST = len(StateColumn)
 
 
-@njit(cache=True)
+@small_kernel
 def effective_shear(
     moved_x: float, moved_y: float, moved_z: float, kept: float, displacement: float, state: FloatArray
 ) -> tuple[float, float, float]:

@@ -32,7 +32,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bristle_friction import bristle_lead
 from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, OutColumn, StateColumn, WheelColumn
@@ -106,7 +106,7 @@ class MagicFormulaParams(CompliantWheelParams):
             row[start + 1 : start + 1 + len(coefficients)] = coefficients
 
 
-@njit(cache=True)
+@kernel
 def curve(coefficients: FloatArray, form: int, load: float, camber: float) -> tuple[float, float, float, float]:
     """B, C, D, E of one curve. coefficients: (CURVE_SIZE,). load: [kN]. camber: [degree]."""
     a1, a2, a5 = coefficients[1], coefficients[2], coefficients[5]
@@ -127,7 +127,7 @@ def curve(coefficients: FloatArray, form: int, load: float, camber: float) -> tu
     return max(b, 0.0), c, d, min(e, 1.0)
 
 
-@njit(cache=True)
+@kernel
 def formula(b: float, c: float, d: float, e: float, x: float) -> float:
     """y(x)."""
     stretched = b * x
@@ -135,7 +135,7 @@ def formula(b: float, c: float, d: float, e: float, x: float) -> float:
     return d * math.sin(c * math.atan(bent))
 
 
-@njit(cache=True)
+@kernel
 def magic_forces(
     wheel: FloatArray, load: float, slip: float, angle: float, camber: float
 ) -> tuple[float, float, float]:
@@ -178,7 +178,7 @@ def magic_forces(
     return force_x, force_y, moment
 
 
-@njit(cache=True)
+@kernel
 def _hold_slips(wheel: FloatArray, load: float, speed: float, state: FloatArray) -> None:
     """At a crawl, hold the displacements to what a sliding contact can store."""
     kilonewtons = load * 1e-3
@@ -197,7 +197,7 @@ def _hold_slips(wheel: FloatArray, load: float, speed: float, state: FloatArray)
         state[StateColumn.SHEAR_SIDE] *= largest / xi
 
 
-@njit(cache=True)
+@kernel
 def _trail(wheel: FloatArray, load: float, state: FloatArray, half: float) -> float:
     """-M_z/F_y of pure and combined slip without camber [m], at most half the contact's length; 0 at no slip."""
     slip, angle = (
@@ -209,7 +209,7 @@ def _trail(wheel: FloatArray, load: float, state: FloatArray, half: float) -> fl
     return float(min(max(-moment * force_y / (force_y * force_y + small * small + SMALL), -half), half))
 
 
-@njit(cache=True)
+@kernel
 def magic_formula(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:

@@ -21,15 +21,13 @@ hole that a drill has made lies `TAKEN` below the ground. The tool writes these 
 
 import math
 
-import numpy as np
-
-from sojourn_machine.contact_report import PLACE, ReportColumn
-from sojourn_machine.kernels import njit
+from sojourn_machine.contact_report import ReportColumn
+from sojourn_machine.kernels import kernel, small_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import WheelColumn
 from sojourn_physics.contact.hysteresis import effective_shear
 from sojourn_physics.contact.shear_memory import MAX_DAMPING_GAIN, clip, shear_lead
-from sojourn_physics.contact.tables import Body, Ground
+from sojourn_physics.contact.tables import Ground, Workspace
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus
 from sojourn_physics.soil.params import SoilColumn
 from sojourn_physics.terrain.height_field import sample_ground, sample_soil
@@ -53,13 +51,13 @@ PAD_MEMORY = 4.0
 """Distance after which a sliding pad forgets where it stood, in shear moduli."""
 
 
-@njit(cache=True)
+@kernel
 def lead_length(radius: float, cell: float) -> float:
     """How far ahead of a tool that is dragged the ground is read [m]: beyond what its cut has taken away."""
     return radius + 1.5 * cell
 
 
-@njit(cache=True)
+@small_kernel
 def is_clear(pad: FloatArray, centre: FloatArray, ground: Ground) -> bool:
     """Whether a pad is above the ground and does nothing there; a tool, which may do more, never is."""
     height, _, _, _ = sample_ground(ground.heights, ground.grid, centre[0], centre[1])
@@ -68,27 +66,23 @@ def is_clear(pad: FloatArray, centre: FloatArray, ground: Ground) -> bool:
     return clear
 
 
-@njit(cache=True)
+@kernel
 def pad_forces(
-    pad: FloatArray,
-    body: Body,
-    ground: Ground,
-    dt: float,
-    state: FloatArray,
-    wrench: FloatArray,
-    report: FloatArray,
+    pad: FloatArray, ground: Ground, dt: float, state: FloatArray, report: FloatArray, work: Workspace
 ) -> bool:
-    """One pad: advances `state`, writes `wrench` and `report`. Returns False where it is off the map.
+    """One pad: advances `state`, writes its wrench and `report`. Returns False where it is off the map.
 
     Args:
         pad: its row, (WHEEL_COLUMNS,): radius, and the coefficients of its cut in each soil. dt: [s].
         state: (STATE_COLUMNS,); its first three are the displacement against the ground in map [m], then a tool's D.
-        wrench: (6,), force and moment at the centre. report: row of `ReportColumn`.
+        report: row of `ReportColumn`. work: its body is given, its wrench written: force and moment at the centre.
     """
-    centre, velocity, grid = body.centre, body.velocity, ground.grid
+    centre, velocity, wrench, grid = work.body.centre, work.body.velocity, work.wrench, ground.grid
+    normal, slide, towards = work.vectors[0], work.vectors[1], work.vectors[2]
     wrench[:] = 0.0
     report[:] = 0.0
-    report[PLACE] = centre
+    for k in range(3):
+        report[ReportColumn.X + k] = centre[k]
     height, slope_x, slope_y, inside = sample_ground(ground.heights, grid, centre[0], centre[1])
     norm = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     radius = float(pad[WheelColumn.RADIUS])
@@ -106,7 +100,7 @@ def pad_forces(
     if sinkage <= 0.0:
         state[:] = 0.0
         return True
-    normal = np.array((-slope_x * norm, -slope_y * norm, norm))
+    normal[0], normal[1], normal[2] = -slope_x * norm, -slope_y * norm, norm
     soil_number = sample_soil(ground.soil_index, grid[0], grid[1], grid[2], centre[0], centre[1])
     soil = ground.soils[soil_number]
     area = math.pi * radius * radius
@@ -115,7 +109,6 @@ def pad_forces(
     load *= clip(1.0 - soil[SoilColumn.CONTACT_DAMPING] * v_normal, 0.0, MAX_DAMPING_GAIN)
 
     modulus = soil[SoilColumn.SHEAR_MODULUS]
-    slide = np.empty(3)
     for k in range(3):
         slide[k] = velocity[k] - v_normal * normal[k]
     speed = math.sqrt(slide[0] ** 2 + slide[1] ** 2 + slide[2] ** 2)
@@ -126,7 +119,6 @@ def pad_forces(
     for k in range(3):
         state[k] -= out_of_plane * normal[k]
     displacement = math.sqrt(state[0] ** 2 + state[1] ** 2 + state[2] ** 2)
-    towards = np.empty(3)
     towards[0], towards[1], towards[2] = effective_shear(
         -dt * slide[0], -dt * slide[1], -dt * slide[2], kept, displacement, state
     )

@@ -9,14 +9,14 @@ with Terzaghi's factors of `soil.bearing` from tan φ.
 
 import math
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_physics.soil.bearing import COHESION_FACTOR_WITHOUT_FRICTION
 
 MAX_TANGENT = math.tan(math.radians(60.0))
 MIN_TANGENT = 1e-6
 
 
-@njit(cache=True)
+@kernel
 def terzaghi_factors(tan_phi: float) -> tuple[float, float, float, float, float]:
     """N_q, N_c, N_γ, K_c, K_γ [-]."""
     tangent = min(max(tan_phi, 0.0), MAX_TANGENT)
@@ -29,14 +29,14 @@ def terzaghi_factors(tan_phi: float) -> tuple[float, float, float, float, float]
     return n_q, n_c, ratio * tangent, (n_c - tangent) * cosine_squared, (2.0 * ratio + 1.0) * cosine_squared
 
 
-@njit(cache=True)
+@kernel
 def wall_resistance(sinkage: float, cohesion: float, tan_phi: float, unit_weight: float) -> float:
     """Force a width of soil z deep puts up against a wall that is pushed into it [N/m]."""
     _, _, _, k_c, k_gamma = terzaghi_factors(tan_phi)
     return float(sinkage * (cohesion * k_c + 0.5 * unit_weight * sinkage * k_gamma))
 
 
-@njit(cache=True)
+@kernel
 def wheel_bulldozing(
     sinkage: float, radius: float, width: float, cohesion: float, tan_phi: float, unit_weight: float
 ) -> float:
@@ -57,7 +57,7 @@ def wheel_bulldozing(
     return float(width * shape * passive + side)
 
 
-@njit(cache=True)
+@kernel
 def obstacle_resistance(height: float, radius: float, load: float) -> float:
     """Push that takes a wheel up on an edge of a height that bears its load [N], without friction: by the moments about
     the edge, W tan α with cos α = 1 - height/r (Bekker 1969, sec. 3.1); no end of it from the axle's height on.
@@ -68,7 +68,7 @@ def obstacle_resistance(height: float, radius: float, load: float) -> float:
     return load * math.sqrt(1.0 - cosine * cosine) / cosine
 
 
-@njit(cache=True)
+@kernel
 def round_bearing_capacity(sinkage: float, radius: float, cohesion: float, tan_phi: float, unit_weight: float) -> float:
     """Pressure that a round footing at a depth can carry [Pa]."""
     n_q, n_c, n_gamma, _, _ = terzaghi_factors(tan_phi)

@@ -10,12 +10,12 @@ at most, s = sin θ1, c = cos θ1, and d = max(z - r, 0) what is sunk beyond tha
 
 import math
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.soil.params import SoilColumn
 
 
-@njit(cache=True)
+@kernel
 def front_push(radius: float, width: float, gravity: float, sinkage: float, soil: FloatArray) -> float:
     """Bekker's bulldozing resistance [N] (`soil.bearing`); zero where the soil does not ask for it."""
     if soil[SoilColumn.FRONT_BULLDOZING] <= 0.0 or sinkage <= 0.0:
@@ -38,7 +38,7 @@ def front_push(radius: float, width: float, gravity: float, sinkage: float, soil
     return float(soil[SoilColumn.FRONT_BULLDOZING] * (width * shape * passive + side))
 
 
-@njit(cache=True)
+@kernel
 def side_push(
     radius: float,
     width: float,

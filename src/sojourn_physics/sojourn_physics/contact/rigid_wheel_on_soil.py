@@ -12,7 +12,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
     ContactModel,
@@ -38,7 +38,7 @@ class RigidWheelOnSoilParams(ContactLawParams):
     model: Literal["rigid_wheel_on_soil"] = Field(default="rigid_wheel_on_soil", description="contact model")
 
 
-@njit(cache=True)
+@kernel
 def contact_length(radius: float, sinkage: float, soil: FloatArray, travel: float) -> float:
     """Length of the wheel's contact along the ground [m], from entry to exit, for the relaxation."""
     entry = math.acos(clip(1.0 - sinkage / radius, -0.8, 1.0))
@@ -49,7 +49,7 @@ def contact_length(radius: float, sinkage: float, soil: FloatArray, travel: floa
     return radius * (math.sin(entry) + behind)
 
 
-@njit(cache=True)
+@kernel
 def rigid_wheel_on_soil(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:

@@ -25,7 +25,7 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from sojourn_machine.errors import InvalidValueError
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bristle_friction import bristle_forces
 from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, StateColumn, WheelColumn
@@ -107,7 +107,7 @@ def _checked(angle: float) -> float:
     return angle
 
 
-@njit(cache=True)
+@kernel
 def roller_wheel(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:

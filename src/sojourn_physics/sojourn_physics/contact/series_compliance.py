@@ -18,7 +18,7 @@ laws go on as they are written.
 
 import math
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus
 from sojourn_physics.soil.params import SoilColumn
@@ -28,7 +28,7 @@ TOLERANCE = 1e-13
 """Of the sinkage, as a fraction of the penetration."""
 
 
-@njit(cache=True)
+@kernel
 def round_rim_on_ground(radius: float, width: float, soil: FloatArray) -> tuple[float, float]:
     """A [N/m^m] and m of the load F = A z^m of a rigid rim."""
     n = soil[SoilColumn.N]
@@ -36,7 +36,7 @@ def round_rim_on_ground(radius: float, width: float, soil: FloatArray) -> tuple[
     return width * pressure_modulus(soil, width) * math.sqrt(2.0 * radius) * beta, n + 0.5
 
 
-@njit(cache=True)
+@kernel
 def sinkage_in_series(
     amount: float, exponent: float, penetration: float, offset: float, linear: float, square: float, stop: float,
     stop_stiffness: float,

@@ -18,7 +18,7 @@ estimate), for swings too small for the sliders, gone at driving speed.
 
 import math
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import small_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import MotionColumn, StateColumn
 from sojourn_physics.contact.hysteresis import effective_shear
@@ -31,20 +31,20 @@ MAX_DAMPING_GAIN = 3.0
 """Largest factor by which damping raises a normal force."""
 
 
-@njit(cache=True)
+@small_kernel
 def clip(value: float, low: float, high: float) -> float:
     """The value, held to low..high."""
     return min(max(value, low), high)
 
 
-@njit(cache=True)
+@small_kernel
 def shear_lead(speed: float) -> float:
     """Time by which the rate of shear leads the shear displacement [s] at a speed over the ground [m/s]."""
     ratio = speed / LEAD_SPEED
     return SHEAR_LEAD / (1.0 + ratio * ratio)
 
 
-@njit(cache=True)
+@small_kernel
 def advance_rolling(motion: FloatArray, length: float, dt: float, state: FloatArray) -> tuple[float, float]:
     """Advance the memory of a rolling contact's shear over dt [s], implicitly: at any speed and step it stays bounded.
 

@@ -2,9 +2,15 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from sojourn_machine.params import FloatArray, IntArray
+from sojourn_physics.contact.contact_law import MOTION_COLUMNS, OUT_COLUMNS
+from sojourn_physics.contact.ground_memory import PAST_COLUMNS
 from sojourn_physics.terrain.height_field import HeightArray, SoilArray
 from sojourn_physics.terrain.memory_tiles import MemoryTables
+
+FRAME_VECTORS = 6
 
 
 class Contacts(NamedTuple):
@@ -74,3 +80,44 @@ class Meeting(NamedTuple):
     """Row of `SoilColumn`: the ground there."""
     past: FloatArray
     """(PAST_COLUMNS,): what that ground has seen (see `ground_memory`)."""
+
+
+class Workspace(NamedTuple):
+    """What the kernels write while they go from contact to contact."""
+
+    body: Body
+    meeting: Meeting
+    twist: FloatArray
+    """(6,): velocities of the point of a body at the map's origin."""
+    wrench: FloatArray
+    """(6,): force and moment on a body."""
+    out: FloatArray
+    """Row of `OutColumn`."""
+    vectors: FloatArray
+    """(3, 3): a pad's normal, its slide and the shear that it feels."""
+
+
+class Touch(NamedTuple):
+    """What the kernels of the contacts write."""
+
+    states: FloatArray
+    """(contacts, STATE_COLUMNS), advanced in place."""
+    report: FloatArray
+    """(contacts, REPORT_COLUMNS)"""
+    force: FloatArray
+    """(nv,): generalised force, added to."""
+    workspace: Workspace
+
+
+def make_workspace(soils: FloatArray) -> Workspace:
+    """For a ground of these soils, (soils, columns)."""
+    twist = np.zeros(6)
+    meeting = Meeting(
+        frame=np.zeros((FRAME_VECTORS, 3)),
+        motion=np.zeros(MOTION_COLUMNS),
+        shares=np.zeros(len(soils)),
+        soil=np.zeros(soils.shape[1]),
+        past=np.zeros(PAST_COLUMNS),
+    )
+    body = Body(np.zeros(3), np.zeros(3), np.zeros(3), twist[3:])
+    return Workspace(body, meeting, twist, np.zeros(6), np.zeros(OUT_COLUMNS), np.zeros((3, 3)))

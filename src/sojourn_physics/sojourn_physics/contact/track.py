@@ -26,7 +26,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
     ContactModel,
@@ -69,7 +69,7 @@ class TrackParams(ContactLawParams):
     peakedness: float = Field(default=0.0, ge=0.0, le=1.0, description="a: pressure between 1 - a and 1 + a [-]")
 
 
-@njit(cache=True)
+@kernel
 def track_shear(
     wheel: FloatArray,
     soil: FloatArray,
@@ -105,7 +105,7 @@ def track_shear(
     return force_x, force_y, moment
 
 
-@njit(cache=True)
+@kernel
 def track(
     wheel: FloatArray, soil: FloatArray, motion: FloatArray, dt: float, state: FloatArray, out: FloatArray
 ) -> None:

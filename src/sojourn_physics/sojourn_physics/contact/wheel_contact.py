@@ -11,7 +11,7 @@ whose top is taken to be twice as high as its mean round the contact.
 
 import math
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import small_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import MotionColumn, WheelColumn
 from sojourn_physics.contact.ground_memory import RUT, Rim, look_ahead, settle_soil
@@ -22,10 +22,9 @@ MIN_COS_CAMBER = 1e-3
 """A wheel that lies flatter than this on its side has no lowest point."""
 HIGHEST_HEAP = 0.1
 """A wheel whose lowest point is so far above the ground as it was once may still stand on a heap of soil [m]."""
-FRAME_VECTORS = 6
 
 
-@njit(cache=True)
+@small_kernel
 def find_contact(
     wheel: FloatArray, body: Body, ground: Ground, travel: float, meeting: Meeting
 ) -> tuple[bool, int, bool]:

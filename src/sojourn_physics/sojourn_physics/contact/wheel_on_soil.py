@@ -61,7 +61,7 @@ import math
 
 import numpy as np
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel, small_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.grousers import dug_depth, shear_strength
 from sojourn_physics.contact.pushed_soil import front_push, side_push
@@ -87,7 +87,7 @@ NODES: FloatArray = np.ascontiguousarray(0.5 * (_NODES + 1.0))
 WEIGHTS: FloatArray = np.ascontiguousarray(0.5 * _WEIGHTS)
 
 
-@njit(cache=True)
+@small_kernel
 def pressure_modulus(soil: FloatArray, width: float) -> float:
     """k of p = k z^n under a plate or wheel of `width` [m], in N/m^(n+2).
 
@@ -99,7 +99,7 @@ def pressure_modulus(soil: FloatArray, width: float) -> float:
     return max(modulus, 0.0)
 
 
-@njit(cache=True)
+@small_kernel
 def contact_angles(
     radius: float, sinkage: float, slip: float, rolling: float, soil: FloatArray, sideways: float = 0.0
 ) -> tuple[float, float, float]:
@@ -112,7 +112,7 @@ def contact_angles(
     return entry, rolling * rolling_exit - (1.0 - rolling) * entry, rolling * greatest
 
 
-@njit(cache=True)
+@small_kernel
 def travel(slip: float, lateral_slip: float) -> tuple[float, float, float, float]:
     """Motion behind a slip and lateral slip, all over V = max(|rω|, |v|).
 
@@ -134,7 +134,7 @@ def travel(slip: float, lateral_slip: float) -> tuple[float, float, float, float
     return rim, ahead, total_slip, sideways
 
 
-@njit(cache=True)
+@small_kernel
 def turning_angle(entry: float, slip: float, shift: float) -> float:
     """Angle θ at which the shear along a braked rim turns from ahead to back, jx = 0; beyond every rim if it does not.
 
@@ -159,7 +159,7 @@ def turning_angle(entry: float, slip: float, shift: float) -> float:
     return theta
 
 
-@njit(cache=True)
+@kernel
 def rim_forces(
     radius: float,
     shear_radius: float,
@@ -184,7 +184,7 @@ def rim_forces(
     return found[0], found[1], found[2], found[3], found[4], found[5], found[6]
 
 
-@njit(cache=True)
+@kernel
 def wheel_forces(
     radius: float,
     shear_radius: float,

@@ -1,14 +1,10 @@
-"""The two compiled halves of a physics step.
+"""The compiled part of a physics step: from the terms of the machine's dynamics to its new velocity (see `step`)."""
 
-Pinocchio's terms and the solution stand between them (see `step`).
-"""
-
+import math
 from typing import NamedTuple
 
-import numpy as np
-
 from sojourn_machine.contact_report import ReportColumn
-from sojourn_machine.kernels import njit, structref, types
+from sojourn_machine.kernels import kernel, njit, structref, types
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.actuators.joint_drive import (
     ANGLE,
@@ -21,7 +17,8 @@ from sojourn_physics.actuators.joint_drive import (
     settle_joints,
 )
 from sojourn_physics.contact.contact_set import contact_forces
-from sojourn_physics.contact.tables import Contacts, Ground, Kinematics
+from sojourn_physics.contact.tables import Contacts, Ground, Kinematics, Touch, Workspace
+from sojourn_physics.plant.inertia import Factors, factorise, solve
 
 COUPLING_DRIFT_GAIN = 0.1
 """Part of a coupling's drift that is taken back in one step."""
@@ -42,8 +39,14 @@ class Multibody(NamedTuple):
     """(nv,): forces of gravity and of the motion."""
     coupling: FloatArray
     """A, (couplings, nv)."""
+    factors: Factors
+    """Of M with the joints' inertia."""
     response: FloatArray
     """A M⁻¹, (couplings, nv)."""
+    factor: FloatArray
+    """(couplings, couplings): Cholesky's, of A M⁻¹ Aᵀ."""
+    impulse: FloatArray
+    """(couplings,): of the last step."""
 
 
 class Motion(NamedTuple):
@@ -64,7 +67,7 @@ class Forces(NamedTuple):
 
     contacts: FloatArray
     net: FloatArray
-    """All that act, less the bias."""
+    """All that act, less the bias; then the acceleration that they give without couplings."""
 
 
 class Sums(NamedTuple):
@@ -92,6 +95,7 @@ class PlantTables(NamedTuple):
     readings: JointReadings
     report: FloatArray
     """(contacts, REPORT_COLUMNS)"""
+    workspace: Workspace
     sums: Sums
     dt: float
     """[s]"""
@@ -118,30 +122,33 @@ def open_period(tables: PlantTables) -> Period:
     return Period(tables)
 
 
-@njit(cache=True)
-def apply_forces(period: Period, step: int) -> bool:
-    """Generalised force of contacts and joints; the joints' rotor inertia and implicit slopes go onto the
-    mass matrix.
+@kernel
+def _touch_ground(tables: PlantTables, step: int) -> bool:
+    """Write the generalised force of the contacts. Returns whether all of them are on the map."""
+    multibody, motion, forces = tables.multibody, tables.motion, tables.forces
+    forces.contacts[:] = 0.0
+    machine = Kinematics(multibody.placements, multibody.jacobian, motion.rates[step])
+    touch = Touch(motion.contacts, tables.report, forces.contacts, tables.workspace)
+    on_map: bool = contact_forces(tables.contacts, tables.ground, machine, tables.dt, touch)
+    return on_map
 
-    Args:
-        step: in the period, from 0.
+
+@kernel
+def _apply_forces(tables: PlantTables, step: int) -> bool:
+    """Net force of contacts and joints; the joints' rotor inertia and implicit slopes go onto the mass matrix.
 
     Returns:
         whether all contacts are on the map.
     """
-    tables: PlantTables = period.tables
     multibody, motion, forces, work, dt = tables.multibody, tables.motion, tables.forces, tables.work, tables.dt
     velocity = motion.rates[step]
-    forces.contacts[:] = 0.0
-    machine = Kinematics(multibody.placements, multibody.jacobian, velocity)
-    on_map: bool = contact_forces(
-        tables.contacts, tables.ground, machine, dt, motion.contacts, tables.report, forces.contacts
-    )
+    on_map: bool = _touch_ground(tables, step)
     total = tables.sums.contact_force
     for i in range(total.shape[0]):
         for k in range(3):
             total[i, k] += tables.report[i, ReportColumn.FORCE_X + k]
-    work.force[:] = forces.contacts
+    for k in range(velocity.shape[0]):
+        work.force[k] = forces.contacts[k]
     joint_torques(tables.joints, tables.command, (step + 1) * dt, velocity, dt, motion.joints, work)
     for column in tables.joints.columns:
         multibody.mass_matrix[column, column] += work.armature[column]
@@ -150,18 +157,16 @@ def apply_forces(period: Period, step: int) -> bool:
     return on_map
 
 
-@njit(cache=True)
-def _coupling_impulse(coupling: FloatArray, response: FloatArray, error: FloatArray) -> FloatArray:
-    """Impulses that take the errors of rate away: (A M⁻¹ Aᵀ)⁻¹ e, by Cholesky's factors; not finite where it cannot be.
+@kernel
+def _solve_impulse(multibody: Multibody) -> None:
+    """Impulses that take errors of rate away, in their place: (A M⁻¹ Aᵀ)⁻¹ e, by Cholesky's factors; not finite where
+    it cannot be.
 
     In plain loops: a library would add up in an order of its own, by the processor and its cores.
-
-    Args:
-        coupling: A, (couplings, nv). response: A M⁻¹, (couplings, nv). error: e, (couplings,).
     """
-    count = error.shape[0]
-    factor = np.zeros((count, count))
-    impulse = error.copy()
+    coupling, response = multibody.coupling, multibody.response
+    factor, impulse = multibody.factor, multibody.impulse
+    count = impulse.shape[0]
     for i in range(count):
         for j in range(i + 1):
             entry = 0.0
@@ -169,7 +174,7 @@ def _coupling_impulse(coupling: FloatArray, response: FloatArray, error: FloatAr
                 entry += coupling[i, k] * response[j, k]
             for k in range(j):
                 entry -= factor[i, k] * factor[j, k]
-            factor[i, j] = entry / factor[j, j] if j < i else np.sqrt(entry)
+            factor[i, j] = entry / factor[j, j] if j < i else math.sqrt(entry)
         for k in range(i):
             impulse[i] -= factor[i, k] * impulse[k]
         impulse[i] /= factor[i, i]
@@ -177,15 +182,13 @@ def _coupling_impulse(coupling: FloatArray, response: FloatArray, error: FloatAr
         for k in range(i + 1, count):
             impulse[i] -= factor[k, i] * impulse[k]
         impulse[i] /= factor[i, i]
-    return impulse
 
 
-@njit(cache=True)
+@kernel
 def _close_loops(multibody: Multibody, columns: IntArray, angles: FloatArray, dt: float, velocity: FloatArray) -> None:
     """Take from a velocity, (nv,), what the couplings do not allow. angles: of the joints, (joints,) [rad]."""
-    coupling, response = multibody.coupling, multibody.response
+    coupling, response, impulse = multibody.coupling, multibody.response, multibody.impulse
     count = coupling.shape[0]
-    error = np.empty(count)
     for i in range(count):
         drift = 0.0
         rate = 0.0
@@ -193,22 +196,24 @@ def _close_loops(multibody: Multibody, columns: IntArray, angles: FloatArray, dt
             drift += coupling[i, columns[joint]] * angles[joint]
         for k in range(velocity.shape[0]):
             rate += coupling[i, k] * velocity[k]
-        error[i] = rate + COUPLING_DRIFT_GAIN * drift / dt
-    impulse = _coupling_impulse(coupling, response, error)
+        impulse[i] = rate + COUPLING_DRIFT_GAIN * drift / dt
+    _solve_impulse(multibody)
     for i in range(count):
         for k in range(velocity.shape[0]):
             velocity[k] -= response[i, k] * impulse[i]
 
 
-@njit(cache=True)
-def advance_velocity(period: Period, step: int, acceleration: FloatArray) -> None:
-    """New velocity from the free acceleration and the couplings; books the joints' part of the step.
-
-    Args:
-        step: in the period, from 0. acceleration: (nv,) without couplings.
-    """
-    tables: PlantTables = period.tables
+@kernel
+def _advance_velocity(tables: PlantTables, step: int) -> None:
+    """New velocity from the net force and the couplings; books the joints' part of the step."""
     multibody, motion, readings, sums, dt = tables.multibody, tables.motion, tables.readings, tables.sums, tables.dt
+    acceleration, response = tables.forces.net, multibody.response
+    factorise(multibody.mass_matrix, multibody.factors)
+    solve(multibody.factors, acceleration)
+    for i in range(response.shape[0]):
+        for k in range(response.shape[1]):
+            response[i, k] = multibody.coupling[i, k]
+        solve(multibody.factors, response[i])
     velocity, new_velocity = motion.rates[step], motion.rates[step + 1]
     for k in range(velocity.shape[0]):
         new_velocity[k] = velocity[k] + dt * acceleration[k]
@@ -222,3 +227,32 @@ def advance_velocity(period: Period, step: int, acceleration: FloatArray) -> Non
         sums.load_energy[i] += readings.load_power[i] * dt
     for i in range(readings.currents.shape[0]):
         sums.current_squares[i] += readings.currents[i] * readings.currents[i]
+
+
+@kernel
+def _advance(tables: PlantTables, step: int) -> bool:
+    on_map: bool = _apply_forces(tables, step)
+    _advance_velocity(tables, step)
+    return on_map
+
+
+@njit(cache=True)
+def advance(period: Period, step: int) -> bool:
+    """One physics step, but for the configuration: `motion.rates` and `displacement`, and all that is told of it.
+
+    Args:
+        period: with the placements, Jacobian, mass matrix and bias of the machine as it stands.
+        step: in the period, from 0.
+
+    Returns:
+        whether all contacts are on the map.
+    """
+    on_map: bool = _advance(period.tables, step)
+    return on_map
+
+
+@njit(cache=True)
+def touch_ground(period: Period, step: int) -> bool:
+    """The contacts alone, as `advance` has them: what they cost can so be told."""
+    on_map: bool = _touch_ground(period.tables, step)
+    return on_map

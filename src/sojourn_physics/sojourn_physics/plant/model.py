@@ -14,8 +14,9 @@ A base that is fixed (an arm on a stand) has six more rows, A = [1 0] on its own
 the foundation, and the state of every machine has one form.
 """
 
+import copy
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -30,10 +31,10 @@ from sojourn_machine.power.loads import BusParams
 from sojourn_machine.tools import ObjectParams, ToolParams
 from sojourn_physics.actuators import drive_condition, joint_drive
 from sojourn_physics.contact.rows import add_cuts, kernel_rows, law_of
-from sojourn_physics.contact.tables import Contacts, Ground
-from sojourn_physics.plant.kernels import Forces, Multibody
+from sojourn_physics.contact.tables import Contacts
 from sojourn_physics.plant.params import SimulationParams
 from sojourn_physics.plant.tools.mounted_tool import MountedTool, with_tool
+from sojourn_physics.plant.working_memory import WorkingMemory
 from sojourn_physics.plant.wrist import WristLoad
 from sojourn_physics.soil.params import SoilParams, kernel_table
 from sojourn_physics.terrain.height_field import HeightField
@@ -147,11 +148,25 @@ class PlantModel:
         self._make_workspace()
         self._check_springs()
 
-    @property
-    def ground(self) -> Ground:
-        """For the kernels; stands until the memory of the ground is loaded anew."""
-        terrain = self.terrain
-        return Ground(terrain.heights, terrain.soil_index, self.grid, self.soils, self.memory.tables)
+    def variant(
+        self,
+        simulation: SimulationParams | None = None,
+        terrain: HeightField | None = None,
+        memory_cell: float | None = None,
+    ) -> "PlantModel":
+        """The same machine, stepped in another way, on a ground of the same soils, or on one that remembers otherwise;
+        None: as here. It shares the multibody with this one: step them in turn.
+        """
+        other = copy.copy(self)
+        if simulation is not None:
+            other.simulation = simulation
+        if terrain is not None:
+            other.terrain, other.grid = terrain, terrain.grid
+        if memory_cell is not None:
+            other.untouched_ground = replace(self.untouched_ground, cell=memory_cell)
+            other.memory = MemoryBoard(other.untouched_ground)
+        other.work = WorkingMemory(other)
+        return other
 
     @property
     def wheel_names(self) -> tuple[str, ...]:
@@ -326,15 +341,10 @@ class PlantModel:
             self.data.oMi[0].rotation.T.reshape(-1), (model.njoints, PLACEMENT_SIZE), (PLACEMENT_SIZE * 8, 8)
         )
         self.report = np.zeros((len(self.contacts.names), REPORT_COLUMNS))
-        nv, joints = model.nv, len(self.joints.names)
-        self.dynamics = Multibody(
-            self.placements, self.jacobian, self.mass_matrix, self.bias, self.coupling, np.zeros_like(self.coupling)
-        )
-        self.work = joint_drive.JointWork(np.zeros((joint_drive.WORK_ROWS, joints)), np.zeros(nv), np.zeros(nv))
-        self.forces = Forces(np.zeros(nv), np.zeros(nv))
-        self.efforts = np.zeros(joints)
-        self.currents = np.zeros(joints)
+        self.efforts = np.zeros(len(self.joints.names))
+        self.currents = np.zeros(len(self.joints.names))
         self.load_power = np.zeros(len(self.bus.loads))
+        self.work = WorkingMemory(self)
 
 
 def _check_ground(machine: MachineParams, ground: Sequence[SoilParams]) -> None:

@@ -4,10 +4,8 @@ Semi-implicit Euler at the physics step (velocity first, then configuration with
 in the joints' stiff terms. For each physics step:
 
     1  placements, Jacobian, mass matrix and bias forces         (Pinocchio)
-    2  contact forces, joint torques and their slopes            (`kernels.apply_forces`)
-    3  factorisation of the mass matrix                          (Pinocchio)
-    4  acceleration, couplings, new velocity, energy             (`kernels.advance_velocity`)
-    5  configuration on the group                                (Pinocchio)
+    2  contact forces, joint torques and their slopes; acceleration, couplings, new velocity, energy (`kernels.advance`)
+    3  configuration on the group                                (Pinocchio)
 
 The tool at the arm's end, the battery and the bus take one step a control period, these with the mean power of the
 motors; the bus voltage holds for the next period.
@@ -33,20 +31,9 @@ from sojourn_physics.actuators.joint_drive import (
     STATE_ROWS,
     STOP_HEAT,
     WINDING_HEAT,
-    JointCommand,
-    JointReadings,
 )
 from sojourn_physics.contact.contact_law import STATE_COLUMNS, WheelColumn
-from sojourn_physics.plant.kernels import (
-    ENERGY_SUMS,
-    SOIL_WORK,
-    Motion,
-    PlantTables,
-    Sums,
-    advance_velocity,
-    apply_forces,
-    open_period,
-)
+from sojourn_physics.plant.kernels import SOIL_WORK, advance
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import EnergyAccount, PlantCommand, PlantOutput, PlantState, zeros_command
 from sojourn_physics.plant.tools.mounted_tool import NO_ENERGY
@@ -79,75 +66,55 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
         InvalidValueError: a command of another shape or not finite; a state that has become infinite.
     """
     _check_command(model, command)
-    new = state.copy()
     conditions, parameters = model.conditions, model.joints.parameters
     if conditions is not None and state.conditions is not None:
         parameters = conditions.now(state.conditions)
-    current_limits = (command.load_fractions * state.served)[model.joints.loads]
+    limits = (command.load_fractions * state.served)[model.joints.loads]
     if command.motor_health is not None:
-        current_limits *= command.motor_health
+        limits *= command.motor_health
     model.memory.load(state.ground)
     if model.tool is not None and state.tool is not None:
         model.tool.prepare(state.tool)
-    told = JointCommand(command.reference, current_limits, state.bus_voltage)
-    tables = _tables(model, new, parameters, told)
-    configuration, on_map = _sub_steps(model, new.configuration, tables)
-    motion, sums = tables.motion, tables.sums
+    work = model.work
+    work.begin(state, command.reference, limits, parameters)
+    configuration, on_map = _sub_steps(model, state.configuration)
+    steps, motion, sums = model.simulation.substeps, work.tables.motion, work.tables.sums
     velocity = motion.rates[-1].copy()
     if not (np.isfinite(configuration).all() and np.isfinite(velocity).all()):
         raise InvalidValueError("state of the plant", f"infinite at tick {state.tick + 1}", "finite numbers")
+    warmed = state.conditions
+    if conditions is not None and warmed is not None:
+        squares, period = sums.current_squares / steps, model.simulation.control_period
+        warmed = conditions.after(warmed, parameters, squares, limits, period)
+    new = replace(
+        state,
+        configuration=configuration,
+        velocity=velocity,
+        joints=motion.joints.copy(),
+        contacts=motion.contacts.copy(),
+        off_terrain=state.off_terrain or not on_map,
+        conditions=warmed,
+    )
     wrist = None
     if model.wrist is not None:
-        report = model.report.copy()
-        touching = model.wrist.contacts
-        report[touching, FORCE] = sums.contact_force[touching] / model.simulation.substeps
+        report, touching = model.report.copy(), model.wrist.contacts
+        report[touching, FORCE] = sums.contact_force[touching] / steps
         mean = (velocity - state.velocity) / model.simulation.control_period
         wrist = model.wrist.wrench(configuration, velocity, mean, report)
-    if conditions is not None and state.conditions is not None:
-        squares = sums.current_squares / model.simulation.substeps
-        period = model.simulation.control_period
-        new = replace(new, conditions=conditions.after(state.conditions, parameters, squares, current_limits, period))
-    spread = np.sqrt(np.mean(np.square(motion.rates[1:] - velocity), axis=0))
-    energy, load_energy = tables.readings.energy, sums.load_energy
-    return _close_period(model, new, configuration, velocity, command, energy, load_energy, on_map, wrist, spread)
+    spread = np.sqrt(np.add.reduce(np.square(motion.rates[1:] - velocity), axis=0) / steps)
+    return _close_period(model, new, command, wrist, spread)
 
 
-def _tables(model: PlantModel, state: PlantState, parameters: FloatArray, command: JointCommand) -> PlantTables:
-    """What the kernels work on in a period; the joints and contacts of `state` are advanced in place."""
-    steps, loads, joints = model.simulation.substeps, len(model.bus.loads), len(model.joints.names)
-    rates = np.empty((steps + 1, len(state.velocity)))
-    rates[0] = state.velocity
-    return PlantTables(
-        model.joints.tables(parameters),
-        model.contacts.tables,
-        model.ground,
-        model.dynamics,
-        command,
-        Motion(rates, np.empty_like(state.velocity), state.joints, state.contacts),
-        model.forces,
-        model.work,
-        JointReadings(model.efforts, model.currents, model.load_power, np.zeros(ENERGY_SUMS)),
-        model.report,
-        Sums(np.zeros((len(model.report), 3)), np.zeros(joints), np.zeros(loads)),
-        model.simulation.physics_step,
-    )
-
-
-def _sub_steps(model: PlantModel, configuration: FloatArray, tables: PlantTables) -> tuple[FloatArray, bool]:
+def _sub_steps(model: PlantModel, configuration: FloatArray) -> tuple[FloatArray, bool]:
     """The physics steps of a period: the configuration at its end, and whether all contacts were on the map."""
-    multibody, data, forces, motion = model.multibody, model.data, tables.forces, tables.motion
-    rates, couplings = list(motion.rates), list(zip(model.dynamics.response, model.coupling, strict=True))
-    period, on_map = open_period(tables), True
+    multibody, data, work = model.multibody, model.data, model.work
+    period, rates, displacement = work.period, work.rates, work.tables.motion.displacement
+    on_map = True
     for i in range(model.simulation.substeps):
         pin.crba(multibody, data, configuration, pin.Convention.WORLD)
         pin.nonLinearEffects(multibody, data, configuration, rates[i])
-        on_map &= apply_forces(period, i)
-        pin.cholesky.decompose(multibody, data)
-        acceleration = pin.cholesky.solve(multibody, data, forces.net)
-        for row, coupling in couplings:
-            row[:] = pin.cholesky.solve(multibody, data, coupling)
-        advance_velocity(period, i, acceleration)
-        configuration = pin.integrate(multibody, configuration, motion.displacement)
+        on_map &= advance(period, i)
+        configuration = pin.integrate(multibody, configuration, displacement)
     return configuration, on_map
 
 
@@ -168,19 +135,11 @@ def _check_command(model: PlantModel, command: PlantCommand) -> None:
 
 
 def _close_period(
-    model: PlantModel,
-    state: PlantState,
-    configuration: FloatArray,
-    velocity: FloatArray,
-    command: PlantCommand,
-    sums: FloatArray,
-    load_energy: FloatArray,
-    on_map: bool,
-    wrist: FloatArray | None,
-    spread: FloatArray,
+    model: PlantModel, state: PlantState, command: PlantCommand, wrist: FloatArray | None, spread: FloatArray
 ) -> tuple[PlantState, PlantOutput]:
     """Tool, supply, energy account and events of the period that has passed."""
-    period = model.simulation.control_period
+    configuration, velocity, period = state.configuration, state.velocity, model.simulation.control_period
+    sums, load_energy = model.work.tables.readings.energy, model.work.tables.sums.load_energy
     mechanical = mechanical_energy(model, configuration, velocity, state.joints)
     tool, drawn, gained = state.tool, NO_ENERGY, 0.0
     if model.tool is not None and tool is not None:
@@ -219,7 +178,7 @@ def _close_period(
         served=supply.served,
         energy=energy,
         rolled_over=state.rolled_over or bool(upright < model.roll_over_cosine),
-        off_terrain=state.off_terrain or not on_map,
+        off_terrain=state.off_terrain,
         tool=tool,
         conditions=state.conditions,
     )
@@ -239,11 +198,12 @@ def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: Fl
     """Kinetic energy, turning rotors included, potential energy over z = 0, and what the springs hold [J]."""
     multibody, data = model.multibody, model.data
     kinetic = pin.computeKineticEnergy(multibody, data, configuration, velocity)
-    rotors = 0.5 * float(np.sum(model.joints.armature * velocity**2))
-    rotors += 0.5 * float(np.sum(model.joints.rotors * joints[MOTOR_RATE] ** 2))
+    # add.reduce: as np.sum, without its wrapper
+    rotors = 0.5 * float(np.add.reduce(model.joints.armature * velocity**2))
+    rotors += 0.5 * float(np.add.reduce(model.joints.rotors * joints[MOTOR_RATE] ** 2))
     table = model.joints.parameters
     stretch = joints[ANGLE] - table[:, SPRING_REST]
-    springs = 0.5 * float(np.sum(table[:, SPRING_STIFFNESS] * stretch**2))
+    springs = 0.5 * float(np.add.reduce(table[:, SPRING_STIFFNESS] * stretch**2))
     return float(kinetic + rotors + springs + pin.computePotentialEnergy(multibody, data, configuration))
 
 

@@ -57,10 +57,10 @@ class WristLoad:
             report: (contacts, REPORT_COLUMNS), forces as means over the period.
         """
         pin.rnea(self._multibody, self._data, configuration, velocity, acceleration)
-        pin.updateGlobalPlacements(self._multibody, self._data)
         load = -np.array(self._data.f[self._joint].vector)
         touching = report[self.contacts]
         if touching[:, FORCE].any():  # an arm seldom touches anything
+            pin.updateGlobalPlacements(self._multibody, self._data)
             placement = self._data.oMi[self._joint]
             for contact in touching:
                 force = placement.rotation.T @ contact[FORCE]

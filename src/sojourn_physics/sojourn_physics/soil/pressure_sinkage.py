@@ -18,11 +18,11 @@ states D > 0.5 m).
 import math
 
 from sojourn_machine.errors import InvalidValueError
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import small_kernel
 from sojourn_physics.soil.params import FORM_BEKKER, FORM_REECE, SoilParams
 
 
-@njit(cache=True)
+@small_kernel
 def sinkage_modulus(form: float, n: float, k_c: float, k_phi: float, width: float) -> float:
     """Modulus k of p = k z^n [N/m^(n+2)] for a contact of a width [m], from the numbers of a kernel row."""
     if form == FORM_BEKKER:

@@ -20,13 +20,13 @@ Exact on the reloading line (n' = 1, k' = k_u) and on virgin soil (n' = n, k' = 
 Shear leaves nothing behind that a Janosi soil would feel: reloaded, it has to be sheared anew (Wong 2008, sec. 2.4.4).
 """
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 
 LEAST_EXPONENT = 0.05
 """Least n': a crust far stiffer than what is under it comes near to a constant pressure."""
 
 
-@njit(cache=True)
+@kernel
 def rut_depth(modulus: float, exponent: float, greatest: float, stiffness: float, per_sinkage: float) -> float:
     """Depth z_r of the rut that stays [m].
 
@@ -42,7 +42,7 @@ def rut_depth(modulus: float, exponent: float, greatest: float, stiffness: float
     return float(greatest * (1.0 - secant / unloading))
 
 
-@njit(cache=True)
+@kernel
 def equivalent_law(modulus: float, exponent: float, greatest: float, rut: float, depth: float) -> tuple[float, float]:
     """k' and n' of the soil below a rut, for a wheel that is `depth` [m] below the rut's bottom.
 

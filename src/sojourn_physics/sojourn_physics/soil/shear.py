@@ -16,7 +16,7 @@ Assumes one direction of shear and a constant normal stress.
 import math
 
 from sojourn_machine.errors import InvalidValueError
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 
 
 def hump_coefficients(residual_ratio: float | None) -> tuple[float, float]:
@@ -32,7 +32,7 @@ def hump_coefficients(residual_ratio: float | None) -> tuple[float, float]:
     return residual_ratio, math.e * (1.0 / (1.0 - math.exp(-1.0)) - residual_ratio)
 
 
-@njit(cache=True)
+@kernel
 def mobilised(ratio: float, residual: float, hump: float) -> float:
     """Share of the limit that is mobilised after a displacement of `ratio` = j/K, for the coefficients A and B."""
     rest = math.exp(-ratio)

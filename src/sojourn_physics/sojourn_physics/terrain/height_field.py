@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_machine.errors import InvalidValueError, MachineError
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel, small_kernel
 from sojourn_machine.params import FloatArray
 
 MAX_NODES = 500_000_000
@@ -68,7 +68,7 @@ class OutsideTerrainError(MachineError):
         )
 
 
-@njit(cache=True)
+@small_kernel
 def sample_height(
     heights: HeightArray, x0: float, y0: float, resolution: float, x: float, y: float
 ) -> tuple[float, float, float, bool]:
@@ -101,7 +101,7 @@ def sample_height(
     return height, dh_dx, dh_dy, inside_x and inside_y
 
 
-@njit(cache=True)
+@small_kernel
 def _locate(position: float, nodes: int) -> tuple[int, float, bool]:
     """Cell of a position in nodes, place in it from 0 to 1, and whether it is on the map; else that of the edge."""
     inside = True
@@ -113,7 +113,7 @@ def _locate(position: float, nodes: int) -> tuple[int, float, bool]:
     return cell, position - cell, inside
 
 
-@njit(cache=True)
+@kernel
 def _fold(cell: int, nodes: int, a: float, b: float, c: float, d: float) -> Weights:
     """Weights of the four nodes from cell - 1 on, where the first or the last of them is not on the map: its weight
     goes to the three that it is extrapolated from, h(-1) = 3 h0 - 3 h1 + h2.
@@ -125,7 +125,7 @@ def _fold(cell: int, nodes: int, a: float, b: float, c: float, d: float) -> Weig
     return a, b, c, d
 
 
-@njit(cache=True)
+@kernel
 def _cubic_weights(cell: int, nodes: int, t: float) -> tuple[int, Weights, Weights]:
     """First of four nodes in a row, their weights for the value at t in 0..1 of a cell, and for its derivative by t."""
     value = _fold(
@@ -145,7 +145,7 @@ def _cubic_weights(cell: int, nodes: int, t: float) -> tuple[int, Weights, Weigh
     return min(max(cell - 1, 0), nodes - 4), value, slope
 
 
-@njit(cache=True)
+@kernel
 def sample_bicubic(
     heights: HeightArray, x0: float, y0: float, resolution: float, x: float, y: float
 ) -> tuple[float, float, float, bool]:
@@ -171,7 +171,7 @@ def sample_bicubic(
     return height, dh_dx / resolution, dh_dy / resolution, inside_x and inside_y
 
 
-@njit(cache=True)
+@small_kernel
 def sample_ground(heights: HeightArray, grid: FloatArray, x: float, y: float) -> tuple[float, float, float, bool]:
     """Height, gradients and whether (x, y) is on the map, by the ground's own interpolation: see `HeightField.grid`."""
     found: tuple[float, float, float, bool]
@@ -182,7 +182,7 @@ def sample_ground(heights: HeightArray, grid: FloatArray, x: float, y: float) ->
     return found
 
 
-@njit(cache=True)
+@small_kernel
 def sample_soil(soil_index: SoilArray, x0: float, y0: float, resolution: float, x: float, y: float) -> int:
     """Soil of the node nearest to a point (clamped to the map). Arguments as `sample_height`; no allocation.
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import kernel
 from sojourn_machine.params import IntArray
 from sojourn_physics.terrain.memory_tiles import DUG, RUT, SHEAR, SINKAGE, TILE, MemoryTables, find_page, new_page
 
@@ -35,7 +35,7 @@ class Trace(NamedTuple):
     """Part of the soil that is newly pressed down which goes into the banks [-]."""
 
 
-@njit(cache=True)
+@kernel
 def read_lowered(memory: MemoryTables, x: float, y: float) -> float:
     """How far the ground at (x, y) in map lies below what it was, by ruts and digging [m]."""
     pool, slots, place = memory.pool, memory.slots, memory.place
@@ -56,7 +56,7 @@ def read_lowered(memory: MemoryTables, x: float, y: float) -> float:
     return float(lowered)
 
 
-@njit(cache=True)
+@kernel
 def read_ground(memory: MemoryTables, patch: Patch) -> tuple[float, float, float, float, float]:
     """Weighted mean of the ground's memory over a rectangle: sum(w v)/sum(w) over its nodes.
 
@@ -134,7 +134,7 @@ def read_ground(memory: MemoryTables, patch: Patch) -> tuple[float, float, float
     return sinkage / weights, rut, dug, slope_x, slope_y
 
 
-@njit(cache=True)
+@kernel
 def _touched(slots: IntArray, first_column: int, last_column: int, first_row: int, last_row: int) -> bool:
     """Whether a wheel has been in any tile of these nodes."""
     for row in range(first_row // TILE, last_row // TILE + 1):
@@ -144,7 +144,7 @@ def _touched(slots: IntArray, first_column: int, last_column: int, first_row: in
     return False
 
 
-@njit(cache=True)
+@kernel
 def write_ground(memory: MemoryTables, line: Patch, trace: Trace) -> None:
     """Raise the memory to a wheel's trace behind a line across it: in a rectangle of its width, one cell long.
 
@@ -201,7 +201,7 @@ def write_ground(memory: MemoryTables, line: Patch, trace: Trace) -> None:
         _bank(memory, middle, max(half, cell), trace.beside * pressed)
 
 
-@njit(cache=True)
+@kernel
 def _bank(memory: MemoryTables, line: Patch, edge: float, amount: float) -> None:
     """Heap soil up on both sides of a rut, falling evenly from its edge over half as much again.
 

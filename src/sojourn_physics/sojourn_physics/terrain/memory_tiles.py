@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from sojourn_machine.kernels import njit
+from sojourn_machine.kernels import small_kernel
 from sojourn_machine.params import FloatArray, IntArray
 
 Tile: TypeAlias = NDArray[np.float32]
@@ -37,7 +37,7 @@ EMPTY = -1
 USED, OVERFLOW = 0, 1
 
 
-@njit(cache=True)
+@small_kernel
 def find_slot(slots: IntArray, column: int, row: int) -> int:
     """Slot of a tile in the hash table, or the empty one where it would be."""
     key = row * _KEY_SHIFT + column
@@ -48,14 +48,14 @@ def find_slot(slots: IntArray, column: int, row: int) -> int:
     return slot
 
 
-@njit(cache=True)
+@small_kernel
 def find_page(slots: IntArray, column: int, row: int) -> int:
     """Page of a tile; 0, which is all zero, where no wheel has been."""
     slot = find_slot(slots, column, row)
     return int(slots[slot, 1]) if slots[slot, 0] != EMPTY else 0
 
 
-@njit(cache=True)
+@small_kernel
 def new_page(slots: IntArray, pages: IntArray, column: int, row: int) -> int:
     """Page of a tile, taken from the spare ones if there is none yet; 0 where there is no room."""
     slot = find_slot(slots, column, row)
