@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from sojourn_contract.topics import TOPICS
+
 ROOT = Path(__file__).parents[2]
 PACKAGES = sorted(path.parent.name for path in ROOT.glob("src/*/package.xml"))
 NODES = {
@@ -115,6 +117,8 @@ def test_dependencies_are_the_imports(package: str) -> None:
     unknown = modules - DEPENDENCY_OF_MODULE.keys()
     assert not unknown, f"{package} imports {sorted(unknown)}: add to DEPENDENCY_OF_MODULE and to pyproject.toml"
     needed = {DEPENDENCY_OF_MODULE[module] for module in modules} - {None}
+    if package == "sojourn_contract":  # makes publishers and subscriptions of classes by the names in the table
+        needed |= {row.type.partition("/")[0] for row in TOPICS}
     declared = {depend.text for depend in manifest(package).iter("exec_depend")}
     assert declared == needed, f"missing {sorted(needed - declared)}, superfluous {sorted(declared - needed)}"
 

@@ -132,12 +132,12 @@ class Bench:
         joints, motors = self._messages["/truth/joint_states"], self._messages["/truth/motor_states"]
         position = joints.position
         motor = position.copy()
-        motor[[joints.name.index(name) for name in motors.name]] = motors.position
+        motor[[joints.names.index(name) for name in motors.names]] = motors.position
         self._moved, motion = self._motion.felt(self._moved, self._messages["/truth/odom"], CONTROL_PERIOD_S)
         if self._sensing is None:
             attitude = self._motion.orientation_imu_in_map(self.state.configuration[3:7])
             self._sensing = suite.initial_state(
-                self._sensors, self._seed, tuple(joints.name), position, ("battery",), attitude, self._gravity, motor
+                self._sensors, self._seed, joints.names, position, ("battery",), attitude, self._gravity, motor
             )
         one = np.ones(1)
         truth = suite.SensorTruth(
