@@ -62,7 +62,7 @@ sojourn_fingerprint() {
                 echo src/*/setup.py
                 cat src/*/setup.py src/*/setup.cfg
                 ;;
-            kernels) grep -rlZ --include='*.py' njit src | sort -z | xargs -0r cat ;;
+            kernels) grep -rlZ --include='*.py' njit src | sort -z | xargs -0r sha256sum ;; # with their names
         esac
     ) | sha256sum
 }
@@ -72,6 +72,32 @@ sojourn_step_is_done() {
 }
 
 sojourn_ready() {
-    [ -x "$sojourn_venv/bin/python" ] && sojourn_step_is_done dependencies && sojourn_step_is_done packages &&
-        sojourn_step_is_done kernels
+    sojourn_unchanged && return
+    local mark="$sojourn_venv/ready.$$"
+    # before the look, and a second early: what changes meanwhile, or within the grain of the clock, is looked at again
+    { sojourn_circumstances >"$mark" && touch --date='1 second ago' "$mark"; } 2>/dev/null || true
+    if [ -x "$sojourn_venv/bin/python" ] && sojourn_step_is_done dependencies && sojourn_step_is_done packages &&
+        sojourn_step_is_done kernels; then
+        mv "$mark" "$sojourn_venv/ready" 2>/dev/null || true
+    else
+        rm -f "$mark"
+        return 1
+    fi
+}
+
+# Has nothing changed since everything was found up to date? The time of a file's last change (ctime) is asked for, which
+# copying and unpacking cannot set back; a folder's tells of what was added, removed or renamed in it.
+sojourn_unchanged() {
+    local mark="$sojourn_venv/ready" changed
+    [ -f "$mark" ] && [ -x "$sojourn_venv/bin/python" ] && [ "$(sojourn_circumstances)" = "$(<"$mark")" ] || return 1
+    changed=$(cd "$sojourn_root" && find requirements*.lock src "$sojourn_venv/sojourn" -name __pycache__ -prune -o \
+        \( -type d -o -name '*.py' -o -name '*.cfg' -o -name '*.lock' \) -cnewer "$mark" -print -quit 2>&1) &&
+        [ -z "$changed" ]
+}
+
+sojourn_circumstances() {
+    (
+        cd "$sojourn_root"
+        echo "$sojourn_root" "$sojourn_ros" "$(readlink -f "$sojourn_venv/bin/python")" requirements*.lock
+    )
 }

@@ -66,7 +66,6 @@ class ArmApp(App[ArmAppState]):
     def __init__(self, scenario: LoadedScenario) -> None:
         self.params = scenario.carried_arm()
         self.model = build_arm_model(scenario.urdf_xml, self.params)
-        task_control.warm_up(self.params, self.model)
         self._tool = scenario.tool
         self._rated_power = next((load.power_w for load in scenario.bus.loads if load.name == ARM_LOAD), 0.0)
         self._measurements = Measurements(self.params.joint_names, scenario.urdf_xml, scenario.gravity)
@@ -74,6 +73,10 @@ class ArmApp(App[ArmAppState]):
         self._ground = GroundWatch(self.params, scenario, reach_from_base(self.model))
         self._stand = Stand(self.params, scenario.urdf_xml, scenario.machine)
         self._goals = GoalReader(self.params)
+
+    def warm_up(self) -> None:
+        """Those of the tasks and the control."""
+        task_control.warm_up(self.params, self.model)
 
     def initial_state(self) -> ArmAppState:
         """Before the first measurement, which says where the arm is."""

@@ -5,7 +5,7 @@ With these attachments a bag explains itself: summary and report need no other f
 
 import json
 import platform
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from importlib import metadata
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from sojourn_bags.reading import Bag
 from sojourn_bags.writer import Attachment
 from sojourn_config.errors import ConfigError
 from sojourn_config.paths import repository_root
-from sojourn_config.scenario import load_scenario
+from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.description import contract_data
 
 RUN_NAME = "run.json"
@@ -39,13 +39,9 @@ PACKAGES = (
 )
 
 
-def attachments(scenario: str, overrides: Sequence[str] = ()) -> list[Attachment]:
-    """Files to put into the bag of a run of this scenario with KEY=VALUE texts over it.
-
-    Raises ConfigError if the scenario is wrong.
-    """
-    described = Run.of_scenario(load_scenario(scenario, overrides)).attachments()
-    return [*described, versions_attachment(), contract_attachment()]
+def attachments(scenario: LoadedScenario) -> list[Attachment]:
+    """Files to put into the bag of a run of this scenario."""
+    return [*Run.of_scenario(scenario).attachments(), versions_attachment(), contract_attachment()]
 
 
 def run_attachment(run: Mapping[str, str]) -> Attachment:

@@ -11,6 +11,7 @@ from sojourn_bags.recording import Recording
 from sojourn_bags.transforms import channel as transform_channel
 from sojourn_bags.writer import BagWriter
 from sojourn_config.paths import display
+from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_contract import qos
 from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.topics import inputs_of
@@ -25,6 +26,7 @@ class RecordedRun:
     Args:
         scenario: name or file. overrides: KEY=VALUE texts that go over it. participants: all roles.
         lockstep: mode of time. namespace: ROS namespace of the topics.
+        loaded: the scenario where it has been read before; else it is read here.
     """
 
     scenario: str
@@ -32,6 +34,7 @@ class RecordedRun:
     participants: Sequence[str]
     lockstep: bool = True
     namespace: str = "/"
+    loaded: LoadedScenario | None = None
 
     def record(self) -> dict[str, str]:
         """As the bag has it."""
@@ -62,7 +65,8 @@ class RecordedRun:
         channels = [
             ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, self.lockstep, row.publisher))) for row in rows
         ]
-        described = [*attachments(self.scenario, self.overrides), run_attachment(self.record())]
+        scenario = self.loaded or load_scenario(self.scenario, self.overrides)
+        described = [*attachments(scenario), run_attachment(self.record())]
         writer = BagWriter(folder, [*channels, transform_channel()], described, offered)
         awaited = awaited_inputs(ROLE, self.participants)
         return Recording(writer, rows, awaited, self.participants, self.lockstep, refuse)

@@ -23,8 +23,8 @@ from sojourn_contract import process as node_process
 from sojourn_contract.errors import ContractError
 from sojourn_contract.heartbeat import ENDED, READY, RUNNING, WAITING_TO_MATCH
 from sojourn_contract.node import ContractNode
-from sojourn_contract.process import StopFlag
 from sojourn_contract.stamps import seconds
+from sojourn_contract.stop_flag import StopFlag
 from sojourn_machine.errors import MachineError
 
 _SHOW_S = 0.25

@@ -18,7 +18,7 @@ from sojourn_contract.conformance.endpoints import Endpoint
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.judge import CLOCK, Judge
 from sojourn_contract.conformance.take_bytes import take_bytes
-from sojourn_contract.process import StopFlag
+from sojourn_contract.stop_flag import StopFlag
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, TOPICS, inputs_of, outputs_of, topic
 from sojourn_contract.types import message_class

@@ -14,8 +14,8 @@ from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.errors import ContractError
 from sojourn_contract.heartbeat import RUNNING
-from sojourn_contract.process import StopFlag
 from sojourn_contract.stamps import seconds
+from sojourn_contract.stop_flag import StopFlag
 from sojourn_machine.errors import MachineError
 from sojourn_stack.errors import StackError
 from sojourn_stack.run import RunSpec, run
@@ -39,13 +39,14 @@ class DirectRun:
         self._folder = FolderWatch(plan.run_dir)
         self._shown_at = 0.0
         self._folder_gone = ""
-        self._steps = len(load_scenario(plan.scenario, plan.overrides).config.steps)
+        self._scenario = plan.loaded or load_scenario(plan.scenario, plan.overrides)
+        self._steps = len(self._scenario.config.steps)
 
     def run(self) -> Outcome:
         """Run to the end. Returns how it ended."""
         self._stop = StopFlag().install()
         bag = self.plan.bag() if "recorder" in self.plan.participants else None
-        spec = RunSpec(self.plan.scenario, self.plan.participants, self.plan.overrides, bag)
+        spec = RunSpec(self.plan.scenario, self.plan.participants, self.plan.overrides, bag, self._scenario)
         try:
             result = run(spec, self._goes_on)
         except (StackError, BagsError, ContractError, ConfigError, MachineError, OSError) as error:

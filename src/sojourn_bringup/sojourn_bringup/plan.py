@@ -6,12 +6,16 @@ import shlex
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from sojourn_bringup.process_table import PROCESSES
 from sojourn_config import command_line
 from sojourn_config.command_errors import UsageError
 from sojourn_contract.barrier import Barrier, awaited_inputs
 from sojourn_contract.topics import ROLES, outputs_of
+
+if TYPE_CHECKING:  # the options need none of its libraries
+    from sojourn_config.scenario import LoadedScenario
 
 DEFAULT_LOCKSTEP_TIMEOUT_S = 10.0
 DEFAULT_START_TIMEOUT_S = 60.0
@@ -33,6 +37,7 @@ class RunPlan:
         on_network: find nodes on other machines too.
         lockstep_timeout_s: wall time after which a missing answer stops a lock-step run [s].
         start_timeout_s: wall time within which every node must be ready [s].
+        loaded: the scenario as it was checked, for a run in this process; None: it is to be read.
     """
 
     scenario: str
@@ -48,6 +53,7 @@ class RunPlan:
     on_network: bool = False
     lockstep_timeout_s: float = DEFAULT_LOCKSTEP_TIMEOUT_S
     start_timeout_s: float = DEFAULT_START_TIMEOUT_S
+    loaded: "LoadedScenario | None" = field(default=None, compare=False, repr=False)
 
     @property
     def result_file(self) -> Path:

@@ -20,7 +20,7 @@ from sojourn_bringup.candidate_process import ProcessCandidate
 from sojourn_bringup.shadow_report import DIFFERS, DONE, FAILED, READY, RUNNING, ShadowReport
 from sojourn_config import command_line
 from sojourn_config.ros_environment import ros_variables
-from sojourn_contract.process import StopFlag
+from sojourn_contract.stop_flag import StopFlag
 
 FAR_BEHIND = 5
 """Periods that a candidate may be behind without a word."""

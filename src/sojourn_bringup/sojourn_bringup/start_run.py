@@ -71,6 +71,7 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
         on_network=given.network,
         lockstep_timeout_s=given.lockstep_timeout,
         start_timeout_s=given.start_timeout,
+        loaded=scenario.loaded,
     )
 
 

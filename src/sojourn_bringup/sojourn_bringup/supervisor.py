@@ -18,8 +18,8 @@ from sojourn_bringup.screen import Screen
 from sojourn_bringup.shadows import Shadows
 from sojourn_config.ros_environment import ros_variables
 from sojourn_contract.heartbeat import ENDED
-from sojourn_contract.process import StopFlag
 from sojourn_contract.stamps import seconds
+from sojourn_contract.stop_flag import StopFlag
 from sojourn_operator.script import StepResult, results_from_data
 
 LOOK_S = 0.05

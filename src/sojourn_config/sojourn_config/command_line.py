@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NoReturn
 
+from sojourn_config.collector import collect_seldom
 from sojourn_config.command_errors import CommandError, UsageError
 from sojourn_config.errors import ConfigError
 from sojourn_config.paths import available
@@ -115,6 +116,7 @@ def count(text: str) -> int:
 
 def run_script(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | None = None) -> NoReturn:
     """Main of a script: its errors as one sentence on the standard error, its status as ours."""
+    collect_seldom()
     try:
         status = main(arguments)
         sys.stdout.flush()

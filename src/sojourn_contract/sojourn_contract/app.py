@@ -63,6 +63,10 @@ class App(Generic[State]):
     def __init__(self, scenario: LoadedScenario) -> None:
         raise NotImplementedError
 
+    def warm_up(self) -> None:
+        """Have every compiled kernel loaded, so that no period waits for one; changes nothing. A node does it before it
+        says that it is ready; a run that nobody waits for loads each kernel when it is first used, if ever."""
+
     def initial_state(self) -> State:
         """Before the first period."""
         raise NotImplementedError

@@ -41,6 +41,7 @@ class AppNode(ContractNode):
         )
         self.acts_in_silence = kind.acts_in_silence
         self.app = kind(load_scenario(self.scenario_name, self.scenario_overrides))
+        self.app.warm_up()
         self.state = self.app.initial_state()
 
     def check(self, row: Topic, message: Any) -> None:

@@ -6,44 +6,25 @@ the end and ignores SIGTERM.
 """
 
 import faulthandler
-import gc
-import signal
 import sys
 import time
 from collections.abc import Callable, Iterable
-from types import FrameType
 
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
+from sojourn_config.collector import settle_collector
 from sojourn_contract.node import ContractNode
+from sojourn_contract.stop_flag import StopFlag
 
-COLLECT_AFTER = 50_000
-"""Objects made and not freed after which the garbage collector looks at the youngest."""
 TEARDOWN_S = 4.5
 """Wall time after which a process whose middleware does not end is ended all the same, with a trace in its log."""
 SETTLE_S = 0.3
 """Wall time without any node acting after which a period counts as answered."""
 POLL_S = 0.02
 """Wall time between two looks at the nodes' wall-clock chores."""
-
-
-class StopFlag:
-    """Set by SIGINT or SIGTERM."""
-
-    def __init__(self) -> None:
-        self.is_set = False
-
-    def install(self) -> "StopFlag":
-        """Catch SIGINT and SIGTERM from here on."""
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._set)
-        return self
-
-    def _set(self, _number: int, _frame: FrameType | None) -> None:
-        self.is_set = True
 
 
 def spin(
@@ -81,17 +62,6 @@ def spin(
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     return max(node.exit_status for node in nodes)
-
-
-def settle_collector() -> None:
-    """Take what the start has made out of the garbage collector's rounds, and have these come seldom.
-
-    Messages hold no cycles and go at once; a search through all loaded libraries every few periods finds
-    nothing.
-    """
-    gc.collect()
-    gc.freeze()
-    gc.set_threshold(COLLECT_AFTER)
 
 
 def drain(

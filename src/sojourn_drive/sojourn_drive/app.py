@@ -94,11 +94,14 @@ class DriveApp(App[DriveAppState]):
     def __init__(self, scenario: LoadedScenario) -> None:
         self._start = scenario.config.start
         self.model = DriveModel(scenario.drive, scenario.steering, eye_of(scenario), scenario.wheel_loads())
-        self.model.warm_up()
         self._measurements = WheelMeasurements(scenario.machine, scenario.urdf_xml)
         self._sun = SunSightings(scenario)
         self._charge = ChargeGauge(scenario.power_manager)
         self._interlock = ArmInterlock(scenario.arm)
+
+    def warm_up(self) -> None:
+        """Those of the drive."""
+        self.model.warm_up()
 
     def initial_state(self) -> DriveAppState:
         """Standing where the scenario has it start."""

@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Sequence
 
 from sojourn_config import command_line
-from sojourn_flight.arm.tasks.requests import TASKS
+from sojourn_flight.arm.tasks.names import TASK_NAMES
 
 
 def parser() -> argparse.ArgumentParser:
@@ -33,7 +33,7 @@ def parser() -> argparse.ArgumentParser:
         arm.add_argument(axis, type=command_line.number, help="[m]")
     arm.add_argument("--frame", default="base_link", help="base_link (default)")
     task = commands.add_parser("task", help="a task of the arm: guarded_move force=10 speed=0.01")
-    task.add_argument("name", help=f"one of {', '.join(TASKS)}")
+    task.add_argument("name", help=f"one of {', '.join(TASK_NAMES)}")
     task.add_argument("values", nargs="*", metavar="KEY=VALUE", help="its numbers; a vector as 0,0,-1")
     stop = commands.add_parser("stop", help="stop drive and arm")
     for command in (drive, route, arm, task, stop):

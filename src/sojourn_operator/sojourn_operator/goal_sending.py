@@ -16,8 +16,8 @@ from sojourn_contract.codecs import encode
 from sojourn_contract.decoding import hearing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_values
-from sojourn_contract.process import StopFlag
 from sojourn_contract.stamps import seconds
+from sojourn_contract.stop_flag import StopFlag
 from sojourn_contract.topics import topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import Clock, DiagnosticArray, Message

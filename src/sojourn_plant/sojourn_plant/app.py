@@ -13,6 +13,7 @@ from sojourn_machine.evolution import replace
 from sojourn_physics.plant.faults import HeldAngles, MotorFaults
 from sojourn_physics.plant.state import PlantState
 from sojourn_physics.plant.step import step
+from sojourn_physics.terrain import earthwork
 from sojourn_plant.commands import COMMANDS, Commands, HeldCommands
 from sojourn_plant.start import build_plant
 from sojourn_plant.truth import TruthMessages
@@ -41,6 +42,11 @@ class PlantApp(App[PlantAppState]):
         self._commands = Commands(self.model)
         self._faults = MotorFaults(self.model, scenario.config.faults)
         self._truth = TruthMessages(self.model)
+
+    def warm_up(self) -> None:
+        """Those of digging; the others were loaded while the machine settled."""
+        if self.model.tool is not None:
+            earthwork.warm_up(self.model.memory, self.model.terrain, self.model.grid)
 
     def initial_state(self) -> PlantAppState:
         """The machine at rest where the scenario has it start."""

@@ -39,6 +39,9 @@ class PowerApp(App[PowerState]):
 
     def __init__(self, scenario: LoadedScenario) -> None:
         self.params = scenario.power_manager
+
+    def warm_up(self) -> None:
+        """Those of the manager's law."""
         law.warm_up(self.params)
 
     def initial_state(self) -> PowerState:

@@ -81,6 +81,9 @@ class SensorsApp(App[SensorsState]):
         self._sun = SunReadings(scenario)
         self._view = HazardView(scenario)
         self._wrist_frame = scenario.machine.wrench_sensor_link or ""
+
+    def warm_up(self) -> None:
+        """Those of the suite."""
         suite.warm_up(self.params, self._gravity)
 
     def initial_state(self) -> SensorsState:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from sojourn_bags.completeness import Completeness
 from sojourn_bags.recorded_run import RecordedRun
-from sojourn_config.scenario import load_scenario
+from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_operator.script import StepResult
 from sojourn_stack.apps import make_apps
 from sojourn_stack.recorder import DirectRecorder
@@ -24,12 +24,14 @@ class RunSpec:
     Args:
         scenario: name or file. participants: roles that take part. overrides: KEY=VALUE texts that go over it.
         bag: folder of the bag to write, made by the run; None for none.
+        loaded: the scenario with the overrides where it has been read before; else the run reads it.
     """
 
     scenario: str
     participants: tuple[str, ...]
     overrides: tuple[str, ...] = ()
     bag: Path | None = None
+    loaded: LoadedScenario | None = None
 
 
 @dataclass(frozen=True)
@@ -52,10 +54,12 @@ def run(spec: RunSpec, goes_on: Callable[[StackState], bool] = lambda state: Tru
         ConfigError, MachineError: the scenario is wrong. BagsError: the bag cannot be written.
         WaitingError: a role waits for what nobody sends.
     """
-    stack = Stack(make_apps(load_scenario(spec.scenario, spec.overrides), spec.participants), spec.participants)
+    scenario = spec.loaded or load_scenario(spec.scenario, spec.overrides)
+    stack = Stack(make_apps(scenario, spec.participants), spec.participants)
     recorder = None
     if spec.bag is not None:
-        recorder = DirectRecorder(spec.bag, RecordedRun(spec.scenario, spec.overrides, spec.participants))
+        recorded = RecordedRun(spec.scenario, spec.overrides, spec.participants, loaded=scenario)
+        recorder = DirectRecorder(spec.bag, recorded)
     try:
         state, said = stack.begin()
         while True:

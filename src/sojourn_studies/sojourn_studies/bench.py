@@ -12,7 +12,7 @@ from sojourn_config import command_line
 
 RESULT = "bench.json"
 PART_NAMES = (
-    "step", "composed", "processes", "commands", "wheel", "contacts", "ground", "arm", "arm_limits", "wheels",
+    "step", "start", "composed", "processes", "commands", "wheel", "contacts", "ground", "arm", "arm_limits", "wheels",
     "energy",
 )  # fmt: skip
 

@@ -23,6 +23,7 @@ from sojourn_studies import (
     bench_ground,
     bench_loop,
     bench_machine,
+    bench_start,
     bench_step,
     bench_wheel,
 )
@@ -30,6 +31,7 @@ from sojourn_studies.bench import RESULT
 
 TARGETS = {
     **bench_step.TARGETS,
+    **bench_start.TARGETS,
     bench_contacts.NOT_FINITE: ("<=", 0.0),
     **bench_loop.TARGETS,
     **bench_arm.TARGETS,
@@ -46,7 +48,8 @@ class Size(NamedTuple):
     Args:
         cases: of the surveys of contact laws, and of the wheel on soil. maps: sizes of ground [m].
         poses: of each arm. plans, goals: of the arm's planning. distance: of the long drive [m].
-        seconds, rounds: simulated time of a run of the loop [s], and runs. commands: that are timed.
+        starts: of each command. seconds, rounds: simulated time of a run of the loop [s], and runs.
+        commands: that are timed.
     """
 
     cases: int
@@ -58,13 +61,15 @@ class Size(NamedTuple):
     seconds: float
     rounds: int
     commands: int
+    starts: int
 
 
-QUICK = Size(100_000, (10, 100), 1000, 50, 500, 3.0, 15.0, 1, 100)
-FULL = Size(1_000_000, (10, 100, 1000), 10_000, 200, 100_000, 100.0, 40.0, 3, 400)
+QUICK = Size(100_000, (10, 100), 1000, 50, 500, 3.0, 15.0, 1, 100, 2)
+FULL = Size(1_000_000, (10, 100, 1000), 10_000, 200, 100_000, 100.0, 40.0, 3, 400, 7)
 Part = Callable[[Size, argparse.Namespace], dict[str, float]]
 PARTS: dict[str, Part] = {
     "step": lambda size, given: bench_step.bench_step(),
+    "start": lambda size, given: bench_start.bench_start(given.domain, size.starts, tell),
     "composed": lambda size, given: bench_loop.bench_loop("composed", size.seconds, size.rounds, tell),
     "processes": lambda size, given: bench_loop.bench_loop("processes", size.seconds, size.rounds, tell),
     "commands": lambda size, given: bench_commands.bench_commands(given.domain, size.commands),

@@ -21,6 +21,7 @@ from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import step
 from sojourn_physics.sensors import hazcam, suite
 from sojourn_physics.soil.params import SoilParams
+from sojourn_physics.terrain import earthwork
 from sojourn_plant.start import build_plant
 
 SCENARIO = "lunar_sample"
@@ -63,6 +64,7 @@ def _look_and_drive(scenario: LoadedScenario) -> None:
 def _step_plant(scenario: LoadedScenario) -> None:
     model, state = build_plant(scenario)
     step(model, state, zeros_command(len(model.joints.names), len(model.bus.loads)))
+    earthwork.warm_up(model.memory, model.terrain, model.grid)
 
 
 if __name__ == "__main__":

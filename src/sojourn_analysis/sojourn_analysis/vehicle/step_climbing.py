@@ -18,6 +18,7 @@ reached or wheels would stand on the step's face two at a time.
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -91,13 +92,11 @@ def failing_wheel(side: SideView, height: float, friction: float, gravity: float
     if (len(side.wheels), hinged) not in ((2, 0), (3, 2)):
         raise InvalidValueError("wheels", side.wheels, "two on the body, or one there and two on a bogie")
     for wheel in range(len(side.wheels)):
-        guess: Posture | None = None
-        for centre, normals in _way_up(side.wheels[wheel].radius, height):
-            guess = _posture(side, wheel, centre, height, guess)
-            if guess is None or abs(guess.bogie) > side.bogie_limit or _touches(side, guess, height):
-                return wheel
-            if not _holds(side, wheel, guess, normals, friction, gravity):
-                return wheel
+        ascent = _ascent(side, wheel, height)
+        if not all(_holds(side, wheel, posture, normals, friction, gravity) for posture, normals in ascent.postures):
+            return wheel
+        if not ascent.whole:
+            return wheel
     return None
 
 
@@ -121,6 +120,26 @@ def least_friction(side: SideView, height: float, gravity: float, highest: float
         middle = 0.5 * (low + high)
         low, high = (low, middle) if climbs(side, height, middle, gravity) else (middle, high)
     return high
+
+
+class _Ascent(NamedTuple):
+    """Postures on the way of a wheel up a step, with the normals of its contacts there; whether it ends on top."""
+
+    postures: tuple[tuple[Posture, list[tuple[float, float]]], ...]
+    whole: bool
+
+
+@lru_cache(maxsize=128)
+def _ascent(side: SideView, wheel: int, height: float) -> _Ascent:
+    """As far as the joints let the wheel go, and the body clears the edge: geometry, whatever the friction."""
+    postures: list[tuple[Posture, list[tuple[float, float]]]] = []
+    guess: Posture | None = None
+    for centre, normals in _way_up(side.wheels[wheel].radius, height):
+        guess = _posture(side, wheel, centre, height, guess)
+        if guess is None or abs(guess.bogie) > side.bogie_limit or _touches(side, guess, height):
+            return _Ascent(tuple(postures), False)
+        postures.append((guess, normals))
+    return _Ascent(tuple(postures), True)
 
 
 def _way_up(radius: float, height: float) -> list[tuple[tuple[float, float], list[tuple[float, float]]]]:

@@ -28,7 +28,6 @@ from sojourn_physics.plant.tools.gripper import Gripper
 from sojourn_physics.plant.tools.scoop import Scoop
 from sojourn_physics.plant.tools.tool_state import Surroundings, ToolEnergy, ToolState
 from sojourn_physics.soil.params import SoilParams
-from sojourn_physics.terrain import earthwork
 from sojourn_physics.terrain.height_field import HeightField
 
 if TYPE_CHECKING:
@@ -76,7 +75,6 @@ class MountedTool:
         self.params = params
         self.pad = model.contacts.names.index(params.pad)
         self.load = loads.index(params.load)
-        earthwork.warm_up(model.memory, model.terrain, model.grid)
         self._law = _law_of(params, soils, objects, model.terrain)
         self._row = model.contacts.wheels[self.pad]
         self._multibody = model.multibody
