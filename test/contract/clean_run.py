@@ -20,7 +20,7 @@ from sojourn_contract import stamps
 from sojourn_contract.clouds import point_cloud
 from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.judge import Judge
-from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.heartbeat import RUNNING, Counters, heartbeat_message, status_message
 from sojourn_contract.messages import CONTACT_FIELDS, contact_cloud
 from sojourn_contract.topic_types import Topic
@@ -34,9 +34,9 @@ RANK = {row.name: rank for rank, row in enumerate(TOPICS)}
 
 
 @cache
-def explorer() -> Machine:
+def explorer() -> JudgedMachine:
     """The rover of all tests."""
-    return Machine.of_scenario(load_scenario("flat_drive"))
+    return JudgedMachine.of_scenario(load_scenario("flat_drive"))
 
 
 @dataclass
@@ -128,7 +128,7 @@ def set_stamp(message: Any, stamp: int) -> None:
         message.header.stamp = time
 
 
-def make(row: Topic, stamp: int, machine: Machine) -> Any:
+def make(row: Topic, stamp: int, machine: JudgedMachine) -> Any:
     """A good message of a row."""
     if row.name == "/power/switches":
         return ros_message(status_message(stamp, "switches", dict.fromkeys(machine.loads, "on")))
@@ -137,7 +137,7 @@ def make(row: Topic, stamp: int, machine: Machine) -> Any:
     return _MAKERS[row.type](row, stamp * 1e-9, machine)
 
 
-def _joint_state(row: Topic, time: float, machine: Machine) -> JointState:
+def _joint_state(row: Topic, time: float, machine: JudgedMachine) -> JointState:
     names = list(machine.known(row.joints))
     rates = [WHEEL_RATE if name in machine.drive else 0.0 for name in names]
     message = JointState(name=names)
@@ -147,7 +147,7 @@ def _joint_state(row: Topic, time: float, machine: Machine) -> JointState:
     return message
 
 
-def _odometry(row: Topic, time: float, _machine: Machine) -> Odometry:
+def _odometry(row: Topic, time: float, _machine: JudgedMachine) -> Odometry:
     message = Odometry(child_frame_id="base_link")
     message.header.frame_id = row.frames[0]
     pose, twist = message.pose.pose, message.twist.twist
@@ -160,7 +160,7 @@ def _odometry(row: Topic, time: float, _machine: Machine) -> Odometry:
     return message
 
 
-def _imu(_row: Topic, time: float, _machine: Machine) -> Imu:
+def _imu(_row: Topic, time: float, _machine: JudgedMachine) -> Imu:
     message = Imu()
     message.header.frame_id = "imu_link"
     message.orientation.z, message.orientation.w = math.sin(TURN * time / 2.0), math.cos(TURN * time / 2.0)
@@ -169,35 +169,35 @@ def _imu(_row: Topic, time: float, _machine: Machine) -> Imu:
     return message
 
 
-def _battery(row: Topic, _time: float, _machine: Machine) -> BatteryState:
+def _battery(row: Topic, _time: float, _machine: JudgedMachine) -> BatteryState:
     message = BatteryState(voltage=28.0, current=-2.0, temperature=15.0, charge=10.0, capacity=16.0, percentage=0.6)
     if row.name == "/bus/state":
         message.charge = message.capacity = message.design_capacity = message.percentage = math.nan
     return message
 
 
-def _sun(_row: Topic, _time: float, _machine: Machine) -> Vector3Stamped:
+def _sun(_row: Topic, _time: float, _machine: JudgedMachine) -> Vector3Stamped:
     message = Vector3Stamped()
     message.header.frame_id = "solar_deck_link"
     message.vector.x, message.vector.z = 0.8, 0.6
     return message
 
 
-def _cloud(row: Topic, time: float, machine: Machine) -> Any:
+def _cloud(row: Topic, time: float, machine: JudgedMachine) -> Any:
     if row.name == "/hazcam/points":
         return ros_message(point_cloud(round(time * 1e9), "base_link", np.full((40, 3), time, dtype=np.float32)))
     points = np.zeros((machine.contacts, len(CONTACT_FIELDS)))
     return ros_message(contact_cloud(round(time * 1e9), points))
 
 
-def _status(row: Topic, time: float, _machine: Machine) -> Any:
+def _status(row: Topic, time: float, _machine: JudgedMachine) -> Any:
     values = {"/truth/loads": {"power drive": "5.2"}}.get(
         row.name, {"state": "moving", "goal_stamp": "200000000", "reason": ""}
     )
     return ros_message(status_message(round(time * 1e9), row.publisher, values))
 
 
-_MAKERS: dict[str, Callable[[Topic, float, Machine], Any]] = {
+_MAKERS: dict[str, Callable[[Topic, float, JudgedMachine], Any]] = {
     "rosgraph_msgs/Clock": lambda _row, _time, _machine: Clock(),
     "nav_msgs/Odometry": _odometry,
     "sensor_msgs/JointState": _joint_state,

@@ -23,7 +23,7 @@ from sojourn_operator.goal_messages import goal_message
 from sojourn_operator.script import (
     FINAL_STATES,
     LEAD_NS,
-    Goal,
+    GoalToSend,
     OperatorScript,
     Report,
     StepResult,
@@ -42,7 +42,7 @@ class Operator:
     def __init__(self, script: OperatorScript, done: Sequence[StepResult] = ()) -> None:
         self.script, self.state = script, script.begin(done)
 
-    def look(self, now: int, reports: dict[str, Report]) -> Goal | None:
+    def look(self, now: int, reports: dict[str, Report]) -> GoalToSend | None:
         self.state, goal = self.script.look(self.state, now, reports)
         return goal
 
@@ -63,7 +63,7 @@ def script(*steps: Action, limit_s: float = 100.0, timeout_s: float | None = Non
     return Operator(OperatorScript([(step, timeout_s) for step in steps], limit_s))
 
 
-def answer(goal: Goal | None, state: str, reason: str = "") -> dict[str, Report]:
+def answer(goal: GoalToSend | None, state: str, reason: str = "") -> dict[str, Report]:
     """A report of drive or arm about a goal."""
     assert goal is not None
     return {receiver_of(goal.action): Report(state, goal.stamp, reason)}
@@ -72,11 +72,11 @@ def answer(goal: Goal | None, state: str, reason: str = "") -> dict[str, Report]
 def test_goals_go_out_one_after_another_five_periods_ahead() -> None:
     operator = script(DRIVE, ARM)
     first = operator.look(LOOK, {})
-    assert first == Goal("/goal_pose", LOOK + LEAD_NS, DRIVE)
+    assert first == GoalToSend("/goal_pose", LOOK + LEAD_NS, DRIVE)
     assert LEAD_NS == 5 * CONTROL_PERIOD_NS
     assert operator.look(2 * LOOK, answer(first, "moving")) is None
     second = operator.look(3 * LOOK, answer(first, "reached"))
-    assert second == Goal("/arm/joint_goal", 3 * LOOK + LEAD_NS, ARM)
+    assert second == GoalToSend("/arm/joint_goal", 3 * LOOK + LEAD_NS, ARM)
     assert not operator.finished
     assert operator.look(4 * LOOK, answer(second, "reached")) is None
     assert operator.finished and operator.succeeded
@@ -187,7 +187,7 @@ def test_whatever_is_answered_goals_are_in_order_and_the_script_ends(steps: list
     """Never two goals at once, every goal later than the last, nothing after the end, at most one bad result."""
     operator = script(*steps, limit_s=30.0, timeout_s=2.0)
     reports: dict[str, Report] = {}
-    goals: list[Goal] = []
+    goals: list[GoalToSend] = []
     now = 0
     while not operator.finished and now < 40 * NANOSECONDS:
         now += LOOK

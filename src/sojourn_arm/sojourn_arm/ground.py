@@ -7,7 +7,7 @@ import numpy as np
 from sojourn_arm.rover import Rover
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.clouds import points_of
-from sojourn_contract.hazcam import TOPIC, eye_of
+from sojourn_contract.hazcam import TOPIC, hazard_camera_of
 from sojourn_contract.values import JointState, PointCloud2
 from sojourn_flight.arm.ground import GroundUnderWheels
 from sojourn_flight.arm.ground_plane import GroundPlane
@@ -60,7 +60,7 @@ class GroundWatch:
             self._fixed = GroundPlane(params.ground_height)
         elif params.avoid_ground and wheels:
             self._under = GroundUnderWheels(scenario.urdf_xml, wheels, params.base_link)
-        self._eye = eye_of(scenario) if self._under is not None else None
+        self._eye = hazard_camera_of(scenario) if self._under is not None else None
         known = scenario.drive.obstacles if self._eye is not None else None
         self._settings = known
         if known is not None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from sojourn_arm.measurements import Measured
 from sojourn_contract.values import JointState
-from sojourn_flight.arm.footing import Footing, WheelLoads
+from sojourn_flight.arm.footing import Footing, FootingLoads
 from sojourn_flight.arm.params import ArmParams
 from sojourn_machine.evolution import replace
 from sojourn_machine.machine import MachineParams
@@ -17,7 +17,7 @@ PERIODS = 5
 class LastLoads:
     """By the last look."""
 
-    loads: WheelLoads | None = None
+    loads: FootingLoads | None = None
     """None before it, and of a machine that stands fast."""
     age: int = 0
     """Periods in which they have been used."""

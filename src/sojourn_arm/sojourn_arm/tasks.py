@@ -5,7 +5,7 @@ from typing import TypeAlias
 from sojourn_arm.measurements import Measured
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.values import DiagnosticArray
-from sojourn_flight.arm.footing import WheelLoads
+from sojourn_flight.arm.footing import FootingLoads
 from sojourn_flight.arm.goals import ArmGoal
 from sojourn_flight.arm.jogging import JogCommand
 from sojourn_flight.arm.refusal import GoalRefusedError
@@ -29,7 +29,7 @@ def task_of(message: DiagnosticArray) -> TaskRequest:
     return parse_task(message.status[0].name, status_values(message))
 
 
-def task_input(arm: ArmInput, request: Request | None, measured: Measured, loads: WheelLoads | None) -> TaskInput:
+def task_input(arm: ArmInput, request: Request | None, measured: Measured, loads: FootingLoads | None) -> TaskInput:
     """What the laws take in, with what is asked for in its place: a goal, a task or a jog."""
     task = request if isinstance(request, TaskRequest) else None
     jog = request if isinstance(request, JogCommand) else None

@@ -13,7 +13,7 @@ from sojourn_bags.replay_script import ReplayScript, Step, script_of
 from sojourn_bags.run_configuration import RunConfiguration
 from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.judge import Judge
-from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.conformance.take_bytes import take_bytes
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
@@ -27,7 +27,7 @@ class CandidateJudge:
         script: what is played. machine: the rover.
     """
 
-    def __init__(self, script: ReplayScript, machine: Machine) -> None:
+    def __init__(self, script: ReplayScript, machine: JudgedMachine) -> None:
         self._script = script
         rows = {row.name for row in (*script.inputs, *outputs_of(script.role))}
         self._judge = Judge(
@@ -58,7 +58,7 @@ def judge_candidate(
     candidate: Candidate,
     configuration: RunConfiguration,
     settings: ReplaySettings,
-    machine: Machine | None = None,
+    machine: JudgedMachine | None = None,
 ) -> Report:
     """Play a bag to a candidate and judge what it says; its answers need not be those of the bag.
 

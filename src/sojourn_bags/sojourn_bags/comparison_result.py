@@ -22,7 +22,7 @@ class Verdict(Enum):
 
 
 @dataclass(frozen=True)
-class Place:
+class UnequalValues:
     """A pair of values that are not equal.
 
     Args:
@@ -65,9 +65,9 @@ class FieldDifference:
     beyond: int
     compared: int
     tolerance: float
-    first: Place
-    largest: Place
-    first_beyond: Place | None
+    first: UnequalValues
+    largest: UnequalValues
+    first_beyond: UnequalValues | None
 
     @property
     def name(self) -> str:

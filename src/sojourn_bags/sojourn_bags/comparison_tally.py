@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sojourn_bags.comparison_result import FieldDifference, Place
+from sojourn_bags.comparison_result import FieldDifference, UnequalValues
 
 _Spot = tuple[int, int, Any, Any, float]
 """Pair, element (-1 for none), the two values, their difference."""
@@ -99,9 +99,11 @@ class Tally:
             stamps: of each pair [ns]. label: name of an element, of (field, pair, element).
         """
 
-        def place(path: str, spot: _Spot) -> Place:
+        def place(path: str, spot: _Spot) -> UnequalValues:
             pair, element, one, other, difference = spot
-            return Place(int(stamps[pair]), "" if element < 0 else label(path, pair, element), one, other, difference)
+            return UnequalValues(
+                int(stamps[pair]), "" if element < 0 else label(path, pair, element), one, other, difference
+            )
 
         found = [
             FieldDifference(

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from sojourn_bags.comparison_result import Comparison, FieldDifference, Place, TopicComparison, Verdict, at
+from sojourn_bags.comparison_result import Comparison, FieldDifference, TopicComparison, UnequalValues, Verdict, at
 from sojourn_bags.comparison_text import ABSENT
 
 MOST_FIELDS = 60
@@ -101,7 +101,7 @@ def _gaps(topic: TopicComparison, one: str, other: str) -> list[str]:
     return lines
 
 
-def _values(place: Place) -> tuple[str, str]:
+def _values(place: UnequalValues) -> tuple[str, str]:
     """The two values with as many digits as tell them apart."""
     for digits in (6, 9, 12, 17):
         left, right = _text(place.one, digits), _text(place.other, digits)

@@ -17,7 +17,7 @@ from sojourn_config.urdf import parse_urdf
 from sojourn_contract.conformance.endpoints import BEST_EFFORT, RELIABLE, Endpoint
 from sojourn_contract.conformance.findings import Finding, Report
 from sojourn_contract.conformance.judge import CLOCK, Judge
-from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.topics import ROLES, TOPICS
 
 _RELIABILITY_CODES = {1: RELIABLE, 2: BEST_EFFORT}
@@ -44,7 +44,7 @@ class Recorded:
 
 
 def judge_bag(
-    bag: Bag, roles: Collection[str] | None = None, machine: Machine | None = None
+    bag: Bag, roles: Collection[str] | None = None, machine: JudgedMachine | None = None
 ) -> tuple[Report, Recorded]:
     """Judge the messages of these roles, None for all.
 
@@ -105,11 +105,11 @@ def recorded_as(bag: Bag) -> Recorded:
     return Recorded(lockstep, participants or _speakers(bag, by_us), by_us, notes)
 
 
-def machine_of(bag: Bag) -> Machine:
+def machine_of(bag: Bag) -> JudgedMachine:
     """The rover that the bag describes. Raises UnjudgeableBagError if it describes none."""
     try:
         run = Run.of_bag(bag)
-        return Machine.of(
+        return JudgedMachine.of(
             run.scenario.machine,
             run.machine,
             parse_urdf(run.urdf, f"URDF of {run.name}"),

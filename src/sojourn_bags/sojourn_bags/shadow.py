@@ -62,7 +62,7 @@ class LiveScript:
 
 
 @dataclass(frozen=True)
-class Look:
+class ShadowState:
     """The state of things while the run goes on.
 
     Args:
@@ -124,7 +124,7 @@ class Shadow(ReplayHarness):
         candidate.start(self.context, self._executor, parameters)
         self._get_ready()
 
-    def follow(self, ended: Callable[[], bool], look: Callable[[Look], None]) -> Comparison:
+    def follow(self, ended: Callable[[], bool], look: Callable[[ShadowState], None]) -> Comparison:
         """Follow the stack until it has ended, and the candidate after it.
 
         Args:
@@ -191,7 +191,7 @@ class Shadow(ReplayHarness):
             if self.answers.count != count:
                 count, quiet_since = self.answers.count, time.monotonic()
 
-    def _look(self) -> Look:
+    def _look(self) -> ShadowState:
         """Compare what has come since the last look."""
         # what is younger may still be on its way here from one of the two
         horizon = max(0, min(self.answers.newest, self.tap.newest) - ON_THE_WAY * CONTROL_PERIOD_NS)
@@ -200,7 +200,7 @@ class Shadow(ReplayHarness):
             self._divergence = compare(*sides).divergence(beyond_tolerance=True)
             self._compared = horizon
         behind = max(0, (self.tap.newest - self.answers.newest) // CONTROL_PERIOD_NS)
-        return Look(horizon, behind, self._divergence)
+        return ShadowState(horizon, behind, self._divergence)
 
     def _between(self, messages: Mapping[str, Messages], horizon: int) -> dict[str, Messages]:
         return _chosen(messages, self._compared + 1, horizon)
@@ -219,4 +219,4 @@ def _chosen(messages: Mapping[str, Messages], first: int, last: int) -> dict[str
     return {name: each for name, each in found.items() if len(each)}
 
 
-__all__ = ["NAMESPACE", "Look", "Shadow"]
+__all__ = ["NAMESPACE", "Shadow", "ShadowState"]

@@ -10,14 +10,14 @@ from rich.padding import Padding
 from rich.table import Table
 
 from sojourn_contract.conformance.findings import Report, number_text
-from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.description import contract_data, contract_name
 from sojourn_contract.manual import SECTIONS
 from sojourn_contract.page import field_note
 from sojourn_contract.topics import TOPICS
 
 
-def show_contract(screen: Console, machine: Machine) -> None:
+def show_contract(screen: Console, machine: JudgedMachine) -> None:
     """Topics with their fields, rules, and the rover's joints."""
     data = contract_data()
     screen.print(f"Contract {contract_name(data)}, rover {machine.name}", style="bold", soft_wrap=True)

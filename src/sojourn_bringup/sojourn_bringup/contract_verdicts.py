@@ -23,7 +23,7 @@ from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.judge import Judge
-from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.description import contract_data
 from sojourn_contract.page import contract_page
 from sojourn_operator.scenario_steps import course_of
@@ -44,7 +44,7 @@ def _check_options(given: argparse.Namespace) -> None:
         raise UsageError("contract: --exec needs --role: whom it stands in for")
 
 
-def show_as(form: str, machine: Machine) -> None:
+def show_as(form: str, machine: JudgedMachine) -> None:
     """Print the contract as a table, as JSON or as a page."""
     if form == "html":
         print(contract_page(machine), end="")
@@ -90,7 +90,7 @@ def _check_program(given: argparse.Namespace) -> Checked:
     return report, _facts(command, True, (role,), notes), [bag]
 
 
-def _machine(given: argparse.Namespace) -> Machine | None:
+def _machine(given: argparse.Namespace) -> JudgedMachine | None:
     """The machine that --scenario or --machine names; None where neither is given."""
     if given.scenario is None and given.machine is None:
         return None
@@ -99,8 +99,8 @@ def _machine(given: argparse.Namespace) -> Machine | None:
     return _machine_of(given.scenario or course_of(given.machine, MACHINE_SCENARIO), (f"machine={given.machine}",))
 
 
-def _machine_of(scenario: str, overrides: Sequence[str] = ()) -> Machine:
-    return Machine.of_scenario(load_scenario(scenario, overrides))
+def _machine_of(scenario: str, overrides: Sequence[str] = ()) -> JudgedMachine:
+    return JudgedMachine.of_scenario(load_scenario(scenario, overrides))
 
 
 def _facts(source: str, lockstep: bool, participants: Sequence[str], notes: Sequence[str]) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.errors import BagsError, UnansweredError
 from sojourn_bags.reading import Bag
 from sojourn_bags.replay_harness import ReplaySettings
-from sojourn_bags.shadow import NAMESPACE, Look, Shadow
+from sojourn_bags.shadow import NAMESPACE, Shadow, ShadowState
 from sojourn_bringup.candidate_process import ProcessCandidate
 from sojourn_bringup.shadow_report import DIFFERS, DONE, FAILED, READY, RUNNING, ShadowReport
 from sojourn_config import command_line
@@ -26,7 +26,7 @@ FAR_BEHIND = 5
 """Periods that a candidate may be behind without a word."""
 
 
-def words_of(look: Look) -> str:
+def words_of(look: ShadowState) -> str:
     """The state of things in a line."""
     if look.divergence is not None:
         first = look.divergence
@@ -45,7 +45,7 @@ def follow(given: argparse.Namespace, stop: StopFlag) -> Comparison:
     report = ShadowReport()
     ros = ros_variables(given.domain, given.network)
 
-    def look(now: Look) -> None:
+    def look(now: ShadowState) -> None:
         report.state, report.detail = RUNNING, words_of(now)
         report.write(given.result)
 

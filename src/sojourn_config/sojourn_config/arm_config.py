@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from sojourn_flight.arm.params import ArmParams
-from sojourn_machine.drives import DriveParams
+from sojourn_machine.drives import JointDriveParams
 from sojourn_machine.power.loads import LoadParams
 from sojourn_machine.supports import PadParams
 from sojourn_physics.sensors.params import JointGroupParams
@@ -26,7 +26,9 @@ class ArmConfig(ArmParams):
         description="links whose inertia is kept as published, though no body can have it: without a mass, or with "
         "moments that do not fit together",
     )
-    drives: tuple[DriveParams, ...] = Field(default=(), description="motor, gear and servo of groups of its joints")
+    drives: tuple[JointDriveParams, ...] = Field(
+        default=(), description="motor, gear and servo of groups of its joints"
+    )
     joint_groups: dict[str, JointGroupParams] = Field(default_factory=dict, description="encoders by group of joints")
     load: LoadParams | None = Field(
         default=None, description="what its motors draw from the bus, for a machine whose bus has no load of that name"

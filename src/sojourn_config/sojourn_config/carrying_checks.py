@@ -8,7 +8,7 @@ from sojourn_config.arm_config import ArmConfig
 from sojourn_config.errors import Problem
 from sojourn_config.machine import MachineConfig
 from sojourn_config.mechanism_checks import BASE_LINK
-from sojourn_config.mounting import Machine
+from sojourn_config.mounting import LoadedMachine
 from sojourn_config.still_machine import StillMachine
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
@@ -17,7 +17,9 @@ from sojourn_machine.params import FloatArray
 from sojourn_machine.power.battery import BatteryParams
 
 
-def carrying_problems(machine: Machine, gravity: float, documents: Mapping[str, YamlDocument]) -> Iterator[Problem]:
+def carrying_problems(
+    machine: LoadedMachine, gravity: float, documents: Mapping[str, YamlDocument]
+) -> Iterator[Problem]:
     """All that does not fit of an arm that is mounted on a machine; nothing of one that is in the machine's own URDF.
 
     Args:

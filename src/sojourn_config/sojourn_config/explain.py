@@ -29,7 +29,7 @@ _BASE_WORDS: dict[object, str] = {
 
 
 @dataclass
-class Place:
+class KeySchema:
     """What the schema says about one key: its type, its bounds and its description."""
 
     annotation: object
@@ -49,7 +49,7 @@ def problems_of(error: ValidationError, model: type[BaseModel], document: YamlDo
     return problems
 
 
-def allowed_text(place: Place) -> str:
+def allowed_text(place: KeySchema) -> str:
     """What may stand at a place, in words: `a number above 0, at most 1 (shear modulus [m])`."""
     words = _type_words(place.annotation)
     unit = "characters" if place.annotation is str else "values"
@@ -58,9 +58,9 @@ def allowed_text(place: Place) -> str:
     return f"{text} ({place.description})" if place.description else text
 
 
-def place_of(model: type[BaseModel], path: KeyPath) -> Place | None:
+def place_of(model: type[BaseModel], path: KeyPath) -> KeySchema | None:
     """What the schema says about the key at `path`; None where it knows no such key."""
-    place: Place | None = Place(model)
+    place: KeySchema | None = KeySchema(model)
     for part in path:
         if place is None:
             return None
@@ -142,12 +142,12 @@ def _path_in_data(detail: ErrorDetails, data: Data) -> tuple[KeyPath, object]:
     return tuple(path), here
 
 
-def _child(place: Place, part: str | int) -> Place | None:
+def _child(place: KeySchema, part: str | int) -> KeySchema | None:
     for annotation in _members(place.annotation):
         if isinstance(annotation, type) and issubclass(annotation, BaseModel) and isinstance(part, str):
             info = annotation.model_fields.get(part)
             if info is not None:
-                return Place(info.annotation, list(info.metadata), info.description or "")
+                return KeySchema(info.annotation, list(info.metadata), info.description or "")
             continue
         origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
         element: object | None = None
@@ -163,10 +163,10 @@ def _child(place: Place, part: str | int) -> Place | None:
     return None
 
 
-def _unwrap(annotation: object, description: str) -> Place:
+def _unwrap(annotation: object, description: str) -> KeySchema:
     """The type and the bounds of `Annotated[...]`; the description of the table around it is kept."""
     if typing.get_origin(annotation) is not typing.Annotated:
-        return Place(annotation, [], description)
+        return KeySchema(annotation, [], description)
     inner, *extras = typing.get_args(annotation)
     metadata: list[object] = []
     for extra in extras:
@@ -175,7 +175,7 @@ def _unwrap(annotation: object, description: str) -> Place:
             description = extra.description or description
         else:
             metadata.append(extra)
-    return Place(inner, metadata, description)
+    return KeySchema(inner, metadata, description)
 
 
 def _members(annotation: object) -> Iterator[object]:
@@ -190,7 +190,7 @@ def _members(annotation: object) -> Iterator[object]:
         yield annotation
 
 
-def _key_names(place: Place) -> tuple[str, ...]:
+def _key_names(place: KeySchema) -> tuple[str, ...]:
     names: list[str] = []
     for annotation in _members(place.annotation):
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):

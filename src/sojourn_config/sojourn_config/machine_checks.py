@@ -13,7 +13,7 @@ from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams, WheelGeometry
-from sojourn_machine.drives import DriveParams as DriveTrainParams
+from sojourn_machine.drives import JointDriveParams
 from sojourn_machine.names import names_text
 from sojourn_machine.power.loads import BusParams
 from sojourn_machine.supports import WheelParams
@@ -135,7 +135,7 @@ def with_drive_data(arm: AnyArm, config: MachineConfig) -> AnyArm:
     return arm.model_copy(update={name: value for name, value in update.items() if not getattr(arm, name)})
 
 
-def _gear_data(drives: Sequence[DriveTrainParams]) -> dict[str, tuple[float, ...]]:
+def _gear_data(drives: Sequence[JointDriveParams]) -> dict[str, tuple[float, ...]]:
     """Play and give that the arm's law has to make up for: of gears whose encoder is on the motor."""
     seen = [drive.play if drive.servo.encoder == "motor" else None for drive in drives]
     if not any(seen):
@@ -189,7 +189,7 @@ def _wheel_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocu
 
 
 def _drive_problems(
-    drives: Sequence[DriveTrainParams], urdf: UrdfSummary, bus: BusParams, document: YamlDocument
+    drives: Sequence[JointDriveParams], urdf: UrdfSummary, bus: BusParams, document: YamlDocument
 ) -> Iterator[Problem]:
     loads = {load.name: load for load in bus.loads}
     commanded = [load.name for load in bus.loads if load.kind == "commanded"]

@@ -12,7 +12,7 @@ from sojourn_config.errors import MISSING, ConfigError
 from sojourn_config.explain import problems_of
 from sojourn_config.extends import PARTS
 from sojourn_config.machine import MACHINE_KINDS, FlightSet, MachineConfig, PowerSet
-from sojourn_config.mounting import Machine, join, mount_problems
+from sojourn_config.mounting import LoadedMachine, join, mount_problems
 from sojourn_config.paths import SUFFIX, config_folder
 from sojourn_config.set_reader import Asked, ReadSet, SetReader
 from sojourn_config.tool_config import ToolSet, pad_problem
@@ -48,7 +48,7 @@ class MachineSets:
         documents: its files by role (`machine`, `power`, `flight`, `sensors`; `arm` and `tool` where it has them).
     """
 
-    joined: Machine
+    joined: LoadedMachine
     own_urdf: UrdfSummary
     drive: DriveParams | None
     tool: ReadSet[ToolSet] | None
@@ -88,7 +88,7 @@ class MachineReader(SetReader):
             if found is not None
         }  # fmt: skip
         law: FlightSet = flight.params
-        alone = Machine(
+        alone = LoadedMachine(
             config, urdf, power.params.battery, power.params.bus, law.power_manager, sensors.params, arm and arm.params
         )
         joined = self._with_arm(alone, documents, arm)
@@ -127,8 +127,8 @@ class MachineReader(SetReader):
         return [f"{head}.{text}" for head in FILES[file] for text in self.overrides.get(head, ())]
 
     def _with_arm(
-        self, machine: Machine, documents: Mapping[str, YamlDocument], arm: ReadSet[ArmConfig] | None
-    ) -> Machine | None:
+        self, machine: LoadedMachine, documents: Mapping[str, YamlDocument], arm: ReadSet[ArmConfig] | None
+    ) -> LoadedMachine | None:
         """The machine joined with its arm; None with the reason in `problems`."""
         arm_urdf = None
         if arm is not None and machine.config.arm_mount is not None and arm.params.urdf is not None:
@@ -181,7 +181,7 @@ def machine_config(name: str) -> MachineConfig:
     return found.params
 
 
-def joined_machine(name: str) -> Machine:
+def joined_machine(name: str) -> LoadedMachine:
     """A machine with its arm, on no ground. Raises ConfigError."""
     reader = MachineReader({})
     found = reader.machine(name, COMMAND_LINE)

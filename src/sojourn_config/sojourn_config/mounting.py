@@ -18,7 +18,7 @@ from sojourn_physics.sensors.params import SensorSuiteParams
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Machine:
+class LoadedMachine:
     """The parameter sets that a machine and its arm share."""
 
     config: MachineConfig
@@ -67,7 +67,7 @@ def on_machine(arm: ArmConfig, mount: ArmMountParams, root: str, first_joint_chi
 
 
 def mount_problems(
-    machine: Machine, arm_urdf: UrdfSummary | None, documents: Mapping[str, YamlDocument]
+    machine: LoadedMachine, arm_urdf: UrdfSummary | None, documents: Mapping[str, YamlDocument]
 ) -> Iterator[Problem]:
     """Why the arm cannot be put on the machine as it is asked for.
 
@@ -98,7 +98,7 @@ def mount_problems(
         yield documents["arm"].problem(("joint_names", 0), first, allowed)
 
 
-def join(machine: Machine, arm_urdf: UrdfSummary | None) -> Machine:
+def join(machine: LoadedMachine, arm_urdf: UrdfSummary | None) -> LoadedMachine:
     """The machine with all that its arm brings along; `mount_problems` has found none.
 
     Args:
@@ -122,7 +122,7 @@ def join(machine: Machine, arm_urdf: UrdfSummary | None) -> Machine:
         law = law.model_copy(update={"arm_power_limit": arm.load.power_w})
     sensors = machine.sensors
     joined = {**sensors.joint_groups, **arm.joint_groups}
-    return Machine(
+    return LoadedMachine(
         config=config.model_copy(
             update={
                 "drives": (*config.drives, *arm.drives),

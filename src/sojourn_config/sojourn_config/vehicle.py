@@ -6,7 +6,7 @@ figures) and what a source gives in place of it. Its `axles` are a table by the 
 
 import dataclasses
 
-from sojourn_analysis.vehicle.from_machine import Supply, vehicle_of
+from sojourn_analysis.vehicle.from_machine import BusSupply, vehicle_of
 from sojourn_analysis.vehicle.params import VehicleParams
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
 from sojourn_config.bundle import Bundle
@@ -41,10 +41,10 @@ def vehicle_of_machine(name: str, bundle: Bundle, standing: StandingMachine | No
     return validate(_over(vehicle, read_document(beside, "machines")), VehicleParams) if beside.is_file() else vehicle
 
 
-def supply_of(bundle: Bundle) -> Supply:
+def supply_of(bundle: Bundle) -> BusSupply:
     """Voltage of the half full battery, the energy of the full one, and what the loads beside the motors take."""
     house = sum(load.power_w for load in bundle.bus.loads if load.kind != "commanded")
-    return Supply(open_circuit_voltage(bundle.battery, 0.5), bundle.battery.energy_capacity_wh, house)
+    return BusSupply(open_circuit_voltage(bundle.battery, 0.5), bundle.battery.energy_capacity_wh, house)
 
 
 def _over(vehicle: VehicleParams, document: YamlDocument) -> YamlDocument:

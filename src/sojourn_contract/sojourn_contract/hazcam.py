@@ -4,20 +4,20 @@ import numpy as np
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.values import PointCloud2
-from sojourn_flight.hazards.stereo_camera import StereoEye
+from sojourn_flight.hazards.stereo_camera import StereoCamera
 from sojourn_machine.mounting import mounting
 
 TOPIC = "/hazcam/points"
 
 
-def eye_of(scenario: LoadedScenario) -> StereoEye | None:
+def hazard_camera_of(scenario: LoadedScenario) -> StereoCamera | None:
     """The rover's hazard camera; None for a rover without one."""
     camera = scenario.sensors.hazcam
     if camera is None:
         return None
     rotation, position = mounting(scenario.urdf_xml, camera.link)
     noise = camera.disparity_noise_px / (camera.focal_length_px * camera.baseline)
-    return StereoEye(position, np.ascontiguousarray(rotation[:, 0]), noise)
+    return StereoCamera(position, np.ascontiguousarray(rotation[:, 0]), noise)
 
 
 def newest_cloud(message: PointCloud2 | None, last: int) -> int:

@@ -5,7 +5,7 @@ from html import escape
 from typing import Any
 
 from sojourn_contract.barrier import awaited_inputs
-from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.description import contract_data, contract_name
 from sojourn_contract.manual import SECTIONS
 from sojourn_contract.topic_types import Topic
@@ -26,7 +26,7 @@ tr:hover { background: var(--soft); } .quiet { opacity: .75; }
 """
 
 
-def contract_page(machine: Machine) -> str:
+def contract_page(machine: JudgedMachine) -> str:
     """The page, for one rover."""
     data = contract_data()
     parts = [
@@ -174,7 +174,7 @@ def field_note(type_name: str, rule: Mapping[str, Any]) -> str:
     return "; ".join(notes)
 
 
-def _rover(machine: Machine) -> str:
+def _rover(machine: JudgedMachine) -> str:
     groups = (("drive", machine.drive), ("steer", machine.steer), ("arm", machine.arm))
     group_of = {joint: name for name, joints in groups for joint in joints}
     rows = [

@@ -16,7 +16,7 @@ from sojourn_contract.barrier import is_due
 from sojourn_contract.clouds import points_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.hazcam import TOPIC as CLOUD
-from sojourn_contract.hazcam import eye_of, newest_cloud
+from sojourn_contract.hazcam import hazard_camera_of, newest_cloud
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.topics import topic
 from sojourn_contract.values import TwistStamped
@@ -27,7 +27,7 @@ from sojourn_drive.measurements import WheelMeasurements
 from sojourn_drive.reports import drive_report, odometry_report
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.kinematics import PlanarTwist
-from sojourn_flight.planning.energy_forecast import Supply
+from sojourn_flight.planning.energy_forecast import EnergyLeft
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.supervision.drive import LONGEST_PERIOD, DriveModel
 from sojourn_flight.supervision.drive_status import drive_status
@@ -59,7 +59,7 @@ class Heard:
 
     power_limit: float = 1.0
     """Factor of the power manager on all speeds [-]."""
-    supply: Supply | None = None
+    supply: EnergyLeft | None = None
     """Of energy; None until the first reading of the battery."""
     interlock: str = ""
     """Why the rover may not drive, in words; empty where it may."""
@@ -93,7 +93,7 @@ class DriveApp(App[DriveAppState]):
 
     def __init__(self, scenario: LoadedScenario) -> None:
         self._start = scenario.config.start
-        self.model = DriveModel(scenario.drive, scenario.steering, eye_of(scenario), scenario.wheel_loads())
+        self.model = DriveModel(scenario.drive, scenario.steering, hazard_camera_of(scenario), scenario.wheel_loads())
         self._measurements = WheelMeasurements(scenario.machine, scenario.urdf_xml)
         self._sun = SunSightings(scenario)
         self._charge = ChargeGauge(scenario.power_manager)

@@ -2,7 +2,7 @@
 
 from sojourn_contract.values import BatteryState
 from sojourn_drive.measurements import DRIVE_LOADS
-from sojourn_flight.planning.energy_forecast import Supply
+from sojourn_flight.planning.energy_forecast import EnergyLeft
 from sojourn_flight.power_manager.params import PowerManagerParams
 from sojourn_machine.power.battery import stored_energy
 
@@ -18,10 +18,10 @@ class ChargeGauge:
         self._battery = manager.battery
         self._reserve = manager.reserve(DRIVE_LOADS)
 
-    def supply(self, message: BatteryState | None, before: Supply | None) -> Supply | None:
+    def supply(self, message: BatteryState | None, before: EnergyLeft | None) -> EnergyLeft | None:
         """By a reading; None (not due, refused or too old) leaves what was known before."""
         if message is None:
             return before
         soc = min(max(message.charge / message.capacity, 0.0), 1.0) if message.capacity > 0.0 else 0.0
         left = stored_energy(self._battery, soc) - stored_energy(self._battery, self._reserve)
-        return Supply(left, soc, self._reserve, max(-message.voltage * message.current, 0.0))
+        return EnergyLeft(left, soc, self._reserve, max(-message.voltage * message.current, 0.0))

@@ -172,7 +172,7 @@ AnyMotorParams: TypeAlias = Annotated[
 ]
 
 
-class DriveParams(Params):
+class JointDriveParams(Params):
     """A joint's whole drive.
 
     Args:

@@ -4,7 +4,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from sojourn_machine.drives import DriveParams, JointFrictionParams
+from sojourn_machine.drives import JointDriveParams, JointFrictionParams
 from sojourn_machine.params import Params
 from sojourn_machine.supports import PadParams, WheelParams
 
@@ -59,7 +59,7 @@ class MachineParams(Params):
         default=(), description="wheels, in the order of all reports; a fixed base has none, all others at least one"
     )
     pads: tuple[PadParams, ...] = Field(default=(), description="other points that may touch the ground")
-    drives: tuple[DriveParams, ...] = Field(default=(), description="motor, gear and servo of groups of joints")
+    drives: tuple[JointDriveParams, ...] = Field(default=(), description="motor, gear and servo of groups of joints")
     passive_joint: JointFrictionParams
     suspensions: tuple[SuspensionParams, ...] = Field(default=(), description="springs and dampers on joints")
     wrench_sensor_link: str | None = Field(

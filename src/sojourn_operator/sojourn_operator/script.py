@@ -34,7 +34,7 @@ class Report:
 
 
 @dataclass(frozen=True)
-class Goal:
+class GoalToSend:
     """A goal to send: its topic, its stamp [ns] and what it asks for."""
 
     topic: str
@@ -96,7 +96,9 @@ class OperatorScript:
         index = len(state.results)
         return f"step {index + 1} of {len(self.steps)}: {describe(self.steps[index][0])}"
 
-    def look(self, state: ScriptState, now: int, reports: Mapping[str, Report]) -> tuple[ScriptState, Goal | None]:
+    def look(
+        self, state: ScriptState, now: int, reports: Mapping[str, Report]
+    ) -> tuple[ScriptState, GoalToSend | None]:
         """Look at the machine at simulation time `now` [ns]; the goal to send now, if any.
 
         Args:
@@ -113,11 +115,11 @@ class OperatorScript:
             return replace(state, finished=True), None
         return self._begin_step(replace(state, since=now), now)
 
-    def _begin_step(self, state: ScriptState, now: int) -> tuple[ScriptState, Goal | None]:
+    def _begin_step(self, state: ScriptState, now: int) -> tuple[ScriptState, GoalToSend | None]:
         if now >= self.limit_s * NANOSECONDS:
             return self._record(state, now, TIMED_OUT, self._limit_text()), None
         action = self.steps[len(state.results)][0]
-        return state, None if isinstance(action, Wait) else Goal(TOPICS[type(action)][0], now + LEAD_NS, action)
+        return state, None if isinstance(action, Wait) else GoalToSend(TOPICS[type(action)][0], now + LEAD_NS, action)
 
     def _judge(self, state: ScriptState, now: int, reports: Mapping[str, Report]) -> tuple[str, str] | None:
         """Outcome and reason of the present step, or None while it goes on."""

@@ -19,7 +19,7 @@ from sojourn_flight.arm.profiles import SHAPES, TimedPath, joint_motion
 from sojourn_flight.arm.self_collision import SelfCollision
 from sojourn_flight.arm.serial_arm import SerialArm
 from sojourn_flight.arm.spline_path import SplinePath, chord_length, spline_through
-from sojourn_flight.arm.time_optimal import MotionLimits, TimingError, fastest_timing
+from sojourn_flight.arm.time_optimal import JointLimits, TimingError, fastest_timing
 from sojourn_flight.arm.tip_following import CartesianPathError, joints_along
 from sojourn_machine.params import FloatArray
 
@@ -32,11 +32,11 @@ _LOOKS = 200
 """Postures of a motion that are looked at for collisions."""
 
 
-def motion_limits(arm: SerialArm, power: float | None) -> MotionLimits:
+def motion_limits(arm: SerialArm, power: float | None) -> JointLimits:
     """Limits of an arm; power drawn in W, None for any."""
     speed = np.where(np.isfinite(arm.max_velocity), arm.max_velocity, _ANY_SPEED)
     effort = np.where(np.isfinite(arm.max_effort), arm.max_effort, 1e12)
-    return MotionLimits(speed, speed / SPEED_TIME, effort, np.inf if power is None else power)
+    return JointLimits(speed, speed / SPEED_TIME, effort, np.inf if power is None else power)
 
 
 def moves_figures(

@@ -14,7 +14,7 @@ import pinocchio as pin
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.barrier import is_due
-from sojourn_contract.hazcam import eye_of
+from sojourn_contract.hazcam import hazard_camera_of
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Odometry
 from sojourn_drive.measurements import WheelMeasurements
@@ -55,7 +55,7 @@ class ClosedLoop:
         self.scenario = scenario
         self.plant, self.truth = build_plant(scenario) if placed is None else placed
         params = scenario.drive if avoids else scenario.drive.model_copy(update={"obstacles": None})
-        self.drive = DriveModel(params, scenario.steering, eye_of(scenario), loads=scenario.wheel_loads())
+        self.drive = DriveModel(params, scenario.steering, hazard_camera_of(scenario), loads=scenario.wheel_loads())
         self.drive.warm_up()
         start = scenario.config.start
         self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)

@@ -8,12 +8,12 @@ from sojourn_analysis.wheels.wheel_bench import measure
 from sojourn_config.arms import load_arm
 from sojourn_config.load import load_params
 from sojourn_config.scenario import LoadedScenario, load_scenario
-from sojourn_contract.hazcam import eye_of
+from sojourn_contract.hazcam import hazard_camera_of
 from sojourn_flight.arm import controller
 from sojourn_flight.arm.inverse import pose_goal
 from sojourn_flight.arm.model import build_arm_model
 from sojourn_flight.arm.spline_path import spline_through
-from sojourn_flight.arm.time_optimal import MotionLimits, fastest_timing
+from sojourn_flight.arm.time_optimal import JointLimits, fastest_timing
 from sojourn_flight.power_manager import law as manager
 from sojourn_flight.supervision.drive import DriveModel
 from sojourn_physics.contact.wheel_shape import WheelShape
@@ -48,7 +48,7 @@ def _use_arm() -> None:
     pose_goal(arm, np.array([0.5, 0.1, 0.6]), np.eye(3))
     tip_samples(arm.chain, np.zeros((1, arm.joint_count)))
     path = spline_through(np.stack([arm.lower, arm.upper]), np.array([0.0, 1.0]))
-    limits = MotionLimits(arm.max_velocity, np.ones(arm.joint_count), arm.max_effort)
+    limits = JointLimits(arm.max_velocity, np.ones(arm.joint_count), arm.max_effort)
     fastest_timing(arm, path, limits, np.zeros(3), intervals=10)
 
 
@@ -58,7 +58,7 @@ def _look_and_drive(scenario: LoadedScenario) -> None:
         camera = hazcam.hazcam_on(params, scenario.urdf_xml)
         state = hazcam.initial_state(camera, scenario.config.seed)
         hazcam.step(camera, state, scenario.height_field(), np.zeros(3), np.eye(3))
-    DriveModel(scenario.drive, scenario.steering, eye_of(scenario), loads=scenario.wheel_loads()).warm_up()
+    DriveModel(scenario.drive, scenario.steering, hazard_camera_of(scenario), loads=scenario.wheel_loads()).warm_up()
 
 
 def _step_plant(scenario: LoadedScenario) -> None:

@@ -7,7 +7,7 @@ is, which law its contacts follow. Its files would be a URDF and a YAML as those
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from sojourn_machine.drives import DriveParams, JointFrictionParams
+from sojourn_machine.drives import JointDriveParams, JointFrictionParams
 from sojourn_machine.machine import MachineParams, SuspensionParams
 from sojourn_machine.supports import WheelParams
 
@@ -27,8 +27,8 @@ class Platform(NamedTuple):
 def wheeled_platform(
     places: Sequence[float],
     wheel: WheelParams,
-    drives: Sequence[DriveParams],
-    steering: DriveParams | None = None,
+    drives: Sequence[JointDriveParams],
+    steering: JointDriveParams | None = None,
     steered: Sequence[int] = (),
     struts: SuspensionParams | None = None,
     chassis_mass: float = 100.0,

@@ -16,7 +16,7 @@ from sojourn_analysis.datasheet.standing import standing, tip_over_angles
 from sojourn_analysis.datasheet.subject import Subject
 from sojourn_analysis.datasheet.suspending import differential
 from sojourn_analysis.datasheet.turning import steering
-from sojourn_analysis.vehicle.from_machine import Supply, vehicle_of
+from sojourn_analysis.vehicle.from_machine import BusSupply, vehicle_of
 from sojourn_analysis.vehicle.longitudinal import loads
 from sojourn_analysis.vehicle.params import PublishedFigure
 from sojourn_analysis.vehicle.travel_steer import contact_shift, suspension_joints
@@ -50,7 +50,7 @@ def explorer() -> Subject:
     bundle = read_machine("explorer", "moon", "lunar_nominal")
     machine = StandingMachine(bundle.urdf_xml, bundle.machine, bundle.gravity)
     angles = dict(zip(bundle.arm.joint_names, bundle.arm.named_poses["stow"], strict=True))
-    vehicle = vehicle_of("explorer", machine, Supply(29.0, 473.0, 80.0), 0.1, angles)
+    vehicle = vehicle_of("explorer", machine, BusSupply(29.0, 473.0, 80.0), 0.1, angles)
     return Subject(vehicle, bundle.soil, bundle.body, machine, angles)
 
 
@@ -176,7 +176,7 @@ def test_arms_of_a_suspension_shift_the_contact() -> None:
 def test_the_bar_of_a_differential() -> None:
     bundle = read_machine("micro", "moon", "lunar_nominal")
     machine = StandingMachine(bundle.urdf_xml, bundle.machine, bundle.gravity)
-    vehicle = vehicle_of("micro", machine, Supply(12.0, 50.0, 5.0), 0.1)
+    vehicle = vehicle_of("micro", machine, BusSupply(12.0, 50.0, 5.0), 0.1)
     section = differential(Subject(vehicle, bundle.soil, bundle.body, machine))
     assert section is not None
     found = values(section)

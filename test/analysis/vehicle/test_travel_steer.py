@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sojourn_analysis.vehicle.from_machine import Supply, vehicle_of
+from sojourn_analysis.vehicle.from_machine import BusSupply, vehicle_of
 from sojourn_analysis.vehicle.travel_steer import (
     roll_steer,
     steering_error,
@@ -138,7 +138,7 @@ def test_springs_of_a_machine_as_its_wheels_feel_them() -> None:
     loads = machine.loads(stance).normal
     assert loads.sum() == pytest.approx(machine.mass * 1.6)
     assert machine.spring_compliance(stance) == pytest.approx(np.full(4, 1.0 / 3000.0))
-    vehicle = vehicle_of("platform", machine, Supply(28.0, 100.0, 0.0), 1.0)
+    vehicle = vehicle_of("platform", machine, BusSupply(28.0, 100.0, 0.0), 1.0)
     assert [axle.spring_rate for axle in vehicle.axles] == pytest.approx([3000.0, 3000.0])
     assert [axle.damping for axle in vehicle.axles] == pytest.approx([400.0, 400.0])
     assert [axle.unsprung_mass for axle in vehicle.axles] == pytest.approx([WHEEL_MASS + STRUT_MASS] * 2)

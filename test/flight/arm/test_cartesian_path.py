@@ -13,7 +13,7 @@ from sojourn_flight.arm.inverse import pointing_goal, pose_goal, position_goal
 from sojourn_flight.arm.inverse_search import POSE, POSITION
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.serial_arm import SerialArm
-from sojourn_flight.arm.time_optimal import MotionLimits, fastest_timing
+from sojourn_flight.arm.time_optimal import JointLimits, fastest_timing
 from sojourn_flight.arm.tip_following import CartesianPathError, joints_along
 from sojourn_machine.errors import InvalidValueError
 
@@ -84,7 +84,7 @@ def test_near_a_singularity_the_tip_is_slowed_down_and_the_limits_hold() -> None
     posture = pose_goal(PUMA, start, tip.rotation, middle).positions
     joints = joints_along(PUMA, line(start, end, tip.rotation, tip.rotation), posture)
     acceleration = np.full(6, 20.0)
-    limits = MotionLimits(np.full(6, 0.4), acceleration, np.full(6, 1e4))
+    limits = JointLimits(np.full(6, 0.4), acceleration, np.full(6, 1e4))
     motion = fastest_timing(PUMA, joints.joints, limits, np.array([0.0, 0.0, -9.81]), intervals=400)
     speeds, wrist = [], []
     for time in np.linspace(0.05, motion.duration - 0.05, 300):
@@ -122,9 +122,7 @@ def test_lines_through_and_beside_singular_postures(arm: SerialArm, posture: lis
         start = _solved(arm, task, middle - along, turned, np.array(posture))
         followed = joints_along(arm, path, start, task)
         speed = np.minimum(arm.max_velocity, 1.0)
-        motion = fastest_timing(
-            arm, followed.joints, MotionLimits(speed, 2.0 * speed, np.full(len(posture), 1e6)), ZERO
-        )
+        motion = fastest_timing(arm, followed.joints, JointLimits(speed, 2.0 * speed, np.full(len(posture), 1e6)), ZERO)
         positions, rates, _ = motion.states(np.linspace(0.0, motion.duration, 800))
         assert np.all(np.abs(rates) <= speed * 1.002)
         away = np.cross(np.array([forward_kinematics(arm, q).position for q in positions]) - path.start, along)
@@ -147,7 +145,7 @@ def test_a_line_just_inside_the_reach_stretches_the_elbow_and_goes_on() -> None:
     assert start.reached
     path = line(middle - across, middle + across, tip.rotation, tip.rotation)
     followed = joints_along(EXPLORER, path, start.positions)
-    limits = MotionLimits(EXPLORER.max_velocity, EXPLORER.max_velocity, EXPLORER.max_effort)
+    limits = JointLimits(EXPLORER.max_velocity, EXPLORER.max_velocity, EXPLORER.max_effort)
     motion = fastest_timing(EXPLORER, followed.joints, limits, np.array([0.0, 0.0, -1.62]))
     assert np.all(np.abs(motion.states(np.linspace(0, motion.duration, 800))[1]) <= EXPLORER.max_velocity * 1.002)
 

@@ -11,7 +11,7 @@ from sojourn_flight.arm.model import build_arm_model
 from sojourn_flight.arm.path_clock import ClockLimits, PathClock, advance, sample
 from sojourn_flight.arm.profiles import SHAPES, TimedPath, joint_motion
 from sojourn_flight.arm.spline_path import chord_length, spline_through
-from sojourn_flight.arm.time_optimal import MotionLimits, fastest_timing
+from sojourn_flight.arm.time_optimal import JointLimits, fastest_timing
 from sojourn_flight.arm.trajectory import at_rest, point_to_point
 
 DT = 0.02
@@ -31,7 +31,7 @@ def _motion(seed: int) -> TimedPath:
         shape = SHAPES[seed % len(SHAPES)]
         return joint_motion(shape, points[0], points[1], PUMA.max_velocity, ACCELERATION, np.full(6, 20.0))
     path = spline_through(points, chord_length(points, half))
-    limits = MotionLimits(PUMA.max_velocity, 0.995 * ACCELERATION, np.full(6, 1e4))
+    limits = JointLimits(PUMA.max_velocity, 0.995 * ACCELERATION, np.full(6, 1e4))
     return fastest_timing(PUMA, path, limits, np.zeros(3))
 
 

@@ -11,15 +11,15 @@ from sojourn_config.arms import load_arm
 from sojourn_flight.arm.friction import no_friction
 from sojourn_flight.arm.serial_arm import SerialArm, with_motors
 from sojourn_flight.arm.spline_path import SplinePath, chord_length, spline_through
-from sojourn_flight.arm.time_optimal import MotionLimits, TimingError, fastest_timing, largest_share
+from sojourn_flight.arm.time_optimal import JointLimits, TimingError, fastest_timing, largest_share
 from sojourn_machine.errors import InvalidValueError
 
 EARTH = np.array([0.0, 0.0, -9.81])
 PUMA, GANTRY = load_arm("puma560"), load_arm("cartesian")
 
 
-def _limits(arm: SerialArm, acceleration: float = 5.0, power: float = math.inf) -> MotionLimits:
-    return MotionLimits(arm.max_velocity, np.full(arm.joint_count, acceleration), arm.max_effort, power, 0.7)
+def _limits(arm: SerialArm, acceleration: float = 5.0, power: float = math.inf) -> JointLimits:
+    return JointLimits(arm.max_velocity, np.full(arm.joint_count, acceleration), arm.max_effort, power, 0.7)
 
 
 def _path(arm: SerialArm, generator: np.random.Generator, count: int) -> SplinePath:
@@ -53,7 +53,7 @@ def test_one_free_axis_is_bang_bang() -> None:
     points = np.array([[0.1, 0.3, 0.2], [0.6, 0.3, 0.2], [1.1, 0.3, 0.2]])
     path = spline_through(points, np.array([0.0, 0.5, 1.0]))
     effort = np.array([50.0, 1e4, 1e4])
-    limits = MotionLimits(np.full(3, 1e3), np.full(3, 1e6), effort)
+    limits = JointLimits(np.full(3, 1e3), np.full(3, 1e6), effort)
     motion = fastest_timing(free, path, limits, EARTH)
     assert motion.duration == pytest.approx(2.0 * math.sqrt(1.0 * mass / 50.0), rel=2e-3)
     # with friction the slide starts more slowly and brakes faster
@@ -74,7 +74,7 @@ def _coulomb_only(arm: SerialArm):  # type: ignore[no-untyped-def]
 def test_speed_and_acceleration_alone_give_the_trapezoid() -> None:
     points = np.linspace([0.1, 0.1, 0.2], [1.1, 0.1, 0.2], 3)
     path = spline_through(points, np.array([0.0, 0.5, 1.0]))
-    limits = MotionLimits(np.full(3, 0.5), np.ones(3), np.full(3, 1e6))
+    limits = JointLimits(np.full(3, 0.5), np.ones(3), np.full(3, 1e6))
     assert fastest_timing(GANTRY, path, limits, np.zeros(3)).duration == pytest.approx(2.5, rel=2e-3)
 
 
@@ -83,7 +83,7 @@ def test_a_lift_at_a_power_limit_takes_the_work_over_the_power() -> None:
     points = np.linspace([0.1, 0.1, 0.5], [0.1, 0.1, 0.1], 3)  # the z joint counts downward
     path = spline_through(points, np.array([0.0, 0.2, 0.4]))
     free = with_motors(GANTRY, GANTRY.motor_inertia, _coulomb_only(GANTRY))
-    limits = MotionLimits(np.full(3, 10.0), np.full(3, 10.0), np.full(3, 1e5), 2.0, 0.6)
+    limits = JointLimits(np.full(3, 10.0), np.full(3, 10.0), np.full(3, 1e5), 2.0, 0.6)
     force = 3.0 * 9.81 + float(GANTRY.friction.backward[2])
     assert fastest_timing(free, path, limits, EARTH).duration == pytest.approx(force * 0.4 / (0.6 * 2.0), rel=0.02)
 
@@ -95,7 +95,7 @@ def test_less_power_takes_longer() -> None:
 
 
 def test_an_arm_that_cannot_hold_itself_is_told_where() -> None:
-    weak = MotionLimits(PUMA.max_velocity, np.full(6, 5.0), np.full(6, 20.0))
+    weak = JointLimits(PUMA.max_velocity, np.full(6, 5.0), np.full(6, 20.0))
     stretched = np.array([[0.0, 0.1, -1.5, 0.0, 0.0, 0.0], [0.5, 0.2, -1.5, 0.0, 0.0, 0.0]])
     path = spline_through(stretched, np.array([0.0, 1.0]))
     with pytest.raises(TimingError, match=r"at \d+ % of the path the limits of effort or power are too small"):

@@ -10,7 +10,7 @@ import pinocchio as pin
 import pytest
 
 from sojourn_config.scenario import LoadedScenario, load_scenario
-from sojourn_flight.arm.footing import Footing, WheelLoads
+from sojourn_flight.arm.footing import Footing, FootingLoads
 from sojourn_flight.arm.goals import ArmGoal, JointGoal
 from sojourn_flight.arm.kinematics import inverse_kinematics
 from sojourn_flight.arm.model import ArmModel, build_arm_model
@@ -45,9 +45,9 @@ class RoverArm:
     said: ArmOutput | None = None
     log: list[dict[str, Any]] = field(default_factory=list)
     has_wrist: bool = True
-    loads: WheelLoads | None = None
+    loads: FootingLoads | None = None
 
-    def wheel_loads(self, positions: FloatArray, gravity: FloatArray) -> WheelLoads:
+    def wheel_loads(self, positions: FloatArray, gravity: FloatArray) -> FootingLoads:
         """What the flight side knows of the rover's stand."""
         params = self.scenario.arm
         footing = Footing(

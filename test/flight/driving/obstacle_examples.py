@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sojourn_config.bundle import read_machine
 from sojourn_flight.hazards.obstacle_map import ObstacleMap, empty_map, with_cloud
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
-from sojourn_flight.hazards.stereo_camera import StereoEye
+from sojourn_flight.hazards.stereo_camera import StereoCamera
 from sojourn_physics.sensors import hazcam
 from sojourn_physics.terrain.height_field import HeightField
 
@@ -20,7 +20,7 @@ EXPLORER = read_machine("explorer", "moon", "lunar_nominal")
 PARAMS: ObstacleParams = EXPLORER.drive.obstacles
 RIDE = PARAMS.outline.ride_height
 CAMERA = hazcam.hazcam_on(EXPLORER.sensors.hazcam, EXPLORER.urdf_xml)
-EYE = StereoEye(
+EYE = StereoCamera(
     CAMERA.position,
     CAMERA.directions[len(CAMERA.directions) // 2],
     CAMERA.params.disparity_noise_px / (CAMERA.params.focal_length_px * CAMERA.params.baseline),

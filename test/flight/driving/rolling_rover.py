@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sojourn_config.scenario import LoadedScenario
-from sojourn_contract.hazcam import eye_of
+from sojourn_contract.hazcam import hazard_camera_of
 from sojourn_flight.mobility.wheel_twist import twist_from_wheels
 from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_flight.planning.goal import Goal, GoalOutcome
@@ -52,7 +52,7 @@ class RollingRover:
         params = scenario.drive.model_copy(
             update={"slip": None, "odometry": scenario.drive.odometry.model_copy(update=firm), "terrain_match": None}
         )
-        self.model = DriveModel(params, scenario.steering, eye_of(scenario))
+        self.model = DriveModel(params, scenario.steering, hazard_camera_of(scenario))
         start = scenario.config.start
         self.state = self.model.initial_state(start.x, start.y, start.yaw)
         self.wheels = np.array([(wheel.x, wheel.y) for wheel in scenario.steering.wheels])

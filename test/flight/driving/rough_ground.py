@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from sojourn_config.machine_reader import joined_machine
-from sojourn_flight.hazards.stereo_camera import StereoEye
+from sojourn_flight.hazards.stereo_camera import StereoCamera
 from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_machine.mounting import mounting
 from sojourn_machine.params import FloatArray
@@ -24,7 +24,7 @@ EXPLORER = joined_machine("explorer")
 URDF = EXPLORER.urdf.text
 PARAMS: HazcamParams = EXPLORER.sensors.hazcam
 CAMERA = hazcam_on(PARAMS, URDF)
-STEREO = StereoEye(
+STEREO = StereoCamera(
     CAMERA.position,
     mounting(URDF, PARAMS.link)[0][:, 0],
     PARAMS.disparity_noise_px / (PARAMS.focal_length_px * PARAMS.baseline),

@@ -9,7 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from sojourn_config.scenario import LoadedScenario
-from sojourn_contract.hazcam import eye_of
+from sojourn_contract.hazcam import hazard_camera_of
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_flight.supervision.drive import DriveModel
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
@@ -43,7 +43,7 @@ class Loop:
         camera = scenario.sensors.hazcam
         self.camera = None if camera is None else hazcam.hazcam_on(camera, scenario.urdf_xml)
         self.noise = None if self.camera is None else hazcam.initial_state(self.camera, scenario.config.seed)
-        self.model = DriveModel(scenario.drive, scenario.steering, eye_of(scenario))
+        self.model = DriveModel(scenario.drive, scenario.steering, hazard_camera_of(scenario))
         start = scenario.config.start
         self.drive = self.model.initial_state(start.x, start.y, start.yaw)
         wheels = scenario.machine.wheels

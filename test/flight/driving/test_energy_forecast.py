@@ -11,9 +11,9 @@ from sojourn_config.scenario import load_scenario
 from sojourn_flight.mobility.turning_limits import TurningLimits
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.energy_forecast import (
-    EnergyAccount,
+    EnergyLeft,
+    EnergyUse,
     Forecast,
-    Supply,
     account_status,
     forecast_way,
     on_grade,
@@ -75,8 +75,8 @@ def test_beyond_the_measured_grades_it_goes_on_straight_and_never_below_nothing(
     assert on_grade(COSTS, COSTS.energy_per_metre, math.radians(2.0)) == pytest.approx(500.0)
 
 
-def supply(left: float) -> Supply:
-    return Supply(left=left, soc=0.3, reserve=0.1, power=100.0)
+def supply(left: float) -> EnergyLeft:
+    return EnergyLeft(left=left, soc=0.3, reserve=0.1, power=100.0)
 
 
 def test_the_margin_and_the_switch_decide() -> None:
@@ -135,7 +135,7 @@ def test_what_the_goal_takes_is_counted_until_it_ends(model: DriveModel, machine
     state, output = rover.run(state, 5.0, supply=supply(1e6))
     assert output.status["energy_used_wh"] == pytest.approx(used)
     assert output.status["energy_to_go_wh"] == 0.0
-    assert account_status(EnergyAccount(), 1.0) == {}
+    assert account_status(EnergyUse(), 1.0) == {}
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_every_rover_knows_what_a_way_will_cost_and_refuses_one_beyond_its_charg
     model = DriveModel(scenario.drive, scenario.steering)
     wheels = np.zeros(len(scenario.steering.wheels))
     for left, kind in ((1e9, None), (10.0, "refused")):
-        supply = Supply(left, 0.5, 0.2, 50.0)
+        supply = EnergyLeft(left, 0.5, 0.2, 50.0)
         goal = Goal.at(6.0, 0.0)
         inputs = DriveInput(
             wheels, wheels, wheels, gyro=(0.0, 0.0, 0.0), roll_pitch=(0.0, 0.0), goal=goal, supply=supply

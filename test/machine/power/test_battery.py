@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.power import battery
-from sojourn_machine.power.battery import BatteryParams, BatteryState
+from sojourn_machine.power.battery import BatteryParams, PackState
 
 
 def make(**changes: object) -> BatteryParams:
@@ -43,17 +43,17 @@ def make(**changes: object) -> BatteryParams:
 PACK = make()
 
 
-def run(params: BatteryParams, state: BatteryState, current: float, dt: float, steps: int) -> BatteryState:
+def run(params: BatteryParams, state: PackState, current: float, dt: float, steps: int) -> PackState:
     for _ in range(steps):
         state = battery.step(params, state, current, dt)
     return state
 
 
-def chemical(params: BatteryParams, before: BatteryState, after: BatteryState) -> float:
+def chemical(params: BatteryParams, before: PackState, after: PackState) -> float:
     return battery.stored_energy(params, before.soc) - battery.stored_energy(params, after.soc)
 
 
-def capacitor(params: BatteryParams, state: BatteryState) -> float:
+def capacitor(params: BatteryParams, state: PackState) -> float:
     return 0.5 * params.capacitance * state.polarisation_voltage**2
 
 

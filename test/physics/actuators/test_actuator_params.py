@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from sojourn_machine.drives import DriveParams
+from sojourn_machine.drives import JointDriveParams
 
 GOOD: dict[str, Any] = {
     "joints": ["a", "b"],
@@ -23,7 +23,7 @@ GOOD: dict[str, Any] = {
 
 
 def test_what_the_joint_feels() -> None:
-    drive = DriveParams.model_validate(GOOD)
+    drive = JointDriveParams.model_validate(GOOD)
     assert drive.reflected_inertia == pytest.approx(1.08)
     assert drive.friction_torque == pytest.approx(2.5 + 0.0369 * 23.4)
 
@@ -43,9 +43,9 @@ def test_what_the_joint_feels() -> None:
 )
 def test_what_is_refused(part: str, change: dict[str, Any], words: str) -> None:
     with pytest.raises(ValidationError, match=words):
-        DriveParams.model_validate({**GOOD, part: {**GOOD[part], **change}})
+        JointDriveParams.model_validate({**GOOD, part: {**GOOD[part], **change}})
 
 
 def test_a_joint_named_twice_is_refused() -> None:
     with pytest.raises(ValidationError, match="each joint once"):
-        DriveParams.model_validate({**GOOD, "joints": ["a", "a"]})
+        JointDriveParams.model_validate({**GOOD, "joints": ["a", "a"]})

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from sojourn_config.bundle import read_machine
-from sojourn_machine.drives import BrakeParams, DriveParams, MotorThermalParams
+from sojourn_machine.drives import BrakeParams, JointDriveParams, MotorThermalParams
 from sojourn_physics.actuators import joint_drive as jd
 from sojourn_physics.actuators.drive_condition import CLOSED, HOUSING, WINDING, conditions_of
 from sojourn_physics.actuators.motor_thermal import demagnetisation_current
@@ -26,8 +26,8 @@ PERIOD = 0.02
 REACHING = {"arm_shoulder_joint": -0.3, "arm_elbow_joint": 0.2}
 
 
-def drive(**more: object) -> DriveParams:
-    return DriveParams.model_validate({
+def drive(**more: object) -> JointDriveParams:
+    return JointDriveParams.model_validate({
         "joints": ["a"], "load": "arm",
         "motor": {
             "resistance": 2.0, "torque_constant": 0.2, "rotor_inertia": 1e-4, "no_load_current": 0.0, "max_current": 7.0
@@ -161,4 +161,4 @@ def test_arms_of_ours_name_them() -> None:
     assert gantry.transmission.efficiency == pytest.approx(0.9, rel=1e-3)
     lrv = read_machine("lrv", "moon", "lunar_nominal").machine.drives[0]
     with pytest.raises(ValueError, match="magnets"):
-        DriveParams.model_validate(lrv.model_dump() | {"thermal": HEAT.model_dump()})
+        JointDriveParams.model_validate(lrv.model_dump() | {"thermal": HEAT.model_dump()})

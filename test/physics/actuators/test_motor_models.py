@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from sojourn_machine.drives import BrushlessMotorParams, DriveParams, MotorThermalParams
+from sojourn_machine.drives import BrushlessMotorParams, JointDriveParams, MotorThermalParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_physics.actuators import brushless
 from sojourn_physics.actuators.motor_thermal import (
@@ -90,13 +90,13 @@ def test_a_drive_takes_a_brushless_motor() -> None:
     servo = {"mode": "rate", "proportional": 1.0, "max_torque": 100.0}
     gear = {"ratio": 50.0, "efficiency": 0.8, "friction_torque": 1.0, "viscous_friction": 0.5}
     base = {"joints": ["a"], "load": "drive", "gear": gear, "servo": servo}
-    drive = DriveParams.model_validate(base | {"motor": MOTOR.model_dump()})
-    other = DriveParams.model_validate(base | {"motor": MOTOR.from_supply.model_dump()})
+    drive = JointDriveParams.model_validate(base | {"motor": MOTOR.model_dump()})
+    other = JointDriveParams.model_validate(base | {"motor": MOTOR.from_supply.model_dump()})
     for name in ("winding_loss", "motor_effort", "friction_torque", "reflected_inertia"):
         assert getattr(drive, name) == pytest.approx(getattr(other, name))
     assert drive.viscous_friction == pytest.approx(0.5 + 1e-5 * 50.0**2)
     with pytest.raises(ValueError, match="flux"):
-        DriveParams.model_validate(base | {"motor": {"kind": "brushless", "phase_resistance": 1.0}})
+        JointDriveParams.model_validate(base | {"motor": {"kind": "brushless", "phase_resistance": 1.0}})
 
 
 @given(rate=st.floats(0.0, 600.0))

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from joint_bench import Bench
 
-from sojourn_machine.drives import DriveParams
+from sojourn_machine.drives import JointDriveParams
 from sojourn_machine.screw import ScrewParams
 from sojourn_physics.actuators import joint_drive as jd
 
@@ -40,7 +40,7 @@ def test_screw_work(lead: float, friction: float) -> None:
 
 def test_a_drive_with_a_screw_moves_a_way() -> None:
     screw = {"lead": 0.01, "diameter": 0.02, "friction": 0.0172}
-    drive = DriveParams.model_validate(DRIVE | {"screw": screw})
+    drive = JointDriveParams.model_validate(DRIVE | {"screw": screw})
     assert drive.transmission.ratio == pytest.approx(3.0 * 200.0 * math.pi)
     assert drive.transmission.efficiency == pytest.approx(0.8 * 0.9, rel=1e-3)
     # 5 A make 0.25 N m, 0.75 N m behind the gear, and that over 0.01 m a turn
@@ -50,11 +50,11 @@ def test_a_drive_with_a_screw_moves_a_way() -> None:
     assert drive.transmission.back_efficiency == pytest.approx(drive.screw.back_driving_efficiency / 1.2)
     stiff = {"lead": 0.002, "diameter": 0.02, "friction": 0.15}
     with pytest.raises(ValueError, match="with a brake"):
-        DriveParams.model_validate(DRIVE | {"screw": stiff})
-    braked = DriveParams.model_validate(DRIVE | {"screw": stiff, "brake": {"holding_torque": 0.5}})
+        JointDriveParams.model_validate(DRIVE | {"screw": stiff})
+    braked = JointDriveParams.model_validate(DRIVE | {"screw": stiff, "brake": {"holding_torque": 0.5}})
     assert braked.transmission.back_efficiency == 0.5  # the brake holds what the screw does
     with pytest.raises(ValueError, match="back_efficiency"):
-        DriveParams.model_validate(DRIVE | {"gear": {**DRIVE["gear"], "back_efficiency": 0.4}})
+        JointDriveParams.model_validate(DRIVE | {"gear": {**DRIVE["gear"], "back_efficiency": 0.4}})
     with pytest.raises(ValueError, match="right angle"):
         ScrewParams(lead=1.0, diameter=0.001, friction=1.0)
 

@@ -15,13 +15,13 @@ import pytest
 from sojourn_analysis.vehicle.braking import BrakeGeometry, braking_limit, coasting_speed, stopping_distance
 from sojourn_analysis.vehicle.cornering import CorneringAxle, CorneringVehicle, steady_cornering
 from sojourn_analysis.vehicle.driveline import equivalent_mass
-from sojourn_analysis.vehicle.from_machine import Supply, vehicle_of
+from sojourn_analysis.vehicle.from_machine import BusSupply, vehicle_of
 from sojourn_analysis.vehicle.handling import SingleTrack, steady_gains, step_response, understeer_gradient
 from sojourn_analysis.vehicle.longitudinal import Course, time_and_distance_to
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
 from sojourn_analysis.vehicle.wheel_traction import FirmWheel, RollingLoss
 from sojourn_config.scenario import LoadedScenario, load_scenario
-from sojourn_machine.drives import DriveParams
+from sojourn_machine.drives import JointDriveParams
 from sojourn_machine.params import FloatArray
 from sojourn_machine.supports import WheelParams
 from sojourn_physics.actuators.joint_drive import MAX_TORQUE
@@ -55,9 +55,9 @@ def drive(
     gain: float = 2000.0,
     ratio: float = 50.0,
     resistance: float = 0.05,
-) -> DriveParams:
+) -> JointDriveParams:
     """A strong motor behind a gear; what limits it is set here."""
-    return DriveParams.model_validate({
+    return JointDriveParams.model_validate({
         "joints": ["pattern"], "load": "drive",
         "motor": {"resistance": resistance, "torque_constant": 0.05, "rotor_inertia": 1e-4, "no_load_current": 0.0,
                   "max_current": 500.0},
@@ -66,7 +66,7 @@ def drive(
     })  # fmt: skip
 
 
-STEERING = DriveParams.model_validate({
+STEERING = JointDriveParams.model_validate({
     "joints": ["pattern"], "load": "steer",
     "motor": {"resistance": 1.0, "torque_constant": 0.05, "rotor_inertia": 1e-5, "no_load_current": 0.0,
               "max_current": 500.0},
@@ -79,7 +79,11 @@ class Bench:
     """A platform on flat rock, settled; `lean` tilts its gravity back as a grade does."""
 
     def __init__(
-        self, scenario: LoadedScenario, pattern: WheelParams, drives: list[DriveParams], steered: tuple[int, ...] = ()
+        self,
+        scenario: LoadedScenario,
+        pattern: WheelParams,
+        drives: list[JointDriveParams],
+        steered: tuple[int, ...] = (),
     ) -> None:
         self.platform = wheeled_platform([FRONT, -REAR], pattern, drives, STEERING, steered, track=TRACK)
         self.model = PlantModel(
@@ -90,7 +94,7 @@ class Bench:
         self.command = zeros_command(len(self.model.joints.names), len(self.model.bus.loads))
         self.wheel_joints = self.model.reference_rows([each.joint for each in self.platform.machine.wheels])
         standing = StandingMachine(self.platform.urdf_xml, self.platform.machine, EARTH)
-        self.vehicle = vehicle_of("platform", standing, Supply(self.start.bus_voltage, 100.0, 0.0), 1.0)
+        self.vehicle = vehicle_of("platform", standing, BusSupply(self.start.bus_voltage, 100.0, 0.0), 1.0)
         self.weight = self.model.mass * EARTH
 
     def lean(self, grade: float) -> None:
@@ -142,7 +146,7 @@ def rock() -> LoadedScenario:
 
 @pytest.fixture
 def bench(rock: LoadedScenario) -> Callable[..., Bench]:
-    def make(pattern: WheelParams, *drives: DriveParams, steered: tuple[int, ...] = ()) -> Bench:
+    def make(pattern: WheelParams, *drives: JointDriveParams, steered: tuple[int, ...] = ()) -> Bench:
         return Bench(rock, pattern, list(drives), steered)
 
     return make

@@ -16,7 +16,7 @@ from sojourn_analysis.vehicle.body_motion import first_nulls
 from sojourn_analysis.vehicle.handling import SingleTrack, poles, steady_gains
 from sojourn_analysis.vehicle.quarter_car import QuarterCar, responses, state_matrices
 from sojourn_config.scenario import LoadedScenario, load_scenario
-from sojourn_machine.drives import DriveParams
+from sojourn_machine.drives import JointDriveParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.machine import SuspensionParams
 from sojourn_machine.params import FloatArray
@@ -36,9 +36,9 @@ RADIUS, TRACK = 0.2, 1.2
 SPEED = 3.0
 
 
-def drive(load: str, mode: str, **servo: float) -> DriveParams:
+def drive(load: str, mode: str, **servo: float) -> JointDriveParams:
     """A motor without loss, and all but without inertia."""
-    return DriveParams.model_validate({
+    return JointDriveParams.model_validate({
         "joints": ["pattern"], "load": load,
         "motor": {"resistance": 0.01, "torque_constant": 1.0, "rotor_inertia": 1e-9, "no_load_current": 0.0,
                   "max_current": 500.0},

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sojourn_analysis.datasheet.subject import Subject
-from sojourn_analysis.vehicle.from_machine import Supply, vehicle_of
+from sojourn_analysis.vehicle.from_machine import BusSupply, vehicle_of
 from sojourn_analysis.vehicle.longitudinal import steady_state
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
 from sojourn_config.bundle import Bundle, read_machine
@@ -33,7 +33,7 @@ def explorer(bundle: Bundle, fresh: Any) -> Subject:
     machine = StandingMachine(bundle.urdf_xml, bundle.machine, bundle.gravity)
     index = fresh.model.joint_index
     angles = {name: float(fresh.start.joints[0, index[name]]) for name in bundle.arm.joint_names}
-    vehicle = vehicle_of("explorer", machine, Supply(29.0, 473.0, 80.0), 0.05, angles)
+    vehicle = vehicle_of("explorer", machine, BusSupply(29.0, 473.0, 80.0), 0.05, angles)
     return Subject(vehicle, bundle.soil, bundle.body, machine, angles)
 
 

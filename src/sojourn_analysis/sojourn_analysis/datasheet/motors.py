@@ -4,7 +4,7 @@ import math
 
 from sojourn_analysis.datasheet.figures import Figure, Section
 from sojourn_analysis.datasheet.subject import Subject
-from sojourn_machine.drives import BrushlessMotorParams, DriveParams, MotorParams
+from sojourn_machine.drives import BrushlessMotorParams, JointDriveParams, MotorParams
 from sojourn_physics.actuators import brushless
 from sojourn_physics.actuators.dc_motor import (
     greatest_efficiency,
@@ -26,7 +26,7 @@ def motors(subject: Subject) -> Section | None:
     return Section("Motors", tuple(figures), (), text + "named by its first joint.")
 
 
-def _drive(drive: DriveParams, voltage: float) -> list[Figure]:
+def _drive(drive: JointDriveParams, voltage: float) -> list[Figure]:
     joint = drive.joints[0].removesuffix("_joint")
     name = joint.replace("_", " ")
     motor, gear = drive.electric, drive.transmission

@@ -21,7 +21,7 @@ SAME_AXLE = 0.05
 """Along x [m]."""
 
 
-class Supply(NamedTuple):
+class BusSupply(NamedTuple):
     """Bus voltage [V], usable energy [Wh], power of all but the drives [W]."""
 
     voltage: float
@@ -30,7 +30,11 @@ class Supply(NamedTuple):
 
 
 def vehicle_of(
-    name: str, machine: StandingMachine, supply: Supply, cruise_speed: float, angles: Mapping[str, float] | None = None
+    name: str,
+    machine: StandingMachine,
+    supply: BusSupply,
+    cruise_speed: float,
+    angles: Mapping[str, float] | None = None,
 ) -> VehicleParams:
     """The vehicle of a machine on flat ground.
 

@@ -6,7 +6,7 @@ from typing import Any
 from sojourn_config.urdf import UrdfJoint
 from sojourn_contract.checks import check_message, check_names
 from sojourn_contract.conformance.findings import Finding
-from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.conformance.observation import Observation
 from sojourn_contract.conformance.ros_reading import trajectory_of
 from sojourn_contract.errors import RefusedMessageError
@@ -27,7 +27,7 @@ class JointRule:
 
     name = "joints"
 
-    def __init__(self, row: Topic, machine: Machine) -> None:
+    def __init__(self, row: Topic, machine: JudgedMachine) -> None:
         self._row = row
         self._machine = machine
         self._known = {name: place for place, name in enumerate(machine.known(row.joints))}
@@ -95,7 +95,7 @@ class JointLimitRule:
 
     name = "limit"
 
-    def __init__(self, row: Topic, machine: Machine) -> None:
+    def __init__(self, row: Topic, machine: JudgedMachine) -> None:
         self._joints = machine.joints
         self._names: list[str] = []
         self._limits: list[tuple[str, float, float, float]] = []

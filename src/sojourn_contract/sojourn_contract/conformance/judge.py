@@ -22,7 +22,7 @@ from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.frames import FrameRule
 from sojourn_contract.conformance.geometry import CovarianceRule, OrientationRule
 from sojourn_contract.conformance.joints import JointLimitRule, JointRule
-from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.conformance.numbers import NumberRule
 from sojourn_contract.conformance.observation import Observation, Rule
 from sojourn_contract.conformance.rates import rate_findings
@@ -51,7 +51,7 @@ class Judge:
 
     def __init__(
         self,
-        machine: Machine,
+        machine: JudgedMachine,
         *,
         lockstep: bool,
         participants: Collection[str],
@@ -193,7 +193,7 @@ class Judge:
                 self.report.add("counter", name, stamp, [found])
 
 
-def rules_of(row: Topic, machine: Machine, lockstep: bool) -> list[Rule]:
+def rules_of(row: Topic, machine: JudgedMachine, lockstep: bool) -> list[Rule]:
     """The rules for messages of a row."""
     rules: list[Rule] = [StampRule(row, lockstep), NumberRule(row)]
     if row.frames or row.child_frame:

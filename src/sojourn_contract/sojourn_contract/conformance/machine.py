@@ -14,7 +14,7 @@ from sojourn_machine.tools import TOOL_JOINT, ToolParams
 
 
 @dataclass(frozen=True)
-class Machine:
+class JudgedMachine:
     """A rover as seen from outside.
 
     Args:
@@ -44,7 +44,7 @@ class Machine:
         loads: Sequence[str],
         poses: Sequence[str],
         tool: ToolParams | None = None,
-    ) -> "Machine":
+    ) -> "JudgedMachine":
         """From a machine's parameter sets."""
         of_tool = {} if tool is None else {TOOL_JOINT: _actuator(tool)}
         held = {joint for drive in config.drives if drive.servo.mode == "position" for joint in drive.joints}
@@ -62,7 +62,7 @@ class Machine:
         )
 
     @classmethod
-    def of_scenario(cls, scenario: LoadedScenario) -> "Machine":
+    def of_scenario(cls, scenario: LoadedScenario) -> "JudgedMachine":
         """The machine of a scenario."""
         return cls.of(
             scenario.config.machine,

@@ -4,7 +4,7 @@ from math import isfinite
 from typing import Any
 
 from sojourn_contract.conformance.findings import Finding
-from sojourn_contract.conformance.machine import Machine
+from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.conformance.observation import Observation
 from sojourn_contract.conformance.ros_reading import diagnostics_of
 from sojourn_contract.errors import RefusedMessageError
@@ -41,7 +41,7 @@ class SwitchRule:
 
     name = "switches"
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(self, machine: JudgedMachine) -> None:
         self._loads = machine.loads
 
     def judge(self, seen: Observation) -> list[Finding]:

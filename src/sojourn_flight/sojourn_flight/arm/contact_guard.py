@@ -25,7 +25,7 @@ import pinocchio
 from numpy.typing import NDArray
 
 from sojourn_flight.arm.contact_params import ContactParams
-from sojourn_flight.arm.footing import WheelLoads
+from sojourn_flight.arm.footing import FootingLoads
 from sojourn_flight.arm.kinematics import TipPose
 from sojourn_flight.arm.model import ArmModel
 from sojourn_machine.params import FloatArray
@@ -158,7 +158,7 @@ def levers(model: ArmModel, tip: TipPose) -> FloatArray:
     return np.asarray(np.maximum(np.linalg.norm(tip.jacobian[:3], axis=0), least))
 
 
-def lifted(params: ContactParams, loads: WheelLoads, force: FloatArray) -> str:
+def lifted(params: ContactParams, loads: FootingLoads, force: FloatArray) -> str:
     """Which wheel a force (3,) [N] on the tool all but lifts, in words; empty where none is."""
     wheel, share = loads.least_share(force)
     if share >= params.least_wheel_load:

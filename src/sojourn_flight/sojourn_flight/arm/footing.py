@@ -31,7 +31,7 @@ _SOFTER_ALONG = 1.0e4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class WheelLoads:
+class FootingLoads:
     """Normal forces of the wheels as a linear function of the force on the tip: n = rest + per_force F."""
 
     rest: FloatArray  # (wheels,) [N]
@@ -70,7 +70,7 @@ class Footing:
         joints_of = zip(self._model.names, self._model.joints, strict=True)
         self._places = {name: joint.idx_q for name, joint in joints_of if joint.nq == 1}
 
-    def loads(self, joints: Mapping[str, float], positions: FloatArray, gravity: FloatArray) -> WheelLoads:
+    def loads(self, joints: Mapping[str, float], positions: FloatArray, gravity: FloatArray) -> FootingLoads:
         """Loads with the joints of the suspension as they are measured [rad or m], others at zero, and the arm at
         `positions` (n,), under `gravity` in base_link (3,) [m/s2].
         """
@@ -95,4 +95,4 @@ class Footing:
         stiff = np.tile([_SOFTER_ALONG**-0.5, _SOFTER_ALONG**-0.5, 1.0], len(self._wheels))
         found = stiff[:, None] * (np.linalg.pinv(np.hstack(columns) * stiff) @ (self._free.T @ asked))
         normal = found[2::3]
-        return WheelLoads(normal[:, 0], normal[:, 1:], self._names)
+        return FootingLoads(normal[:, 0], normal[:, 1:], self._names)

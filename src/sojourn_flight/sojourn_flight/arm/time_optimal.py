@@ -37,7 +37,7 @@ class TimingError(MachineError):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MotionLimits:
+class JointLimits:
     """Limits of n joints, arrays (n,); of the whole arm, the power drawn."""
 
     speed: FloatArray  # [rad/s or m/s]
@@ -80,7 +80,7 @@ class TimedSpline:
 
 
 def fastest_timing(
-    arm: SerialArm, path: SplinePath, limits: MotionLimits, gravity: FloatArray, intervals: int = 200
+    arm: SerialArm, path: SplinePath, limits: JointLimits, gravity: FloatArray, intervals: int = 200
 ) -> TimedSpline:
     """The fastest motion along `path` from rest to rest.
 
@@ -100,7 +100,7 @@ def fastest_timing(
     return _timed(arm, path, limits, gravity, _GRIDS[-1] * intervals)
 
 
-def _timed(arm: SerialArm, path: SplinePath, limits: MotionLimits, gravity: FloatArray, intervals: int) -> TimedSpline:
+def _timed(arm: SerialArm, path: SplinePath, limits: JointLimits, gravity: FloatArray, intervals: int) -> TimedSpline:
     """The fastest motion on one grid.
 
     Raises:
@@ -132,7 +132,7 @@ def _timed(arm: SerialArm, path: SplinePath, limits: MotionLimits, gravity: Floa
 
 
 def largest_share(
-    arm: SerialArm, motion: TimedSpline, limits: MotionLimits, gravity: FloatArray, times: FloatArray
+    arm: SerialArm, motion: TimedSpline, limits: JointLimits, gravity: FloatArray, times: FloatArray
 ) -> float:
     """The largest ratio of speed, acceleration, effort or power to its limit at `times` (k,) [s] of a motion."""
     worst = 0.0

@@ -24,7 +24,7 @@ import numpy as np
 
 from sojourn_flight.hazards.hidden_ground import hidden_strips, is_hidden
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
-from sojourn_flight.hazards.stereo_camera import StereoEye, height_variances
+from sojourn_flight.hazards.stereo_camera import StereoCamera, height_variances
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
@@ -92,7 +92,7 @@ def with_cloud(
     params: ObstacleParams,
     map_: ObstacleMap,
     points: FloatArray,
-    eye: StereoEye,
+    eye: StereoCamera,
     position: FloatArray,
     rotation: FloatArray,
     driven: float,

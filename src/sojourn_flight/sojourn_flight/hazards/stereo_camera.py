@@ -24,7 +24,7 @@ from sojourn_machine.params import FloatArray
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class StereoEye:
+class StereoCamera:
     """A stereo pair on the rover."""
 
     position: FloatArray
@@ -35,7 +35,7 @@ class StereoEye:
     """Standard deviation of a depth over its square, sigma_d / (f b) [1/m]."""
 
 
-def height_variances(eye: StereoEye, points: FloatArray, up: FloatArray) -> FloatArray:
+def height_variances(eye: StereoCamera, points: FloatArray, up: FloatArray) -> FloatArray:
     """Variance of the height of each point [m^2], shape (n,).
 
     Args:
@@ -44,7 +44,7 @@ def height_variances(eye: StereoEye, points: FloatArray, up: FloatArray) -> Floa
     return np.asarray((along_rays(eye, points) @ up) ** 2)
 
 
-def along_rays(eye: StereoEye, points: FloatArray) -> FloatArray:
+def along_rays(eye: StereoCamera, points: FloatArray) -> FloatArray:
     """By which each point is off for one standard deviation of its match, in base_link, shape (n, 3) [m]."""
     rays = points - eye.position
     return np.asarray(eye.depth_noise * (rays @ eye.axis)[:, np.newaxis] * rays)

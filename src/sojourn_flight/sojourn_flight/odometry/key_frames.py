@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sojourn_flight.hazards.stereo_camera import StereoEye, along_rays
+from sojourn_flight.hazards.stereo_camera import StereoCamera, along_rays
 from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_flight.odometry.ground_surface import GroundSurface, surface_through
 from sojourn_flight.odometry.odometry import OdometryState, wrap_angle
@@ -40,7 +40,7 @@ LEAST_OVERLAP = 0.5
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Look:
+class KeyFrame:
     """A cloud with its place; arrays in level axes along the heading it was seen with, shape (n, 3) [m]."""
 
     points: FloatArray
@@ -59,7 +59,7 @@ class TerrainMatchState:
     """Of the key frame, in its axes; None before there is one."""
     level: float = 0.0
     """Height of base_link at the key frame [m]."""
-    looks: tuple[Look, ...] = ()
+    looks: tuple[KeyFrame, ...] = ()
     """The last clouds, the newest at the end."""
     at: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     """x, y, height of the odometry and yaw at the last cloud that was taken."""
@@ -85,7 +85,7 @@ class TerrainMatcher:
     """What matching needs to know of a machine."""
 
     params: TerrainMatchParams
-    eye: StereoEye
+    eye: StereoCamera
 
 
 def match_ground(
@@ -171,7 +171,7 @@ def match_status(state: TerrainMatchState | None, odometry: OdometryState) -> di
     }
 
 
-def _look_of(matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState, cloud: FloatArray) -> Look:
+def _look_of(matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState, cloud: FloatArray) -> KeyFrame:
     """The near points of a cloud in level axes."""
     rays = cloud - matcher.eye.position
     near = (rays * rays).sum(axis=1) <= matcher.params.range**2
@@ -179,7 +179,7 @@ def _look_of(matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMat
     height = odometry.z
     if state.looks:
         height = state.looks[-1].place[2] + odometry.z - state.at[2]
-    return Look(
+    return KeyFrame(
         np.ascontiguousarray(cloud[near] @ level.T),
         np.ascontiguousarray(along_rays(matcher.eye, cloud[near]) @ level.T),
         (odometry.x, odometry.y, height, odometry.yaw),
@@ -187,7 +187,7 @@ def _look_of(matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMat
 
 
 def _taken(
-    params: TerrainMatchParams, state: TerrainMatchState, look: Look, odometry: OdometryState
+    params: TerrainMatchParams, state: TerrainMatchState, look: KeyFrame, odometry: OdometryState
 ) -> TerrainMatchState:
     at = (odometry.x, odometry.y, odometry.z, odometry.yaw)
     return replace(state, looks=(*state.looks, look)[-params.clouds :], at=at)

@@ -129,7 +129,7 @@ class SlipState(NamedTuple):
     """Time for which each wheel has stood while it should turn [s]."""
 
 
-class Machine(NamedTuple):
+class WheeledMachine(NamedTuple):
     """What the kernel knows of the machine and its ground."""
 
     table: FloatArray
@@ -165,13 +165,13 @@ class SlipModel:
     """Parameters of one machine, prepared for the kernel."""
 
     params: SlipParams
-    machine: Machine
+    machine: WheeledMachine
     trust: Trust
 
     @staticmethod
     def of(params: SlipParams, table: FloatArray, loads: FloatArray) -> "SlipModel":
         """The model of a machine."""
-        machine = Machine(table, loads, np.array([_row(params.fresh), _row(params.rut)]))
+        machine = WheeledMachine(table, loads, np.array([_row(params.fresh), _row(params.rut)]))
         return SlipModel(params, machine, Trust(*(getattr(params, name) for name in Trust._fields)))
 
     def initial_state(self, at_rest: bool = True) -> SlipState:
@@ -268,7 +268,7 @@ def _row(curve: TractionCurve) -> tuple[float, float, float]:
 
 
 @njit(cache=True)
-def _period(machine: Machine, trust: Trust, old: SlipState, seen: SlipInput, dt: float) -> SlipState:
+def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInput, dt: float) -> SlipState:
     """The state after a period."""
     table, rates, angles, gyro = machine.table, seen.wheel_rates, seen.steer_angles, seen.gyro
     least_speed, force_noise = trust.least_speed, trust.force_noise

@@ -30,7 +30,7 @@ SECONDS_PER_HOUR = 3600.0
 
 
 @dataclass(frozen=True, slots=True)
-class Supply:
+class EnergyLeft:
     """What is known of the battery."""
 
     left: float
@@ -62,7 +62,7 @@ class Forecast(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class EnergyAccount:
+class EnergyUse:
     """Of the goal on its way, or of the last one."""
 
     forecast: Forecast | None = None
@@ -114,7 +114,7 @@ def _stretches(path: Path, heights: Sequence[float | None], z: float) -> list[tu
     return [*found, (path.length - begin, 0.0)]
 
 
-def shortage(params: EnergyParams, forecast: Forecast, supply: Supply) -> str | None:
+def shortage(params: EnergyParams, forecast: Forecast, supply: EnergyLeft) -> str | None:
     """Why the charge does not suffice, with the numbers; None if it does, or if goals are not to be refused for it."""
     needed = (1.0 + params.margin) * forecast.total
     if not params.refuse or needed <= supply.left:
@@ -128,14 +128,14 @@ def shortage(params: EnergyParams, forecast: Forecast, supply: Supply) -> str | 
     )
 
 
-def account_step(account: EnergyAccount, supply: Supply | None, under_way: bool, dt: float) -> EnergyAccount:
+def account_step(account: EnergyUse, supply: EnergyLeft | None, under_way: bool, dt: float) -> EnergyUse:
     """The account after a period of `dt` [s]."""
     if supply is None or not under_way:
         return account
     return replace(account, used=account.used + supply.power * dt)
 
 
-def account_status(account: EnergyAccount, distance_to_go: float | None) -> dict[str, str | float]:
+def account_status(account: EnergyUse, distance_to_go: float | None) -> dict[str, str | float]:
     """Fields of /drive/status; nothing is to go where there is no goal (None)."""
     if account.forecast is None:
         return {}

@@ -278,7 +278,7 @@ def _switch(
 
 
 def _battery_warnings(pack: BatteryParams, inputs: PowerManagerInput) -> tuple[str, ...]:
-    telemetry = battery.BatteryState(soc=1.0, polarisation_voltage=0.0, temperature=inputs.temperature)
+    telemetry = battery.PackState(soc=1.0, polarisation_voltage=0.0, temperature=inputs.temperature)
     return tuple(f"battery {text}" for text in battery.limits_exceeded(pack, telemetry, inputs.current))
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from sojourn_flight.mobility.kinematics import PlanarTwist
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.planning.clothoid import Pose
-from sojourn_flight.planning.energy_forecast import EnergyAccount, Supply, account_step, forecast_way, shortage
+from sojourn_flight.planning.energy_forecast import EnergyLeft, EnergyUse, account_step, forecast_way, shortage
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_flight.planning.goal_follower import FollowerState, accept, stop
 from sojourn_flight.supervision.avoidance import accepted, guarded
@@ -33,7 +33,7 @@ class Arbiter:
     since_override: float
     text: str
     outcomes: list[GoalOutcome]
-    energy: EnergyAccount
+    energy: EnergyUse
     avoidance: AvoidanceState | None
     twist_refused: bool = False
     """Whether an operator's twist is not driven because the wheels do not allow it."""
@@ -51,13 +51,13 @@ class Arbiter:
             self.end_goal(stop(self.follower, reason))
         self.mode, self.text, self.since_override = "idle", f"stopped: {reason}", 0.0
 
-    def take_goal(self, model: DrivenMachine, goal: Goal, here: OdometryState, supply: Supply | None) -> None:
+    def take_goal(self, model: DrivenMachine, goal: Goal, here: OdometryState, supply: EnergyLeft | None) -> None:
         """A new goal ends the older one, unless it is refused."""
         answer = accept(model.params.follower, model.turning, goal, Pose(here.x, here.y, here.yaw))
-        account = EnergyAccount()
+        account = EnergyUse()
         if isinstance(answer, FollowerState) and model.params.energy is not None:
             forecast = forecast_way(model.params.energy, answer.path, goal, here.z, here.yaw)
-            account = EnergyAccount(forecast, judged=supply is not None)
+            account = EnergyUse(forecast, judged=supply is not None)
             short = shortage(model.params.energy, forecast, supply) if supply is not None else None
             if short is not None:
                 answer = GoalOutcome("refused", short, goal, math.nan)
@@ -72,7 +72,7 @@ class Arbiter:
             self.end_goal(stop(self.follower, "pre-empted by a newer goal"))
         self.follower, self.mode, self.since_override, self.energy = answer, goal.kind, 0.0, account
 
-    def watch_energy(self, model: DrivenMachine, supply: Supply | None, dt: float) -> None:
+    def watch_energy(self, model: DrivenMachine, supply: EnergyLeft | None, dt: float) -> None:
         """Count what the goal takes; a goal that came before the first reading of the battery is judged by it."""
         self.energy = account_step(self.energy, supply, self.follower is not None, dt)
         costs, forecast = model.params.energy, self.energy.forecast

@@ -9,7 +9,7 @@ import numpy as np
 from sojourn_flight.hazards.clearance import Room, circles_of
 from sojourn_flight.hazards.obstacle_map import ObstacleMap
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
-from sojourn_flight.hazards.stereo_camera import StereoEye
+from sojourn_flight.hazards.stereo_camera import StereoCamera
 from sojourn_flight.hazards.traversability import Obstacle, Passability
 from sojourn_flight.hazards.wide_map import WideMap
 from sojourn_flight.mobility.kinematics import PlanarTwist
@@ -30,7 +30,7 @@ class Avoidance:
     params: ObstacleParams
     follower: GoalFollowerParams
     turning_limits: TurningLimits
-    eye: StereoEye
+    eye: StereoCamera
     wheels: FloatArray
     """Their places in base_link, shape (wheels, 2) [m]."""
     circles: FloatArray = field(init=False)

@@ -18,7 +18,7 @@ from sojourn_flight.odometry.heading_fix import HeadingFixState, SunSighting
 from sojourn_flight.odometry.key_frames import TerrainMatchState
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.odometry.slip_estimation import SlipState
-from sojourn_flight.planning.energy_forecast import EnergyAccount, Supply
+from sojourn_flight.planning.energy_forecast import EnergyLeft, EnergyUse
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_flight.planning.goal_follower import FollowerState
 from sojourn_flight.supervision.avoidance_types import AvoidanceState
@@ -78,7 +78,7 @@ class DriveInput:
     stop: bool = False
     """A stop request that arrived in this period."""
     stop_reason: str = "stop requested"
-    supply: Supply | None = None
+    supply: EnergyLeft | None = None
     """The newest reading of the battery, None as long as none has come."""
     power_limit: float = 1.0
     """Factor of the power manager on all speeds, 0 to 1 [-]."""
@@ -108,7 +108,7 @@ class DriveState:
     """What the drive is doing, in words."""
     twist_refused: bool = False
     """Whether an operator's twist is not driven because the wheels do not allow it; `text` says why."""
-    energy: EnergyAccount = field(default_factory=EnergyAccount)
+    energy: EnergyUse = field(default_factory=EnergyUse)
     """Of the goal on its way, or of the last one."""
     slip: SlipState | None = None
     """Slip of the wheels, None where it is not estimated."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sojourn_flight.hazards.stereo_camera import StereoEye
+from sojourn_flight.hazards.stereo_camera import StereoCamera
 from sojourn_flight.mobility.allowed_motion import Mobility
 from sojourn_flight.mobility.turning_limits import TurningLimits, turning_limits
 from sojourn_flight.odometry.key_frames import TerrainMatcher
@@ -21,7 +21,7 @@ class DrivenMachine:
 
     params: DriveParams
     geometry: SteeringGeometryParams
-    eye: StereoEye | None = None
+    eye: StereoCamera | None = None
     """The hazard camera; without one there is no obstacle handling."""
     loads: FloatArray | None = None
     """Of the wheels, from `wheel_load_map`, shape (wheels, 3) [N]; None: slip is not estimated."""

@@ -161,7 +161,7 @@ class BatteryParams(Params):
 
 
 @dataclass(frozen=True, slots=True)
-class BatteryState:
+class PackState:
     """What a pack remembers. Energies and charge are sums since `initial_state`."""
 
     soc: float
@@ -178,13 +178,13 @@ class BatteryState:
     """Heat released in the cells [J]."""
 
 
-def initial_state(params: BatteryParams, soc: float, temperature: float | None = None) -> BatteryState:
+def initial_state(params: BatteryParams, soc: float, temperature: float | None = None) -> PackState:
     """A rested pack at a state of charge [0..1] and a temperature [K], by default its surroundings'."""
     if not 0.0 <= soc <= 1.0:
         raise InvalidValueError(f"{params.name} state of charge", soc, "0 to 1")
     start = params.temperature_surroundings if temperature is None else temperature
     _require_temperature(params, start)
-    return BatteryState(soc=float(soc), polarisation_voltage=0.0, temperature=float(start))
+    return PackState(soc=float(soc), polarisation_voltage=0.0, temperature=float(start))
 
 
 def open_circuit_voltage(params: BatteryParams, soc: float) -> float:
@@ -206,7 +206,7 @@ def resistances(params: BatteryParams, temperature: float) -> tuple[float, float
     )
 
 
-def thevenin(params: BatteryParams, state: BatteryState) -> tuple[float, float]:
+def thevenin(params: BatteryParams, state: PackState) -> tuple[float, float]:
     """Source voltage (OCV less polarisation) [V] and series resistance [ohm] that hold for a control period.
 
     The terminal voltage at a current I (out positive) is `source - resistance * I`. The polarisation
@@ -226,7 +226,7 @@ def thevenin(params: BatteryParams, state: BatteryState) -> tuple[float, float]:
     return float(source), float(resistance)
 
 
-def terminal_voltage(params: BatteryParams, state: BatteryState, current: float) -> float:
+def terminal_voltage(params: BatteryParams, state: PackState, current: float) -> float:
     """Voltage [V] at the terminals while `current` [A, out positive] flows. An empty pack gives 0 V."""
     source, resistance = thevenin(params, state)
     return source - resistance * current if state.soc > 0.0 else 0.0
@@ -239,11 +239,11 @@ def stored_energy(params: BatteryParams, soc: float) -> float:
 
 def step(
     params: BatteryParams,
-    state: BatteryState,
+    state: PackState,
     current: float,
     dt: float,
     temperature_surroundings: float | None = None,
-) -> BatteryState:
+) -> PackState:
     """The state after `current` [A, out of the pack positive] has flowed for `dt` [s].
 
     Args:
@@ -277,7 +277,7 @@ def step(
         float(dt),
         float(around),
     )
-    return BatteryState(
+    return PackState(
         soc=soc,
         polarisation_voltage=polarisation,
         temperature=temperature,
@@ -287,7 +287,7 @@ def step(
     )
 
 
-def limits_exceeded(params: BatteryParams, state: BatteryState, current: float) -> tuple[str, ...]:
+def limits_exceeded(params: BatteryParams, state: PackState, current: float) -> tuple[str, ...]:
     """The limits that the pack is beyond at `current` [A, out positive], in words; empty when all is well."""
     found: list[str] = []
     if current > params.discharge_current_limit * params.cells_parallel:

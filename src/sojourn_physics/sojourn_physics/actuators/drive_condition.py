@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sojourn_machine.drives import BrakeParams, DriveParams, MotorThermalParams
+from sojourn_machine.drives import BrakeParams, JointDriveParams, MotorThermalParams
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.actuators import motor_thermal
 from sojourn_physics.actuators.joint_drive import FRICTION, MAX_CURRENT, RATIO, RESISTANCE, TORQUE_CONSTANT
@@ -87,7 +87,7 @@ class DriveConditions:
         return new
 
 
-def conditions_of(drives: Sequence[DriveParams | None], parameters: FloatArray) -> DriveConditions | None:
+def conditions_of(drives: Sequence[JointDriveParams | None], parameters: FloatArray) -> DriveConditions | None:
     """Of a machine, joint by joint; None where no drive heats up or has a brake."""
     rows = [i for i, drive in enumerate(drives) if drive is not None and (drive.thermal or drive.brake)]
     if not rows:

@@ -9,7 +9,7 @@ import numpy as np
 
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
-from sojourn_machine.power.battery import BatteryState
+from sojourn_machine.power.battery import PackState
 from sojourn_machine.power.loads import BusState
 from sojourn_physics.actuators.joint_drive import ANGLE, TWIST
 from sojourn_physics.plant.tools.tool_state import ToolState
@@ -62,7 +62,7 @@ class PlantState:
     """(contacts, STATE_COLUMNS): memory of each contact, see `contact_law`."""
     ground: GroundMemory
     """Ruts, see `terrain/memory`."""
-    battery: BatteryState
+    battery: PackState
     bus: BusState
     bus_voltage: float
     """[V]"""

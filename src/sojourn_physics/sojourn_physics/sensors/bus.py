@@ -45,7 +45,7 @@ class BusTelemetryParams(Params):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class BusState:
+class BusSensorState:
     """Offsets and random streams of the stores, and the channels' columns."""
 
     offset: FloatArray
@@ -62,7 +62,7 @@ class BusState:
     """One for each store."""
 
 
-def initial_state(params: BusTelemetryParams, seed: int, stores: tuple[str, ...]) -> BusState:
+def initial_state(params: BusTelemetryParams, seed: int, stores: tuple[str, ...]) -> BusSensorState:
     """Telemetry of the named stores, offsets drawn. A store's numbers depend on its own name only."""
     channels = tuple(getattr(params, name) for name in CHANNELS)
     streams: list[NoiseStream] = []
@@ -71,7 +71,7 @@ def initial_state(params: BusTelemetryParams, seed: int, stores: tuple[str, ...]
         stream, row = draw(initial_stream(seed, f"bus.{store}", len(CHANNELS)))
         streams.append(stream)
         offset[place] = row * np.array([channel.offset for channel in channels])
-    return BusState(
+    return BusSensorState(
         offset=offset,
         noise=np.array([channel.noise for channel in channels], dtype=np.float64),
         resolution=np.array([channel.resolution for channel in channels], dtype=np.float64),
@@ -81,7 +81,7 @@ def initial_state(params: BusTelemetryParams, seed: int, stores: tuple[str, ...]
     )
 
 
-def step(state: BusState, truth: FloatArray) -> tuple[BusState, FloatArray]:
+def step(state: BusSensorState, truth: FloatArray) -> tuple[BusSensorState, FloatArray]:
     """Measure `truth`, shape (stores, 3), columns as CHANNELS; returns the state and the readings, alike."""
     streams: list[NoiseStream] = []
     reading = np.empty_like(truth)
@@ -90,5 +90,7 @@ def step(state: BusState, truth: FloatArray) -> tuple[BusState, FloatArray]:
         streams.append(after)
         reading[store] = quantise(truth[store], state.offset[store], state.noise, noise, state.resolution)
     reading = np.minimum(np.maximum(reading, state.minimum), state.maximum)
-    after_state = BusState(state.offset, state.noise, state.resolution, state.minimum, state.maximum, tuple(streams))
+    after_state = BusSensorState(
+        state.offset, state.noise, state.resolution, state.minimum, state.maximum, tuple(streams)
+    )
     return after_state, reading

@@ -72,7 +72,7 @@ class SensorSuiteState:
     encoders: encoder.EncoderState
     effort_streams: tuple[NoiseStream, ...]
     imu: imu.ImuState
-    bus: bus.BusState
+    bus: bus.BusSensorState
     wrist: wrench.WrenchSensorState | None
     """None for a machine without the sensor."""
 

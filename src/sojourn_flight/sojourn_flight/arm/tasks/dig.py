@@ -19,7 +19,7 @@ from typing import Self
 import numpy as np
 
 from sojourn_flight.arm.force_control import impedance_velocity, pressing
-from sojourn_flight.arm.tasks.task import Doing, Look, ToolCommand, ToolReading
+from sojourn_flight.arm.tasks.task import Doing, TaskView, ToolCommand, ToolReading
 from sojourn_machine.params import FloatArray
 
 TOUCH = 4.0
@@ -63,7 +63,7 @@ class DigTask:
     work: float = 0.0
     failed: str = ""
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         tip, force = look.tip.position, pressing(self.direction, look.force)
         if not look.feels:

@@ -19,7 +19,7 @@ from typing import Self
 import numpy as np
 
 from sojourn_flight.arm.force_control import hybrid_velocity, pressing
-from sojourn_flight.arm.tasks.task import Doing, Look, ToolCommand, ToolReading
+from sojourn_flight.arm.tasks.task import Doing, TaskView, ToolCommand, ToolReading
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import DrillToolParams
 
@@ -79,7 +79,7 @@ class DrillTask:
     """It has ended early."""
     failed: str = ""
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         if not look.feels:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing", tool=ToolCommand())
@@ -101,7 +101,7 @@ class DrillTask:
             task = replace(task, phase="done")
         return task, task._told(-2.0 * task.speed * task.direction, force, 0.9)
 
-    def _account(self, look: Look, tool: ToolReading, dt: float) -> Self:
+    def _account(self, look: TaskView, tool: ToolReading, dt: float) -> Self:
         power = max(tool.effort * tool.rate, 0.0)
         gone = float(self.direction @ (look.tip.position - self.touched)) if self.phase != "touch" else 0.0
         return replace(
@@ -131,7 +131,7 @@ class DrillTask:
             return task, task._told(ZERO, force, 0.1)
         return self, self._told(ZERO, force, 0.05)
 
-    def _drill(self, look: Look, tool: ToolReading, force: float, dt: float) -> tuple[Self, Doing]:
+    def _drill(self, look: TaskView, tool: ToolReading, force: float, dt: float) -> tuple[Self, Doing]:
         task = replace(self, slow=self.slow + dt if tool.rate < STALLED * self.rate else 0.0)
         if task.deepest - task.mark[1] >= LITTLE:
             task = replace(task, mark=(task.elapsed, task.deepest))
@@ -153,7 +153,7 @@ class DrillTask:
         progress = max(task.deepest, 0.0) / (task.depth + task.given)
         return task, task._told(velocity + feed * task.direction, force, 0.1 + 0.8 * min(progress, 1.0))
 
-    def _check(self, look: Look, force: float) -> tuple[Self, Doing]:
+    def _check(self, look: TaskView, force: float) -> tuple[Self, Doing]:
         if force > TOUCH:
             return self, self._told(-0.2 * self.speed * self.direction, force, 0.9)
         hole = max(float(self.direction @ (look.tip.position - self.touched)), 0.0)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 from sojourn_flight.arm.tasks.dig import LID_PATIENCE, LID_TOLERANCE
-from sojourn_flight.arm.tasks.task import Doing, Look, ToolCommand
+from sojourn_flight.arm.tasks.task import Doing, TaskView, ToolCommand
 
 TOUCH = 4.0
 """Force at which the scoop stands in the ground, and would empty itself into its own hole [N]."""
@@ -23,7 +23,7 @@ class DumpTask:
     held: float = 0.0
     """For which it has been open [s]."""
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         if self.phase == "done":
             return self, Doing(state="reached", progress=1.0)

@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 
 from sojourn_flight.arm.force_control import hybrid_velocity
-from sojourn_flight.arm.tasks.task import Doing, Look
+from sojourn_flight.arm.tasks.task import Doing, TaskView
 from sojourn_machine.params import FloatArray
 
 
@@ -16,7 +16,7 @@ class Ended:
 
     reason: str
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         return self, Doing(state="failed", reason=self.reason)
 
@@ -28,7 +28,7 @@ class Released:
     reason: str
     direction: FloatArray
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         velocity = hybrid_velocity(look.control, self.direction, 0.0, look.force, np.zeros(3))
         return self, Doing(velocity=velocity, state="failed", reason=self.reason)

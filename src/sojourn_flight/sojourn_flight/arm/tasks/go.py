@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 from sojourn_flight.arm.goals import ArmGoal
-from sojourn_flight.arm.tasks.task import Doing, Look
+from sojourn_flight.arm.tasks.task import Doing, TaskView
 
 _STATES = {"holding": "failed", "stopped": "failed", "refused": "failed", "reached": "reached"}
 
@@ -16,7 +16,7 @@ class Go:
     goal: ArmGoal
     sent: bool = False
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         if not self.sent:
             return replace(self, sent=True), Doing(goal=self.goal)

@@ -16,7 +16,7 @@ from typing import Self
 import numpy as np
 
 from sojourn_flight.arm.force_control import hybrid_velocity, pressing
-from sojourn_flight.arm.tasks.task import Doing, Look
+from sojourn_flight.arm.tasks.task import Doing, TaskView
 from sojourn_machine.params import FloatArray
 
 SETTLE = 0.4
@@ -49,7 +49,7 @@ class GuardedMoveTask:
     peak: float = 0.0
     went_on: float = 0.0
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         if not look.feels:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing: no contact would be felt")
@@ -63,7 +63,7 @@ class GuardedMoveTask:
         task = replace(task, peak=max(task.peak, force), went_on=max(task.went_on, went_on))
         return task._touch(look, force, dt)
 
-    def _advance(self, look: Look, force: float) -> tuple[Self, Doing]:
+    def _advance(self, look: TaskView, force: float) -> tuple[Self, Doing]:
         gone = float(self.direction @ (look.tip.position - self.start))
         if force >= self.threshold:
             if gone < 1e-3 and self.elapsed <= BLIND:
@@ -81,7 +81,7 @@ class GuardedMoveTask:
             figures={"contact_force_n": force},
         )
 
-    def _touch(self, look: Look, force: float, dt: float) -> tuple[Self, Doing]:
+    def _touch(self, look: TaskView, force: float, dt: float) -> tuple[Self, Doing]:
         near = abs(force - self.threshold) <= TOLERANCE
         task = replace(self, settled=self.settled + dt if near else 0.0)
         if task.phase == "hold":
@@ -93,7 +93,7 @@ class GuardedMoveTask:
         task = replace(task, phase="hold")
         return task, task._doing(look, force, "reached")
 
-    def _retract(self, look: Look, force: float) -> tuple[Self, Doing]:
+    def _retract(self, look: TaskView, force: float) -> tuple[Self, Doing]:
         back = -float(self.direction @ (look.tip.position - self.start))
         if back >= self.retract:
             return self, self._ended("reached", self._words(), force)
@@ -102,7 +102,7 @@ class GuardedMoveTask:
             doing, velocity=-self.speed * self.direction, time_to_go=(self.retract - back) / self.speed
         )
 
-    def _doing(self, look: Look, force: float, state: str) -> Doing:
+    def _doing(self, look: TaskView, force: float, state: str) -> Doing:
         """In touch: the force loop works."""
         velocity = hybrid_velocity(look.control, self.direction, self.threshold, look.force, ZERO)
         reason = self._words() if state == "reached" else ""

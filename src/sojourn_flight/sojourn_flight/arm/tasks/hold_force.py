@@ -13,7 +13,7 @@ from typing import Self
 import numpy as np
 
 from sojourn_flight.arm.force_control import hybrid_velocity, pressing
-from sojourn_flight.arm.tasks.task import Doing, Look
+from sojourn_flight.arm.tasks.task import Doing, TaskView
 from sojourn_machine.params import FloatArray
 
 PATIENCE = 40.0
@@ -38,7 +38,7 @@ class HoldForceTask:
     watched: float = 0.0
     failed: str = ""
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         if not look.feels:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing")

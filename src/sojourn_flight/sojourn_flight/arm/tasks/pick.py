@@ -19,7 +19,7 @@ import numpy as np
 from sojourn_flight.arm.force_control import pressing
 from sojourn_flight.arm.goals import PoseGoal
 from sojourn_flight.arm.grasp import Finger, needed_force
-from sojourn_flight.arm.tasks.task import Doing, Look, ToolCommand, ToolReading
+from sojourn_flight.arm.tasks.task import Doing, TaskView, ToolCommand, ToolReading
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import GripperToolParams
 
@@ -64,7 +64,7 @@ class PickTask:
     """Between the fingers then [m]."""
     failed: str = ""
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         tool = look.tool
         if tool is None:
@@ -85,7 +85,7 @@ class PickTask:
         task = replace(self, phase="done")
         return task, task._told(tool, ZERO)
 
-    def _over(self, look: Look, tool: ToolReading, dt: float) -> tuple[Self, Doing]:
+    def _over(self, look: TaskView, tool: ToolReading, dt: float) -> tuple[Self, Doing]:
         start = self.position - CLEAR * self.direction
         opened = ToolCommand(self.tool.stroke)
         if not self.sent:
@@ -103,7 +103,7 @@ class PickTask:
             return task, Doing(tool=opened)
         return replace(self, phase="down", waited=0.0), Doing(velocity=ZERO, tool=opened)
 
-    def _down(self, look: Look, tool: ToolReading) -> tuple[Self, Doing]:
+    def _down(self, look: TaskView, tool: ToolReading) -> tuple[Self, Doing]:
         left = float(self.direction @ (self.position - look.tip.position)) + self.tool.load_distance
         bumped = look.feels and pressing(self.direction, look.force) > BUMP
         if left <= 0.0 or bumped:
@@ -111,7 +111,7 @@ class PickTask:
             return task, task._told(tool, ZERO)
         return self, self._told(tool, self.speed * self.direction)
 
-    def _close(self, look: Look, tool: ToolReading, dt: float) -> tuple[Self, Doing]:
+    def _close(self, look: TaskView, tool: ToolReading, dt: float) -> tuple[Self, Doing]:
         task = replace(self, waited=self.waited + dt, width=tool.position)
         if task._holds(tool):
             task = replace(task, phase="lift")
@@ -151,7 +151,7 @@ class ReleaseTask:
     waited: float = 0.0
     done: bool = False
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         command = ToolCommand(self.opening)
         if self.done:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Self
 
-from sojourn_flight.arm.tasks.task import Doing, Look
+from sojourn_flight.arm.tasks.task import Doing, TaskView
 
 
 @dataclass(frozen=True, slots=True)
@@ -12,6 +12,6 @@ class Relaxed:
 
     reason: str
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         return self, Doing(gives_way=True, state="failed", reason=self.reason)

@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from sojourn_flight.arm.tasks.task import Doing, Look
+from sojourn_flight.arm.tasks.task import Doing, TaskView
 from sojourn_machine.params import FloatArray
 
 
@@ -23,7 +23,7 @@ class TareTask:
     elapsed: float = 0.0
     done: bool = False
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         if self.done:
             return self, Doing(state="reached", progress=1.0)

@@ -29,7 +29,7 @@ class ToolCommand(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class TaskView:
     """What a task sees at one period."""
 
     tip: TipPose
@@ -82,5 +82,5 @@ class Doing:
 class Task(Protocol):
     """A task under way. It is called on after it has ended, to hold what it has reached."""
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """One period of `dt` [s]."""

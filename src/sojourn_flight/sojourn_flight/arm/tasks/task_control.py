@@ -47,7 +47,7 @@ from sojourn_flight.arm.tasks.jog_control import go_on_with_jog, held_back, take
 from sojourn_flight.arm.tasks.relaxed import Relaxed
 from sojourn_flight.arm.tasks.requests import Pause, Resume
 from sojourn_flight.arm.tasks.start import start_task
-from sojourn_flight.arm.tasks.task import Doing, Look
+from sojourn_flight.arm.tasks.task import Doing, TaskView
 from sojourn_flight.arm.tasks.task_state import TaskInput, TaskReport, TaskState, initial_state
 from sojourn_flight.arm.tasks.tip_motion import (
     CannotFollowError,
@@ -265,7 +265,7 @@ def _at_pace(
     return replace(state, pace=pace), pace.share * velocity
 
 
-def _guard(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, look: Look) -> TaskState:
+def _guard(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, look: TaskView) -> TaskState:
     """Give up a task under way where the arm may not go on."""
     if not inputs.arm.allowed:
         return replace(state, task=Ended(f"not allowed to move: {inputs.arm.not_allowed_reason}"))
@@ -286,14 +286,14 @@ def _give_up(state: TaskState, ended: Ended) -> TaskState:
     return replace(state, task=ended, motion=None, paused=False, doing=Doing(state="failed", reason=ended.reason))
 
 
-def _look(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> Look:
+def _look(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> TaskView:
     arm = inputs.arm
     tip = forward_kinematics(model, arm.positions)
     force, rest = np.zeros(3), np.zeros(6)
     if inputs.wrench is not None:
         force = state.sense.contact(model, tip, inputs.wrench, arm.gravity_in_base)
         rest = inputs.wrench - state.sense.bias - state.sense.tool_load(model, tip, arm.gravity_in_base)
-    return Look(
+    return TaskView(
         tip=tip,
         feels=inputs.wrench is not None,
         force=force,

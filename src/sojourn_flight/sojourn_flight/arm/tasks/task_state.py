@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from sojourn_flight.arm import state as arm_state
 from sojourn_flight.arm.contact_guard import Before, MomentumObserver
-from sojourn_flight.arm.footing import WheelLoads
+from sojourn_flight.arm.footing import FootingLoads
 from sojourn_flight.arm.jogging import JogCommand, Jogging
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.params import ArmParams
@@ -31,7 +31,7 @@ class TaskInput:
     """Of the joints as measured (n,) [N m]; None where nobody tells them."""
     tool: ToolReading | None = None
     """Of the tool's actuator; None where there is no tool, or nobody tells it."""
-    loads: WheelLoads | None = None
+    loads: FootingLoads | None = None
     """Of the rover's wheels; None where it stands fast, or nobody knows."""
     jog: JogCommand | None = None
     """In the period in which it takes effect."""

@@ -14,7 +14,7 @@ import numpy as np
 from sojourn_flight.arm.goals import JointGoal
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.payload import StillPosture, identify_payload
-from sojourn_flight.arm.tasks.task import Doing, Look
+from sojourn_flight.arm.tasks.task import Doing, TaskView
 from sojourn_machine.params import FloatArray
 
 TURN = 0.5
@@ -43,7 +43,7 @@ class WeighTask:
     """Of the joints, in the present posture."""
     result: Doing | None = None
 
-    def advance(self, look: Look, dt: float) -> tuple[Self, Doing]:
+    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         if self.result is not None:
             return self, self.result
@@ -75,7 +75,7 @@ class WeighTask:
         result = task._weighed(look)
         return replace(task, result=result), result
 
-    def _weighed(self, look: Look) -> Doing:
+    def _weighed(self, look: TaskView) -> Doing:
         payload = identify_payload(self.model, self.seen)
         figures = {"payload_kg": payload.mass, "payload_deviation_kg": payload.mass_deviation}
         words = f"payload {payload.mass:.3f} kg ± {payload.mass_deviation:.3f} kg by the joints' torques"
