@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 
+from ros_messages import ros_message
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.conformance.consistency import RateRule
 from sojourn_contract.conformance.observation import Observation
@@ -42,7 +43,7 @@ def test_a_rover_at_a_step_keeps_the_contract() -> None:
         stamp = period * CONTROL_PERIOD_NS
         for name, message in truth.messages(stamp, state, output):
             if name in rules:
-                found += rules[name].judge(Observation(topic(name), message, stamp, None, stamp))
+                found += rules[name].judge(Observation(topic(name), ros_message(message), stamp, None, stamp))
     assert state.configuration[0] > 20.0, "it is over the step"
     assert max(jolts) > 0.01, "and has felt it: within the period, more than its ends tell"
     assert not found, found[0]

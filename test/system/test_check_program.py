@@ -13,15 +13,16 @@ FLIGHT_DRIVE = f"{sys.executable} {Path(__file__).parent / 'flight_drive.py'}"
 
 DROWSY = """
 import math
+import numpy as np
 from sojourn_contract import process
 from sojourn_drive.node import DriveNode
 
 class Drowsy(DriveNode):
     def publish(self, topic, message):
-        if topic == "/odom" and message.header.stamp.sec == 4 and message.header.stamp.nanosec == 0:
+        if topic == "/odom" and message.stamp == 4_000_000_000:
             return
-        if topic == "/wheel_command" and message.header.stamp.sec == 6 and message.header.stamp.nanosec == 0:
-            message.velocity[0] = math.nan
+        if topic == "/wheel_command" and message.stamp == 6_000_000_000:
+            message = message._replace(velocity=np.array([math.nan, *message.velocity[1:]]))
         super().publish(topic, message)
 
 process.run(Drowsy)
