@@ -23,6 +23,15 @@ class Longer(Plain):
     reason: str | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Named:
+    kind: str
+    new: int = 0
+    old: int = 0
+    create: int = 0
+    value: int = 0
+
+
 @dataclass(frozen=True)
 class WithoutSlots:
     speed: float
@@ -63,3 +72,9 @@ def test_a_name_that_is_no_field_is_an_error(value: Any) -> None:
 def test_what_a_class_checks_is_checked() -> None:
     with pytest.raises(ValueError, match="backwards"):
         replace(Checked(1.0), speed=-1.0)
+
+
+def test_fields_may_have_any_name() -> None:
+    value = Named("stop", 1, 2, 3, 4)
+    for name in ("kind", "new", "old", "create", "value"):
+        assert replace(value, **{name: 7}) == dataclasses.replace(value, **{name: 7})

@@ -35,11 +35,11 @@ def _evolver(kind: type) -> Callable[..., Any]:
     setters = {field.name: getattr(getattr(kind, field.name, None), "__set__", None) for field in fields}
     if checks or None in setters.values():
         return dataclasses.replace
-    names: dict[str, Any] = {f"set_{name}": setter for name, setter in setters.items()}
-    parameters = "".join(f", {name}=unchanged" for name in setters)
-    body = "".join(f"\n    set_{name}(new, old.{name} if {name} is unchanged else {name})" for name in setters)
-    names |= {"unchanged": _UNCHANGED, "create": object.__new__, "kind": kind}
-    source = f"def evolve(old, /, *{parameters}):\n    new = create(kind){body}\n    return new\n"
+    names: dict[str, Any] = {f"__set_{name}": setter for name, setter in setters.items()}
+    names |= {"__unchanged": _UNCHANGED, "__create": object.__new__, "__kind": kind}  # names that no field has
+    parameters = "".join(f", {name}=__unchanged" for name in setters)
+    body = "".join(f"\n    __set_{name}(__new, __old.{name} if {name} is __unchanged else {name})" for name in setters)
+    source = f"def evolve(__old, /, *{parameters}):\n    __new = __create(__kind){body}\n    return __new\n"
     exec(source, names)
     evolver: Callable[..., Any] = names["evolve"]
     return evolver

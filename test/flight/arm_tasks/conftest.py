@@ -1,5 +1,6 @@
 """The explorer on its ground with the laws of its arm in the loop: plant, sensors and tasks, without ROS."""
 
+import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -171,14 +172,23 @@ class RoverArm:
         return row
 
 
+def _with_payload(urdf: str, mass: float) -> str:
+    """A URDF whose arm carries a small body of a mass [kg] at its tip."""
+    robot = ElementTree.fromstring(urdf)
+    (tip,) = [link for link in robot.iter("link") if link.get("name") == "arm_tip_link"]
+    inertial = ElementTree.SubElement(tip, "inertial")
+    ElementTree.SubElement(inertial, "mass", value=str(mass))
+    moments = {"ixx": "1e-4", "ixy": "0", "ixz": "0", "iyy": "1e-4", "iyz": "0", "izz": "1e-4"}
+    ElementTree.SubElement(inertial, "inertia", moments)
+    return ElementTree.tostring(robot, encoding="unicode")
+
+
 @lru_cache(maxsize=8)
 def _ready(overrides: tuple[str, ...], payload: float = 0.0) -> RoverArm:
     """A rover with its arm unfolded; its law knows nothing of the payload at the tip [kg]."""
     scenario = load_scenario("flat_drive", overrides)
     arm = build_arm_model(scenario.urdf_xml, scenario.arm)
-    mass = f'<link name="arm_tip_link"><inertial><mass value="{payload}"/><inertia ixx="1e-4" ixy="0" ixz="0"'
-    mass += ' iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>'
-    loaded = scenario.urdf.text if payload == 0.0 else scenario.urdf.text.replace('<link name="arm_tip_link"/>', mass)
+    loaded = scenario.urdf.text if payload == 0.0 else _with_payload(scenario.urdf.text, payload)
     model, plant = build_plant(replace(scenario, urdf=replace(scenario.urdf, text=loaded)))
     still = np.array([0.0, 0.0, 0.0, 1.0])
     names = (*model.joints.names, *(() if plant.tool is None else (TOOL_JOINT,)))

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 JOINT_SIDE = (
-    *(f"machine.drives[{index}].servo.encoder=joint" for index in (2, 3, 4)),
+    *(f"arm.drives[{index}].servo.encoder=joint" for index in (0, 1, 2)),
     *(
-        f"sensors.joint_groups.{group}.encoder.{key}"
+        f"arm.joint_groups.{group}.encoder.{key}"
         for group in ("arm", "wrist")
         for key in ("side=output", "gear_ratio=1", "bits=20")
     ),
