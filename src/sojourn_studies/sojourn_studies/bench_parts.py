@@ -70,6 +70,7 @@ Part = Callable[[Size, argparse.Namespace], dict[str, float]]
 PARTS: dict[str, Part] = {
     "step": lambda size, given: bench_step.bench_step(),
     "start": lambda size, given: bench_start.bench_start(given.domain, size.starts, tell),
+    "direct": lambda size, given: bench_loop.bench_loop("direct", size.seconds, size.rounds, tell),
     "composed": lambda size, given: bench_loop.bench_loop("composed", size.seconds, size.rounds, tell),
     "processes": lambda size, given: bench_loop.bench_loop("processes", size.seconds, size.rounds, tell),
     "commands": lambda size, given: bench_commands.bench_commands(given.domain, size.commands),
