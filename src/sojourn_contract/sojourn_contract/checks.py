@@ -14,7 +14,6 @@ from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.values import (
     BatteryState,
-    FloatArray,
     Imu,
     JointState,
     JointTrajectory,
@@ -27,6 +26,7 @@ from sojourn_contract.values import (
     Vector3Stamped,
     WrenchStamped,
 )
+from sojourn_machine.params import FloatArray
 
 
 def check_message(topic: str, message: Message) -> None:

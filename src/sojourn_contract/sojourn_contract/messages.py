@@ -8,12 +8,12 @@ from sojourn_contract.values import (
     FLOAT64,
     NOT_MEASURED,
     BatteryState,
-    FloatArray,
     PointCloud2,
     PointField,
     WrenchStamped,
 )
 from sojourn_machine.contact_report import ReportColumn
+from sojourn_machine.params import FloatArray
 
 ABSOLUTE_ZERO_C = -273.15
 CHARGING, DISCHARGING, LITHIUM_ION = 1, 2, 2

@@ -9,9 +9,9 @@ import math
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray: TypeAlias = NDArray[np.float64]
+from sojourn_machine.params import FloatArray
+
 NOTHING: FloatArray = np.zeros(0)
 NO_COVARIANCE: FloatArray = np.zeros(36)
 NO_COVARIANCE_3: FloatArray = np.zeros(9)

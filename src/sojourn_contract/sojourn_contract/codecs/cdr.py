@@ -10,7 +10,7 @@ import struct
 import numpy as np
 
 from sojourn_contract.stamps import NANOSECONDS
-from sojourn_contract.values import FloatArray
+from sojourn_machine.params import FloatArray
 
 HEADER = b"\0\1\0\0"
 """Of plain CDR, little endian."""

@@ -7,7 +7,8 @@ import numpy as np
 from sojourn_contract import stamps
 from sojourn_contract.codecs.beginnings import Beginnings
 from sojourn_contract.codecs.cdr import BEGIN, DOUBLES, CdrError, Reader, Writer, padding
-from sojourn_contract.values import NOTHING, FloatArray, JointState, JointTrajectory, TrajectoryPoint
+from sojourn_contract.values import NOTHING, JointState, JointTrajectory, TrajectoryPoint
+from sojourn_machine.params import FloatArray
 
 _COUNT = {"<": struct.Struct("<I"), ">": struct.Struct(">I")}
 Names = tuple[str, tuple[str, ...]]
