@@ -6,7 +6,7 @@ stamp at which inputs are due, once they are all in. In real time it is called w
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from rclpy.context import Context
@@ -33,6 +33,7 @@ from sojourn_contract.heartbeat import (
     heartbeat_message,
 )
 from sojourn_contract.latest_inputs import LatestInputs, trigger_of
+from sojourn_contract.neighbours import Neighbours, are_near
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, inputs_of, outputs_of, topic
 from sojourn_contract.types import message_class
@@ -108,6 +109,12 @@ class ContractNode(Node):
         self._last_ready = self._complained = 0.0
         self._advancing = False
         self._raw = raw
+        self._neighbours: Neighbours | None = None
+        self._neighbouring: Collection[str] = ()
+        self._unheard: Collection[str] = ()
+        """Topics that nobody hears over the middleware."""
+        self.received = 0
+        """Messages that have come over the middleware."""
         self._outputs = {row.name: row for row in outputs_of(role, {*self.participants, role})}
         self._senders = {row.name: self._create_output(row) for row in self._outputs.values()}
         self._readers = {row.name: self._create_input(row) for row in self._inputs()}
@@ -153,9 +160,23 @@ class ContractNode(Node):
 
     # What the loop around the node calls
 
+    def join(self, neighbours: Neighbours, roles: Collection[str]) -> list[str]:
+        """Hear what nodes of these roles say from them, not over the middleware. Returns those topics."""
+        self._neighbours, self._neighbouring = neighbours, roles
+        direct = [row.name for row in self._inputs() if are_near(row, roles)]
+        for name in direct:
+            self.destroy_subscription(self._readers.pop(name))
+        return direct
+
+    def hear(self, row: Topic, message: Message) -> None:
+        """Take what a neighbour says."""
+        self._receive(row, message)
+
     def poll(self) -> None:
         """Wall-clock chores, called some times a second: readiness before the run, a word when stalled."""
         now = time.monotonic()
+        if self._neighbours is not None:
+            self._unheard = {name for name, sender in self._senders.items() if not sender.get_subscription_count()}
         if self.now == 0:
             if now - self._last_ready >= READY_REPEAT_S:
                 self._last_ready = now
@@ -188,7 +209,7 @@ class ContractNode(Node):
         """Endpoints of other participants that are not connected yet, in words."""
         missing = []
         for row in self._awaited:
-            if self._readers[row.name].get_publisher_count() == 0:
+            if row.name in self._readers and self._readers[row.name].get_publisher_count() == 0:
                 missing.append(f"no publisher of {row.name} ({row.publisher})")
         for name, sender in self._senders.items():
             listeners = self._listeners(self._outputs[name])
@@ -219,7 +240,8 @@ class ContractNode(Node):
         roles = [role for role in row.subscribers if role in self.participants]
         if row.logged and "recorder" in self.participants:
             roles.append("recorder")
-        return [role for role in roles if role != self.role or row.publisher == "all"]
+        near = self._neighbouring if are_near(row, self._neighbouring) else ()
+        return [role for role in roles if (role != self.role or row.publisher == "all") and role not in near]
 
     def _create_output(self, row: Topic) -> Any:
         return self.create_publisher(
@@ -228,6 +250,7 @@ class ContractNode(Node):
 
     def _create_input(self, row: Topic) -> Any:
         def receive(data: bytes) -> None:
+            self.received += 1
             self._receive(row, data)
 
         return self.create_subscription(
@@ -238,8 +261,10 @@ class ContractNode(Node):
             raw=True,  # the ROS library's own decoding ends the executor with bytes that it cannot read
         )
 
-    def _receive(self, row: Topic, data: bytes) -> None:
-        """Take one message: refuse it, queue it as a goal, or give it to the barrier."""
+    def _receive(self, row: Topic, data: bytes | Message) -> None:
+        """Take one message, serialised as it comes over the middleware or as it is: refuse it, queue it as a goal, or
+        give it to the barrier.
+        """
         try:
             if row.is_event:
                 self._receive_event(row, data)
@@ -248,20 +273,20 @@ class ContractNode(Node):
                 with refusing(row.name, f"a {row.type} that can be read"):
                     self.on_heartbeat(message)
             elif self.lockstep:
-                self._receive_periodic(row, stamp_of(row.name, data), data)
+                self._receive_periodic(row, _stamp_of(row, data), data)
             else:
-                self._receive_realtime(row, stamp_of(row.name, data), data)
+                self._receive_realtime(row, _stamp_of(row, data), data)
         except RefusedMessageError as refusal:
             self.refuse(row.name, refusal)
 
-    def _content(self, row: Topic, data: bytes) -> Any:
+    def _content(self, row: Topic, data: bytes | Message) -> Any:
         """What the bytes hold, checked; the bytes where the node reads them itself. Raises RefusedMessageError."""
         message = self._message(row, data)
         self._check(row, message)
         return message
 
-    def _message(self, row: Topic, data: bytes) -> Any:
-        return data if self._raw else decode(row, data)
+    def _message(self, row: Topic, data: bytes | Message) -> Any:
+        return data if self._raw or not isinstance(data, bytes) else decode(row, data)
 
     def _check(self, row: Topic, message: Any) -> None:
         with refusing(row.name, f"a {row.type} that can be read"):
@@ -278,16 +303,16 @@ class ContractNode(Node):
             self._warned[topic] = now
             self.get_logger().warning(f"refused: {refusal}")
 
-    def _receive_event(self, row: Topic, data: bytes) -> None:
+    def _receive_event(self, row: Topic, data: bytes | Message) -> None:
         self.events = self.events.counted(row)
         try:
-            stamp, goal = stamp_of(row.name, data), self._content(row, data)
+            stamp, goal = _stamp_of(row, data), self._content(row, data)
             self.events = self.events.offered(row, stamp, self.now, goal)
         except RefusedMessageError as refusal:
             self.refuse(row.name, refusal)
         self._advance()  # a tick may have waited for this goal, good or bad
 
-    def _receive_periodic(self, row: Topic, stamp: int, data: bytes) -> None:
+    def _receive_periodic(self, row: Topic, stamp: int, data: bytes | Message) -> None:
         row = self._awaited_by_name[row.name]
         allowed = self.barrier.refusal(row, stamp)
         if allowed is not None:
@@ -295,7 +320,7 @@ class ContractNode(Node):
         self.barrier.offer(row, stamp, self._content_or_none(row, data))
         self._advance()
 
-    def _content_or_none(self, row: Topic, data: bytes) -> Any:
+    def _content_or_none(self, row: Topic, data: bytes | Message) -> Any:
         """As `_content`; None for a message that is refused, which is counted."""
         try:
             return self._content(row, data)
@@ -303,7 +328,7 @@ class ContractNode(Node):
             self.refuse(row.name, refusal)
             return None
 
-    def _receive_realtime(self, row: Topic, stamp: int, data: bytes) -> None:
+    def _receive_realtime(self, row: Topic, stamp: int, data: bytes | Message) -> None:
         message = self._message(row, data)  # or nothing of it is believed: its stamp neither
         allowed = self._refusal_realtime(row, stamp)
         if allowed is not None:
@@ -389,4 +414,14 @@ class ContractNode(Node):
         self._send("/diagnostics", message)
 
     def _send(self, topic: str, message: Message) -> None:
-        self._senders[topic].publish(encode(self._outputs[topic], message))
+        row, sender = self._outputs[topic], self._senders[topic]
+        if self._neighbours is not None:
+            self._neighbours.say(row, message)
+            if topic in self._unheard:
+                return
+        sender.publish(encode(row, message))
+
+
+def _stamp_of(row: Topic, data: bytes | Message) -> int:
+    """Stamp [ns] of a message. Raises RefusedMessageError for bytes that are too few to hold one."""
+    return stamp_of(row.name, data) if isinstance(data, bytes) else data.stamp
