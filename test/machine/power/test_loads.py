@@ -1,5 +1,6 @@
 """The bus against bisection, Ohm's law, and the promises of the lockout."""
 
+import copy
 from math import inf, nan
 
 import numpy as np
@@ -162,3 +163,8 @@ def test_bad_parameters_are_refused() -> None:
         BusParams(loads=(*LOADS, LOADS[2]), lockout_voltage=21.0, lockout_reset_voltage=25.0, lockout_reset_time=1.0)
     with pytest.raises(ValidationError, match="kind"):
         LoadParams.model_validate(LOADS[0].model_dump() | {"kind": "magic"})
+
+
+def test_parameters_are_values() -> None:
+    assert loads.step(BUS, BusState(), 30.0, 0.06, ALL_ON, (0.0, 0.0, 0.0), 0.02)[1].served == 1.0
+    assert copy.deepcopy(BUS) == BUS and BUS.model_copy() == BUS

@@ -32,8 +32,11 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from sojourn_machine.errors import InvalidValueError
-from sojourn_machine.params import FloatArray, Params
+from sojourn_machine.params import Params
 from sojourn_machine.power.battery_kernels import (
+    PackCondition,
+    PackConstants,
+    PackTables,
     step_kernel,
     table_clamped,
     table_extrapolated,
@@ -42,22 +45,6 @@ from sojourn_machine.power.battery_kernels import (
 )
 
 SECONDS_PER_HOUR = 3600.0
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class PackTables:
-    """The tables of a whole pack as contiguous arrays for the kernels."""
-
-    soc: FloatArray
-    """States of charge [1]."""
-    ocv: FloatArray
-    """Open-circuit voltage of the pack at `soc` [V]."""
-    temperature: FloatArray
-    """Temperatures of the resistances [K]."""
-    ohmic: FloatArray
-    """Ohmic resistance of the pack at `temperature` [ohm]."""
-    polarisation: FloatArray
-    """Polarisation resistance of the pack at `temperature` [ohm]."""
 
 
 class BatteryParams(Params):
@@ -127,21 +114,34 @@ class BatteryParams(Params):
         return self
 
     @cached_property
-    def tables(self) -> PackTables:
-        """The tables scaled from a cell to the pack, made once."""
+    def pack(self) -> "Pack":
+        """The numbers of a cell scaled to the pack, made once."""
         scale = self.cells_series / self.cells_parallel
-        return PackTables(
+        tables = PackTables(
             soc=np.array(self.soc_points, dtype=np.float64),
             ocv=self.cells_series * np.array(self.ocv_points, dtype=np.float64),
             temperature=np.array(self.resistance_temperatures, dtype=np.float64),
             ohmic=scale * np.array(self.resistance_ohmic, dtype=np.float64),
             polarisation=scale * np.array(self.resistance_polarisation, dtype=np.float64),
         )
+        constants = PackConstants(
+            charge_capacity=self.charge_capacity,
+            capacitance=self.capacitance,
+            efficiency=self.coulombic_efficiency,
+            heat_capacity=self.heat_capacity * self.cells_series * self.cells_parallel,
+            conductance=self.thermal_conductance,
+        )
+        return Pack(tables, constants)
+
+    @property
+    def tables(self) -> PackTables:
+        """The tables of the whole pack."""
+        return self.pack.tables
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """As pydantic's, but a changed copy makes its own tables."""
+        """As pydantic's, but a changed copy makes its own pack."""
         copied = super().model_copy(update=update, deep=deep)
-        copied.__dict__.pop("tables", None)
+        copied.__dict__.pop("pack", None)
         return copied
 
     @property
@@ -158,6 +158,14 @@ class BatteryParams(Params):
     def energy_capacity_wh(self) -> float:
         """Chemical energy between full and empty [Wh]."""
         return stored_energy(self, 1.0) / SECONDS_PER_HOUR
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Pack:
+    """What the kernels are given of a pack that does not change. Parameters are compared without it."""
+
+    tables: PackTables
+    constants: PackConstants
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,16 +221,7 @@ def thevenin(params: BatteryParams, state: PackState) -> tuple[float, float]:
     voltage moves in tens of seconds, so both may be kept for 20 ms. An empty pack is switched off by its
     protection: 0 V.
     """
-    tables = params.tables
-    source, resistance = thevenin_kernel(
-        tables.soc,
-        tables.ocv,
-        tables.temperature,
-        tables.ohmic,
-        state.soc,
-        state.polarisation_voltage,
-        state.temperature,
-    )
+    source, resistance = thevenin_kernel(params.tables, _condition(state))
     return float(source), float(resistance)
 
 
@@ -258,29 +257,13 @@ def step(
     if not (np.isfinite(dt) and dt > 0.0):
         raise InvalidValueError("dt [s]", dt, "a finite number above 0")
     _require_temperature(params, around)
-    tables = params.tables
-    soc, polarisation, temperature, energy_terminal, heat = step_kernel(
-        tables.soc,
-        tables.ocv,
-        tables.temperature,
-        tables.ohmic,
-        tables.polarisation,
-        params.charge_capacity,
-        params.capacitance,
-        params.coulombic_efficiency,
-        params.heat_capacity * params.cells_series * params.cells_parallel,
-        params.thermal_conductance,
-        state.soc,
-        state.polarisation_voltage,
-        state.temperature,
-        float(current),
-        float(dt),
-        float(around),
+    after, energy_terminal, heat = step_kernel(
+        params.pack.tables, params.pack.constants, _condition(state), float(current), float(dt), float(around)
     )
     return PackState(
-        soc=soc,
-        polarisation_voltage=polarisation,
-        temperature=temperature,
+        soc=after.soc,
+        polarisation_voltage=after.polarisation,
+        temperature=after.temperature,
         charge_drawn=state.charge_drawn + current * dt,
         energy_terminal=state.energy_terminal + energy_terminal,
         energy_heat=state.energy_heat + heat,
@@ -303,6 +286,10 @@ def limits_exceeded(params: BatteryParams, state: PackState, current: float) -> 
     if state.soc <= 0.0:
         found.append("empty")
     return tuple(found)
+
+
+def _condition(state: PackState) -> PackCondition:
+    return PackCondition(state.soc, state.polarisation_voltage, state.temperature)
 
 
 def _require_rising(name: str, values: tuple[float, ...]) -> None:

@@ -4,10 +4,53 @@ Equations, sources and range of validity are in `battery`. Tables rise strictly 
 length in y.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
+
+
+class PackTables(NamedTuple):
+    """The tables of a whole pack as contiguous arrays."""
+
+    soc: FloatArray
+    """States of charge [1]."""
+    ocv: FloatArray
+    """Open-circuit voltage of the pack at `soc` [V]."""
+    temperature: FloatArray
+    """Temperatures of the resistances [K]."""
+    ohmic: FloatArray
+    """Ohmic resistance of the pack at `temperature` [ohm]."""
+    polarisation: FloatArray
+    """Polarisation resistance of the pack at `temperature` [ohm]."""
+
+
+class PackConstants(NamedTuple):
+    """What of a whole pack does not change."""
+
+    charge_capacity: float
+    """Charge of the full pack [C]."""
+    capacitance: float
+    """Of the polarisation pair [F]."""
+    efficiency: float
+    """Part of the charging current that is stored [1]."""
+    heat_capacity: float
+    """[J/K]"""
+    conductance: float
+    """To the surroundings [W/K]."""
+
+
+class PackCondition(NamedTuple):
+    """What of a pack changes."""
+
+    soc: float
+    """State of charge [1]."""
+    polarisation: float
+    """Voltage of the polarisation pair [V]."""
+    temperature: float
+    """[K]"""
 
 
 @njit(cache=True)
@@ -42,64 +85,47 @@ def table_integral(x_table: FloatArray, y_table: FloatArray, x: float) -> float:
 
 
 @njit(cache=True)
-def thevenin_kernel(
-    soc_table: FloatArray,
-    ocv_table: FloatArray,
-    temperature_table: FloatArray,
-    ohmic_table: FloatArray,
-    soc: float,
-    polarisation: float,
-    temperature: float,
-) -> tuple[float, float]:
+def thevenin_kernel(tables: PackTables, condition: PackCondition) -> tuple[float, float]:
     """`thevenin` on the pack's tables: source voltage [V] and resistance [ohm]."""
-    resistance = table_clamped(temperature_table, ohmic_table, temperature)
-    if soc <= 0.0:
+    resistance = table_clamped(tables.temperature, tables.ohmic, condition.temperature)
+    if condition.soc <= 0.0:
         return 0.0, resistance
-    return table_extrapolated(soc_table, ocv_table, soc) - polarisation, resistance
+    return table_extrapolated(tables.soc, tables.ocv, condition.soc) - condition.polarisation, resistance
 
 
 @njit(cache=True)
 def step_kernel(
-    soc_table: FloatArray,
-    ocv_table: FloatArray,
-    temperature_table: FloatArray,
-    ohmic_table: FloatArray,
-    polarisation_table: FloatArray,
-    charge_capacity: float,
-    capacitance: float,
-    efficiency: float,
-    heat_capacity: float,
-    conductance: float,
-    soc: float,
-    polarisation: float,
-    temperature: float,
-    current: float,
-    dt: float,
-    surroundings: float,
-) -> tuple[float, float, float, float, float]:
-    """One step: soc [1], polarisation [V], temperature [K], terminal energy [J], heat [J] of this step."""
-    r0 = table_clamped(temperature_table, ohmic_table, temperature)
-    r1 = table_clamped(temperature_table, polarisation_table, temperature)
+    tables: PackTables, pack: PackConstants, condition: PackCondition, current: float, dt: float, surroundings: float
+) -> tuple[PackCondition, float, float]:
+    """One step: condition after it, terminal energy [J] and heat [J] of this step.
+
+    Args:
+        current: out of the pack positive [A]. dt: [s]. surroundings: their temperature [K].
+    """
+    soc, polarisation, temperature = condition.soc, condition.polarisation, condition.temperature
+    charge_capacity, efficiency, heat_capacity = pack.charge_capacity, pack.efficiency, pack.heat_capacity
+    r0 = table_clamped(tables.temperature, tables.ohmic, temperature)
+    r1 = table_clamped(tables.temperature, tables.polarisation, temperature)
 
     # Source energy is OCV times current; charge not stored, for efficiency or a full pack, becomes heat.
     if current >= 0.0:
         soc_new = soc - current * dt / charge_capacity
         chemical = charge_capacity * (
-            table_integral(soc_table, ocv_table, soc) - table_integral(soc_table, ocv_table, soc_new)
+            table_integral(tables.soc, tables.ocv, soc) - table_integral(tables.soc, tables.ocv, soc_new)
         )
         source = chemical
     else:
         stored = min(-efficiency * current * dt, max(1.0 - soc, 0.0) * charge_capacity)
         soc_new = soc + stored / charge_capacity
         chemical = charge_capacity * (
-            table_integral(soc_table, ocv_table, soc) - table_integral(soc_table, ocv_table, soc_new)
+            table_integral(tables.soc, tables.ocv, soc) - table_integral(tables.soc, tables.ocv, soc_new)
         )
         overflow = max(-current * dt - stored / efficiency, 0.0)
-        source = chemical / efficiency - overflow * table_extrapolated(soc_table, ocv_table, soc_new)
+        source = chemical / efficiency - overflow * table_extrapolated(tables.soc, tables.ocv, soc_new)
     side_heat = chemical - source
 
     # v(t) = end + (v0 - end) exp(-t / tau), and the integrals of v and v^2 over the step.
-    tau = r1 * capacitance
+    tau = r1 * pack.capacitance
     end = current * r1
     lead = polarisation - end
     fade = -np.expm1(-dt / tau)
@@ -112,8 +138,8 @@ def step_kernel(
     terminal = source - ohmic_heat - current * integral_v
 
     # First-order body, exact for heat spread evenly over the step; without conductance the limit dt.
-    rate = conductance / heat_capacity
+    rate = pack.conductance / heat_capacity
     decay = -np.expm1(-rate * dt)
     spread = decay / rate if rate > 0.0 else dt
     temperature_new = temperature + (surroundings - temperature) * decay + heat / dt / heat_capacity * spread
-    return soc_new, polarisation_new, temperature_new, terminal, heat
+    return PackCondition(soc_new, polarisation_new, temperature_new), terminal, heat

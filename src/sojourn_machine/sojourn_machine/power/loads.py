@@ -21,7 +21,7 @@ Assumptions: one bus, no dynamics of the bus capacitor (settles in well under a 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, Self, TypeAlias
+from typing import Any, Literal, NamedTuple, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,13 +73,14 @@ class BusParams(Params):
     @cached_property
     def index(self) -> "LoadIndex":
         """The loads as arrays, made once."""
-        return LoadIndex(
+        columns = LoadColumns(
             rated=np.array([load.power_w for load in self.loads], dtype=np.float64),
             resistive=np.array([load.kind == "resistive" for load in self.loads]),
             commanded=np.array([load.kind == "commanded" for load in self.loads]),
             essential=np.array([load.essential for load in self.loads]),
             nominal_squared=np.array([load.voltage_nominal**2 for load in self.loads], dtype=np.float64),
         )
+        return LoadIndex(columns)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """As pydantic's, but a changed copy makes its own index."""
@@ -88,8 +89,7 @@ class BusParams(Params):
         return copied
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class LoadIndex:
+class LoadColumns(NamedTuple):
     """Columns of the load table, each of shape (loads,)."""
 
     rated: FloatArray
@@ -97,6 +97,13 @@ class LoadIndex:
     commanded: BoolArray
     essential: BoolArray
     nominal_squared: FloatArray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LoadIndex:
+    """What the kernels are given of the loads. Parameters are compared without it."""
+
+    columns: LoadColumns
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,11 +206,9 @@ def _operate(
     asked: FloatArray,
     locked_out: bool,
 ) -> BusOutput:
-    index = params.index
     voltage, served, power, current = _operating_point(
-        index.rated, index.resistive, index.commanded, index.essential, index.nominal_squared, float(source),
-        float(resistance), switches, asked, locked_out,
-    )  # fmt: skip
+        params.index.columns, float(source), float(resistance), switches, asked, locked_out
+    )
     return BusOutput(
         voltage=voltage,
         current=float(current.sum()),
@@ -217,11 +222,7 @@ def _operate(
 
 @njit(cache=True)
 def _operating_point(
-    rated: FloatArray,
-    resistive: BoolArray,
-    commanded: BoolArray,
-    essential: BoolArray,
-    nominal_squared: FloatArray,
+    loads: LoadColumns,
     source: float,
     resistance: float,
     switches: FloatArray,
@@ -229,16 +230,16 @@ def _operating_point(
     locked_out: bool,
 ) -> tuple[float, float, FloatArray, FloatArray]:
     """Bus voltage [V], part served [-], power [W] and current [A] of each load."""
-    count = rated.shape[0]
+    rated, count = loads.rated, loads.rated.shape[0]
     power, conductances = np.zeros(count), np.zeros(count)
     for i in range(count):
-        on = 0.0 if locked_out and not essential[i] else switches[i]
+        on = 0.0 if locked_out and not loads.essential[i] else switches[i]
         if on <= 0.0:  # takes nothing, and gives nothing back either
             continue
-        if resistive[i]:
-            conductances[i] = on * rated[i] / nominal_squared[i]
+        if loads.resistive[i]:
+            conductances[i] = on * rated[i] / loads.nominal_squared[i]
         else:
-            power[i] = min(asked[i], on * rated[i]) if commanded[i] else on * rated[i]
+            power[i] = min(asked[i], on * rated[i]) if loads.commanded[i] else on * rated[i]
     wanted = power.sum()
     voltage, served = solve_bus(source, resistance, wanted, conductances.sum(), 0.0)
     if voltage <= 0.0:
