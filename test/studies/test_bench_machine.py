@@ -6,7 +6,7 @@ from sojourn_analysis.vehicle.wheel_loads import StandingMachine
 from sojourn_config.bundle import read_machine
 from sojourn_physics.plant.state import EnergyAccount
 from sojourn_studies.bench_machine import long_drive
-from sojourn_studies.wheeled_platform import wheeled_platform
+from sojourn_studies.wheeled_platform import Chassis, wheeled_platform
 
 
 def test_energies_of_a_drive_over_rough_ground_balance() -> None:
@@ -22,7 +22,7 @@ def test_energies_of_a_drive_over_rough_ground_balance() -> None:
 def test_platforms_carry_their_weight_on_all_wheels(axles: int) -> None:
     rover = read_machine("explorer", "moon", "lunar_nominal").machine
     places = [0.7 * (0.5 * (axles - 1) - number) for number in range(axles)]
-    platform = wheeled_platform(places, rover.wheels[0], rover.drives[:1], chassis_mass=56.0 * axles)
+    platform = wheeled_platform(places, rover.wheels[0], rover.drives[:1], chassis=Chassis(56.0 * axles))
     machine = StandingMachine(platform.urdf_xml, platform.machine, 1.6)
     loads = machine.loads(machine.stand(lambda x, y: 0.0)).normal
     assert machine.mass == pytest.approx(axles * (56.0 + 4.0))

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from scipy.optimize import brentq
 
-from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, contact_angles, rim_forces
+from sojourn_physics.contact.rigid_rim import RimContact
+from sojourn_physics.contact.wheel_on_soil import QUADRATURE, contact_angles, rim_forces
 from sojourn_physics.soil.params import SoilParams, kernel_row
 from sojourn_physics.soil.pressure_sinkage import compaction_resistance, wheel_sinkage
 
@@ -35,7 +36,7 @@ def forces(case: dict[str, str], sinkage: float) -> tuple[float, ...]:
     radius, width = float(case["radius"]), float(case["width"])
     slip, rolling = float(case["slip"]), float(case["rolling"])
     row = kernel_row(soil_of(case))
-    return rim_forces(radius, radius, width, sinkage, slip, 0.0, rolling, row, NODES, WEIGHTS)
+    return rim_forces(radius, radius, width, RimContact(sinkage, slip, 0.0, rolling), row, QUADRATURE)
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: str(case["case"]))

@@ -1,7 +1,7 @@
 """The plant of a scenario, settled on its ground."""
 
 from sojourn_config.scenario import STOWED, LoadedScenario
-from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.state import PlantState
 from sojourn_physics.plant.step import initial_state
 from sojourn_physics.terrain.height_field import HeightField
@@ -16,18 +16,21 @@ def build_plant(scenario: LoadedScenario, terrain: HeightField | None = None) ->
     Raises:
         MachineError: parameters that do not fit together. ConfigError: a terrain that cannot be made.
     """
+    site = Site(
+        terrain or scenario.height_field(),
+        list(scenario.soils.values()),
+        scenario.gravity,
+        scenario.terrain.memory_cell if scenario.terrain.memory else 0.0,
+        scenario.config.objects,
+    )
     model = PlantModel(
         scenario.urdf_xml,
         scenario.machine,
-        scenario.gravity,
-        terrain or scenario.height_field(),
-        list(scenario.soils.values()),
+        site,
         scenario.battery,
         scenario.bus,
         scenario.simulation,
-        scenario.terrain.memory_cell if scenario.terrain.memory else 0.0,
         scenario.tool,
-        scenario.config.objects,
     )
     start = scenario.config.start
     return model, initial_state(

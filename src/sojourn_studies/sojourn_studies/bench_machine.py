@@ -12,11 +12,11 @@ import numpy as np
 
 from sojourn_config.command_errors import CommandError
 from sojourn_config.scenario import load_scenario
-from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.state import EnergyAccount, PlantCommand, PlantState, zeros_command
 from sojourn_physics.plant.step import initial_state, step
 from sojourn_plant.start import build_plant
-from sojourn_studies.wheeled_platform import wheeled_platform
+from sojourn_studies.wheeled_platform import Chassis, wheeled_platform
 
 SCENARIO = "flat_drive"
 WHEELS = (4, 6, 8, 20)
@@ -119,13 +119,11 @@ def _driving(count: int) -> tuple[PlantModel, PlantState, PlantCommand]:
         [SPACING * (0.5 * (axles - 1) - number) for number in range(axles)],
         scenario.machine.wheels[0],
         scenario.machine.drives[:1],
-        chassis_mass=MASS_PER_AXLE * axles,
+        chassis=Chassis(MASS_PER_AXLE * axles),
     )
-    model = PlantModel(
-        platform.urdf_xml, platform.machine, scenario.gravity, scenario.height_field(),
-        list(scenario.soils.values()), scenario.battery, scenario.bus, scenario.simulation,
-        scenario.terrain.memory_cell,
-    )  # fmt: skip
+    soils, memory_cell = list(scenario.soils.values()), scenario.terrain.memory_cell
+    site = Site(scenario.height_field(), soils, scenario.gravity, memory_cell)
+    model = PlantModel(platform.urdf_xml, platform.machine, site, scenario.battery, scenario.bus, scenario.simulation)
     state = initial_state(model, 0.0, 0.0, 0.0, soc=0.8)
     command = _command(model, state)
     state, _ = step(model, state, command)

@@ -5,7 +5,7 @@ import numpy as np
 from sojourn_analysis.modal.linearise import LinearPlant, linearise
 from sojourn_config.bundle import Bundle
 from sojourn_machine.errors import MachineError
-from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.state import PlantCommand, PlantState, zeros_command
 from sojourn_physics.plant.step import initial_state, step
 from sojourn_physics.terrain.height_field import HeightField
@@ -31,9 +31,8 @@ def linear_plants(bundle: Bundle, pose: dict[str, float], speed: float) -> tuple
     ground = HeightField(
         np.zeros(nodes), np.zeros(nodes, np.uint8), RESOLUTION, -10.0, -0.5 * WIDTH, (bundle.soil.name,)
     )
-    model = PlantModel(
-        bundle.urdf_xml, bundle.machine, bundle.gravity, ground, list(bundle.soils.values()), bundle.battery, bundle.bus
-    )
+    site = Site(ground, list(bundle.soils.values()), bundle.gravity)
+    model = PlantModel(bundle.urdf_xml, bundle.machine, site, bundle.battery, bundle.bus)
     state = initial_state(model, 0.0, 0.0, 0.0, 1.0, pose)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
     command.reference[0] = state.motor_angles

@@ -9,7 +9,8 @@ from scipy.optimize import brentq
 from sojourn_config.load import load_params
 from sojourn_config.scenario import LoadedScenario
 from sojourn_machine.supports import WheelParams
-from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, rim_forces
+from sojourn_physics.contact.rigid_rim import RimContact
+from sojourn_physics.contact.wheel_on_soil import QUADRATURE, rim_forces
 from sojourn_physics.soil.params import SoilParams, kernel_row
 from sojourn_studies.picture_style import BLUE, GREEN, GREY, ORANGE
 
@@ -45,7 +46,8 @@ def at_load(soil: np.ndarray, shape: WheelParams, load: float, slip: float) -> t
     """Drawbar pull [N], torque [N m] and sinkage [m] in steady rolling at a load [N] and slip."""
 
     def forces(sinkage: float) -> tuple[float, ...]:
-        return rim_forces(shape.radius, shape.shear_radius, shape.width, sinkage, slip, 0.0, 1.0, soil, NODES, WEIGHTS)
+        contact = RimContact(sinkage, slip, 0.0, 1.0)
+        return rim_forces(shape.radius, shape.shear_radius, shape.width, contact, soil, QUADRATURE)
 
     sinkage = brentq(lambda z: forces(z)[2] - load, 1e-5, 0.09)
     pull, _, _, torque, *_ = forces(sinkage)

@@ -24,6 +24,20 @@ class Platform(NamedTuple):
     machine: MachineParams
 
 
+class Chassis(NamedTuple):
+    """What bears on the axles."""
+
+    mass: float = 100.0
+    """[kg]"""
+    inertia: tuple[float, float, float] = (10.0, 20.0, 25.0)
+    """About its centre of mass, x, y, z [kg m^2]."""
+    centre: tuple[float, float] = (0.0, 0.25)
+    """Of its mass, x and z in base_link [m]."""
+
+
+PLAIN = Chassis()
+
+
 def wheeled_platform(
     places: Sequence[float],
     wheel: WheelParams,
@@ -31,9 +45,7 @@ def wheeled_platform(
     steering: JointDriveParams | None = None,
     steered: Sequence[int] = (),
     struts: SuspensionParams | None = None,
-    chassis_mass: float = 100.0,
-    chassis_inertia: tuple[float, float, float] = (10.0, 20.0, 25.0),
-    centre: tuple[float, float] = (0.0, 0.25),
+    chassis: Chassis = PLAIN,
     track: float = 1.0,
 ) -> Platform:
     """A machine whose base_link is level with its axles.
@@ -43,12 +55,12 @@ def wheeled_platform(
         drives: motor of the wheels of each axle, one an axle or one for all; their joints are filled in.
         steering: motor of the steered wheels. steered: numbers of the axles that steer.
         struts: spring and damper of every wheel, which slides straight up; none: rigid.
-        chassis_mass: [kg]. chassis_inertia: about its centre of mass, x, y, z [kg m^2].
-        centre: of the chassis' mass, x and z in base_link [m]. track: between the wheels of an axle [m].
+        track: between the wheels of an axle [m].
     """
-    roll, pitch, yaw = chassis_inertia
+    roll, pitch, yaw = chassis.inertia
+    x, z = chassis.centre
     links = [
-        f'<link name="base_link"><inertial><origin xyz="{centre[0]} 0 {centre[1]}"/><mass value="{chassis_mass}"/>'
+        f'<link name="base_link"><inertial><origin xyz="{x} 0 {z}"/><mass value="{chassis.mass}"/>'
         f'<inertia ixx="{roll}" iyy="{pitch}" izz="{yaw}" ixy="0" ixz="0" iyz="0"/></inertial></link>'
     ]
     wheels: list[WheelParams] = []

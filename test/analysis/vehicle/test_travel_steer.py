@@ -20,7 +20,7 @@ from sojourn_config.bundle import read_machine
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.machine import SuspensionParams
 from sojourn_machine.params import FloatArray
-from sojourn_studies.wheeled_platform import STRUT_MASS, WHEEL_MASS, wheeled_platform
+from sojourn_studies.wheeled_platform import STRUT_MASS, WHEEL_MASS, Chassis, wheeled_platform
 
 TRACK = 1.2
 ARM = np.array([-0.4, 0.2, -0.1])
@@ -150,7 +150,7 @@ def test_springs_of_a_machine_as_its_wheels_feel_them() -> None:
 def test_two_bodies_of_an_articulated_machine() -> None:
     """The rear axle on a body of its own, 0.1 m behind the middle, which a motor turns about the vertical."""
     rover = read_machine("explorer", "moon", "lunar_nominal").machine
-    rigid = wheeled_platform([0.5, -0.6], rover.wheels[0], rover.drives[:1], chassis_mass=60.0, centre=(0.2, 0.1))
+    rigid = wheeled_platform([0.5, -0.6], rover.wheels[0], rover.drives[:1], chassis=Chassis(60.0, centre=(0.2, 0.1)))
     urdf = rigid.urdf_xml.replace("</robot>", "").replace('xyz="-0.6 ', 'xyz="-0.5 ')
     for side in ("left", "right"):
         child = f'<child link="wheel_axle_1_{side}_link"/>'

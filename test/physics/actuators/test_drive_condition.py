@@ -11,7 +11,7 @@ from sojourn_machine.drives import BrakeParams, JointDriveParams, MotorThermalPa
 from sojourn_physics.actuators import joint_drive as jd
 from sojourn_physics.actuators.drive_condition import CLOSED, HOUSING, WINDING, conditions_of
 from sojourn_physics.actuators.motor_thermal import demagnetisation_current
-from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import initial_state, step
 from sojourn_physics.terrain.height_field import HeightField
@@ -103,9 +103,8 @@ def stand(**change: object) -> PlantModel:
     drives = tuple(one.model_copy(update=change) for one in bundle.machine.drives)
     ground = HeightField(np.zeros((41, 41)), np.zeros((41, 41), np.uint8), 0.1, -2.0, -2.0, (bundle.soil.name,))
     rover = bundle.machine.model_copy(update={"drives": drives})
-    return PlantModel(
-        bundle.urdf_xml, rover, bundle.gravity, ground, list(bundle.soils.values()), bundle.battery, bundle.bus
-    )
+    site = Site(ground, list(bundle.soils.values()), bundle.gravity)
+    return PlantModel(bundle.urdf_xml, rover, site, bundle.battery, bundle.bus)
 
 
 def test_brakes_hold_an_arm_without_power_that_would_fall() -> None:

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sojourn_machine.drives import GearParams, MotorParams
-from sojourn_physics.actuators.spindle import SpindleOutput, spindle_step, stall_torque
+from sojourn_physics.actuators.spindle import Spindle, SpindleOutput, spindle_step, stall_torque
 
 MOTOR = MotorParams(
     resistance=2.32, torque_constant=0.0234, rotor_inertia=1.08e-6, no_load_current=0.0369, max_current=1.2
@@ -15,7 +15,7 @@ DT = 0.02
 
 
 def turn(rate: float, wanted: float, load: float, voltage: float = 28.0, supply: float = 1.0) -> SpindleOutput:
-    return spindle_step(MOTOR, GEAR, 60.0, rate, wanted, load, voltage, supply, DT)
+    return spindle_step(Spindle(MOTOR, GEAR, 60.0), rate, wanted, load, voltage, supply, DT)
 
 
 def settled(wanted: float, load: float, voltage: float = 28.0) -> SpindleOutput:

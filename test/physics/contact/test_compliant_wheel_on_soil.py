@@ -15,7 +15,8 @@ from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.compliant_wheel_on_soil import CompliantOnSoilColumn, flattening, soft_rim_forces
 from sojourn_physics.contact.contact_law import ContactModel, WheelColumn
 from sojourn_physics.contact.passive_pressure import wheel_bulldozing
-from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, pressure_modulus, rim_forces
+from sojourn_physics.contact.rigid_rim import RimContact
+from sojourn_physics.contact.wheel_on_soil import QUADRATURE, pressure_modulus, rim_forces
 from sojourn_physics.soil.params import SoilColumn
 
 Maker = Callable[..., Any]
@@ -104,7 +105,7 @@ def test_forces_are_the_integrals_of_the_stresses(
 ) -> None:
     row, soil = wheel(pressure, slope, tread), law(ContactModel.COMPLIANT_WHEEL_ON_SOIL, soil_name).soil
     expected = integrated(row, soil, h, slip, side, rolling)
-    found = soft_rim_forces(row, soil, h, slip, side, rolling, NODES, WEIGHTS)
+    found = soft_rim_forces(row, soil, RimContact(h, slip, side, rolling), QUADRATURE)
     scale = math.hypot(*expected[:3])
     assert np.allclose(found[:4], expected, rtol=0.0, atol=5e-4 * scale)  # of the few points; 3e-4 is the most seen
 
@@ -114,8 +115,8 @@ def test_a_hard_carcass_rolls_as_a_rigid_wheel_without_soil_behind_it(law: Maker
     soil[[SoilColumn.THETA_M_C1, SoilColumn.THETA_M_C2]] = 0.0
     soil[SoilColumn.EXIT_LAMBDA] = 0.0
     for slip in (-0.5, 0.0, 0.3):
-        soft = soft_rim_forces(wheel(1e6), soil, 0.02, slip, 0.1, 1.0, NODES, WEIGHTS)
-        rigid = rim_forces(R, R, B, 0.02, slip, 0.1, 1.0, soil, NODES, WEIGHTS)
+        soft = soft_rim_forces(wheel(1e6), soil, RimContact(0.02, slip, 0.1, 1.0), QUADRATURE)
+        rigid = rim_forces(R, R, B, RimContact(0.02, slip, 0.1, 1.0), soil, QUADRATURE)
         assert soft[:3] == pytest.approx(rigid[:3], rel=1e-6)
         assert soft[3] * R == pytest.approx(rigid[3], rel=1e-6)
         assert soft[5] == 0.0
@@ -130,7 +131,8 @@ def test_it_flattens_from_where_the_ground_pressure_reaches_the_carcass_pressure
     assert above == pytest.approx((critical, 0.5 * critical, 8e3))
     # and the load is continuous there
     here = [
-        soft_rim_forces(row, soil, factor * critical, 0.1, 0.0, 1.0, NODES, WEIGHTS) for factor in (1 - 1e-9, 1 + 1e-9)
+        soft_rim_forces(row, soil, RimContact(factor * critical, 0.1, 0.0, 1.0), QUADRATURE)
+        for factor in (1 - 1e-9, 1 + 1e-9)
     ]
     assert here[0][2] == pytest.approx(here[1][2], rel=1e-3)
 

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.ground_plane import blend_soils
-from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, pressure_modulus, rim_forces
+from sojourn_physics.contact.rigid_rim import RimContact
+from sojourn_physics.contact.wheel_on_soil import QUADRATURE, pressure_modulus, rim_forces
 from sojourn_physics.soil.params import SoilColumn
 
 Maker = Callable[..., Any]
@@ -39,7 +40,7 @@ def test_the_contact_plane_is_exact_on_tilted_planes(
     force, moment = one.push(centre_over(one, attitude, depth), attitude, ZERO, ZERO)
     assert one.report[0, 3] == pytest.approx(depth, abs=1e-12)
     # at rest and never moved there is no shear: the force is the static one, along the normal
-    static = rim_forces(RADIUS, 0.131, 0.16, depth, 0.0, 0.0, 0.0, one.soils[0], NODES, WEIGHTS)[2]
+    static = rim_forces(RADIUS, 0.131, 0.16, RimContact(depth, 0.0, 0.0, 0.0), one.soils[0], QUADRATURE)[2]
     assert np.allclose(force, static * one.normal, atol=1e-9 * static)
     # and acts at the lowest point of the rim, which lies in the plane, `depth` below it
     lowest = one.report[0, :3]

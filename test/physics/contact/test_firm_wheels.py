@@ -17,7 +17,7 @@ from sojourn_physics.contact.contact_law import ContactModel
 from sojourn_physics.contact.firm_wheel import FirmColumn
 from sojourn_physics.contact.resistance_memory import advance_headway
 from sojourn_physics.contact.rows import kernel_rows
-from sojourn_physics.contact.series_compliance import sinkage_in_series
+from sojourn_physics.contact.series_compliance import Carcass, sinkage_in_series
 from sojourn_physics.soil.params import SoilColumn
 
 Maker = Callable[..., Any]
@@ -47,7 +47,7 @@ def test_two_springs_carry_the_same_load(
         d = penetration - z
         return amount * z**exponent - offset - linear * d - square * d * d - stop_stiffness * max(d - stop, 0.0)
 
-    found = sinkage_in_series(amount, exponent, penetration, offset, linear, square, stop, stop_stiffness)
+    found = sinkage_in_series(amount, exponent, penetration, Carcass(offset, linear, square, stop, stop_stiffness))
     if excess(penetration) <= 0.0:
         assert found == penetration
         return

@@ -12,7 +12,8 @@ from sojourn_analysis.wheels.wheel_bench import measure
 from sojourn_config.load import load_params
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.grousers import dug_depth, shear_strength
-from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, contact_angles, travel, wheel_forces
+from sojourn_physics.contact.rigid_rim import RigidRim, RimContact
+from sojourn_physics.contact.wheel_on_soil import QUADRATURE, contact_angles, travel, wheel_forces
 from sojourn_physics.contact.wheel_shape import WheelShape
 from sojourn_physics.soil.params import SoilColumn, SoilParams, kernel_row
 
@@ -55,9 +56,8 @@ slips, side_slips = st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)
 
 
 def forces(row: FloatArray, z: float, slip: float, lateral: float, height: float, count: float) -> tuple[float, ...]:
-    return wheel_forces(
-        RADIUS, RADIUS + height, WIDTH, count, 0.0, EARTH, z, slip, lateral, 1.0, row, NODES, WEIGHTS
-    )  # fmt: skip
+    rim = RigidRim(RADIUS, RADIUS + height, WIDTH, count, 0.0)
+    return wheel_forces(rim, EARTH, RimContact(z, slip, lateral, 1.0), row, QUADRATURE)
 
 
 def pull_at_load(row: FloatArray, load: float, slip: float, height: float, count: float) -> float:
@@ -114,7 +114,7 @@ def test_strength_by_hand() -> None:
     """6 mm, 18 on 58 mm, phi 29 deg: N_phi 2.882, pitch 20.2 mm: the faces alone would give tan 1.07, soil 0.554."""
     r, b = 0.058, 0.05
     row = kernel_row(soil(cohesion=900.0, interface_adhesion=100.0))
-    cohesion, tan_phi = shear_strength(r, r + 0.006, b, 18.0, 0.001, 0.0, row)
+    cohesion, tan_phi = shear_strength(RigidRim(r, r + 0.006, b, 18.0, 0.001), 0.0, row)
     tan_delta, soil_tan = math.tan(math.radians(23.2)), math.tan(math.radians(29.0))
     tips = 18 * 0.001 / (2.0 * math.pi * 0.064)
     assert tan_phi == pytest.approx(tips * tan_delta + (1.0 - tips) * soil_tan)
@@ -124,16 +124,16 @@ def test_strength_by_hand() -> None:
     sand = kernel_row(soil())
     per_pitch = 0.001 * 6 / (2.0 * math.pi * r)
     expected = (1.0 - math.sqrt(2.8821) * per_pitch) * tan_delta + 2.8821 * per_pitch
-    assert shear_strength(r, r + 0.001, b, 6.0, 0.0, 0.0, sand)[1] == pytest.approx(expected, rel=1e-4)
-    assert shear_strength(r, r, b, 0.0, 0.0, 0.0, sand) == (0.0, pytest.approx(tan_delta))
+    assert shear_strength(RigidRim(r, r + 0.001, b, 6.0, 0.0), 0.0, sand)[1] == pytest.approx(expected, rel=1e-4)
+    assert shear_strength(RigidRim(r, r, b, 0.0, 0.0), 0.0, sand) == (0.0, pytest.approx(tan_delta))
     # a locked wheel pushes the same wedge of soil with grousers as without
-    assert shear_strength(r, r + 0.006, b, 18.0, 0.001, 1.0, sand) == (0.0, pytest.approx(tan_delta))
+    assert shear_strength(RigidRim(r, r + 0.006, b, 18.0, 0.001), 1.0, sand) == (0.0, pytest.approx(tan_delta))
 
 
 @settings(max_examples=100, deadline=None)
 @given(soils(), heights, counts, st.floats(0.0, 1.0))
 def test_strength_lies_between_rim_and_soil(row: FloatArray, height: float, count: float, skid: float) -> None:
-    cohesion, tan_phi = shear_strength(RADIUS, RADIUS + height, WIDTH, count, 0.001, skid, row)
+    cohesion, tan_phi = shear_strength(RigidRim(RADIUS, RADIUS + height, WIDTH, count, 0.001), skid, row)
     sides = 1.0 + 2.0 * height / WIDTH
     assert row[SoilColumn.INTERFACE_ADHESION] <= cohesion <= row[SoilColumn.COHESION] * sides * (1.0 + 1e-12)
     assert row[SoilColumn.INTERFACE_TAN_PHI] <= tan_phi <= row[SoilColumn.TAN_PHI] * (1.0 + 1e-12)
@@ -146,22 +146,24 @@ def test_dug_depth_by_hand() -> None:
     root = math.tan(math.radians(45.0 + 0.5 * 31.9))
     layer = 0.5 * 0.010 * 0.010 * root / (2.0 * math.pi * 0.15735 / 30)
     assert layer == pytest.approx(2.73e-3, rel=2e-3)
-    at = {s: dug_depth(0.15735, 0.16735, 30.0, s, 0.07, tan_phi) for s in (0.0, 0.01, 0.6, 1.0)}
+    at = {s: dug_depth(RigidRim(0.15735, 0.16735, WIDTH, 30.0, 0.0), s, 0.07, tan_phi) for s in (0.0, 0.01, 0.6, 1.0)}
     assert at[0.0] == 0.0 and at[0.01] == pytest.approx(layer * 0.01 / 0.99, rel=2e-3)
     assert 1.0 / at[0.6] == pytest.approx(0.4 / (0.6 * layer) + 1.0 / (0.07 * tan_phi), rel=1e-3)
     assert 1.0 / at[1.0] == pytest.approx(0.01 / layer + 1.0 / (0.07 * tan_phi))
-    assert dug_depth(0.1, 0.11, 20.0, 0.5, 0.05, 0.0) == 0.0  # soil without friction closes every pit
+    assert (
+        dug_depth(RigidRim(0.1, 0.11, WIDTH, 20.0, 0.0), 0.5, 0.05, 0.0) == 0.0
+    )  # soil without friction closes every pit
 
 
 @settings(max_examples=100, deadline=None)
 @given(heights, counts, st.floats(0.0, 0.99), st.floats(0.1, 1.0))
 def test_few_grousers_dig_little_and_close_ones_too(height: float, count: float, slip: float, tan_phi: float) -> None:
-    dug = dug_depth(RADIUS, RADIUS + height, count, slip, 0.06, tan_phi)
-    more = dug_depth(RADIUS, RADIUS + height, count, slip + 0.01, 0.06, tan_phi)
+    dug = dug_depth(RigidRim(RADIUS, RADIUS + height, WIDTH, count, 0.0), slip, 0.06, tan_phi)
+    more = dug_depth(RigidRim(RADIUS, RADIUS + height, WIDTH, count, 0.0), slip + 0.01, 0.06, tan_phi)
     assert 0.0 <= dug <= 0.06 * tan_phi and dug <= more
     assert dug <= 0.5 * height * slip / (1.0 - slip) + 1e-15
-    close = dug_depth(RADIUS, RADIUS + height, 1e9, slip, 0.06, tan_phi)
-    few = dug_depth(RADIUS, RADIUS + height, 1e-6, slip, 0.06, tan_phi)
+    close = dug_depth(RigidRim(RADIUS, RADIUS + height, WIDTH, 1e9, 0.0), slip, 0.06, tan_phi)
+    few = dug_depth(RigidRim(RADIUS, RADIUS + height, WIDTH, 1e-6, 0.0), slip, 0.06, tan_phi)
     assert close <= 1e-6 and few <= 1e-6
 
 

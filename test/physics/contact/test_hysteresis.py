@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import STATE_COLUMNS, ContactModel, StateColumn
 from sojourn_physics.contact.hysteresis import EXPONENT, ON_BACKBONE, STIFFNESS, YIELD, effective_shear
+from sojourn_physics.contact.rigid_rim import RigidRim, RimContact
 from sojourn_physics.contact.rigid_wheel_on_soil import contact_length
-from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, wheel_forces
+from sojourn_physics.contact.wheel_on_soil import QUADRATURE, wheel_forces
 
 Maker = Callable[..., Any]
 SOIL_LAWS = [
@@ -161,10 +162,9 @@ def test_steady_rolling_is_that_of_wong_and_reece(law: Maker, slip: float, side:
     length = contact_length(wheel[0], 0.01, one.soil, 1.0)
     transport = max(rim, math.hypot(v, side * max(v, rim)))
     assert one.state[StateColumn.SHEAR_ALONG] == pytest.approx(length * (rim - v) / transport, rel=1e-6)
-    wanted = wheel_forces(
-        wheel[0], wheel[1], wheel[2], wheel[4], 0.0, wheel[5], 0.01, (rim - v) / transport,
-        side * max(v, rim) / transport, 1.0, one.soil, NODES, WEIGHTS,
-    )  # fmt: skip
+    shape = RigidRim(wheel[0], wheel[1], wheel[2], wheel[4], 0.0)
+    contact = RimContact(0.01, (rim - v) / transport, side * max(v, rim) / transport, 1.0)
+    wanted = wheel_forces(shape, wheel[5], contact, one.soil, QUADRATURE)
     lead = 1e-3 * abs(wanted[0]) + 1e-3 * wanted[2]  # what is left of it at this speed
     assert found["force_x"] == pytest.approx(wanted[0], abs=lead)
     assert found["torque"] == pytest.approx(wanted[3], abs=lead)

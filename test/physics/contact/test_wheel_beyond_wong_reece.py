@@ -13,9 +13,9 @@ from sojourn_config.load import load_params
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.pushed_soil import front_push, side_push
+from sojourn_physics.contact.rigid_rim import Quadrature, RigidRim, RimContact, Travel
 from sojourn_physics.contact.wheel_on_soil import (
-    NODES,
-    WEIGHTS,
+    QUADRATURE,
     travel,
     turning_angle,
     wheel_forces,
@@ -28,8 +28,9 @@ RADIUS, WIDTH = 0.058, 0.05
 SMOOTH = (RADIUS, RADIUS, WIDTH, 0.0, 0.0)
 LUGGED = (RADIUS, RADIUS + 0.006, WIDTH, 18.0, 0.001)
 EARTH = 9.81
+BARE = RigidRim(RADIUS, RADIUS, WIDTH)
 _POINTS, _FINE = np.polynomial.legendre.leggauss(500)
-FINE_NODES, FINE_WEIGHTS = 0.5 * (_POINTS + 1.0), 0.5 * _FINE
+FINE = Quadrature(0.5 * (_POINTS + 1.0), 0.5 * _FINE)
 
 
 def soil(name: str = "cmu_sand", **changes: object) -> SoilParams:
@@ -54,7 +55,7 @@ unit = st.floats(-1.0, 1.0)
 def forces(
     shape: tuple[float, ...], row: FloatArray, z: float, slip: float, lateral: float, rolling: float = 1.0
 ) -> FloatArray:
-    return np.array(wheel_forces(*shape, EARTH, z, slip, lateral, rolling, row, NODES, WEIGHTS))
+    return np.array(wheel_forces(RigidRim(*shape), EARTH, RimContact(z, slip, lateral, rolling), row, QUADRATURE))
 
 
 @settings(max_examples=300, deadline=None)
@@ -108,8 +109,8 @@ def test_left_is_the_mirror_of_right(
 def test_quadrature_is_within_a_tenth_of_a_percent(
     shape: tuple[float, ...], row: FloatArray, z: float, slip: float, lateral: float
 ) -> None:
-    given_so = (*shape, EARTH, z, slip, lateral, 1.0, row)
-    fine = np.array(wheel_forces(*given_so, FINE_NODES, FINE_WEIGHTS)[:3])
+    given_so = (RigidRim(*shape), EARTH, RimContact(z, slip, lateral, 1.0), row)
+    fine = np.array(wheel_forces(*given_so, FINE)[:3])
     # Deep in skid, on sand that shears within 4 mm, the stress turns more sharply than six points follow; so does the
     # peak of an invented soil with a hump on such sand, in full sideslip (0.15 %).
     error = 3e-3 if slip < 0.0 else 1e-3 if row[SoilColumn.HUMP] == 0.0 else 2e-3
@@ -181,10 +182,10 @@ def test_front_push_is_the_bulldozing_resistance(name: str) -> None:
 def test_published_bulldozing_resistance_comes_out_of_the_wheel() -> None:
     """Lunar roving vehicle: 89.19 N at 17.04 mm, phi 33 deg, c 170 Pa, gamma 2470 N/m3."""
     params = soil("lunar_nominal", friction_angle_deg=33.0, front_bulldozing=True, density=2470.0 / 1.624)
-    shape = (0.4065, 0.4065, 0.229, 0.0, 0.0)
-    found = wheel_forces(*shape, 1.624, 0.01704, 0.1, 0.0, 1.0, kernel_row(params), NODES, WEIGHTS)
+    rim, contact = RigidRim(0.4065, 0.4065, 0.229), RimContact(0.01704, 0.1)
+    found = wheel_forces(rim, 1.624, contact, kernel_row(params), QUADRATURE)
     plain = kernel_row(params.model_copy(update={"front_bulldozing": False}))
-    without = wheel_forces(*shape, 1.624, 0.01704, 0.1, 0.0, 1.0, plain, NODES, WEIGHTS)
+    without = wheel_forces(rim, 1.624, contact, plain, QUADRATURE)
     assert found[8] == pytest.approx(89.19, rel=2e-3) and without[8] == 0.0
     assert without[0] - found[0] == pytest.approx(found[8])
 
@@ -203,10 +204,10 @@ def test_side_push_is_the_integral_over_the_sunk_segment(z: float) -> None:
 
     full = 2.0 * quad(wall, 0.0, half, epsrel=1e-9)[0]
     # locked, straight to the right: far more than the displacement that mobilises it
-    found = side_push(RADIUS, WIDTH, EARTH, z, 0.1, 0.0, 0.0, 1.0, 1.0, 0.5, 0.04, kernel_row(params))
+    found = side_push(BARE, EARTH, RimContact(z, 0.0, 1.0), Travel(0.0, 0.0, 0.0, 1.0), 0.1, kernel_row(params))
     assert found[0] == 0.0 and found[2] == 0.0  # nothing slides along the face
     assert found[1] == pytest.approx(full, rel=1e-6)
-    turning = side_push(RADIUS, WIDTH, EARTH, z, 0.1, 1.0, 0.0, 1.0, 1.0, 0.5, 0.04, kernel_row(params))
+    turning = side_push(BARE, EARTH, RimContact(z, 0.0, 1.0), Travel(1.0, 0.0, 0.0, 1.0), 0.1, kernel_row(params))
     assert 0.0 < turning[0] < full * math.tan(math.radians(23.2))  # the face drags the wheel ahead
     assert turning[2] == pytest.approx(turning[0] * (RADIUS - 0.5 * min(z, RADIUS)))
 
@@ -230,5 +231,5 @@ def test_push_is_finite_where_the_face_hardly_slides(lateral: float) -> None:
     """The middle of the face stands still in the soil, and the sideslip is too small to be squared."""
     sinkage = 0.02
     ahead = 1.0 * (RADIUS - 0.5 * sinkage) / RADIUS
-    found = side_push(RADIUS, WIDTH, EARTH, sinkage, 0.05, 1.0, ahead, lateral, 1.0, 0.5, 0.04, SAND)
+    found = side_push(BARE, EARTH, RimContact(sinkage, 0.0, lateral), Travel(1.0, ahead, 0.0, 0.0), 0.05, SAND)
     assert all(math.isfinite(x) and abs(x) < 1e-100 for x in found)

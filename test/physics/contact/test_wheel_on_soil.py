@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from sojourn_machine.params import FloatArray
+from sojourn_physics.contact.rigid_rim import Quadrature, RimContact
 from sojourn_physics.contact.wheel_on_soil import (
     MAX_ENTRY_ANGLE,
-    NODES,
-    WEIGHTS,
+    QUADRATURE,
     contact_angles,
     pressure_modulus,
     rim_forces,
@@ -83,7 +83,8 @@ rollings = st.sampled_from([0.0, 0.3, 1.0])
 def rim(
     soil: FloatArray, sinkage: float, slip: float, side_slip: float = 0.0, rolling: float = 1.0
 ) -> tuple[float, ...]:
-    return rim_forces(RADIUS, SHEAR_RADIUS, WIDTH, sinkage, slip, side_slip, rolling, soil, NODES, WEIGHTS)
+    contact = RimContact(sinkage, slip, side_slip, rolling)
+    return rim_forces(RADIUS, SHEAR_RADIUS, WIDTH, contact, soil, QUADRATURE)
 
 
 def integrated(soil: FloatArray, sinkage: float, slip: float, side_slip: float, rolling: float) -> tuple[float, ...]:
@@ -206,9 +207,9 @@ def test_quadrature_error_of_the_few_points(
     soil: FloatArray, sinkage: float, slip: float, side_slip: float, rolling: float
 ) -> None:
     points, weights = np.polynomial.legendre.leggauss(1000)
-    arguments = (RADIUS, SHEAR_RADIUS, WIDTH, sinkage, slip, side_slip, rolling, soil)
-    fine = rim_forces(*arguments, 0.5 * (points + 1.0), 0.5 * weights)
-    coarse = rim_forces(*arguments, NODES, WEIGHTS)
+    arguments = (RADIUS, SHEAR_RADIUS, WIDTH, RimContact(sinkage, slip, side_slip, rolling), soil)
+    fine = rim_forces(*arguments, Quadrature(0.5 * (points + 1.0), 0.5 * weights))
+    coarse = rim_forces(*arguments, QUADRATURE)
     scale = math.hypot(*fine[:3]) + 1e-3
     # With c3, θm comes up to 0.95 θ1 and one side of it gets nearly the whole contact.
     error = 2e-4 if soil[SoilColumn.THETA_M_C3] == 0.0 else 1e-3
@@ -218,9 +219,9 @@ def test_quadrature_error_of_the_few_points(
 def test_quadrature_error_on_lunar_soil() -> None:
     points, weights = np.polynomial.legendre.leggauss(1000)
     for slip in (-0.5, 0.0, 0.2, 0.8):
-        arguments = (RADIUS, SHEAR_RADIUS, WIDTH, 0.015, slip, 0.1, 1.0, make_soil())
-        fine = rim_forces(*arguments, 0.5 * (points + 1.0), 0.5 * weights)
-        coarse = rim_forces(*arguments, NODES, WEIGHTS)
+        arguments = (RADIUS, SHEAR_RADIUS, WIDTH, RimContact(0.015, slip, 0.1, 1.0), make_soil())
+        fine = rim_forces(*arguments, Quadrature(0.5 * (points + 1.0), 0.5 * weights))
+        coarse = rim_forces(*arguments, QUADRATURE)
         assert np.allclose(coarse[:3], fine[:3], rtol=0.0, atol=2e-5 * math.hypot(*fine[:3]))
 
 

@@ -25,7 +25,7 @@ from sojourn_machine.drives import JointDriveParams
 from sojourn_machine.params import FloatArray
 from sojourn_machine.supports import WheelParams
 from sojourn_physics.actuators.joint_drive import MAX_TORQUE
-from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.state import PlantCommand, PlantState, zeros_command
 from sojourn_physics.plant.step import initial_state, step
 from sojourn_studies.wheeled_platform import wheeled_platform
@@ -86,10 +86,10 @@ class Bench:
         steered: tuple[int, ...] = (),
     ) -> None:
         self.platform = wheeled_platform([FRONT, -REAR], pattern, drives, STEERING, steered, track=TRACK)
+        site = Site(scenario.height_field(), list(scenario.soils.values()), EARTH)
         self.model = PlantModel(
-            self.platform.urdf_xml, self.platform.machine, EARTH, scenario.height_field(),
-            list(scenario.soils.values()), scenario.battery, scenario.bus, scenario.simulation,
-        )  # fmt: skip
+            self.platform.urdf_xml, self.platform.machine, site, scenario.battery, scenario.bus, scenario.simulation
+        )
         self.start = initial_state(self.model, 0.0, 0.0, 0.0, 0.8)
         self.command = zeros_command(len(self.model.joints.names), len(self.model.bus.loads))
         self.wheel_joints = self.model.reference_rows([each.joint for each in self.platform.machine.wheels])

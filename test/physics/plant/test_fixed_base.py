@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_machine.params import FloatArray
-from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.params import SimulationParams
 from sojourn_physics.plant.state import PlantState, zeros_command
 from sojourn_physics.plant.step import initial_state, step
@@ -36,9 +36,9 @@ def falling_arm(physics_step: float) -> tuple[PlantModel, PlantState]:
     """The arm without motors and friction, let go from its pose."""
     scenario = puma()
     free = {"drives": (), "passive_joint": scenario.machine.passive_joint}
+    site = Site(scenario.height_field(), list(scenario.soils.values()), scenario.gravity)
     model = PlantModel(
-        scenario.urdf_xml, scenario.machine.model_copy(update=free), scenario.gravity, scenario.height_field(),
-        list(scenario.soils.values()), scenario.battery, scenario.bus,
+        scenario.urdf_xml, scenario.machine.model_copy(update=free), site, scenario.battery, scenario.bus,
         SimulationParams(physics_step=physics_step, settle_time=0.0),
     )  # fmt: skip
     return model, initial_state(model, 0.0, 0.0, 0.3, 0.8, scenario.arm_pose("unfold"))

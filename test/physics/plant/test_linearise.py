@@ -23,10 +23,10 @@ from sojourn_machine.params import FloatArray
 from sojourn_machine.supports import WheelParams
 from sojourn_physics.contact.contact_law import StateColumn
 from sojourn_physics.contact.hysteresis import ON_BACKBONE
-from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.state import PlantCommand, PlantState, zeros_command
 from sojourn_physics.plant.step import initial_state, step
-from sojourn_studies.wheeled_platform import STRUT_MASS, WHEEL_MASS, wheeled_platform
+from sojourn_studies.wheeled_platform import STRUT_MASS, WHEEL_MASS, Chassis, wheeled_platform
 
 EARTH = 9.81
 PLACES = (0.8, -0.8)
@@ -54,10 +54,8 @@ def wheel(**contact: Any) -> WheelParams:
 
 
 def plant_of(scenario: LoadedScenario, platform: Any) -> tuple[PlantModel, PlantState, PlantCommand]:
-    model = PlantModel(
-        platform.urdf_xml, platform.machine, EARTH, scenario.height_field(), list(scenario.soils.values()),
-        scenario.battery, scenario.bus, scenario.simulation,
-    )  # fmt: skip
+    site = Site(scenario.height_field(), list(scenario.soils.values()), EARTH)
+    model = PlantModel(platform.urdf_xml, platform.machine, site, scenario.battery, scenario.bus, scenario.simulation)
     state = initial_state(model, 0.0, 0.0, 0.0, 0.8)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
     return model, state, command
@@ -77,8 +75,8 @@ def sprung(rock: LoadedScenario) -> tuple[PlantModel, PlantState, PlantCommand]:
     )  # fmt: skip
     platform = wheeled_platform(
         PLACES, pattern, [drive("drive", "rate", proportional=10.0)],
-        struts=SuspensionParams(joints=("pattern",), stiffness=SPRING, damping=DAMPING), chassis_mass=CHASSIS,
-        chassis_inertia=(40.0, CHASSIS * PLACES[0] ** 2, 150.0), centre=(0.0, 0.1), track=TRACK,
+        struts=SuspensionParams(joints=("pattern",), stiffness=SPRING, damping=DAMPING), track=TRACK,
+        chassis=Chassis(CHASSIS, (40.0, CHASSIS * PLACES[0] ** 2, 150.0), (0.0, 0.1)),
     )  # fmt: skip
     model, state, command = plant_of(rock, platform)
     command.load_fractions[[load.name for load in model.bus.loads].index("drive")] = 0.0

@@ -10,7 +10,8 @@ import pytest
 
 from sojourn_config.scenario import load_scenario
 from sojourn_machine.errors import InvalidValueError
-from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, rim_forces
+from sojourn_physics.contact.rigid_rim import RimContact
+from sojourn_physics.contact.wheel_on_soil import QUADRATURE, rim_forces
 from sojourn_physics.plant.state import EnergyAccount
 from sojourn_physics.plant.step import step
 from sojourn_plant.start import build_plant
@@ -41,7 +42,7 @@ def test_wheel_loads_balance_about_the_centre_of_mass(flat: Any) -> None:
 def test_each_wheel_sinks_as_its_load_says(flat: Any) -> None:
     contacts = last_output(flat, flat.start).contacts
     for row in contacts[flat.wheels]:
-        static = rim_forces(0.125, 0.131, 0.16, row[3], 0.0, 0.0, 0.0, flat.model.soils[0], NODES, WEIGHTS)[2]
+        static = rim_forces(0.125, 0.131, 0.16, RimContact(row[3], 0.0, 0.0, 0.0), flat.model.soils[0], QUADRATURE)[2]
         assert row[8] == pytest.approx(static, rel=0.02)
 
 

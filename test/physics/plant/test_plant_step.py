@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from sojourn_config.scenario import load_scenario
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.machine import MachineParams
-from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.params import SimulationParams
 from sojourn_physics.plant.step import initial_state, step
 from sojourn_physics.terrain.height_field import OutsideTerrainError
@@ -100,15 +100,8 @@ def build(scenario: Any, changes: dict[str, Any]) -> PlantModel:
         name: changes.get(name, getattr(scenario.machine, name)) for name in MachineParams.model_fields
     })  # fmt: skip
     soils = [soil for soil in scenario.soils.values() if soil.name not in changes.get("without", ())]
-    return PlantModel(
-        scenario.urdf_xml,
-        machine,
-        scenario.gravity,
-        scenario.height_field(),
-        soils,
-        scenario.battery,
-        scenario.bus,
-    )
+    site = Site(scenario.height_field(), soils, scenario.gravity)
+    return PlantModel(scenario.urdf_xml, machine, site, scenario.battery, scenario.bus)
 
 
 def test_names_that_do_not_fit_are_refused(flat: Any) -> None:

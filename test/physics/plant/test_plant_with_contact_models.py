@@ -10,7 +10,7 @@ from sojourn_config.scenario import load_scenario
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.machine import MachineParams
 from sojourn_machine.supports import WheelParams
-from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import initial_state, step
 from sojourn_physics.soil.params import SoilParams
@@ -57,10 +57,8 @@ def with_contacts(scenario: str, contacts: list[Contact], *overrides: str) -> tu
     )
     fields = {name: getattr(loaded.machine, name) for name in MachineParams.model_fields}
     machine = MachineParams.model_validate({**fields, "wheels": wheels})
-    model = PlantModel(
-        loaded.urdf_xml, machine, loaded.gravity, loaded.height_field(), list(loaded.soils.values()), loaded.battery,
-        loaded.bus, loaded.simulation,
-    )  # fmt: skip
+    site = Site(loaded.height_field(), list(loaded.soils.values()), loaded.gravity)
+    model = PlantModel(loaded.urdf_xml, machine, site, loaded.battery, loaded.bus, loaded.simulation)
     start = loaded.config.start
     state = initial_state(model, start.x, start.y, start.yaw, 0.8)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
@@ -165,9 +163,8 @@ def test_ground_that_lacks_what_a_wheel_needs_is_refused() -> None:
         )
         machine = MachineParams.model_validate({**fields, "wheels": wheels})
         soils = [bare.model_copy(update={"name": name}) for name in ground.soil_names]
-        return PlantModel(
-            loaded.urdf_xml, machine, loaded.gravity, ground, soils, loaded.battery, loaded.bus, loaded.simulation
-        )
+        site = Site(ground, soils, loaded.gravity)
+        return PlantModel(loaded.urdf_xml, machine, site, loaded.battery, loaded.bus, loaded.simulation)
 
     assert build([BRUSH, DRY, MESH, MECANUM_LEFT, MAGIC, SERIES]).contacts.wheel_count == 6
     with pytest.raises(InvalidValueError, match=r"rear_left.*cohesion, shear_modulus, shear_modulus_lateral") as caught:

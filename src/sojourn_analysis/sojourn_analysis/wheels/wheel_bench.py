@@ -21,7 +21,8 @@ from sojourn_analysis.wheels.test_bed import GRAVITY
 from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
-from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, contact_angles, travel, wheel_forces
+from sojourn_physics.contact.rigid_rim import RigidRim, RimContact
+from sojourn_physics.contact.wheel_on_soil import QUADRATURE, contact_angles, travel, wheel_forces
 from sojourn_physics.contact.wheel_shape import WheelShape
 from sojourn_physics.soil.params import SoilParams, kernel_row
 
@@ -80,9 +81,9 @@ def slips(slip: float, slip_angle: float) -> tuple[float, float]:
 def _bears(
     shape: FloatArray, case: FloatArray, sinkage: float, slip: float, lateral: float, soil: FloatArray
 ) -> tuple[float, float, float, float, float, float, float, float, float]:
-    return wheel_forces(  # type: ignore[no-any-return]
-        shape[0], shape[1], shape[2], shape[3], shape[4], case[3], sinkage, slip, lateral, 1.0, soil, NODES, WEIGHTS
-    )
+    rim = RigidRim(shape[0], shape[1], shape[2], shape[3], shape[4])
+    contact = RimContact(sinkage, slip, lateral, 1.0)
+    return wheel_forces(rim, case[3], contact, soil, QUADRATURE)  # type: ignore[no-any-return]
 
 
 @njit(cache=True)

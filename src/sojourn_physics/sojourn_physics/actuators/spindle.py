@@ -17,6 +17,15 @@ from typing import NamedTuple
 from sojourn_machine.drives import GearParams, MotorParams
 
 
+class Spindle(NamedTuple):
+    """What turns."""
+
+    motor: MotorParams
+    gear: GearParams
+    acceleration: float
+    """Of the amplifier [rad/s2]."""
+
+
 class SpindleOutput(NamedTuple):
     """One period of a spindle; powers are means of it [W]."""
 
@@ -34,22 +43,15 @@ class SpindleOutput(NamedTuple):
 
 
 def spindle_step(
-    motor: MotorParams,
-    gear: GearParams,
-    acceleration: float,
-    rate: float,
-    wanted: float,
-    load: float,
-    voltage: float,
-    supply: float,
-    dt: float,
+    spindle: Spindle, rate: float, wanted: float, load: float, voltage: float, supply: float, dt: float
 ) -> SpindleOutput:
     """One period of `dt` [s].
 
     Args:
-        acceleration: of the amplifier [rad/s2]. rate, wanted: now and as commanded, 0 or above [rad/s].
+        rate, wanted: now and as commanded, 0 or above [rad/s].
         load: torque at the output while it turns [N m]. voltage: of the bus [V]. supply: part of its current, 0 to 1.
     """
+    motor, gear, acceleration = spindle
     strength = gear.efficiency * gear.ratio * motor.torque_constant
     most = supply * motor.max_current
     back = motor.torque_constant * gear.ratio

@@ -19,6 +19,7 @@ convex potential of u: no motion takes energy out of it.
 """
 
 import math
+from typing import NamedTuple
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
@@ -30,6 +31,34 @@ BRISTLE_LEAD = 0.02
 stiffer and damp less (estimate)."""
 
 
+class Sliding(NamedTuple):
+    """Motion of a wheel's lowest point over the ground."""
+
+    along: float
+    """w_x [m/s]."""
+    side: float
+    """w_y [m/s]."""
+    yaw_rate: float
+    """ω [rad/s]."""
+    rim_speed: float
+    """At which the contact is renewed, V without its sign [m/s]."""
+
+
+class Bristles(NamedTuple):
+    """What a contact's bristles bear."""
+
+    stiffness_x: float
+    """k_x [N/m]."""
+    stiffness_y: float
+    arm: float
+    """r, of the twist [m]."""
+    limit: float
+    """μ N [N]."""
+    relaxation_x: float
+    """λ_x, more than 0 [m]."""
+    relaxation_y: float
+
+
 @kernel
 def bristle_lead(speed: float) -> float:
     """Lead [s] at a speed of the rim [m/s]."""
@@ -39,38 +68,22 @@ def bristle_lead(speed: float) -> float:
 
 @kernel
 def bristle_forces(
-    slip_x: float,
-    slip_y: float,
-    yaw_rate: float,
-    rim_speed: float,
-    stiffness_x: float,
-    stiffness_y: float,
-    arm: float,
-    limit: float,
-    relaxation_x: float,
-    relaxation_y: float,
-    dt: float,
-    state: FloatArray,
+    sliding: Sliding, bristles: Bristles, dt: float, state: FloatArray
 ) -> tuple[float, float, float, float]:
-    """Advance the bristles and give their force.
-
-    Args:
-        slip_x, slip_y: velocity of the rim over the ground [m/s]. yaw_rate: [rad/s].
-        rim_speed: at which the contact is renewed [m/s].
-        stiffness_x, stiffness_y: of the bristles [N/m]. arm: of the twist [m]. limit: μ N [N].
-        relaxation_x, relaxation_y: λ, more than 0 [m].
+    """Advance the bristles by dt [s] and give their force.
 
     Returns:
         F_x, F_y [N], M_z [N m], and x, the part of full sliding (0..1).
     """
+    arm, limit = bristles.arm, bristles.limit
     if limit <= 0.0:
         state[StateColumn.SHEAR_ALONG] = state[StateColumn.SHEAR_SIDE] = state[StateColumn.TWIST] = 0.0
         return 0.0, 0.0, 0.0, 0.0
-    speed = abs(rim_speed)
-    u_x = (state[StateColumn.SHEAR_ALONG] + dt * slip_x) / (1.0 + dt * speed / relaxation_x)
-    u_y = (state[StateColumn.SHEAR_SIDE] + dt * slip_y) / (1.0 + dt * speed / relaxation_y)
-    twist = (state[StateColumn.TWIST] - dt * yaw_rate) / (1.0 + dt * speed / relaxation_y)
-    scale_x, scale_y = stiffness_x / (3.0 * limit), stiffness_y / (3.0 * limit)
+    speed = abs(sliding.rim_speed)
+    u_x = (state[StateColumn.SHEAR_ALONG] + dt * sliding.along) / (1.0 + dt * speed / bristles.relaxation_x)
+    u_y = (state[StateColumn.SHEAR_SIDE] + dt * sliding.side) / (1.0 + dt * speed / bristles.relaxation_y)
+    twist = (state[StateColumn.TWIST] - dt * sliding.yaw_rate) / (1.0 + dt * speed / bristles.relaxation_y)
+    scale_x, scale_y = bristles.stiffness_x / (3.0 * limit), bristles.stiffness_y / (3.0 * limit)
     bent = math.sqrt((scale_x * u_x) ** 2 + scale_y * scale_y * (u_y * u_y + (arm * twist) ** 2))
     if bent > 1.0:
         u_x, u_y, twist = u_x / bent, u_y / bent, twist / bent

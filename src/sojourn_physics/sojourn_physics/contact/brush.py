@@ -22,11 +22,12 @@ from pydantic import Field
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.contact.bristle_friction import bristle_forces
+from sojourn_physics.contact.bristle_friction import Bristles, Sliding, bristle_forces
 from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, StateColumn, WheelColumn
 from sojourn_physics.contact.firm_wheel import (
     CompliantWheelParams,
     FirmColumn,
+    Shear,
     finish_firm,
     firm_load,
     firm_slip,
@@ -70,7 +71,7 @@ def brush(
 ) -> None:
     """The law; arguments as in `contact_law`."""
     load = firm_load(wheel, soil, motion, out)
-    slip_x, slip_y, rim_speed, rolling, loaded = firm_slip(wheel, motion, out)
+    slip = firm_slip(wheel, motion, out)
     half = half_length(wheel[WheelColumn.RADIUS], motion[MotionColumn.PENETRATION])
     limit = friction_of(wheel, soil) * load
     relaxation = wheel[BrushColumn.RELAXATION_LENGTH] if wheel[BrushColumn.RELAXATION_LENGTH] > 0.0 else half
@@ -79,17 +80,17 @@ def brush(
         wheel[BrushColumn.CORNERING_STIFFNESS] / relaxation,
     )
     # the sense of travel turns over as the contact is renewed
-    moved = dt * rim_speed / (2.0 * half)
+    moved = dt * slip.rim_speed / (2.0 * half)
     state[StateColumn.TRAVEL] = (state[StateColumn.TRAVEL] + moved) / (1.0 + abs(moved))
     trail = 0.0
     if limit > 0.0:
         bent = (stiffness_x * state[StateColumn.SHEAR_ALONG]) ** 2 + (stiffness_y * state[StateColumn.SHEAR_SIDE]) ** 2
         trail = state[StateColumn.TRAVEL] * pneumatic_trail(min(bent**0.5 / (3.0 * limit), 1.0), half)
-    force_x, force_y, moment_z, _ = bristle_forces(
-        slip_x, slip_y + trail * motion[MotionColumn.YAW_RATE], motion[MotionColumn.YAW_RATE], rim_speed,
-        stiffness_x, stiffness_y, ARM_PER_WIDTH * wheel[WheelColumn.WIDTH], limit, relaxation, relaxation, dt, state,
-    )  # fmt: skip
-    finish_firm(
-        wheel, motion, force_x, force_y, moment_z - trail * force_y, rim_speed, rolling, loaded, 2.0 * half, dt,
-        state, out,
-    )  # fmt: skip
+    yaw_rate = motion[MotionColumn.YAW_RATE]
+    sliding = Sliding(slip.along, slip.side + trail * yaw_rate, yaw_rate, slip.rim_speed)
+    bristles = Bristles(
+        stiffness_x, stiffness_y, ARM_PER_WIDTH * wheel[WheelColumn.WIDTH], limit, relaxation, relaxation
+    )
+    force_x, force_y, moment_z, _ = bristle_forces(sliding, bristles, dt, state)
+    shear = Shear(force_x, force_y, moment_z - trail * force_y)
+    finish_firm(wheel, motion, slip, shear, 2.0 * half, dt, state, out)

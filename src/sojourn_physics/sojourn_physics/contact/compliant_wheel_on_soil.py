@@ -48,9 +48,10 @@ from sojourn_physics.contact.contact_law import (
 from sojourn_physics.contact.law_params import ContactLawParams
 from sojourn_physics.contact.passive_pressure import obstacle_resistance, wheel_bulldozing
 from sojourn_physics.contact.resistance_memory import advance_headway
-from sojourn_physics.contact.series_compliance import sinkage_in_series
+from sojourn_physics.contact.rigid_rim import Quadrature, RimContact
+from sojourn_physics.contact.series_compliance import Carcass, sinkage_in_series
 from sojourn_physics.contact.shear_memory import MAX_DAMPING_GAIN, advance_rolling, clip
-from sojourn_physics.contact.wheel_on_soil import MAX_ENTRY_ANGLE, NODES, WEIGHTS, pressure_modulus
+from sojourn_physics.contact.wheel_on_soil import MAX_ENTRY_ANGLE, QUADRATURE, pressure_modulus
 from sojourn_physics.soil.params import SoilColumn
 
 MIN_CONTACT_LENGTH = 0.04
@@ -100,16 +101,14 @@ class CompliantWheelOnSoilParams(ContactLawParams):
 def flattening(wheel: FloatArray, soil: FloatArray, penetration: float) -> tuple[float, float, float]:
     """Sinkage [m], deflection [m] and greatest pressure [Pa] at a penetration [m]."""
     modulus = pressure_modulus(soil, wheel[WheelColumn.WIDTH])
-    sinkage = sinkage_in_series(
-        modulus,
-        soil[SoilColumn.N],
-        penetration,
+    carcass = Carcass(
         wheel[CompliantOnSoilColumn.CARCASS_PRESSURE],
         wheel[CompliantOnSoilColumn.CARCASS_PRESSURE_SLOPE],
         0.0,
         wheel[CompliantOnSoilColumn.BUMP_STOP],
         wheel[CompliantOnSoilColumn.BUMP_STOP_SLOPE],
     )
+    sinkage = sinkage_in_series(modulus, soil[SoilColumn.N], penetration, carcass)
     return sinkage, penetration - sinkage, modulus * sinkage ** soil[SoilColumn.N]
 
 
@@ -127,24 +126,15 @@ def _shear(
 
 @kernel
 def soft_rim_forces(
-    wheel: FloatArray,
-    soil: FloatArray,
-    penetration: float,
-    slip: float,
-    side_slip: float,
-    rolling: float,
-    nodes: FloatArray,
-    weights: FloatArray,
+    wheel: FloatArray, soil: FloatArray, contact: RimContact, quadrature: Quadrature
 ) -> tuple[float, float, float, float, float, float]:
     """Forces of the ground on one wheel that travels towards +x.
-
-    Args:
-        penetration: of the undeformed rim [m]. slip, side_slip: -1..1. rolling: |D| in 0..1.
-        nodes, weights: quadrature on (0, 1), each (m,).
 
     Returns:
         F_x, F_y, F_z [N], sum of the shear along the rim [N], sinkage and deflection [m].
     """
+    penetration, slip, side_slip, rolling = contact.depth, contact.slip, contact.lateral_slip, contact.rolling
+    nodes, weights = quadrature.nodes, quadrature.weights
     radius, width, n = float(wheel[WheelColumn.RADIUS]), float(wheel[WheelColumn.WIDTH]), soil[SoilColumn.N]
     deepest = radius * (1.0 - math.cos(MAX_ENTRY_ANGLE))
     reach = min(penetration, deepest)
@@ -218,9 +208,8 @@ def compliant_wheel_on_soil(
     sense = 1.0 if state[StateColumn.TRAVEL] >= 0.0 else -1.0
     slip = clip(sense * shear_x / length, -1.0, 1.0)
     side_slip = clip(shear_y / length, -1.0, 1.0)
-    force_x, force_y, force_z, along, sinkage, deflection = soft_rim_forces(
-        wheel, soil, penetration, slip, side_slip, abs(state[StateColumn.TRAVEL]), NODES, WEIGHTS
-    )
+    contact = RimContact(penetration, slip, side_slip, abs(state[StateColumn.TRAVEL]))
+    force_x, force_y, force_z, along, sinkage, deflection = soft_rim_forces(wheel, soil, contact, QUADRATURE)
     force_z *= clip(1.0 - soil[SoilColumn.CONTACT_DAMPING] * motion[MotionColumn.V_NORMAL], 0.0, MAX_DAMPING_GAIN)
     unit_weight = soil[SoilColumn.DENSITY] * wheel[WheelColumn.GRAVITY]
     pushed = wheel_bulldozing(sinkage, radius, width, soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI], unit_weight)

@@ -16,7 +16,7 @@ path.
 
 import math
 from enum import IntEnum
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from pydantic import Field
 
@@ -25,12 +25,38 @@ from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import MotionColumn, OutColumn, WheelColumn, tell_slip
 from sojourn_physics.contact.law_params import FIRM_GROUND, ContactLawParams
 from sojourn_physics.contact.resistance_memory import advance_headway
-from sojourn_physics.contact.series_compliance import round_rim_on_ground, sinkage_in_series
+from sojourn_physics.contact.series_compliance import Carcass, round_rim_on_ground, sinkage_in_series
 from sojourn_physics.contact.shear_memory import MAX_DAMPING_GAIN, clip
 from sojourn_physics.soil.params import SoilColumn
 
 MIN_HALF_LENGTH = 0.02
 """Least half length of a contact, as a fraction of the radius."""
+
+
+class FirmSlip(NamedTuple):
+    """How a wheel rolls and slips on firm ground."""
+
+    along: float
+    """w_x, velocity of the rim over the ground [m/s]."""
+    side: float
+    """w_y [m/s]."""
+    rim_speed: float
+    """r_e ω [m/s]."""
+    rolling_radius: float
+    """r_e [m]."""
+    loaded_radius: float
+    """Of the axle over the ground [m]."""
+
+
+class Shear(NamedTuple):
+    """What the ground gives to a wheel in its own plane."""
+
+    force_x: float
+    """[N]"""
+    force_y: float
+    """[N]"""
+    moment_z: float
+    """[N m]"""
 
 
 class FirmColumn(IntEnum):
@@ -83,16 +109,14 @@ def firm_load(wheel: FloatArray, soil: FloatArray, motion: FloatArray, out: Floa
     """Load of the contact [N], also written to `out` with sinkage and deflection."""
     radius, penetration = float(wheel[WheelColumn.RADIUS]), float(motion[MotionColumn.PENETRATION])
     amount, exponent = round_rim_on_ground(radius, wheel[WheelColumn.WIDTH], soil)
-    sinkage = sinkage_in_series(
-        amount,
-        exponent,
-        penetration,
+    carcass = Carcass(
         0.0,
         wheel[FirmColumn.STIFFNESS],
         wheel[FirmColumn.PROGRESSIVE_STIFFNESS],
         wheel[FirmColumn.STOP_DEFLECTION],
         wheel[FirmColumn.STOP_STIFFNESS],
     )
+    sinkage = sinkage_in_series(amount, exponent, penetration, carcass)
     deflection = penetration - sinkage
     part = sinkage / penetration
     damping = part * soil[SoilColumn.CONTACT_DAMPING] + (1.0 - part) * wheel[FirmColumn.DAMPING]
@@ -118,33 +142,34 @@ def friction_of(wheel: FloatArray, soil: FloatArray) -> float:
 
 
 @kernel
-def firm_slip(wheel: FloatArray, motion: FloatArray, out: FloatArray) -> tuple[float, float, float, float, float]:
-    """w_x, w_y, r_e ω [m/s], rolling and loaded radius [m]; after `firm_load`."""
+def firm_slip(wheel: FloatArray, motion: FloatArray, out: FloatArray) -> FirmSlip:
+    """How the wheel rolls; after `firm_load`."""
     radius = float(wheel[WheelColumn.RADIUS])
     deflection = min(out[OutColumn.DEFLECTION], radius)
     rolling, loaded = radius - deflection / 3.0, radius - deflection
     rim_speed = motion[MotionColumn.RIM_SPEED] * (rolling / radius)
     cos_camber = math.sqrt(max(1.0 - motion[MotionColumn.CAMBER] ** 2, 0.0))
     slip_y = -(motion[MotionColumn.V_SIDE] + loaded * cos_camber * motion[MotionColumn.ROLL_RATE])
-    return rim_speed - motion[MotionColumn.V_ALONG], slip_y, rim_speed, rolling, loaded
+    return FirmSlip(rim_speed - motion[MotionColumn.V_ALONG], slip_y, rim_speed, rolling, loaded)
 
 
 @kernel
 def finish_firm(
     wheel: FloatArray,
     motion: FloatArray,
-    force_x: float,
-    force_y: float,
-    moment_z: float,
-    rim_speed: float,
-    rolling: float,
-    loaded: float,
+    slip: FirmSlip,
+    shear: Shear,
     length: float,
     dt: float,
     state: FloatArray,
     out: FloatArray,
 ) -> None:
-    """Write forces and moments of a contact whose load is in `out`; adds the rolling resistance."""
+    """Write forces and moments of a contact whose load is in `out`; adds the rolling resistance.
+
+    Args:
+        shear: of the ground on the wheel. length: of the contact [m]. dt: [s].
+    """
+    rim_speed = slip.rim_speed
     load = out[OutColumn.FORCE_Z]
     headway = advance_headway(rim_speed, length, dt, state)
     resistance = (
@@ -152,13 +177,13 @@ def finish_firm(
         + wheel[FirmColumn.ROLLING_RESISTANCE_PER_SPEED_SQUARED] * rim_speed * rim_speed
     ) * load
     cos_camber = math.sqrt(max(1.0 - motion[MotionColumn.CAMBER] ** 2, 0.0))
-    out[OutColumn.FORCE_X] = force_x
-    out[OutColumn.FORCE_Y] = force_y
+    out[OutColumn.FORCE_X] = shear.force_x
+    out[OutColumn.FORCE_Y] = shear.force_y
     # the load acts at the rim as it was, the shear at the rim as it is
     out[OutColumn.MOMENT_X] = (
-        wheel[WheelColumn.RADIUS] * motion[MotionColumn.CAMBER] * load + loaded * cos_camber * force_y
+        wheel[WheelColumn.RADIUS] * motion[MotionColumn.CAMBER] * load + slip.loaded_radius * cos_camber * shear.force_y
     )
-    out[OutColumn.MOMENT_Z] = moment_z
-    out[OutColumn.TORQUE] = rolling * (force_x + resistance * headway)
+    out[OutColumn.MOMENT_Z] = shear.moment_z
+    out[OutColumn.TORQUE] = slip.rolling_radius * (shear.force_x + resistance * headway)
     out[OutColumn.ROLLING_RESISTANCE] = resistance * abs(headway)
     tell_slip(motion, rim_speed, out)

@@ -17,12 +17,13 @@ from pydantic import Field
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.contact.bristle_friction import bristle_forces
+from sojourn_physics.contact.bristle_friction import Bristles, Sliding, bristle_forces
 from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, WheelColumn
 from sojourn_physics.contact.firm_wheel import (
     CompliantWheelParams,
     FirmColumn,
     FirmWheelParams,
+    Shear,
     finish_firm,
     firm_load,
     firm_slip,
@@ -66,12 +67,11 @@ def coulomb_wheel(
 ) -> None:
     """The three laws; arguments as in `contact_law`."""
     load = firm_load(wheel, soil, motion, out)
-    slip_x, slip_y, rim_speed, rolling, loaded = firm_slip(wheel, motion, out)
+    slip = firm_slip(wheel, motion, out)
     length = 2.0 * half_length(wheel[WheelColumn.RADIUS], motion[MotionColumn.PENETRATION])
     limit = friction_of(wheel, soil) * load
     stiffness = 3.0 * limit / wheel[FirmColumn.BREAK_AWAY]
-    force_x, force_y, moment_z, _ = bristle_forces(
-        slip_x, slip_y, motion[MotionColumn.YAW_RATE], rim_speed, stiffness, stiffness,
-        ARM_PER_WIDTH * wheel[WheelColumn.WIDTH], limit, length, length, dt, state,
-    )  # fmt: skip
-    finish_firm(wheel, motion, force_x, force_y, moment_z, rim_speed, rolling, loaded, length, dt, state, out)
+    sliding = Sliding(slip.along, slip.side, motion[MotionColumn.YAW_RATE], slip.rim_speed)
+    bristles = Bristles(stiffness, stiffness, ARM_PER_WIDTH * wheel[WheelColumn.WIDTH], limit, length, length)
+    force_x, force_y, moment_z, _ = bristle_forces(sliding, bristles, dt, state)
+    finish_firm(wheel, motion, slip, Shear(force_x, force_y, moment_z), length, dt, state, out)

@@ -43,6 +43,7 @@ import math
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
+from sojourn_physics.contact.rigid_rim import RigidRim
 from sojourn_physics.soil.params import SoilColumn
 
 LEAST_SPEED = 0.01
@@ -56,45 +57,40 @@ def root_of_flow_value(tan_phi: float) -> float:
 
 
 @kernel
-def shear_strength(
-    radius: float, shear_radius: float, width: float, count: float, thickness: float, skid: float, soil: FloatArray
-) -> tuple[float, float]:
+def shear_strength(rim: RigidRim, skid: float, soil: FloatArray) -> tuple[float, float]:
     """c' over the area of the tip circle [Pa] and tan φ' over the normal force [-]; of a bare rim without grousers.
 
     Args:
-        radius, shear_radius, width: r, r_s, b [m]. count: N [-]. thickness: t [m]. skid: 0..1, of a braked wheel [-].
-        soil: kernel row.
+        skid: 0..1, of a braked wheel [-]. soil: kernel row.
     """
     cohesion, tan_phi = soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI]
     adhesion, tan_delta = soil[SoilColumn.INTERFACE_ADHESION], soil[SoilColumn.INTERFACE_TAN_PHI]
+    radius, shear_radius, count = rim.radius, rim.shear_radius, rim.grouser_count
     height = shear_radius - radius
     if height <= 0.0:
         return adhesion, tan_delta
     root = root_of_flow_value(tan_phi)
     per_pitch = height * count / (2.0 * math.pi * radius)
-    tips = min(max(count * thickness / (2.0 * math.pi * shear_radius), 0.0), 1.0)
+    tips = min(max(count * rim.grouser_thickness / (2.0 * math.pi * shear_radius), 0.0), 1.0)
     beside = 1.0 - min(root * per_pitch, 1.0)
-    between = min(cohesion, adhesion + 2.0 * cohesion * root * per_pitch) * (1.0 + 2.0 * height / width)
+    between = min(cohesion, adhesion + 2.0 * cohesion * root * per_pitch) * (1.0 + 2.0 * height / rim.width)
     between_tan = min(tan_phi, beside * tan_delta + root * root * per_pitch)
     gain = (1.0 - tips) * (1.0 - skid)
     return adhesion + gain * max(between - adhesion, 0.0), tan_delta + gain * max(between_tan - tan_delta, 0.0)
 
 
 @kernel
-def dug_depth(
-    radius: float, shear_radius: float, count: float, slip: float, half_length: float, tan_phi: float
-) -> float:
+def dug_depth(rim: RigidRim, slip: float, half_length: float, tan_phi: float) -> float:
     """d, by which grousers lower the ground under a wheel that slips [m].
 
     Args:
-        radius, shear_radius: r, r_s [m]. count: N [-]. slip: at most 1; no digging below 0 [-].
-        half_length: L/2 of the contact along the ground [m].
+        slip: at most 1; no digging below 0 [-]. half_length: L/2 of the contact along the ground [m].
     """
-    height = shear_radius - radius
+    count, height = rim.grouser_count, rim.shear_radius - rim.radius
     if height <= 0.0 or count <= 0.0 or slip <= 0.0:
         return 0.0
     pit = half_length * tan_phi
-    reach = root_of_flow_value(tan_phi) * height * count / (2.0 * math.pi * radius)  # l/p
+    reach = root_of_flow_value(tan_phi) * height * count / (2.0 * math.pi * rim.radius)  # l/p
     layer = 0.5 * height * min(reach, 1.0 / reach)
     dug = layer * slip
     # times D s d_p, for soil without friction and a contact without length

@@ -39,6 +39,7 @@ from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, OutC
 from sojourn_physics.contact.firm_wheel import (
     CompliantWheelParams,
     FirmColumn,
+    Shear,
     finish_firm,
     firm_load,
     firm_slip,
@@ -215,7 +216,8 @@ def magic_formula(
 ) -> None:
     """The law; arguments as in `contact_law`."""
     load = firm_load(wheel, soil, motion, out)
-    slip_x, slip_y, rim_speed, rolling_radius, loaded = firm_slip(wheel, motion, out)
+    rolling_slip = firm_slip(wheel, motion, out)
+    slip_y, rim_speed = rolling_slip.side, rolling_slip.rim_speed
     length = 2.0 * half_length(wheel[WheelColumn.RADIUS], motion[MotionColumn.PENETRATION])
     relax_x, relax_y = wheel[MagicColumn.RELAXATION_LONGITUDINAL], wheel[MagicColumn.RELAXATION_LATERAL]
     speed = abs(motion[MotionColumn.V_ALONG])
@@ -225,7 +227,9 @@ def magic_formula(
     trail = state[StateColumn.TRAVEL] * _trail(wheel, load, state, 0.5 * length)
     slip_there = slip_y + trail * yaw_rate  # where the force acts
     before_x, before_y = state[StateColumn.SHEAR_ALONG], state[StateColumn.SHEAR_SIDE]
-    state[StateColumn.SHEAR_ALONG] = (state[StateColumn.SHEAR_ALONG] + dt * slip_x) / (1.0 + dt * speed / relax_x)
+    state[StateColumn.SHEAR_ALONG] = (state[StateColumn.SHEAR_ALONG] + dt * rolling_slip.along) / (
+        1.0 + dt * speed / relax_x
+    )
     state[StateColumn.SHEAR_SIDE] = (state[StateColumn.SHEAR_SIDE] + dt * slip_there) / (1.0 + dt * speed / relax_y)
     _hold_slips(wheel, load, speed, state)
 
@@ -244,6 +248,6 @@ def magic_formula(
         more, more_moment = leaning - force_y, (leaning_moment - upright) * state[StateColumn.TRAVEL]
         owed = max(more_moment * yaw_rate - more * slip_y, 0.0)
         force_y, moment = leaning, moment + more_moment
-    finish_firm(wheel, motion, force_x, force_y, moment, rim_speed, rolling_radius, loaded, length, dt, state, out)
+    finish_firm(wheel, motion, rolling_slip, Shear(force_x, force_y, moment), length, dt, state, out)
     if owed > 0.0 and rim_speed != 0.0:
-        out[OutColumn.TORQUE] += owed * rolling_radius / rim_speed
+        out[OutColumn.TORQUE] += owed * rolling_slip.rolling_radius / rim_speed

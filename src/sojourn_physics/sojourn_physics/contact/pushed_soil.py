@@ -12,7 +12,13 @@ import math
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
+from sojourn_physics.contact.rigid_rim import RigidRim, RimContact, Travel
 from sojourn_physics.soil.params import SoilColumn
+
+STANDING_SPEED = 0.04
+"""Speed over the ground, over max(rω, v), below which the push on the side face no longer grows [-]."""
+FACE_FLOW = 0.5
+"""Speed of the soil up the side face, over the speed of the wheel to that side [-]."""
 
 
 @kernel
@@ -40,29 +46,17 @@ def front_push(radius: float, width: float, gravity: float, sinkage: float, soil
 
 @kernel
 def side_push(
-    radius: float,
-    width: float,
-    gravity: float,
-    sinkage: float,
-    length: float,
-    rim_speed: float,
-    ahead: float,
-    lateral_slip: float,
-    rolling: float,
-    face_flow: float,
-    standing_speed: float,
-    soil: FloatArray,
+    rim: RigidRim, gravity: float, contact: RimContact, travel: Travel, length: float, soil: FloatArray
 ) -> tuple[float, float, float, float, float]:
     """Push on the side face that leads a sideslip, and its friction.
 
     Args:
-        length: of the contact along the ground [m].
-        rim_speed, ahead, lateral_slip: rω, v_x and -v_y, over V [-]. rolling: |D| in 0..1.
-        face_flow, standing_speed: see `wheel_on_soil`.
+        gravity: [m/s^2]. length: of the contact along the ground [m]. soil: kernel row.
 
     Returns:
         F_x, F_y [N], torque about the axle, moments about x and z [N m], as `wheel_forces`.
     """
+    radius, sinkage, lateral_slip, ahead = rim.radius, contact.depth, contact.lateral_slip, travel.ahead
     if soil[SoilColumn.SIDE_BULLDOZING] <= 0.0 or lateral_slip == 0.0 or sinkage <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0
     cos_entry = max(1.0 - sinkage / radius, 0.0)
@@ -79,17 +73,18 @@ def side_push(
         + soil[SoilColumn.BULLDOZING_COHESION] * soil[SoilColumn.BULLDOZING_K_C] * first
     )
     sideslip = abs(lateral_slip)
-    transit = 1.0 + rolling * (math.sqrt(ahead * ahead + standing_speed * standing_speed) - 1.0)
+    transit = 1.0 + contact.rolling * (math.sqrt(ahead * ahead + STANDING_SPEED * STANDING_SPEED) - 1.0)
     push = (
         soil[SoilColumn.SIDE_BULLDOZING]
         * wall
         * -math.expm1(-sideslip * length / (soil[SoilColumn.BULLDOZING_MODULUS] * transit))
     )
     arm = radius - 0.5 * min(sinkage, radius)
-    sliding = ahead - rim_speed * arm / radius
-    flow = face_flow * sideslip
+    sliding = ahead - travel.rim_speed * arm / radius
+    flow = FACE_FLOW * sideslip
     face_speed = math.hypot(sliding, flow)  # squares of tiny speeds would vanish
-    drag = -rolling * soil[SoilColumn.INTERFACE_TAN_PHI] * push * sliding / face_speed if face_speed > 0.0 else 0.0
+    friction = contact.rolling * soil[SoilColumn.INTERFACE_TAN_PHI]
+    drag = -friction * push * sliding / face_speed if face_speed > 0.0 else 0.0
     sense = 1.0 if lateral_slip > 0.0 else -1.0
     # The face that leads is at y = -sense b/2: the wheel moves towards -s_y.
-    return drag, sense * push, drag * arm, sense * push * arm, sense * 0.5 * width * drag
+    return drag, sense * push, drag * arm, sense * push * arm, sense * 0.5 * rim.width * drag

@@ -23,8 +23,9 @@ from sojourn_physics.contact.contact_law import (
     tell_slip,
 )
 from sojourn_physics.contact.law_params import ContactLawParams
+from sojourn_physics.contact.rigid_rim import RigidRim, RimContact
 from sojourn_physics.contact.shear_memory import MAX_DAMPING_GAIN, advance_rolling, clip
-from sojourn_physics.contact.wheel_on_soil import NODES, WEIGHTS, wheel_forces
+from sojourn_physics.contact.wheel_on_soil import QUADRATURE, wheel_forces
 from sojourn_physics.soil.params import SoilColumn
 
 MIN_CONTACT_LENGTH = 0.04
@@ -60,10 +61,13 @@ def rigid_wheel_on_soil(
     sense = 1.0 if state[StateColumn.TRAVEL] >= 0.0 else -1.0
     slip = clip(sense * shear_x / length, -1.0, 1.0)
     side_slip = clip(shear_y / length, -1.0, 1.0)
+    rim = RigidRim(
+        radius, wheel[WheelColumn.SHEAR_RADIUS], wheel[WheelColumn.WIDTH], wheel[WheelColumn.GROUSER_COUNT], 0.0
+    )
+    contact = RimContact(sinkage, slip, side_slip, abs(state[StateColumn.TRAVEL]))
     force_x, force_y, force_z, torque, moment_x, moment_z, _, compaction, bulldozing = wheel_forces(
-        radius, wheel[WheelColumn.SHEAR_RADIUS], wheel[WheelColumn.WIDTH], wheel[WheelColumn.GROUSER_COUNT], 0.0,
-        wheel[WheelColumn.GRAVITY], sinkage, slip, side_slip, abs(state[StateColumn.TRAVEL]), soil, NODES, WEIGHTS,
-    )  # fmt: skip
+        rim, wheel[WheelColumn.GRAVITY], contact, soil, QUADRATURE
+    )
     force_z *= clip(1.0 - soil[SoilColumn.CONTACT_DAMPING] * motion[MotionColumn.V_NORMAL], 0.0, MAX_DAMPING_GAIN)
     out[OutColumn.FORCE_X] = sense * force_x
     out[OutColumn.FORCE_Y] = force_y

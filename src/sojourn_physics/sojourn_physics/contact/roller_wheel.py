@@ -27,11 +27,12 @@ from pydantic import Field, field_validator
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.contact.bristle_friction import bristle_forces
+from sojourn_physics.contact.bristle_friction import Bristles, Sliding, bristle_forces
 from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, StateColumn, WheelColumn
 from sojourn_physics.contact.firm_wheel import (
     CompliantWheelParams,
     FirmColumn,
+    Shear,
     finish_firm,
     firm_load,
     firm_slip,
@@ -113,21 +114,20 @@ def roller_wheel(
 ) -> None:
     """The law; arguments as in `contact_law`. The state's TRAVEL is here the sense in which the roller turns."""
     load = firm_load(wheel, soil, motion, out)
-    slip_x, slip_y, rim_speed, rolling, loaded = firm_slip(wheel, motion, out)
+    slip = firm_slip(wheel, motion, out)
     length = 2.0 * half_length(wheel[WheelColumn.RADIUS], motion[MotionColumn.PENETRATION])
     sine, cosine = wheel[RollerColumn.SIN_ANGLE], wheel[RollerColumn.COS_ANGLE]
-    along_axis = sine * slip_x + cosine * slip_y
-    free = cosine * slip_x - sine * slip_y
+    along_axis = sine * slip.along + cosine * slip.side
+    free = cosine * slip.along - sine * slip.side
     limit = friction_of(wheel, soil) * load
     stiffness = 3.0 * limit / wheel[FirmColumn.BREAK_AWAY]
     # both the wheel's rotation and the roller's bring fresh ground into contact
-    renewed = max(abs(rim_speed), abs(free))
-    axial, _, _, _ = bristle_forces(
-        along_axis, 0.0, 0.0, renewed, stiffness, stiffness, 0.0, limit, length, length, dt, state
-    )
+    renewed = max(abs(slip.rim_speed), abs(free))
+    bristles = Bristles(stiffness, stiffness, 0.0, limit, length, length)
+    axial, _, _, _ = bristle_forces(Sliding(along_axis, 0.0, 0.0, renewed), bristles, dt, state)
     moved = dt * free / length
     state[StateColumn.TRAVEL] = min(max((state[StateColumn.TRAVEL] + moved) / (1.0 + abs(moved)), -1.0), 1.0)
     bearing = min(wheel[RollerColumn.ROLLER_FRICTION] * load, limit) * state[StateColumn.TRAVEL]
     force_x = axial * sine + bearing * cosine
     force_y = axial * cosine - bearing * sine
-    finish_firm(wheel, motion, force_x, force_y, 0.0, rim_speed, rolling, loaded, length, dt, state, out)
+    finish_firm(wheel, motion, slip, Shear(force_x, force_y, 0.0), length, dt, state, out)

@@ -17,6 +17,7 @@ laws go on as they are written.
 """
 
 import math
+from typing import NamedTuple
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
@@ -28,6 +29,21 @@ TOLERANCE = 1e-13
 """Of the sinkage, as a fraction of the penetration."""
 
 
+class Carcass(NamedTuple):
+    """Load of a wheel [N], or its pressure [Pa], over its deflection δ [m]: see `sinkage_in_series`."""
+
+    offset: float
+    """At no deflection; more than 0 where the wheel is stressed already (a carcass with pressure in it)."""
+    linear: float
+    """Of δ."""
+    square: float
+    """Of δ²."""
+    stop: float
+    """δ at which an inner frame or a bump stop bears, too [m]."""
+    stop_stiffness: float
+    """Of max(δ - stop, 0)."""
+
+
 @kernel
 def round_rim_on_ground(radius: float, width: float, soil: FloatArray) -> tuple[float, float]:
     """A [N/m^m] and m of the load F = A z^m of a rigid rim."""
@@ -37,15 +53,13 @@ def round_rim_on_ground(radius: float, width: float, soil: FloatArray) -> tuple[
 
 
 @kernel
-def sinkage_in_series(
-    amount: float, exponent: float, penetration: float, offset: float, linear: float, square: float, stop: float,
-    stop_stiffness: float,
-) -> float:  # fmt: skip
+def sinkage_in_series(amount: float, exponent: float, penetration: float, carcass: Carcass) -> float:
     """z in 0..h of  amount z^exponent = offset + linear δ + square δ² + stop_stiffness max(δ - stop, 0),  δ = h - z.
 
-    `offset` is more than 0 where the wheel is stressed already (a carcass with pressure in it). Returns h where the
-    ground yields all the way, and where linear and square are both 0.
+    Returns h where the ground yields all the way, and where linear and square are both 0.
     """
+    offset, linear, square = carcass.offset, carcass.linear, carcass.square
+    stop, stop_stiffness = carcass.stop, carcass.stop_stiffness
     if amount * penetration**exponent <= offset or linear + square + offset <= 0.0:
         return penetration
     low, high = 0.0, penetration

@@ -65,26 +65,22 @@ from sojourn_machine.kernels import kernel, small_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.grousers import dug_depth, shear_strength
 from sojourn_physics.contact.pushed_soil import front_push, side_push
+from sojourn_physics.contact.rigid_rim import Quadrature, RigidRim, RimContact, Travel
 from sojourn_physics.soil.params import SoilColumn
 from sojourn_physics.soil.pressure_sinkage import sinkage_modulus
 
 MAX_ENTRY_ANGLE = 0.5 * math.pi
 """Largest entry angle [rad]: that of a wheel sunk to its axle."""
-STANDING_SPEED = 0.04
-"""Speed over the ground, over max(rω, v), below which the push on the side face no longer grows [-]."""
 SPINNING_SPEED = 0.01
 """Speed over the ground, over max(rω, v), below which a wheel counts as one that spins on the spot [-]."""
 STEADY = 0.9
 """|D| beyond which the motion counts as steady, so that its power is what the slips say [-]."""
-FACE_FLOW = 0.5
-"""Speed of the soil up the side face, over the speed of the wheel to that side [-]."""
 QUADRATURE_POINTS = 6
 """Points on each side of the angle of greatest stress; test_wheel_on_soil states the error."""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(QUADRATURE_POINTS)
 # On (0, 1), half the weight of the usual (-1, 1).
-NODES: FloatArray = np.ascontiguousarray(0.5 * (_NODES + 1.0))
-WEIGHTS: FloatArray = np.ascontiguousarray(0.5 * _WEIGHTS)
+QUADRATURE = Quadrature(np.ascontiguousarray(0.5 * (_NODES + 1.0)), np.ascontiguousarray(0.5 * _WEIGHTS))
 
 
 @small_kernel
@@ -113,13 +109,8 @@ def contact_angles(
 
 
 @small_kernel
-def travel(slip: float, lateral_slip: float) -> tuple[float, float, float, float]:
-    """Motion behind a slip and lateral slip, all over V = max(|rω|, |v|).
-
-    Returns:
-        rim speed, v_x (ahead), the slip s' against the whole speed over the ground, and e: how much of the way is
-        sideways, 0..1.
-    """
+def travel(slip: float, lateral_slip: float) -> Travel:
+    """Motion behind a slip and lateral slip."""
     ahead = 1.0 - slip
     if slip >= 0.0 and ahead * ahead + lateral_slip * lateral_slip <= 1.0:
         rim = 1.0
@@ -131,7 +122,7 @@ def travel(slip: float, lateral_slip: float) -> tuple[float, float, float, float
         speed = 1.0
         total_slip = rim - 1.0
     sideways = (speed - ahead) / math.sqrt(speed * speed + SPINNING_SPEED * SPINNING_SPEED)
-    return rim, ahead, total_slip, sideways
+    return Travel(rim, ahead, total_slip, sideways)
 
 
 @small_kernel
@@ -164,60 +155,41 @@ def rim_forces(
     radius: float,
     shear_radius: float,
     width: float,
-    sinkage: float,
-    slip: float,
-    lateral_slip: float,
-    rolling: float,
+    contact: RimContact,
     soil: FloatArray,
-    nodes: FloatArray,
-    weights: FloatArray,
+    quadrature: Quadrature,
 ) -> tuple[float, float, float, float, float, float, float]:
     """Forces as `wheel_forces` gives them, of a wheel whose grousers stand close together, where soil has no weight.
 
     Returns:
         the first seven values of `wheel_forces`.
     """
-    close = 1e9 if shear_radius > radius else 0.0
-    found = wheel_forces(
-        radius, shear_radius, width, close, 0.0, 0.0, sinkage, slip, lateral_slip, rolling, soil, nodes, weights
-    )
+    rim = RigidRim(radius, shear_radius, width, 1e9 if shear_radius > radius else 0.0, 0.0)
+    found = wheel_forces(rim, 0.0, contact, soil, quadrature)
     return found[0], found[1], found[2], found[3], found[4], found[5], found[6]
 
 
 @kernel
 def wheel_forces(
-    radius: float,
-    shear_radius: float,
-    width: float,
-    grouser_count: float,
-    grouser_thickness: float,
-    gravity: float,
-    sinkage: float,
-    slip: float,
-    lateral_slip: float,
-    rolling: float,
-    soil: FloatArray,
-    nodes: FloatArray,
-    weights: FloatArray,
+    rim: RigidRim, gravity: float, contact: RimContact, soil: FloatArray, quadrature: Quadrature
 ) -> tuple[float, float, float, float, float, float, float, float, float]:
     """Forces of the ground on one wheel that travels towards +x.
 
     Args:
-        radius, shear_radius, width: of the rim, of the grouser tips, of the wheel [m].
-        grouser_count: [-]. grouser_thickness: along the rim [m].
-        gravity: [m/s^2].
-        sinkage: of the lowest rim point under the ground plane [m].
-        slip: -1..1. lateral_slip: s_y, -1..1. rolling: |D| in 0..1.
-        soil: kernel row. nodes, weights: quadrature on (0, 1), each shape (m,).
+        gravity: [m/s^2]. soil: kernel row.
 
     Returns:
         F_x, F_y, F_z [N] through the wheel's centre, T [N m] that the motor must supply, moments of the
         lateral stress about x and z [N m], the contact's length along the rim [m], and the resistances of compaction
         and bulldozing [N], parts of F_x, at least 0. All zero without contact.
     """
+    radius, shear_radius, width = rim.radius, rim.shear_radius, rim.width
+    sinkage, slip, lateral_slip, rolling = contact.depth, contact.slip, contact.lateral_slip, contact.rolling
+    nodes, weights = quadrature.nodes, quadrature.weights
     if sinkage <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    rim_speed, ahead, total_slip, sideways = travel(slip, lateral_slip)
+    motion = travel(slip, lateral_slip)
+    ahead, total_slip, sideways = motion.ahead, motion.total_slip, motion.sideways
     entry, exit_angle, greatest = contact_angles(radius, sinkage, slip, rolling, soil, sideways)
     if entry <= 0.0:  # a sinkage that is lost in the rounding of 1 - z/r
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -230,7 +202,7 @@ def wheel_forces(
     growth = rolling * ((1.0 - sideways) * driven + sideways * soil[SoilColumn.SIDE_SINKAGE])
     sin_entry = math.sin(entry)
     if total_slip > 0.0 and shear_radius > radius:
-        dug = dug_depth(radius, shear_radius, grouser_count, total_slip, radius * sin_entry, soil[SoilColumn.TAN_PHI])
+        dug = dug_depth(rim, total_slip, radius * sin_entry, soil[SoilColumn.TAN_PHI])
         growth += rolling * (1.0 - sideways) * dug / sinkage
     if growth > 0.0:
         scale *= (1.0 + growth) ** -n
@@ -240,9 +212,7 @@ def wheel_forces(
         soil[SoilColumn.SHEAR_MODULUS_LATERAL] + soil[SoilColumn.SHEAR_MODULUS_LATERAL_PER_SLIP_ANGLE] * slip_angle
     )
     brake_slip = min(slip, 0.0)
-    cohesion, tan_phi = shear_strength(
-        radius, shear_radius, width, grouser_count, grouser_thickness, -rolling * brake_slip, soil
-    )
+    cohesion, tan_phi = shear_strength(rim, -rolling * brake_slip, soil)
     tan_phi *= radius / shear_radius  # of the normal stress on the tip circle, which is wider than the rim
     residual, hump = soil[SoilColumn.RESIDUAL], soil[SoilColumn.HUMP]
     cos_entry = 1.0 - sinkage / radius
@@ -307,7 +277,7 @@ def wheel_forces(
 
     normal_x = min(normal_x, 0.0)
     # Power into the ground over V: what the motor gives, less what the wheel's motion takes out.
-    shear_power = torque * rim_speed / radius - shear_x * ahead + shear_y * lateral_slip
+    shear_power = torque * motion.rim_speed / radius - shear_x * ahead + shear_y * lateral_slip
     normal_power = -normal_x * ahead
     if shear_power < 0.0 and -shear_power > normal_power:
         steady = min(max((rolling - STEADY) / (1.0 - STEADY), 0.0), 1.0)
@@ -322,18 +292,7 @@ def wheel_forces(
     ground_length = radius * (sin_entry - math.sin(exit_angle))
     ahead_push = rolling * front_push(radius, width, gravity, sinkage, soil)
     side_x, side_y, side_torque, side_moment_x, side_moment_z = side_push(
-        radius,
-        width,
-        gravity,
-        sinkage,
-        ground_length,
-        rim_speed,
-        ahead,
-        lateral_slip,
-        rolling,
-        FACE_FLOW,
-        STANDING_SPEED,
-        soil,
+        rim, gravity, contact, motion, ground_length, soil
     )
     return (
         shear_x + normal_x - ahead_push + side_x,

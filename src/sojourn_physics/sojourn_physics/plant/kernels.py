@@ -102,24 +102,24 @@ class PlantTables(NamedTuple):
 
 
 @structref.register
-class PeriodType(types.StructRef):
-    """What numba calls a `Period`."""
+class PeriodHandleType(types.StructRef):
+    """What numba calls a `PeriodHandle`."""
 
 
-class Period(structref.StructRefProxy):
+class PeriodHandle(structref.StructRefProxy):
     """The tables of one control period, handed to compiled code once: each array costs as much to hand over as a
     wheel's law takes to prepare, and a step has some forty of them.
     """
 
 
-structref.define_boxing(PeriodType, Period)
-structref.define_constructor(Period, PeriodType, ["tables"])
+structref.define_boxing(PeriodHandleType, PeriodHandle)
+structref.define_constructor(PeriodHandle, PeriodHandleType, ["tables"])
 
 
 @njit(cache=True)
-def open_period(tables: PlantTables) -> Period:
+def open_period(tables: PlantTables) -> PeriodHandle:
     """Hand over the tables of a period."""
-    return Period(tables)
+    return PeriodHandle(tables)
 
 
 @kernel
@@ -237,7 +237,7 @@ def _advance(tables: PlantTables, step: int) -> bool:
 
 
 @njit(cache=True)
-def advance(period: Period, step: int) -> bool:
+def advance(period: PeriodHandle, step: int) -> bool:
     """One physics step, but for the configuration: `motion.rates` and `displacement`, and all that is told of it.
 
     Args:
@@ -252,7 +252,7 @@ def advance(period: Period, step: int) -> bool:
 
 
 @njit(cache=True)
-def touch_ground(period: Period, step: int) -> bool:
+def touch_ground(period: PeriodHandle, step: int) -> bool:
     """The contacts alone, as `advance` has them: what they cost can so be told."""
     on_map: bool = _touch_ground(period.tables, step)
     return on_map

@@ -17,6 +17,7 @@ the foundation, and the state of every machine has one form.
 import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -83,18 +84,30 @@ class ContactTables:
         return Contacts(self.wheels, self.bodies, self.supports, self.offsets, self.wheel_count)
 
 
+class Site(NamedTuple):
+    """Where a machine is."""
+
+    terrain: HeightField
+    soils: Sequence[SoilParams]
+    """Those that the terrain names, in any order."""
+    gravity: float
+    """[m/s^2]"""
+    memory_cell: float = 0.0
+    """Distance of the nodes at which the ground remembers wheels [m]; 0: it does not."""
+    objects: Sequence[ObjectParams] = ()
+    """That lie about, for a gripper."""
+
+
 class PlantModel:
     """Fixed part of the plant. Its working memory makes it unfit for two threads; make one model for each.
 
     Args:
         urdf_xml: text of the machine's URDF.
         machine: what the URDF does not say.
-        gravity: surface gravity [m/s^2].
-        terrain: the ground. soils: parameters of the soils that it names, in any order.
+        site: where it is.
         battery, bus: energy supply and its loads.
         simulation: steps.
-        memory_cell: distance of the nodes at which the ground remembers wheels [m]; 0: it does not.
-        tool: at the end of the machine's arm, or none. objects: that lie about, for a gripper.
+        tool: at the end of the machine's arm, or none.
 
     Raises:
         InvalidValueError: a joint or link that the URDF does not have, a drive or tool whose load the bus does not
@@ -106,16 +119,13 @@ class PlantModel:
         self,
         urdf_xml: str,
         machine: MachineParams,
-        gravity: float,
-        terrain: HeightField,
-        soils: Sequence[SoilParams],
+        site: Site,
         battery: BatteryParams,
         bus: BusParams,
         simulation: SimulationParams | None = None,
-        memory_cell: float = 0.0,
         tool: ToolParams | None = None,
-        objects: Sequence[ObjectParams] = (),
     ) -> None:
+        gravity, terrain = site.gravity, site.terrain
         self.machine = machine = with_tool(machine, tool)
         self.terrain = terrain
         self.battery = battery
@@ -132,7 +142,7 @@ class PlantModel:
         self.wrist: WristLoad | None = None
         if machine.wrench_sensor_link is not None:
             self.wrist = WristLoad(self.multibody, machine.wrench_sensor_link, self.contacts.bodies)
-        by_name = {soil.name: soil for soil in soils}
+        by_name = {soil.name: soil for soil in site.soils}
         for name in terrain.soil_names:
             if name not in by_name:
                 raise InvalidValueError("soil of the terrain", name, "one of " + ", ".join(sorted(by_name)))
@@ -141,9 +151,9 @@ class PlantModel:
         self.soils = kernel_table(ground)
         add_cuts(self.contacts.wheels, machine.pads, ground, gravity)
         self.grid = terrain.grid
-        self.untouched_ground = GroundMemory(memory_cell, terrain.origin_x, terrain.origin_y)
+        self.untouched_ground = GroundMemory(site.memory_cell, terrain.origin_x, terrain.origin_y)
         self.memory = MemoryBoard(self.untouched_ground)
-        self.tool = None if tool is None else MountedTool(self, tool, ground, objects)
+        self.tool = None if tool is None else MountedTool(self, tool, ground, site.objects)
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
         self._make_workspace()
         self._check_springs()

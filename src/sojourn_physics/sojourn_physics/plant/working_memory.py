@@ -1,7 +1,7 @@
 """What the kernels of a control period work on: made once for a machine, filled from a state and a command.
 
-Compiled code gets the tables through one handle (`kernels.Period`), which stands until the ground's memory moves: to
-hand them over anew costs as much as half a physics step.
+Compiled code gets the tables through one handle (`kernels.PeriodHandle`), which stands until the ground's memory moves:
+to hand them over anew costs as much as half a physics step.
 """
 
 from typing import TYPE_CHECKING

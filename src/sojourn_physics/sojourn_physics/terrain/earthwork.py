@@ -19,16 +19,27 @@ the caller to keep. Assumption: soil is as dense in a heap as it was in the grou
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from sojourn_machine.kernels import njit
-from sojourn_machine.params import FloatArray, IntArray
+from sojourn_machine.params import FloatArray
 from sojourn_physics.terrain.height_field import HeightArray, HeightField, sample_ground
 from sojourn_physics.terrain.memory import MemoryBoard
-from sojourn_physics.terrain.memory_tiles import DUG, RUT, TILE, Tile, find_page, new_page
+from sojourn_physics.terrain.memory_tiles import DUG, RUT, TILE, MemoryTables, find_page, new_page
 
 BISECTIONS = 60
+
+
+class ToolGround(NamedTuple):
+    """The ground that a tool works in."""
+
+    memory: MemoryTables
+    """Advanced in place."""
+    heights: HeightArray
+    """See `HeightField`, these two."""
+    grid: FloatArray
 
 
 def cut(
@@ -39,7 +50,7 @@ def cut(
     Args:
         board: written. grid: of the terrain, see `HeightField.grid`. width: of the blade [m].
     """
-    return float(_cut(board.pool, board.slots, board.pages, board.place, terrain.heights, grid, begin, end, width))
+    return float(_cut(ToolGround(board.tables, terrain.heights, grid), begin, end, width))
 
 
 def heap(
@@ -50,9 +61,7 @@ def heap(
     Args:
         board: written. grid: of the terrain, see `HeightField.grid`. tan_repose: of the angle of repose.
     """
-    return float(
-        _heap(board.pool, board.slots, board.pages, board.place, terrain.heights, grid, x, y, volume, tan_repose)
-    )
+    return float(_heap(ToolGround(board.tables, terrain.heights, grid), x, y, volume, tan_repose))
 
 
 def warm_up(board: MemoryBoard, terrain: HeightField, grid: FloatArray) -> None:
@@ -63,40 +72,31 @@ def warm_up(board: MemoryBoard, terrain: HeightField, grid: FloatArray) -> None:
 
 
 @njit(cache=True)
-def _height(
-    pool: Tile, slots: IntArray, place: FloatArray, heights: HeightArray, grid: FloatArray, column: int, row: int
-) -> float:
-    found = sample_ground(heights, grid, place[0] + column * place[2], place[1] + row * place[2])
-    page = find_page(slots, column // TILE, row // TILE)
-    node = pool[page, row % TILE, column % TILE]
+def _height(ground: ToolGround, column: int, row: int) -> float:
+    memory = ground.memory
+    place = memory.place
+    found = sample_ground(ground.heights, ground.grid, place[0] + column * place[2], place[1] + row * place[2])
+    page = find_page(memory.slots, column // TILE, row // TILE)
+    node = memory.pool[page, row % TILE, column % TILE]
     return float(found[0] - node[RUT] - node[DUG])
 
 
 @njit(cache=True)
-def _raise(pool: Tile, slots: IntArray, pages: IntArray, column: int, row: int, by: float) -> float:
+def _raise(memory: MemoryTables, column: int, row: int, by: float) -> float:
     """Put soil of a height [m], less than 0 to take it, onto a node; what it has come to as stored."""
-    page = new_page(slots, pages, column // TILE, row // TILE)
+    page = new_page(memory.slots, memory.pages, column // TILE, row // TILE)
     if page == 0:
         return 0.0
-    node = pool[page, row % TILE, column % TILE]
+    node = memory.pool[page, row % TILE, column % TILE]
     before = np.float64(node[DUG])  # float() would leave it in single precision here
     node[DUG] = np.float32(before - by)
-    pages[page, 2] = 1
+    memory.pages[page, 2] = 1
     return float(before - np.float64(node[DUG]))
 
 
 @njit(cache=True)
-def _cut(
-    pool: Tile,
-    slots: IntArray,
-    pages: IntArray,
-    place: FloatArray,
-    heights: HeightArray,
-    grid: FloatArray,
-    begin: FloatArray,
-    end: FloatArray,
-    width: float,
-) -> float:
+def _cut(ground: ToolGround, begin: FloatArray, end: FloatArray, width: float) -> float:
+    place = ground.memory.place
     cell = place[2]
     along_x, along_y = end[0] - begin[0], end[1] - begin[1]
     length = math.sqrt(along_x * along_x + along_y * along_y)
@@ -118,9 +118,9 @@ def _cut(
             if not (0.0 < along <= length and -half < across <= half):
                 continue
             edge = begin[2] + along / length * (end[2] - begin[2])
-            depth = _height(pool, slots, place, heights, grid, column, row) - edge
+            depth = _height(ground, column, row) - edge
             if depth > 0.0:
-                volume -= _raise(pool, slots, pages, column, row, -depth) * cell * cell
+                volume -= _raise(ground.memory, column, row, -depth) * cell * cell
     return volume
 
 
@@ -136,18 +136,8 @@ def _cone(ground: FloatArray, before: FloatArray, distance: FloatArray, top: flo
 
 
 @njit(cache=True)
-def _heap(
-    pool: Tile,
-    slots: IntArray,
-    pages: IntArray,
-    place: FloatArray,
-    heights: HeightArray,
-    grid: FloatArray,
-    x: float,
-    y: float,
-    volume: float,
-    slope: float,
-) -> float:
+def _heap(ground: ToolGround, x: float, y: float, volume: float, slope: float) -> float:
+    memory, place = ground.memory, ground.memory.place
     cell = place[2]
     if not (cell > 0.0 and volume > 0.0 and slope > 0.0):
         return 0.0
@@ -160,20 +150,22 @@ def _heap(
     count = max(last_column - first_column + 1, 0) * max(last_row - first_row + 1, 0)
     if count == 0:
         return 0.0
-    ground, before, distance = np.empty(count), np.empty(count), np.empty(count)
+    height, before, distance = np.empty(count), np.empty(count), np.empty(count)
     k = 0
     for row in range(first_row, last_row + 1):
         for column in range(first_column, last_column + 1):
-            ground[k] = _height(pool, slots, place, heights, grid, column, row)
-            before[k] = pool[find_page(slots, column // TILE, row // TILE), row % TILE, column % TILE, DUG]
+            height[k] = _height(ground, column, row)
+            before[k] = memory.pool[
+                find_page(memory.slots, column // TILE, row // TILE), row % TILE, column % TILE, DUG
+            ]
             dx, dy = place[0] + column * cell - x, place[1] + row * cell - y
             distance[k] = math.sqrt(dx * dx + dy * dy)
             k += 1
-    low = float(np.min(ground + slope * distance))  # the cone that just touches
+    low = float(np.min(height + slope * distance))  # the cone that just touches
     high = low + volume / (cell * cell) + slope * cell
     for _ in range(BISECTIONS):
         top = 0.5 * (low + high)
-        if _cone(ground, before, distance, top, slope, cell) <= volume:
+        if _cone(height, before, distance, top, slope, cell) <= volume:
             low = top
         else:
             high = top
@@ -181,8 +173,8 @@ def _heap(
     k = 0
     for row in range(first_row, last_row + 1):
         for column in range(first_column, last_column + 1):
-            height = low - slope * distance[k] - ground[k]
-            if height > 0.0:
-                put += _raise(pool, slots, pages, column, row, height) * cell * cell
+            fill = low - slope * distance[k] - height[k]
+            if fill > 0.0:
+                put += _raise(memory, column, row, fill) * cell * cell
             k += 1
     return put

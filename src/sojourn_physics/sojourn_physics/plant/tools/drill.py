@@ -21,7 +21,7 @@ from sojourn_machine.contact_report import FORCE, ReportColumn
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import DrillToolParams
-from sojourn_physics.actuators.spindle import spindle_step
+from sojourn_physics.actuators.spindle import Spindle, spindle_step
 from sojourn_physics.plant.tools.tool_state import DrillState, Hole, ToolEnergy, ToolState, ToolSurroundings
 from sojourn_physics.soil.drilling import Drilling, drill
 from sojourn_physics.soil.params import SoilParams
@@ -75,9 +75,7 @@ class DrillLaw:
             thrust = max(-float(report[FORCE] @ axis), 0.0)
             found = drill(self.params.bit, self._energies[int(report[ReportColumn.SOIL])], thrust)
         turned = spindle_step(
-            self.params.motor,
-            self.params.gear,
-            self.params.acceleration,
+            Spindle(self.params.motor, self.params.gear, self.params.acceleration),
             state.rate,
             min(wanted, self.params.rate),
             found.torque,
