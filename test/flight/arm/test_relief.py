@@ -16,7 +16,7 @@ from sojourn_flight.arm.planning import plan_goal
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import GroundRelief, relief_of
 from sojourn_flight.arm.trajectory import at_rest
-from sojourn_flight.hazards.obstacle_map import LAYERS, ObstacleMap, add_points
+from sojourn_flight.hazards.obstacle_map import LAYERS, CellGrid, ObstacleMap, add_points
 
 PLANE = GroundPlane(-0.47)
 
@@ -49,7 +49,8 @@ def test_what_was_seen_is_where_it_was_seen(yaw: float, roll: float, pitch: floa
     layers = np.zeros((LAYERS, size, size))
     corner = position[:2] - 0.5 * size * cell
     points = np.column_stack([x, y, heights + lift])
-    add_points(layers, corner[0], corner[1], cell, points, np.ones(len(x)), np.ones(len(x)), 0.0)
+    grid = CellGrid(float(corner[0]), float(corner[1]), cell)
+    add_points(layers, grid, points, np.ones(len(x)), np.ones(len(x)), 0.0)
     found = relief_of(ObstacleMap(corner[0], corner[1], cell, layers, lift), position, rotation, PLANE, 1.5)
     for at in ((0.8, 0.3), (-0.5, 0.9), (1.0, -1.0), (0.0, 0.0)):
         z, seen = found.height(*at)

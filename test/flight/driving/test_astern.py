@@ -22,7 +22,7 @@ def dead(model: DriveModel, state: DriveState, *wheels: str) -> DriveState:
     """The state of a drive that knows that these wheels have lost their motors; nothing will change its mind."""
     failed = np.array([name in wheels for name in model.geometry.names])
     doubt = np.where(failed, 1e6, 0.0)
-    return replace(state, motors=replace(state.motors, drive_failed=failed, drive_doubt=doubt))
+    return replace(state, motors=state.motors._replace(drive_failed=failed, drive_doubt=doubt))
 
 
 def rover(**terrain: Any) -> RollingRover:

@@ -22,7 +22,8 @@ from sojourn_flight.planning.goal import Goal
 from sojourn_flight.planning.route import advanced, route_of
 
 CELL, CELLS = PARAMS.map.cell, PARAMS.map.cells
-CIRCLES, RADIUS = circles_of(PARAMS.outline)
+COVER = circles_of(PARAMS.outline)
+CIRCLES, RADIUS = COVER
 STRAIGHT = RADIUS + PARAMS.margin
 HERE = Pose(0.0, 0.0, 0.0)
 TURNING = PARAMS.outline.turn_radius + PARAMS.margin
@@ -42,10 +43,6 @@ def with_obstacles(*places: tuple[float, float, float, float]) -> tuple[Obstacle
     return map_, room_in(map_, kinds)
 
 
-def grid(room: Room) -> tuple[object, ...]:
-    return room.distances, room.x0, room.y0, room.cell, CIRCLES, RADIUS
-
-
 def test_the_circles_cover_the_outline() -> None:
     outline = PARAMS.outline
     for x in np.linspace(-outline.rear, outline.front, 60):
@@ -62,9 +59,9 @@ def test_room_is_the_distance_to_the_nearest_obstacle(x: float, y: float, yaw: f
     blocked = np.stack([room.x0 + (columns + 0.5) * CELL, room.y0 + (rows + 0.5) * CELL], axis=1)
     centres = np.array([[x + place * math.cos(yaw), y + place * math.sin(yaw)] for place in CIRCLES])
     exact = np.linalg.norm(centres[:, None] - blocked[None], axis=2).min() - 0.5 * CELL - RADIUS
-    found = room_at_pose(*grid(room), x, y, yaw)
+    found = room_at_pose(room.grid, COVER, x, y, yaw)
     assert found == pytest.approx(max(exact, -RADIUS), abs=0.75 * CELL)
-    assert room_along(*grid(room), np.array([[x, y, yaw]]))[0] == found
+    assert room_along(room.grid, COVER, np.array([[x, y, yaw]]))[0] == found
     nearest = room.nearest_to(x, y)
     assert nearest is not None and room.distances[nearest] == 0.0
 
@@ -91,9 +88,9 @@ def test_a_motion_is_looked_at_along_its_arc(twist: tuple[float, float, float]) 
             x += dt * (twist[0] * math.cos(yaw) - twist[1] * math.sin(yaw))
             y += dt * (twist[0] * math.sin(yaw) + twist[1] * math.cos(yaw))
             yaw += dt * twist[2]
-        rooms.append(room_at_pose(*grid(room), x, y, yaw))
-    now, least = room_of_motion(*grid(room), (0.1, 0.05, 0.2), twist, PARAMS.outline.turn_radius, ways)
-    assert now == room_at_pose(*grid(room), 0.1, 0.05, 0.2)
+        rooms.append(room_at_pose(room.grid, COVER, x, y, yaw))
+    now, least = room_of_motion(room.grid, COVER, (0.1, 0.05, 0.2), twist, PARAMS.outline.turn_radius, ways)
+    assert now == room_at_pose(room.grid, COVER, 0.1, 0.05, 0.2)
     assert least == pytest.approx(min(rooms), abs=1e-4)
 
 

@@ -34,7 +34,7 @@ def through(places: FloatArray, heights: FloatArray, sigma: float = 0.003) -> Gr
 def test_a_plane_is_met_exactly(slope_x: float, slope_y: float, height: float, x: float, y: float) -> None:
     places = scattered(1)
     surface = through(places, height + places @ (slope_x, slope_y))
-    known, *found = surface_at(surface.planes, surface.x0, surface.y0, CELL, x, y)
+    known, *found = surface_at(surface, x, y)
     assert known
     np.testing.assert_allclose(found[:3], (height + slope_x * x + slope_y * y, slope_x, slope_y), atol=1e-9)
 
@@ -65,10 +65,9 @@ def test_relief_that_a_plane_cannot_follow_is_in_the_variance() -> None:
 def test_what_was_not_seen_is_unknown() -> None:
     places = scattered(5)
     surface = through(places[places[:, 0] < 0.0], np.zeros(int((places[:, 0] < 0.0).sum())))
-    grid = (surface.planes, surface.x0, surface.y0, CELL)
-    assert surface_at(*grid, -0.5, 0.0)[0]
-    assert not surface_at(*grid, 0.3, 0.0)[0]
-    assert not surface_at(*grid, 5.0, 0.0)[0] and not surface_at(*grid, -5.0, 0.0)[0]
+    assert surface_at(surface, -0.5, 0.0)[0]
+    assert not surface_at(surface, 0.3, 0.0)[0]
+    assert not surface_at(surface, 5.0, 0.0)[0] and not surface_at(surface, -5.0, 0.0)[0]
     line = np.column_stack([np.linspace(-1.0, 1.0, 500), np.zeros(500)])
     on_a_line = through(line, np.zeros(500))
     assert not on_a_line.planes[..., KNOWN].any()
@@ -78,6 +77,6 @@ def test_the_edge_of_a_step_is_no_ground_and_what_is_beside_it_is() -> None:
     places = scattered(6)
     surface = through(places, np.where(places[:, 0] > 0.0, 0.1, 0.0))
     for x, known in ((-0.4, True), (0.0, False), (0.4, True)):
-        found = surface_at(surface.planes, surface.x0, surface.y0, CELL, x, 0.0)
+        found = surface_at(surface, x, 0.0)
         assert found[0] == known
-    assert abs(surface_at(surface.planes, surface.x0, surface.y0, CELL, 0.4, 0.0)[1] - 0.1) < 1e-9
+    assert abs(surface_at(surface, 0.4, 0.0)[1] - 0.1) < 1e-9

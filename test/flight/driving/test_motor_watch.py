@@ -1,7 +1,6 @@
 """Failed motors: recognised in time, nobody blamed who is well, and the machine driven with what is left."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -173,7 +172,7 @@ def test_a_dead_wheel_makes_turns_doubtful(model: DriveModel) -> None:
     failed = np.arange(6) == FRONT_LEFT
     assert dragging_sigma(model.table, well) == 0.0
     expected = 0.5 * math.hypot(0.705, 0.53)
-    assert dragging_sigma(model.table, replace(well, drive_failed=failed)) == pytest.approx(expected)
+    assert dragging_sigma(model.table, well._replace(drive_failed=failed)) == pytest.approx(expected)
     params, table = model.params.odometry, model.table
     turned = {}
     for sigma in (0.0, expected):

@@ -121,18 +121,10 @@ def made_up_drive(params: SlipParams, seed: int) -> tuple[FloatArray, FloatArray
         wheels = 0.06
         after = wheels * (1.0 - factor * believed - noise)
         acceleration, speed = (after - speed) / DT, after
-        speed_filter.predict(
-            states,
-            covariance,
-            acceleration + drift + shake,
-            1.0,
-            0.0,
-            DT,
-            params.force_noise,
-            params.drift_walk**2 * DT,
-            params.factor_sigma,
-            params.factor_length,
+        noises = speed_filter.ProcessNoise(
+            params.force_noise, params.drift_walk**2 * DT, params.factor_sigma, params.factor_length
         )
+        speed_filter.predict(states, covariance, acceleration + drift + shake, 1.0, 0.0, DT, noises)
         variance = (wheels * params.slip_noise) ** 2 * 2.0 * params.slip_noise_time / DT
         speed_filter.roll(states, covariance, wheels, believed, 0.0, variance)
     return np.array((speed, drift, factor)) - states, covariance

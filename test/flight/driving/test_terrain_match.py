@@ -60,11 +60,10 @@ def test_the_normal_equations_are_the_gradient_of_the_squares() -> None:
     points = random.uniform(-0.5, 0.5, (200, 3))
     points[:, 2] = points[:, :2] @ (0.1, -0.2) - 0.5 + 0.003 * random.standard_normal(200)
     errors = 5e-3 * (points - np.array((-1.0, 0.0, 0.5)))
-    grid = (surface.planes, surface.x0, surface.y0, surface.cell)
     place = np.array((0.01, 0.02, 0.5))
 
     def equations(shift: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-        matrix, side, _, count, outliers, squares = normal_equations(*grid, points, errors, place, shift, 2.0)
+        matrix, side, _, count, outliers, squares = normal_equations(surface, points, errors, place, shift, 2.0)
         assert count == 200 and outliers == 0
         return matrix, side, squares
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from obstacle_examples import CAMERA, PARAMS, dense, driven_over, mapped
 
-from sojourn_flight.hazards.hidden_ground import SECTORS, hidden_strips, is_hidden
+from sojourn_flight.hazards.hidden_ground import SECTORS, HiddenStrips, hidden_strips, is_hidden
 from sojourn_flight.hazards.obstacle_map import ObstacleMap
 from sojourn_flight.hazards.traversability import (
     BUMP,
@@ -147,7 +147,7 @@ def steepest(map_: ObstacleMap, ground: Passability) -> float:
     return float(np.hypot(*ground.slopes[:2, row - 2 : row + 3, column - 2 : column + 3]).max())
 
 
-def strips(points: list[tuple[float, float, float]]) -> tuple[np.ndarray, np.ndarray]:
+def strips(points: list[tuple[float, float, float]]) -> HiddenStrips:
     return hidden_strips(np.array(points), np.zeros(3), 0.5, 90.0, 2.0, 0.12)
 
 
@@ -158,15 +158,15 @@ def test_a_gap_is_hidden_where_it_is_longer_than_the_shadow_of_a_passable_step()
     sector = SECTORS // 2
     for gap, hidden in ((0.5, False), (0.62, True)):
         beyond = [(x, 0.01, -0.5) for x in np.arange(1.0 + gap, 3.0, 0.05)]
-        edges, ends = strips(before + beyond)
-        assert math.isfinite(edges[sector]) == hidden
+        seen = strips(before + beyond)
+        assert math.isfinite(seen.edges[sector]) == hidden
         if hidden:
-            assert (edges[sector], ends[sector]) == pytest.approx((1.0, 1.6), abs=1e-3)
-            found = [is_hidden(x, 0.01, edges, ends, 90.0) for x in (0.8, 1.3, 1.7)]
+            assert (seen.edges[sector], seen.ends[sector]) == pytest.approx((1.0, 1.6), abs=1e-3)
+            found = [is_hidden(x, 0.01, seen) for x in (0.8, 1.3, 1.7)]
             assert found == [0, 1, -1]
     tall = [*before, (1.01, 0.01, -0.2)]
-    edges, _ = strips([*tall, *((x, 0.01, -0.5) for x in np.arange(1.0 + 0.62, 3.0, 0.05))])
-    assert edges[sector] == math.inf, "a rock of 0.3 m hides more, and is an obstacle itself"
-    assert np.isnan(edges[0]) and is_hidden(1.0, 0.95, edges, ends, 90.0) == -1, "nothing is said about other sectors"
-    assert is_hidden(-1.0, 0.0, edges, ends, 90.0) == -1
+    seen = strips([*tall, *((x, 0.01, -0.5) for x in np.arange(1.0 + 0.62, 3.0, 0.05))])
+    assert seen.edges[sector] == math.inf, "a rock of 0.3 m hides more, and is an obstacle itself"
+    assert np.isnan(seen.edges[0]) and is_hidden(1.0, 0.95, seen) == -1, "nothing is said about other sectors"
+    assert is_hidden(-1.0, 0.0, seen) == -1
     assert CAMERA.position[2] + RIDE == pytest.approx(0.52)

@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 from obstacle_examples import PARAMS
 
-from sojourn_flight.hazards.wide_map import COST, NEVER, SEEN_AT, SLOPE_X, WideMap, empty_wide_map, remembered
+from sojourn_flight.hazards.obstacle_map import CellGrid
+from sojourn_flight.hazards.wide_map import (
+    COST,
+    NEVER,
+    SEEN_AT,
+    SLOPE_X,
+    JudgedCells,
+    WideMap,
+    empty_wide_map,
+    remembered,
+)
 
 MAP = PARAMS.map
 CELLS = MAP.cells
@@ -19,7 +29,8 @@ def look(
     costs = np.ones((CELLS, CELLS)) * np.where((east > closed[0]) & (east < closed[1]), np.inf, 1.5)
     slopes = np.zeros((2, CELLS, CELLS))
     slopes[0] = 0.1
-    return remembered(MAP, wide, corner, costs, slopes, np.full((CELLS, CELLS), known), (x, 0.0, driven))
+    judged = JudgedCells(CellGrid(*corner, MAP.cell), costs, slopes, np.full((CELLS, CELLS), known))
+    return remembered(MAP, wide, judged, (x, 0.0, driven))
 
 
 def at(wide: WideMap, x: float, y: float = 0.1) -> tuple[float, float, float]:

@@ -26,9 +26,9 @@ import pinocchio
 from sojourn_flight.arm.ground_plane import GroundPlane
 from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.model import ArmModel
-from sojourn_flight.arm.near_pairs import go_on
+from sojourn_flight.arm.near_pairs import BoundingSpheres, ShapePairs, ShapesOverGround, go_on
 from sojourn_flight.arm.params import ArmParams
-from sojourn_flight.arm.relief import Ground, GroundRelief, go_on_over, plane_row
+from sojourn_flight.arm.relief import Ground, GroundRelief, go_on_over
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
@@ -111,11 +111,8 @@ def _check_relief(
     """The first of the postures at which a link comes too near to ground that was seen."""
     clearances = [(_ground_clearance(params, link), _seen_clearance(params, link)) for _, link in model.arm_shapes]
     clearance = np.array(clearances).reshape(-1, 2)
-    surface, room = model.surface, np.empty(len(clearance))
-    k, shape, height = go_on_over(
-        model.chain, np.ascontiguousarray(samples, dtype=np.float64), surface.points, surface.shapes, surface.parents,
-        clearance, room, relief.heights, relief.seen, relief.corner, relief.cell, plane_row(relief.plane), allow_start,
-    )  # fmt: skip
+    samples, room = np.ascontiguousarray(samples, dtype=np.float64), np.empty(len(clearance))
+    k, shape, height = go_on_over(model.chain, samples, model.surface, clearance, room, relief.grid, allow_start)
     if k < 0:
         return None
     link = model.arm_shapes[shape][1]
@@ -134,14 +131,12 @@ def _check_links(
     ground_clearance = np.array([_ground_clearance(params, link) for _, link in ground_links])
     last = max(samples.shape[0] - 1, 1)
     samples, near = np.ascontiguousarray(samples, dtype=np.float64), np.empty(count, dtype=np.int64)
-    centres = model.shape_centres.copy()
-    shape_reach = model.shape_reach[: len(ground_links)]
+    pairs = ShapePairs(model.pair_shapes, model.pair_reach, clearance, slack)
+    over_ground = ShapesOverGround(model.shape_reach[: len(ground_links)], ground_slack)
+    spheres = BoundingSpheres(model.shape_radii, model.shape_parents, model.shape_places, model.shape_centres.copy())
     k = 0
     while k >= 0:
-        k, found = go_on(
-            model.chain, samples, k, slack, ground_slack, model.pair_reach, shape_reach, model.pair_shapes,
-            model.shape_radii, clearance, model.shape_parents, model.shape_places, centres, near,
-        )  # fmt: skip
+        k, found = go_on(model.chain, samples, k, pairs, over_ground, spheres, near)
         if k < 0:
             break
         pinocchio.updateGeometryPlacements(

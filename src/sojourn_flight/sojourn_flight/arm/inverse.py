@@ -17,7 +17,16 @@ from typing import Literal
 import numpy as np
 
 from sojourn_flight.arm.chain import ChainArm
-from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION, search_from_many, spread, turn_into_limits
+from sojourn_flight.arm.inverse_search import (
+    POINTING,
+    POSE,
+    POSITION,
+    SearchSettings,
+    TipTarget,
+    search_from_many,
+    spread,
+    turn_into_limits,
+)
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.manipulability import SINGULAR, scaled_jacobian
 from sojourn_flight.arm.serial_arm import SerialArm
@@ -36,7 +45,7 @@ TOLERANCE = 1.0e-6
 """Accepted error: of position in reaches of the arm, of angle in radians."""
 ANGLE_WEIGHT = 0.25
 """Length that one radian counts for, in reaches of the arm."""
-_DAMPING, _LARGEST_STEP, _ITERATIONS = 1.0e-9, 0.7, 60.0
+_DAMPING, _LARGEST_STEP, _ITERATIONS = 1.0e-9, 0.7, 60
 _ANY_TURN = 1.0e6
 """Stands for no limit [rad]."""
 
@@ -148,10 +157,10 @@ class _Question:
     def search(self, starts: FloatArray, lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, float, float, int]:
         """Joint positions, position error, angle error, and the start that arrived or -1."""
         reach = self.arm.reach
-        settings = np.array([TOLERANCE * reach, TOLERANCE, _DAMPING * reach**2, _LARGEST_STEP, _ITERATIONS])
-        weight = ANGLE_WEIGHT * reach
+        settings = SearchSettings(TOLERANCE * reach, TOLERANCE, _DAMPING * reach**2, _LARGEST_STEP, _ITERATIONS)
+        target = TipTarget(self.task, self.target, self.wanted, ANGLE_WEIGHT * reach)
         found: tuple[FloatArray, float, float, int] = search_from_many(
-            self.arm.chain, starts, lower, upper, self.task, self.target, self.wanted, weight, settings
+            self.arm.chain, starts, lower, upper, target, settings
         )
         return found
 

@@ -13,6 +13,7 @@ One radian weighs as much as a given length. A start that stops getting better i
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +25,33 @@ POSITION, POINTING, POSE = 0, 1, 2
 """Tasks."""
 STALE = 8
 """Iterations without progress after which a start is given up."""
+
+
+class TipTarget(NamedTuple):
+    """Where the tip is wanted."""
+
+    task: int
+    """POSITION, POINTING or POSE."""
+    position: FloatArray
+    """In the base (3,) [m]."""
+    rotation: FloatArray
+    """Of the tip (3, 3) for POSE; its last column is the tool direction for POINTING."""
+    weight: float
+    """Length that one radian counts for [m]."""
+
+
+class SearchSettings(NamedTuple):
+    """When a search ends, and how it steps."""
+
+    position_tolerance: float
+    """[m]"""
+    angle_tolerance: float
+    """[rad]"""
+    bias: float
+    """Of the damping [m^2]."""
+    largest_step: float
+    """Of any joint in an iteration [rad or m]."""
+    iterations: int
 
 
 @lru_cache(maxsize=32)
@@ -47,20 +75,13 @@ def search(
     start: FloatArray,
     lower: FloatArray,
     upper: FloatArray,
-    task: int,
-    target: FloatArray,
-    wanted: FloatArray,
-    weight: float,
-    settings: FloatArray,
+    target: TipTarget,
+    settings: SearchSettings,
 ) -> tuple[FloatArray, float, float]:
     """One search from `start`.
 
     Args:
-        task: POSITION, POINTING or POSE.
-        target: wanted tip position in the base (3,) [m].
-        wanted: rotation of the tip (3, 3) for POSE; its last column is the tool direction for POINTING.
-        weight: length that one radian counts for [m].
-        settings: position tolerance [m], angle tolerance [rad], damping bias, largest step, iterations.
+        start: joint positions (n,), as their limits `lower` and `upper`.
 
     Returns:
         joint positions (n,) of the best iterate, its position error [m], its angle error [rad].
@@ -69,21 +90,21 @@ def search(
     q = np.minimum(np.maximum(start, lower), upper)
     rotation, position, jacobian = np.empty((3, 3)), np.empty(3), np.empty((6, n))
     residual, gradient, normal = np.zeros(6), np.empty(n), np.empty((n, n))
-    rows = 3 if task == POSITION else 6
+    rows = 3 if target.task == POSITION else 6
     best_q, best_cost, best_distance, best_angle = q.copy(), np.inf, np.inf, np.inf
     stale = 0
-    for _ in range(int(settings[4])):
+    for _ in range(settings.iterations):
         tip_kinematics(chain, q, rotation, position, jacobian)
-        _residual(chain, task, target, wanted, weight, rotation, position, jacobian, residual)
+        _residual(chain, target, rotation, position, jacobian, residual)
         distance = np.sqrt(residual[0] ** 2 + residual[1] ** 2 + residual[2] ** 2)
         turn = residual[3] ** 2 + residual[4] ** 2 + residual[5] ** 2
         cost = distance**2 + turn
-        angle = np.sqrt(turn) / weight
+        angle = np.sqrt(turn) / target.weight
         stale = 0 if cost < 0.999 * best_cost else stale + 1
         if cost < best_cost:
             best_cost, best_distance, best_angle = cost, distance, angle
             best_q[:] = q
-        if stale > STALE or (distance < settings[0] and angle < settings[1]):
+        if stale > STALE or (distance < settings.position_tolerance and angle < settings.angle_tolerance):
             break
         for i in range(n):
             total = 0.0
@@ -99,10 +120,10 @@ def search(
                 for k in range(rows):
                     total += jacobian[k, i] * jacobian[k, j]
                 normal[i, j] = total
-            normal[i, i] += cost + settings[2]
+            normal[i, i] += cost + settings.bias
         _solve_symmetric(normal, gradient)
         largest = np.max(np.abs(gradient))
-        scale = settings[3] / largest if largest > settings[3] else 1.0
+        scale = settings.largest_step / largest if largest > settings.largest_step else 1.0
         for i in range(n):
             q[i] = min(max(q[i] + scale * gradient[i], lower[i]), upper[i])
     return best_q, best_distance, best_angle
@@ -114,11 +135,8 @@ def search_from_many(
     starts: FloatArray,
     lower: FloatArray,
     upper: FloatArray,
-    task: int,
-    target: FloatArray,
-    wanted: FloatArray,
-    weight: float,
-    settings: FloatArray,
+    target: TipTarget,
+    settings: SearchSettings,
 ) -> tuple[FloatArray, float, float, int]:
     """Searches from each of `starts` (m, n) until one arrives. Arguments and errors as `search`.
 
@@ -141,17 +159,14 @@ def search_from_many(
             starts[k],
             wide_lower if free else lower,
             wide_upper if free else upper,
-            task,
             target,
-            wanted,
-            weight,
             settings,
         )
         if free and not turn_into_limits(chain, lower, upper, q):
             continue
-        if distance < settings[0] and angle < settings[1]:
+        if distance < settings.position_tolerance and angle < settings.angle_tolerance:
             return q, distance, angle, k
-        cost = distance**2 + (weight * angle) ** 2
+        cost = distance**2 + (target.weight * angle) ** 2
         if cost < best_cost:
             best_cost, best_distance, best_angle = cost, distance, angle
             best_q = q
@@ -173,18 +188,16 @@ def turn_into_limits(chain: Chain, lower: FloatArray, upper: FloatArray, q: Floa
 @njit(cache=True)
 def _residual(
     chain: Chain,
-    task: int,
-    target: FloatArray,
-    wanted: FloatArray,
-    weight: float,
+    target: TipTarget,
     rotation: FloatArray,
     position: FloatArray,
     jacobian: FloatArray,
     residual: FloatArray,
 ) -> None:
     """Weighted residual (6,), and the weights put into the Jacobian's last rows."""
+    task, wanted, weight = target.task, target.rotation, target.weight
     for k in range(3):
-        residual[k] = target[k] - position[k]
+        residual[k] = target.position[k] - position[k]
         residual[3 + k] = 0.0
     if task == POSITION:
         return

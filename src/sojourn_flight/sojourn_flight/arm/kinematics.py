@@ -22,7 +22,7 @@ from typing import Literal
 import numpy as np
 
 from sojourn_flight.arm.chain import ChainArm, tip_kinematics
-from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION, search, spread
+from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION, SearchSettings, TipTarget, search, spread
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.params import ArmParams
 from sojourn_machine.errors import InvalidValueError
@@ -101,21 +101,18 @@ def inverse_kinematics(
         explain: look for the reason if there is no solution; if false: 'unreachable', no message.
     """
     settings = _settings(params)
-    task, wanted = _task(direction)
-    weight = params.inverse_kinematics.characteristic_length
+    target = _target(params, position, direction)
     solutions: list[FloatArray] = []
     nearest, nearest_angle, nearest_cost = math.inf, math.inf, math.inf
     enough = params.inverse_kinematics.starts_when_solved
     for k, guess in enumerate(_starts(params, model, start)):
         if solutions and (k >= enough or len(solutions) >= params.inverse_kinematics.solutions):
             break
-        q, distance, angle = search(
-            model.chain, guess, model.lower, model.upper, task, position, wanted, weight, settings
-        )
-        cost = distance * distance + (weight * angle) ** 2
+        q, distance, angle = search(model.chain, guess, model.lower, model.upper, target, settings)
+        cost = distance * distance + (target.weight * angle) ** 2
         if cost < nearest_cost:
             nearest, nearest_angle, nearest_cost = distance, angle, cost
-        if distance < settings[0] and angle < settings[1] and _is_new(q, solutions):
+        if distance < settings.position_tolerance and angle < settings.angle_tolerance and _is_new(q, solutions):
             solutions.append(q)
     if solutions:
         solutions.sort(key=lambda q: float(np.max(np.abs(q - start))))
@@ -130,10 +127,9 @@ def nearby_solution(
 ) -> FloatArray | None:
     """One search from `start` only: joint positions (n,) on the same branch, or None. Arguments as above."""
     settings = _settings(params)
-    task, wanted = _task(direction)
-    weight = params.inverse_kinematics.characteristic_length
-    q, distance, angle = search(model.chain, start, model.lower, model.upper, task, position, wanted, weight, settings)
-    return q if distance < settings[0] and angle < settings[1] else None
+    target = _target(params, position, direction)
+    q, distance, angle = search(model.chain, start, model.lower, model.upper, target, settings)
+    return q if distance < settings.position_tolerance and angle < settings.angle_tolerance else None
 
 
 def _explain(
@@ -155,14 +151,13 @@ def _explain(
             asked = "pointing" if direction.ndim == 1 else "orientation"
             off += f"; the position alone can be reached, not with this {asked}"
     settings = _settings(params)
-    task, wanted = _task(direction)
-    weight = params.inverse_kinematics.characteristic_length
+    target = _target(params, position, direction)
     wide_lower = np.where(model.chain.revolute > 0.5, -50.0, model.lower)
     wide_upper = np.where(model.chain.revolute > 0.5, 50.0, model.upper)
     best_excess, best_text = math.inf, ""
     for guess in _starts(params, model, start)[: max(8, params.inverse_kinematics.starts_when_solved)]:
-        q, distance, turn = search(model.chain, guess, wide_lower, wide_upper, task, position, wanted, weight, settings)
-        if distance < settings[0] and turn < settings[1]:
+        q, distance, turn = search(model.chain, guess, wide_lower, wide_upper, target, settings)
+        if distance < settings.position_tolerance and turn < settings.angle_tolerance:
             middle = 0.5 * (model.lower + model.upper)
             wrapped = middle + np.remainder(q - middle + math.pi, 2.0 * math.pi) - math.pi
             q = np.where(model.chain.revolute > 0.5, wrapped, q)
@@ -180,24 +175,24 @@ def _explain(
     return InverseResult("unreachable", (), nearest, angle, f"target {where} is unreachable: {off}")
 
 
-def _task(direction: FloatArray | None) -> tuple[int, FloatArray]:
-    """Task of a search, and the wanted rotation, or the matrix whose last column is the wanted direction."""
+def _target(params: ArmParams, position: FloatArray, direction: FloatArray | None) -> TipTarget:
+    weight = params.inverse_kinematics.characteristic_length
     wanted = np.eye(3)
     if direction is None:
-        return POSITION, wanted
+        return TipTarget(POSITION, position, wanted, weight)
     if direction.ndim == 2:
-        return POSE, np.ascontiguousarray(direction)
+        return TipTarget(POSE, position, np.ascontiguousarray(direction), weight)
     wanted[:, 2] = direction
-    return POINTING, wanted
+    return TipTarget(POINTING, position, wanted, weight)
 
 
 def _where(position: FloatArray) -> str:
     return f"({position[0]:.3f}, {position[1]:.3f}, {position[2]:.3f}) m in base_link"
 
 
-def _settings(params: ArmParams) -> FloatArray:
+def _settings(params: ArmParams) -> SearchSettings:
     s = params.inverse_kinematics
-    return np.array([s.position_tolerance, s.pointing_tolerance, s.damping_bias, s.max_step, float(s.max_iterations)])
+    return SearchSettings(s.position_tolerance, s.pointing_tolerance, s.damping_bias, s.max_step, s.max_iterations)
 
 
 def _starts(params: ArmParams, model: ArmModel, start: FloatArray) -> list[FloatArray]:

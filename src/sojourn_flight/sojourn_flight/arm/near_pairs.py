@@ -3,6 +3,8 @@
 Shapes are held by spheres about their centres, which move with the joints: T_0i of chain.py.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from sojourn_flight.arm.chain import Chain, joint_frames
@@ -10,32 +12,58 @@ from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, IntArray
 
 
+class ShapePairs(NamedTuple):
+    """Pairs of shapes that must not meet."""
+
+    shapes: IntArray
+    """(pairs, 2)"""
+    reach: FloatArray
+    """(pairs, n): farthest that they move against each other when a joint moves by one [m/rad or m/m]."""
+    clearance: FloatArray
+    """(pairs,) [m]"""
+    slack: FloatArray
+    """(pairs,): way that they may still move without a look; used up, and set, here [m]."""
+
+
+class ShapesOverGround(NamedTuple):
+    """Shapes that must not meet the ground."""
+
+    reach: FloatArray
+    """(shapes, n), as that of pairs."""
+    slack: FloatArray
+    """(shapes,), as that of pairs."""
+
+
+class BoundingSpheres(NamedTuple):
+    """Spheres that hold the shapes."""
+
+    radii: FloatArray
+    """(shapes,) [m]"""
+    parents: IntArray
+    """(shapes,): joint that moves each, counted from 1; 0: none."""
+    places: FloatArray
+    """(shapes, 3): their centres in the frames of their joints [m]."""
+    centres: FloatArray
+    """(shapes, 3): in the base; those that move are written here [m]."""
+
+
 @njit(cache=True)
 def go_on(
     chain: Chain,
     samples: FloatArray,
     first: int,
-    slack: FloatArray,
-    ground_slack: FloatArray,
-    pair_reach: FloatArray,
-    shape_reach: FloatArray,
-    pair_shapes: IntArray,
-    radii: FloatArray,
-    clearance: FloatArray,
-    parents: IntArray,
-    places: FloatArray,
-    centres: FloatArray,
+    pairs: ShapePairs,
+    over_ground: ShapesOverGround,
+    spheres: BoundingSpheres,
     near: IntArray,
 ) -> tuple[int, int]:
     """The first sample from `first` on that needs a closer look, and how many pairs are in `near`; -1 for none.
 
     Args:
-        slack, ground_slack: ways that pairs and shapes may still move without a look; used up, and set, here.
-        parents, places: joint (0: none) that moves each shape, and its centre in that joint's frame [m].
-        centres: (shapes, 3) in the base; those that move are written here.
-        near: written here.
+        samples: (m, n). near: numbers of pairs, written here.
     """
     n = samples.shape[1]
+    slack, ground_slack, radii, centres = pairs.slack, over_ground.slack, spheres.radii, spheres.centres
     for k in range(first, samples.shape[0]):
         if k > 0:
             for j in range(n):
@@ -43,9 +71,9 @@ def go_on(
                 if turned == 0.0:
                     continue
                 for pair in range(slack.shape[0]):
-                    slack[pair] -= pair_reach[pair, j] * turned
+                    slack[pair] -= pairs.reach[pair, j] * turned
                 for shape in range(ground_slack.shape[0]):
-                    ground_slack[shape] -= shape_reach[shape, j] * turned
+                    ground_slack[shape] -= over_ground.reach[shape, j] * turned
         ground_due = False
         for shape in range(ground_slack.shape[0]):
             ground_due = ground_due or ground_slack[shape] <= 0.0
@@ -54,13 +82,13 @@ def go_on(
             if slack[pair] > 0.0:
                 continue
             if not moved:
-                _move_centres(chain, samples[k], parents, places, centres)
+                _move_centres(chain, samples[k], spheres)
                 moved = True
-            one, two = pair_shapes[pair, 0], pair_shapes[pair, 1]
+            one, two = pairs.shapes[pair, 0], pairs.shapes[pair, 1]
             apart = 0.0
             for m in range(3):
                 apart += (centres[one, m] - centres[two, m]) ** 2
-            slack[pair] = np.sqrt(apart) - radii[one] - radii[two] - clearance[pair]
+            slack[pair] = np.sqrt(apart) - radii[one] - radii[two] - pairs.clearance[pair]
             if slack[pair] <= 0.0:
                 near[count] = pair
                 count += 1
@@ -70,7 +98,8 @@ def go_on(
 
 
 @njit(cache=True)
-def _move_centres(chain: Chain, q: FloatArray, parents: IntArray, places: FloatArray, centres: FloatArray) -> None:
+def _move_centres(chain: Chain, q: FloatArray, spheres: BoundingSpheres) -> None:
+    parents, places, centres = spheres.parents, spheres.places, spheres.centres
     n = q.shape[0]
     rotations, positions = np.empty((n, 3, 3)), np.empty((n, 3))
     joint_frames(chain, q, rotations, positions)

@@ -18,7 +18,7 @@ import numpy as np
 
 from sojourn_flight.arm.chain import ChainArm
 from sojourn_flight.arm.inverse import task_jacobian
-from sojourn_flight.arm.inverse_search import POINTING, POSE, search
+from sojourn_flight.arm.inverse_search import POINTING, POSE, SearchSettings, TipTarget, search
 from sojourn_flight.arm.kinematics import TipPose, forward_kinematics
 from sojourn_flight.arm.manipulability import manipulability
 from sojourn_flight.arm.secondary_task import SecondaryTask
@@ -143,10 +143,9 @@ def _back_to_tip(arm: ChainArm, task: int, q: FloatArray, goal: TipPose) -> Floa
     wanted = np.array(goal.rotation)
     if task == POINTING:
         wanted[:, 2] = goal.tool_direction
-    settings = np.array([1e-9 * reach, 1e-9, 1e-12 * reach**2, 0.5, 20.0])
-    found, distance, angle = search(
-        arm.chain, q, arm.lower, arm.upper, task, goal.position, wanted, 0.25 * reach, settings
-    )
+    settings = SearchSettings(1e-9 * reach, 1e-9, 1e-12 * reach**2, 0.5, 20)
+    target = TipTarget(task, goal.position, wanted, 0.25 * reach)
+    found, distance, angle = search(arm.chain, q, arm.lower, arm.upper, target, settings)
     return np.asarray(found) if distance < 1e-8 * reach and angle < 1e-8 else None
 
 

@@ -11,19 +11,33 @@ map which lies there.
 """
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_flight.arm.chain import Chain, joint_frames
 from sojourn_flight.arm.ground_plane import GroundPlane
+from sojourn_flight.arm.surface_points import SurfacePoints
 from sojourn_flight.hazards.obstacle_map import COUNT, MEAN, ObstacleMap
 from sojourn_machine.kernels import njit
-from sojourn_machine.params import FloatArray, IntArray
+from sojourn_machine.params import FloatArray
 
 _LOOKS = 3
 """Times that the place of a cell in odom is looked up by its height, which moves it where base_link is tilted."""
+
+
+class ReliefGrid(NamedTuple):
+    """A relief (see `GroundRelief`), for the kernels."""
+
+    heights: FloatArray
+    seen: NDArray[np.bool_]
+    x0: float
+    y0: float
+    """Middle of the first cell [m]."""
+    cell: float
+    plane: FloatArray
+    """See `plane_row`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,10 +50,15 @@ class GroundRelief:
     heights: FloatArray  # (nx, ny) z in base_link [m]
     seen: NDArray[np.bool_]  # (nx, ny)
 
+    @property
+    def grid(self) -> ReliefGrid:
+        """For the kernels."""
+        return ReliefGrid(self.heights, self.seen, self.corner[0], self.corner[1], self.cell, plane_row(self.plane))
+
     def height(self, x: float, y: float) -> tuple[float, bool]:
         """z of the ground at a place in base_link [m], and whether it was seen."""
         out = np.empty(2)
-        ground_at(self.heights, self.seen, self.corner[0], self.corner[1], self.cell, plane_row(self.plane), x, y, out)
+        ground_at(self.grid, x, y, out)
         return float(out[0]), bool(out[1] > 0.5)
 
 
@@ -94,19 +113,10 @@ def relief_of(
 
 
 @njit(cache=True)
-def ground_at(
-    heights: FloatArray,
-    seen: NDArray[np.bool_],
-    x0: float,
-    y0: float,
-    cell: float,
-    plane: FloatArray,
-    x: float,
-    y: float,
-    out: FloatArray,
-) -> None:
+def ground_at(grid: ReliefGrid, x: float, y: float, out: FloatArray) -> None:
     """Write the height of the ground [m] and 1 where it was seen."""
-    u, v = (x - x0) / cell, (y - y0) / cell
+    heights, seen, plane = grid.heights, grid.seen, grid.plane
+    u, v = (x - grid.x0) / grid.cell, (y - grid.y0) / grid.cell
     i, j = int(np.floor(u)), int(np.floor(v))
     if i < 0 or j < 0 or i + 1 >= heights.shape[0] or j + 1 >= heights.shape[1]:
         out[0], out[1] = plane[0] + plane[1] * x + plane[2] * y, 0.0
@@ -122,27 +132,21 @@ def ground_at(
 def go_on_over(
     chain: Chain,
     samples: FloatArray,
-    points: FloatArray,
-    shapes: IntArray,
-    parents: IntArray,
+    surface: SurfacePoints,
     clearance: FloatArray,
     room: FloatArray,
-    heights: FloatArray,
-    seen: NDArray[np.bool_],
-    corner: tuple[float, float],
-    cell: float,
-    plane: FloatArray,
+    grid: ReliefGrid,
     allow_start: bool,
 ) -> tuple[int, int, float]:
     """The first sample (of m) at which a point comes too near to the ground, its shape and height over it [m]; -1.
 
     Args:
-        points: on the shapes, in the frames of their joints (p, 3) [m]. shapes, parents: of each point: its shape, and
-            the joint that moves it, counted from 1.
+        surface: of the shapes.
         clearance: (shapes, 2): over ground that was not seen, and that was [m].
         room: (shapes,) written: how much nearer each shape may come than its clearance, by where it starts.
     """
     n = samples.shape[1]
+    points, shapes, parents = surface.points, surface.shapes, surface.parents
     turns, places = np.empty((n, 3, 3)), np.empty((n, 3))
     ground = np.empty(2)
     least = np.empty(room.shape[0])
@@ -156,7 +160,7 @@ def go_on_over(
             x = t[0] + r[0, 0] * joint[0] + r[0, 1] * joint[1] + r[0, 2] * joint[2]
             y = t[1] + r[1, 0] * joint[0] + r[1, 1] * joint[1] + r[1, 2] * joint[2]
             z = t[2] + r[2, 0] * joint[0] + r[2, 1] * joint[1] + r[2, 2] * joint[2]
-            ground_at(heights, seen, corner[0], corner[1], cell, plane, x, y, ground)
+            ground_at(grid, x, y, ground)
             over = z - ground[0]
             margin = over - clearance[shapes[p], 1 if ground[1] > 0.5 else 0]
             least[shapes[p]] = min(least[shapes[p]], margin)

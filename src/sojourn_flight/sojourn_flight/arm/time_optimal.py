@@ -13,7 +13,8 @@ The acceleration jumps between intervals: jerk is not limited.
 """
 
 import contextlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,8 +37,7 @@ class TimingError(MachineError):
     """The path cannot be followed within the limits, however slowly; the message says where."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class JointLimits:
+class JointLimits(NamedTuple):
     """Limits of n joints, arrays (n,); of the whole arm, the power drawn."""
 
     speed: FloatArray  # [rad/s or m/s]
@@ -45,6 +45,17 @@ class JointLimits:
     effort: FloatArray  # [N m or N]
     power: float = np.inf  # [W]
     efficiency: float = 1.0  # of motors and gears [-]
+
+
+class PathDynamics(NamedTuple):
+    """Coefficients of the module header at the places of a grid, (k, n) each."""
+
+    slope: FloatArray  # q'
+    curve: FloatArray  # q''
+    m: FloatArray
+    c: FloatArray
+    b: FloatArray
+    g: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,17 +120,13 @@ def _timed(arm: SerialArm, path: SplinePath, limits: JointLimits, gravity: Float
     places = np.linspace(0.0, path.end, intervals + 1)
     coefficients = _coefficients(arm, path, places, gravity)
     for margin in _MARGINS:
-        tight = replace(
-            limits,
+        tight = limits._replace(
             speed=margin * limits.speed,
             acceleration=margin * limits.acceleration,
             effort=margin * limits.effort,
-            power=margin * limits.power,
+            power=float(margin * limits.power),
         )
-        squared, failed = _solve(
-            *coefficients, tight.speed, tight.acceleration, tight.effort, tight.power * limits.efficiency,
-            path.end / intervals,
-        )  # fmt: skip
+        squared, failed = _solve(coefficients, tight, path.end / intervals)
         if failed >= 0:
             at = f"at {100.0 * failed / intervals:.0f} % of the path"
             raise TimingError(f"{at} the limits of effort or power are too small, however slowly it is followed")
@@ -155,10 +162,7 @@ def _sliding_friction(arm: SerialArm, velocities: FloatArray) -> FloatArray:
     return np.where(velocities != 0.0, coulomb, 0.0) + arm.friction.viscous * velocities
 
 
-def _coefficients(
-    arm: SerialArm, path: SplinePath, places: FloatArray, gravity: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """q', q'', m, c, b, g of the module header, (k, n) each."""
+def _coefficients(arm: SerialArm, path: SplinePath, places: FloatArray, gravity: FloatArray) -> PathDynamics:
     positions, slopes, curves = path.at(places)
     rows = []
     for q, slope, curve in zip(positions, slopes, curves, strict=True):
@@ -168,25 +172,13 @@ def _coefficients(
         turning = inertia @ curve + coriolis_effort(arm, q, slope)
         rows.append((inertia @ slope, turning, arm.friction.viscous * slope, still))
     m, c, b, g = (np.array(column) for column in zip(*rows, strict=True))
-    return np.ascontiguousarray(slopes), np.ascontiguousarray(curves), m, c, b, g
+    return PathDynamics(np.ascontiguousarray(slopes), np.ascontiguousarray(curves), m, c, b, g)
 
 
 @njit(cache=True)
-def _solve(
-    slope: FloatArray,
-    curve: FloatArray,
-    m: FloatArray,
-    c: FloatArray,
-    b: FloatArray,
-    g: FloatArray,
-    speed: FloatArray,
-    acceleration: FloatArray,
-    effort: FloatArray,
-    power: float,
-    step: float,
-) -> tuple[FloatArray, int]:
-    """sd^2 on the grid (k,), and the place where it cannot be done or -1."""
-    count = slope.shape[0]
+def _solve(path: PathDynamics, limits: JointLimits, step: float) -> tuple[FloatArray, int]:
+    """sd^2 on the grid (k,), `step` wide, and the place where it cannot be done or -1."""
+    slope, speed, count = path.slope, limits.speed, path.slope.shape[0]
     top = np.zeros(count)  # the largest sd^2 from which the end can be reached
     for i in range(count - 2, -1, -1):
         high = 1e12
@@ -194,21 +186,21 @@ def _solve(
             if abs(slope[i, j]) > 1e-12:
                 high = min(high, (speed[j] / slope[i, j]) ** 2)
         low = 0.0
-        if not _reaches(i, 0.0, top[i + 1], slope, curve, m, c, b, g, acceleration, effort, power, step):
+        if not _reaches(i, 0.0, top[i + 1], path, limits, step):
             return top, i
-        if _reaches(i, high, top[i + 1], slope, curve, m, c, b, g, acceleration, effort, power, step):
+        if _reaches(i, high, top[i + 1], path, limits, step):
             top[i] = high
             continue
         for _ in range(50):
             middle = 0.5 * (low + high)
-            if _reaches(i, middle, top[i + 1], slope, curve, m, c, b, g, acceleration, effort, power, step):
+            if _reaches(i, middle, top[i + 1], path, limits, step):
                 low = middle
             else:
                 high = middle
         top[i] = low
     x = np.zeros(count)
     for i in range(count - 1):
-        lowest, highest = _interval(i, x[i], slope, curve, m, c, b, g, acceleration, effort, power, step)
+        lowest, highest = _interval(i, x[i], path, limits, step)
         highest = min(highest, 0.5 * (top[i + 1] - x[i]) / step)
         # where the interval is one point, rounding may leave nothing of it
         u = highest if lowest <= highest else 0.5 * (lowest + highest)
@@ -224,19 +216,12 @@ def _reaches(
     i: int,
     x: float,
     beyond: float,
-    slope: FloatArray,
-    curve: FloatArray,
-    m: FloatArray,
-    c: FloatArray,
-    b: FloatArray,
-    g: FloatArray,
-    acceleration: FloatArray,
-    effort: FloatArray,
-    power: float,
+    path: PathDynamics,
+    limits: JointLimits,
     step: float,
 ) -> bool:
     """Whether from sd^2 = x at i some allowed sdd leads to sd^2 of at most `beyond` at the next place."""
-    lowest, highest = _interval(i, x, slope, curve, m, c, b, g, acceleration, effort, power, step)
+    lowest, highest = _interval(i, x, path, limits, step)
     lowest = max(lowest, -0.5 * x / step)
     highest = min(highest, 0.5 * (beyond - x) / step)
     return bool(lowest <= highest + 1e-12 * (1.0 + abs(highest)))
@@ -246,18 +231,13 @@ def _reaches(
 def _interval(
     i: int,
     x: float,
-    slope: FloatArray,
-    curve: FloatArray,
-    m: FloatArray,
-    c: FloatArray,
-    b: FloatArray,
-    g: FloatArray,
-    acceleration: FloatArray,
-    effort: FloatArray,
-    power: float,
+    path: PathDynamics,
+    limits: JointLimits,
     step: float,
 ) -> tuple[float, float]:
     """Allowed sdd at place i with sd^2 = x: by the limits there, and at the next place with the sd^2 it leads to."""
+    slope, curve, m, c, b, g = path
+    acceleration, effort, power = limits.acceleration, limits.effort, limits.power * limits.efficiency
     low, high = -1e12, 1e12
     rate = np.sqrt(x)
     for j in range(slope.shape[1]):
@@ -267,7 +247,7 @@ def _interval(
             still = c[place, j] * x + b[place, j] * rate + g[place, j]
             low, high = _cut(m[place, j] + ahead * c[place, j], still, effort[j], low, high)
     if power < 1e11 and low < high:
-        low, high = _cut_by_power(i, x, slope, m, c, b, g, power, step, low, high)
+        low, high = _cut_by_power(i, x, path, power, step, low, high)
     return low, high
 
 
@@ -284,11 +264,7 @@ def _cut(factor: float, rest: float, limit: float, low: float, high: float) -> t
 def _cut_by_power(
     i: int,
     x: float,
-    slope: FloatArray,
-    m: FloatArray,
-    c: FloatArray,
-    b: FloatArray,
-    g: FloatArray,
+    path: PathDynamics,
     power: float,
     step: float,
     low: float,
@@ -298,22 +274,22 @@ def _cut_by_power(
     left, right = low, high
     for _ in range(45):  # the place of least power
         one, two = left + (right - left) / 3.0, right - (right - left) / 3.0
-        if _drawn(i, x, one, slope, m, c, b, g, step) <= _drawn(i, x, two, slope, m, c, b, g, step):
+        if _drawn(i, x, one, path, step) <= _drawn(i, x, two, path, step):
             right = two
         else:
             left = one
     least = 0.5 * (left + right)
     for end in (low, high):  # at the edge of what is possible the least power is at an end, which thirds never reach
-        if _drawn(i, x, end, slope, m, c, b, g, step) < _drawn(i, x, least, slope, m, c, b, g, step):
+        if _drawn(i, x, end, path, step) < _drawn(i, x, least, path, step):
             least = end
-    if _drawn(i, x, least, slope, m, c, b, g, step) > power * (1.0 + 1e-9):
+    if _drawn(i, x, least, path, step) > power * (1.0 + 1e-9):
         return least + 1.0, least - 1.0
     for side in range(2):
         inside, outside = least, (low if side == 0 else high)
-        if _drawn(i, x, outside, slope, m, c, b, g, step) > power:
+        if _drawn(i, x, outside, path, step) > power:
             for _ in range(40):
                 middle = 0.5 * (inside + outside)
-                if _drawn(i, x, middle, slope, m, c, b, g, step) <= power:
+                if _drawn(i, x, middle, path, step) <= power:
                     inside = middle
                 else:
                     outside = middle
@@ -329,14 +305,11 @@ def _drawn(
     i: int,
     x: float,
     u: float,
-    slope: FloatArray,
-    m: FloatArray,
-    c: FloatArray,
-    b: FloatArray,
-    g: FloatArray,
+    path: PathDynamics,
     step: float,
 ) -> float:
     """The larger of the powers drawn at place i with sd^2 = x, and at the next one, with sdd = u [W]."""
+    slope, m, c, b, g = path.slope, path.m, path.c, path.b, path.g
     largest = 0.0
     for place in (i, i + 1):
         square = max(x + 2.0 * step * float(place - i) * u, 0.0)

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from sojourn_flight.arm.chain import ChainArm
-from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION, search
+from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION, SearchSettings, TipTarget, search
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.spline_path import SplinePath, spline_through
 from sojourn_machine.errors import MachineError
@@ -203,14 +203,13 @@ class _Follower:
     def _posture(self, place: float, near: FloatArray) -> tuple[FloatArray, str]:
         """The posture at a place of the path, and by how much it is missed, in words; empty where it is reached."""
         arm, reach = self.arm, self.arm.reach
-        settings = np.array([1e-8 * reach, 1e-8, 1e-12 * reach**2, 0.5, 60.0])
+        settings = SearchSettings(1e-8 * reach, 1e-8, 1e-12 * reach**2, 0.5, 60)
         position, rotation = self.path.pose(place)
         wanted = np.array(rotation)
         if self.task == POINTING:
             wanted[:, 2] = rotation @ arm.chain.tool_axis
-        q, distance, angle = search(
-            arm.chain, near, arm.lower, arm.upper, self.task, position, wanted, 0.25 * reach, settings
-        )
+        target = TipTarget(self.task, position, wanted, 0.25 * reach)
+        q, distance, angle = search(arm.chain, near, arm.lower, arm.upper, target, settings)
         missed = distance > 1e-6 * reach or angle > 1e-6
         return q, f"{distance:.2g} m and {angle:.2g} rad off" if missed else ""
 

@@ -12,6 +12,7 @@ Raghavan (2003), IEEE Trans. Pattern Analysis and Machine Intelligence 25(2):265
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +28,32 @@ AHEAD = (0.05, 0.15, 0.25)
 """Way of a wheel over which a motion is looked at before it is made [m]."""
 
 
-def circles_of(outline: OutlineParams) -> tuple[FloatArray, float]:
-    """Places of the circles along x in base_link, shape (CIRCLES,) [m], and their radius [m]."""
+class Circles(NamedTuple):
+    """Equal circles that cover an outline."""
+
+    places: FloatArray
+    """Along x in base_link, shape (CIRCLES,) [m]."""
+    radius: float
+    """[m]"""
+
+
+class DistanceGrid(NamedTuple):
+    """Distances to obstacles on a grid in odom, for the kernels."""
+
+    x0: float
+    y0: float
+    """Corner of the grid [m]."""
+    cell: float
+    """[m]"""
+    distances: FloatArray
+    """See `Room`."""
+
+
+def circles_of(outline: OutlineParams) -> Circles:
+    """The circles of an outline."""
     spacing = (outline.front + outline.rear) / CIRCLES
     places = -outline.rear + spacing * (np.arange(CIRCLES, dtype=np.float64) + 0.5)
-    return np.asarray(places, dtype=np.float64), math.hypot(0.5 * spacing, outline.half_width)
+    return Circles(np.asarray(places, dtype=np.float64), math.hypot(0.5 * spacing, outline.half_width))
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +68,14 @@ class Room:
     nearest: NDArray[np.int64]
     """Row and column of that cell, shape (2, cells, cells)."""
 
+    @property
+    def grid(self) -> DistanceGrid:
+        """The distances, for the kernels."""
+        return DistanceGrid(self.x0, self.y0, self.cell, self.distances)
+
     def at(self, x: float, y: float) -> float:
         """Distance from a place in odom to the nearest obstacle [m]."""
-        return float(distance_at(self.distances, self.x0, self.y0, self.cell, x, y))
+        return float(distance_at(self.grid, x, y))
 
     def holds(self, x: float, y: float) -> bool:
         """Whether a place in odom is on the map."""
@@ -88,10 +115,11 @@ def room_in(map_: ObstacleMap, kinds: NDArray[np.int64]) -> Room:
 
 
 @njit(cache=True)
-def distance_at(distances: FloatArray, x0: float, y0: float, cell: float, x: float, y: float) -> float:
+def distance_at(grid: DistanceGrid, x: float, y: float) -> float:
     """Distance to the nearest obstacle, bilinear between the middles of cells; infinite off the map."""
+    distances, cell = grid.distances, grid.cell
     size = distances.shape[0]
-    column, row = (x - x0) / cell - 0.5, (y - y0) / cell - 0.5
+    column, row = (x - grid.x0) / cell - 0.5, (y - grid.y0) / cell - 0.5
     if not (0.0 <= column <= size - 1 and 0.0 <= row <= size - 1):
         return math.inf
     j, i = min(int(column), size - 2), min(int(row), size - 2)
@@ -105,50 +133,28 @@ def distance_at(distances: FloatArray, x0: float, y0: float, cell: float, x: flo
 
 
 @njit(cache=True)
-def room_at_pose(
-    distances: FloatArray,
-    x0: float,
-    y0: float,
-    cell: float,
-    circles: FloatArray,
-    radius: float,
-    x: float,
-    y: float,
-    yaw: float,
-) -> float:
+def room_at_pose(grid: DistanceGrid, circles: Circles, x: float, y: float, yaw: float) -> float:
     """Room of the outline at a pose in odom [m]; below zero where a circle meets an obstacle."""
     least = math.inf
-    for place in circles:
-        found = distance_at(distances, x0, y0, cell, x + place * math.cos(yaw), y + place * math.sin(yaw))
-        least = min(least, found - radius)
+    for place in circles.places:
+        found = distance_at(grid, x + place * math.cos(yaw), y + place * math.sin(yaw))
+        least = min(least, found - circles.radius)
     return least
 
 
 @njit(cache=True)
-def room_along(
-    distances: FloatArray,
-    x0: float,
-    y0: float,
-    cell: float,
-    circles: FloatArray,
-    radius: float,
-    poses: FloatArray,
-) -> FloatArray:
+def room_along(grid: DistanceGrid, circles: Circles, poses: FloatArray) -> FloatArray:
     """Room at poses x, y, yaw in odom, shape (n, 3): shape (n,) [m]."""
     rooms = np.empty(poses.shape[0])
     for i in range(poses.shape[0]):
-        rooms[i] = room_at_pose(distances, x0, y0, cell, circles, radius, poses[i, 0], poses[i, 1], poses[i, 2])
+        rooms[i] = room_at_pose(grid, circles, poses[i, 0], poses[i, 1], poses[i, 2])
     return rooms
 
 
 @njit(cache=True)
 def room_of_motion(
-    distances: FloatArray,
-    x0: float,
-    y0: float,
-    cell: float,
-    circles: FloatArray,
-    radius: float,
+    grid: DistanceGrid,
+    circles: Circles,
     pose: tuple[float, float, float],
     twist: tuple[float, float, float],
     reach: float,
@@ -162,7 +168,7 @@ def room_of_motion(
     """
     x, y, yaw = pose
     v_x, v_y, rate = twist
-    now = room_at_pose(distances, x0, y0, cell, circles, radius, x, y, yaw)
+    now = room_at_pose(grid, circles, x, y, yaw)
     least = now
     fastest = math.sqrt(v_x * v_x + v_y * v_y) + abs(rate) * reach
     if fastest == 0.0:
@@ -178,5 +184,5 @@ def room_of_motion(
         ahead, left = t * (sine * v_x - cosine * v_y), t * (cosine * v_x + sine * v_y)
         east = x + ahead * math.cos(yaw) - left * math.sin(yaw)
         north = y + ahead * math.sin(yaw) + left * math.cos(yaw)
-        least = min(least, room_at_pose(distances, x0, y0, cell, circles, radius, east, north, yaw + turn))
+        least = min(least, room_at_pose(grid, circles, east, north, yaw + turn))
     return now, least

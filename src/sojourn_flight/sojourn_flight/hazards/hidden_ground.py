@@ -19,6 +19,7 @@ gap between a near edge and what is seen beyond it); the bound is this module's.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,19 +34,28 @@ DEPTH = 0.6
 """Of a hidden strip only so much is marked [m]: what lies behind is seen when the rover is there."""
 
 
+class HiddenStrips(NamedTuple):
+    """What a look did not see: the first hidden strip of each sector, over ground from the camera."""
+
+    edges: FloatArray
+    """Where it begins, shape (SECTORS,) [m]; infinite where nothing is hidden, NaN where nothing can be said."""
+    ends: FloatArray
+    """Where it ends, shape (SECTORS,) [m]; where nothing is hidden, how far edges count."""
+    eye: FloatArray
+    """The camera in base_link, shape (3,) [m]."""
+    view_deg: float
+    """All sectors together, evenly to both sides."""
+
+
 @njit(cache=True)
 def hidden_strips(
     points: FloatArray, eye: FloatArray, ride_height: float, view_deg: float, near: float, step: float
-) -> tuple[FloatArray, FloatArray]:
-    """First hidden strip of each sector: where it begins and where it ends, over ground from the camera.
+) -> HiddenStrips:
+    """First hidden strip of each sector.
 
     Args:
         points: in base_link, shape (n, 3) [m]. eye: the camera there, shape (3,) [m].
         view_deg: all sectors together, evenly to both sides. near: only edges within this distance count [m].
-
-    Returns:
-        begin, end, each of shape (SECTORS,) [m]. Where nothing is hidden, begin is infinite and end is `near`; where
-        nothing can be said begin is NaN.
     """
     edges, ends = np.full(SECTORS, np.nan), np.full(SECTORS, np.inf)
     half = math.radians(0.5 * view_deg)
@@ -85,15 +95,15 @@ def hidden_strips(
                 continue
         last[sector] = distance
         top[sector] = above
-    return edges, ends
+    return HiddenStrips(edges, ends, eye, view_deg)
 
 
 @njit(cache=True)
-def is_hidden(ahead: float, left: float, edges: FloatArray, ends: FloatArray, view_deg: float) -> int:
+def is_hidden(ahead: float, left: float, strips: HiddenStrips) -> int:
     """1 where a place, relative to the camera in the plane of the body [m], lies in a hidden strip; 0 where it lies in
     ground that the camera sees up to there; -1 where the look says nothing about it.
     """
-    half = math.radians(0.5 * view_deg)
+    edges, ends, half = strips.edges, strips.ends, math.radians(0.5 * strips.view_deg)
     sector = math.floor((math.atan2(left, ahead) + half) / (2.0 * half) * SECTORS)
     if not 0 <= sector < SECTORS or math.isnan(edges[sector]):
         return -1

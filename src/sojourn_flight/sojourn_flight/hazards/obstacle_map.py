@@ -19,10 +19,11 @@ centred on the robot, drift of its pose).
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from sojourn_flight.hazards.hidden_ground import hidden_strips, is_hidden
+from sojourn_flight.hazards.hidden_ground import HiddenStrips, hidden_strips, is_hidden
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
 from sojourn_flight.hazards.stereo_camera import StereoCamera, height_variances
 from sojourn_machine.kernels import njit
@@ -44,6 +45,16 @@ SIGMAS = 2.0
 """So much of a difference of heights is taken for noise of the map, in standard deviations [-]."""
 
 
+class CellGrid(NamedTuple):
+    """Where the cells of a map are."""
+
+    x0: float
+    y0: float
+    """Corner of the first cell in odom [m]."""
+    cell: float
+    """Side of a cell [m]."""
+
+
 @dataclass(frozen=True, slots=True)
 class ObstacleMap:
     """The grid; nobody writes to it after it was made."""
@@ -63,6 +74,11 @@ class ObstacleMap:
         """Cells of which points are kept."""
         known: np.ndarray[tuple[int, int], np.dtype[np.bool_]] = self.layers[COUNT] > 0.0
         return known
+
+    @property
+    def grid(self) -> CellGrid:
+        """Where its cells are."""
+        return CellGrid(self.x0, self.y0, self.cell)
 
     def centre(self, row: int, column: int) -> tuple[float, float]:
         """Middle of a cell in odom [m]."""
@@ -115,10 +131,10 @@ def with_cloud(
     seat, view = eye.position, params.map.view_deg
     distances = np.sqrt(((points - seat) ** 2).sum(axis=1))
     noise = height_variances(eye, points, rotation[2])
-    add_points(layers, rolled.x0, rolled.y0, rolled.cell, in_odom, distances, noise, driven)
+    add_points(layers, rolled.grid, in_odom, distances, noise, driven)
     outline, limits = params.outline, params.passable
-    edges, ends = hidden_strips(points, seat, outline.ride_height, view, params.map.near, limits.max_step)
-    mark_hidden(layers, rolled.x0, rolled.y0, rolled.cell, position, rotation, seat, edges, ends, view)
+    strips = hidden_strips(points, seat, outline.ride_height, view, params.map.near, limits.max_step)
+    mark_hidden(layers, rolled.grid, position, rotation, strips)
     return replace(rolled, layers=layers, lift=lift)
 
 
@@ -154,9 +170,7 @@ def _lift(map_: ObstacleMap, layers: FloatArray, points: FloatArray) -> float:
 @njit(cache=True)
 def add_points(
     layers: FloatArray,
-    x0: float,
-    y0: float,
-    cell: float,
+    grid: CellGrid,
     points: FloatArray,
     distances: FloatArray,
     noise: FloatArray,
@@ -166,8 +180,8 @@ def add_points(
     size = layers.shape[1]
     look = np.zeros((6, size, size))  # number, lowest, highest, and sums: of heights, distances, variances
     for i in range(points.shape[0]):
-        column = int(np.floor((points[i, 0] - x0) / cell))
-        row = int(np.floor((points[i, 1] - y0) / cell))
+        column = int(np.floor((points[i, 0] - grid.x0) / grid.cell))
+        row = int(np.floor((points[i, 1] - grid.y0) / grid.cell))
         if not (0 <= row < size and 0 <= column < size):
             continue
         z = points[i, 2]
@@ -210,28 +224,19 @@ def add_points(
 
 @njit(cache=True)
 def mark_hidden(
-    layers: FloatArray,
-    x0: float,
-    y0: float,
-    cell: float,
-    position: FloatArray,
-    rotation: FloatArray,
-    eye: FloatArray,
-    edges: FloatArray,
-    ends: FloatArray,
-    view_deg: float,
+    layers: FloatArray, grid: CellGrid, position: FloatArray, rotation: FloatArray, strips: HiddenStrips
 ) -> None:
-    """Set the layer HIDDEN of the unknown cells in the camera's sector, from the strips of `hidden_strips`."""
-    size = layers.shape[1]
+    """Set the layer HIDDEN of the unknown cells in the camera's sector."""
+    size, eye = layers.shape[1], strips.eye
     for row in range(size):
         for column in range(size):
             if layers[COUNT, row, column] > 0.0:
                 continue
-            east = x0 + (column + 0.5) * cell - position[0]
-            north = y0 + (row + 0.5) * cell - position[1]
+            east = grid.x0 + (column + 0.5) * grid.cell - position[0]
+            north = grid.y0 + (row + 0.5) * grid.cell - position[1]
             # in the plane of the body; the height of a cell that nobody has seen is not known
             ahead = rotation[0, 0] * east + rotation[1, 0] * north - eye[0]
             left = rotation[0, 1] * east + rotation[1, 1] * north - eye[1]
-            found = is_hidden(ahead, left, edges, ends, view_deg)
+            found = is_hidden(ahead, left, strips)
             if found >= 0:
                 layers[HIDDEN, row, column] = float(found)

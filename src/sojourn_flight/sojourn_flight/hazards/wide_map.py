@@ -14,10 +14,12 @@ filled from the local map's).
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sojourn_flight.hazards.obstacle_map import CellGrid
 from sojourn_flight.hazards.obstacle_params import ObstacleMapParams
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
@@ -49,6 +51,18 @@ class WideMap:
         return known
 
 
+class JudgedCells(NamedTuple):
+    """What is thought of the cells of the map."""
+
+    grid: CellGrid
+    costs: FloatArray
+    """Shape (cells, cells) [-]; infinite where closed."""
+    slopes: FloatArray
+    """Along x and y, shape (2 or more, cells, cells) [-]."""
+    known: NDArray[np.bool_]
+    """Shape (cells, cells)."""
+
+
 def empty_wide_map(params: ObstacleMapParams, x: float, y: float) -> WideMap:
     """Nothing known round a place in odom [m]."""
     cell = params.wide_cell
@@ -64,20 +78,17 @@ def _unseen(count: int) -> FloatArray:
 
 
 def remembered(
-    params: ObstacleMapParams, wide: WideMap, corner: tuple[float, float], costs: FloatArray, slopes: FloatArray,
-    known: NDArray[np.bool_], here: tuple[float, float, float],
-) -> WideMap:  # fmt: skip
+    params: ObstacleMapParams, wide: WideMap, judged: JudgedCells, here: tuple[float, float, float]
+) -> WideMap:
     """The wide map after a cloud.
 
     Args:
-        corner: of the map in odom [m]. costs, known: of its cells, shape (cells, cells). slopes: shape (2 or more,
-        cells, cells).
         here: place of the rover in odom, and odometer [m].
     """
     rolled = _rolled(wide, here[0], here[1])
     layers = rolled.layers.copy()
     layers[:, layers[SEEN_AT] < here[2] - params.wide_memory] = _unseen(1)[:, 0]
-    take(layers, rolled.x0, rolled.y0, rolled.cell, corner, params.cell, costs, slopes, known, here[2])
+    take(layers, CellGrid(rolled.x0, rolled.y0, rolled.cell), judged, here[2])
     return replace(rolled, layers=layers)
 
 
@@ -95,20 +106,18 @@ def _rolled(wide: WideMap, x: float, y: float) -> WideMap:
 
 
 @njit(cache=True)
-def take(
-    layers: FloatArray, x0: float, y0: float, wide_cell: float, corner: tuple[float, float], cell: float,
-    costs: FloatArray, slopes: FloatArray, known: NDArray[np.bool_], driven: float,
-) -> None:  # fmt: skip
+def take(layers: FloatArray, wide: CellGrid, judged: JudgedCells, driven: float) -> None:
     """Write what a map says into the layers of a wide one, see the module."""
+    costs, slopes, known, fine = judged.costs, judged.slopes, judged.known, judged.grid
     size, count = layers.shape[1], costs.shape[0]
-    ratio = round(wide_cell / cell)
+    ratio = round(wide.cell / fine.cell)
     edge = 2 * ratio
     for row in range(size):
-        first = round((y0 + row * wide_cell - corner[1]) / cell)
+        first = round((wide.y0 + row * wide.cell - fine.y0) / fine.cell)
         if first < 0 or first + ratio > count:
             continue
         for column in range(size):
-            begin = round((x0 + column * wide_cell - corner[0]) / cell)
+            begin = round((wide.x0 + column * wide.cell - fine.x0) / fine.cell)
             if begin < 0 or begin + ratio > count:
                 continue
             i, j = first + ratio // 2, begin + ratio // 2

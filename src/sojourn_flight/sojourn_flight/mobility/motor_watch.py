@@ -19,7 +19,7 @@ Source: own formulation. It follows practice on Mars: Opportunity drove for year
 degrees, Spirit with a wheel that was dragged (Arvidson et al. 2011, J. Geophys. Res. 116:E00F15, section 2).
 """
 
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,11 +41,11 @@ ANCHORED = 0.5
 SLOWEST_ERROR = 0.02
 """Rate [rad/s] below which no error counts."""
 STEERED = int(WheelTableColumn.STEERED)
-_NOT_MEASURED: FloatArray = np.empty(0)
+NOT_MEASURED: FloatArray = np.empty(0)
+"""Efforts of motors that do not tell them."""
 
 
-@dataclass(frozen=True, slots=True)
-class MotorState:
+class MotorState(NamedTuple):
     """What is thought of each motor. Arrays have shape (wheels,)."""
 
     steer_doubt: FloatArray
@@ -69,7 +69,38 @@ class MotorState:
 
     def steering_on_trial(self) -> "MotorState":
         """The steering motors get another try."""
-        return replace(self, steer_doubt=np.zeros_like(self.steer_doubt), steer_failed=np.zeros_like(self.steer_failed))
+        zeros, no = np.zeros_like(self.steer_doubt), np.zeros_like(self.steer_failed)
+        return self._replace(steer_doubt=zeros, steer_failed=no)
+
+
+class MeasuredMotors(NamedTuple):
+    """What is measured of the motors. Arrays have shape (wheels,)."""
+
+    steer_angles: FloatArray
+    """[rad]"""
+    steer_rates: FloatArray
+    """[rad/s]"""
+    wheel_rates: FloatArray
+    """[rad/s]"""
+    wheel_efforts: FloatArray
+    """[N m]; shape (0,) where there is no such measurement."""
+
+
+class MotorThresholds(NamedTuple):
+    """From where on a motor does not follow: see the module header."""
+
+    steer_error: float
+    """[rad]"""
+    steer_time: float
+    """[s]"""
+    rate_error: float
+    """Part of the command [-]."""
+    drive_time: float
+    """[s]"""
+    least_steer_rate: float
+    """Of a steering that is on its way [rad/s]."""
+    least_wheel_rate: float
+    """Commanded of a wheel that does not stand [rad/s]."""
 
 
 def watch_motors(
@@ -78,60 +109,56 @@ def watch_motors(
     table: FloatArray,
     state: MotorState,
     commanded: LimiterState,
-    steer_angles: FloatArray,
-    steer_rates: FloatArray,
-    wheel_rates: FloatArray,
-    wheel_efforts: FloatArray | None,
+    measured: MeasuredMotors,
     dt: float,
 ) -> MotorState:
-    """What is thought of the motors after one more period; arrays have shape (wheels,).
+    """What is thought of the motors after one more period.
 
     Args:
         table: wheels, from `SteeringGeometryParams.table()`.
         commanded: last period's commands.
-        steer_angles [rad], steer_rates [rad/s], wheel_rates [rad/s], wheel_efforts [N m]: measured; no efforts where
-            there is no such measurement.
         dt: period [s].
     """
-    steer_doubt, drive_doubt, steer_failed, drive_failed, held = _watched(
-        table, state.steer_doubt, state.drive_doubt, state.steer_failed, state.drive_failed, state.held,
-        commanded.steer_angles, commanded.wheel_rates, steer_angles, steer_rates, wheel_rates,
-        _NOT_MEASURED if wheel_efforts is None else wheel_efforts, params.steer_error, params.steer_time,
-        params.rate_error, params.drive_time, limits.max_steer_rate, limits.max_wheel_rate, dt,
+    thresholds = MotorThresholds(
+        params.steer_error, params.steer_time, params.rate_error, params.drive_time,
+        MOVING * limits.max_steer_rate, MOVING * limits.max_wheel_rate,
     )  # fmt: skip
-    return MotorState(steer_doubt, drive_doubt, steer_failed, drive_failed, held)
+    return _watched(table, state, commanded, measured, thresholds, dt)  # type: ignore[no-any-return]
 
 
 @njit(cache=True)
 def _watched(
-    table: FloatArray, old_steer_doubt: FloatArray, old_drive_doubt: FloatArray, old_steer_failed: BoolArray,
-    old_drive_failed: BoolArray, old_held: FloatArray, angles_commanded: FloatArray, rates_commanded: FloatArray,
-    angles: FloatArray, steer_rates: FloatArray, rates: FloatArray, efforts: FloatArray, steer_error: float,
-    steer_time: float, rate_error: float, drive_time: float, max_steer_rate: float, max_wheel_rate: float, dt: float,
-) -> tuple[FloatArray, FloatArray, BoolArray, BoolArray, FloatArray]:  # fmt: skip
-    """The fields of a MotorState after a period."""
-    steer_doubt, drive_doubt = old_steer_doubt.copy(), old_drive_doubt.copy()
-    steer_failed, drive_failed, held = old_steer_failed.copy(), old_drive_failed.copy(), old_held.copy()
-    wrong = _does_not_follow(old_drive_failed, rates_commanded, rates, efforts, rate_error, MOVING * max_wheel_rate)
+    table: FloatArray,
+    old: MotorState,
+    commanded: LimiterState,
+    measured: MeasuredMotors,
+    thresholds: MotorThresholds,
+    dt: float,
+) -> MotorState:
+    steer_doubt, drive_doubt = old.steer_doubt.copy(), old.drive_doubt.copy()
+    steer_failed, drive_failed, held = old.steer_failed.copy(), old.drive_failed.copy(), old.held.copy()
+    steer_time, drive_time = thresholds.steer_time, thresholds.drive_time
+    wrong = _does_not_follow(old.drive_failed, commanded.wheel_rates, measured, thresholds)
     for i in range(table.shape[0]):
-        off = abs(angles_commanded[i] - angles[i]) > steer_error
-        still = abs(steer_rates[i]) < MOVING * max_steer_rate
+        off = abs(commanded.steer_angles[i] - measured.steer_angles[i]) > thresholds.steer_error
+        still = abs(measured.steer_rates[i]) < thresholds.least_steer_rate
         jammed = table[i, STEERED] > 0.5 and off and still
         steer_doubt[i] = min(max(steer_doubt[i] + (dt if jammed else -dt), 0.0), steer_time)
         if steer_doubt[i] >= steer_time and not steer_failed[i]:
-            steer_failed[i], held[i] = True, angles[i]
+            steer_failed[i], held[i] = True, measured.steer_angles[i]
         drive_doubt[i] = min(max(drive_doubt[i] + (dt if wrong[i] else -dt), 0.0), drive_time)
         drive_failed[i] = drive_doubt[i] >= drive_time or (drive_failed[i] and drive_doubt[i] > 0.0)
-    return steer_doubt, drive_doubt, steer_failed, drive_failed, held
+    return MotorState(steer_doubt, drive_doubt, steer_failed, drive_failed, held)
 
 
 @njit(cache=True)
 def _does_not_follow(
-    failed: BoolArray, commanded: FloatArray, rates: FloatArray, efforts: FloatArray, rate_error: float, least: float
+    failed: BoolArray, commanded: FloatArray, measured: MeasuredMotors, thresholds: MotorThresholds
 ) -> BoolArray:
-    """Whether each drive motor misses its command; `least` is the smallest rate that counts as one [rad/s]."""
+    """Whether each drive motor misses its command [rad/s]."""
+    rates, efforts, rate_error = measured.wheel_rates, measured.wheel_efforts, thresholds.rate_error
     size = np.abs(commanded)
-    asked = size > least
+    asked = size > thresholds.least_wheel_rate
     if not asked.any():
         return failed  # nothing is learnt: a failed motor stays one
     miss = np.abs(commanded - rates) / np.maximum(size, SLOWEST_ERROR / rate_error)

@@ -24,7 +24,6 @@ meaning (dt <= 0.1 s).
 """
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -40,8 +39,7 @@ _STEERED = int(WheelTableColumn.STEERED)
 _MAX_STEER_RATE = int(WheelTableColumn.MAX_STEER_RATE)
 
 
-@dataclass(frozen=True, slots=True)
-class LimiterState:
+class LimiterState(NamedTuple):
     """Last commands sent to the motors. Arrays have shape (wheels,)."""
 
     steer_angles: FloatArray
@@ -64,6 +62,17 @@ class SteeringPace(NamedTuple):
     """[rad/s]"""
     acceleration: float
     """[rad/s^2]"""
+
+
+class SteeringWait(NamedTuple):
+    """How wheels and steering wait for each other."""
+
+    full_speed_error: float
+    """Steer error up to which the wheels roll at their full speed [rad]."""
+    stop_error: float
+    """From which they stand [rad]."""
+    rolling_speed: float
+    """Of a rim, above which a large move of the steering waits [m/s]."""
 
 
 class SteeringStep(NamedTuple):
@@ -89,22 +98,16 @@ def _arriving_rate(to_go: float, acceleration: float, dt: float) -> float:
 @njit(cache=True)
 def _steering_kernel(
     table: FloatArray,
+    pace: SteeringPace,
+    waiting: SteeringWait,
+    state: LimiterState,
     wanted_angles: FloatArray,
-    angles: FloatArray,
-    wheel_rates: FloatArray,
-    steer_rates: FloatArray,
     measured_angles: FloatArray,
     dt: float,
-    max_steer_rate: float,
-    acceleration: float,
-    full_speed_error: float,
-    stop_error: float,
-    rolling_speed: float,
-    new_angles: FloatArray,
-    new_rates: FloatArray,
-) -> tuple[float, float]:
-    """One period; fills the last two arrays and gives the speed factor and the largest steer error."""
+) -> SteeringStep:
+    angles, steer_rates, acceleration = state.steer_angles, state.steer_rates, pace.acceleration
     count = table.shape[0]
+    new_angles, new_rates = np.empty(count), np.empty(count)
     command_error = 0.0
     error = 0.0
     gain = 1.0 / dt  # rate over miss
@@ -114,15 +117,15 @@ def _steering_kernel(
             miss = abs(wanted_angles[i] - angles[i])
             command_error = max(command_error, miss)
             error = max(error, abs(wanted_angles[i] - measured_angles[i]))
-            most = min(max_steer_rate, table[i, _MAX_STEER_RATE])
+            most = min(pace.rate, table[i, _MAX_STEER_RATE])
             if miss * gain > most:
                 gain = most / miss
         _, _, _, own = rolling_line(table[i], angles[i], steer_rates[i])
-        if abs(wheel_rates[i] * table[i, _RADIUS] - own) > rolling_speed:
+        if abs(state.wheel_rates[i] * table[i, _RADIUS] - own) > waiting.rolling_speed:
             rolling = True
     error = max(error, command_error)
-    factor = min(max((stop_error - error) / (stop_error - full_speed_error), 0.0), 1.0)
-    if rolling and command_error >= stop_error:
+    factor = min(max((waiting.stop_error - error) / (waiting.stop_error - waiting.full_speed_error), 0.0), 1.0)
+    if rolling and command_error >= waiting.stop_error:
         gain = 0.0
     elif command_error > 0.0:
         gain = min(gain, _arriving_rate(command_error, acceleration, dt) / command_error)
@@ -136,7 +139,7 @@ def _steering_kernel(
         rate = steer_rates[i] + step * (gain * (wanted_angles[i] - angles[i]) - steer_rates[i])
         new_angles[i] = wanted_angles[i] if arrives else angles[i] + rate * dt
         new_rates[i] = (new_angles[i] - angles[i]) / dt
-    return factor, error
+    return SteeringStep(new_angles, new_rates, factor, error)
 
 
 @njit(cache=True)
@@ -183,24 +186,12 @@ def limit_steering(
         dt: period [s], above 0.
         waits: whether a large move waits until the wheels stand; not where they roll along with the steering.
     """
-    angles, rates = np.empty(table.shape[0]), np.empty(table.shape[0])
-    factor, error = _steering_kernel(
-        table,
-        wanted_angles,
-        state.steer_angles,
-        state.wheel_rates,
-        state.steer_rates,
-        measured_angles,
-        float(dt),
-        float(pace.rate),
-        float(pace.acceleration),
-        transition.full_speed_error,
-        transition.stop_error,
-        transition.rolling_speed if waits else math.inf,
-        angles,
-        rates,
+    rolling_speed = transition.rolling_speed if waits else math.inf
+    waiting = SteeringWait(transition.full_speed_error, transition.stop_error, rolling_speed)
+    pace = SteeringPace(float(pace.rate), float(pace.acceleration))
+    return _steering_kernel(  # type: ignore[no-any-return]
+        table, pace, waiting, state, wanted_angles, measured_angles, float(dt)
     )
-    return SteeringStep(angles, rates, factor, error)
 
 
 def limit_rates(

@@ -18,7 +18,7 @@ longer than R; a step is smeared over R, and left out.
 """
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,8 +40,7 @@ LEAST_SPREAD, LARGEST_OFFSET = 0.25, 0.5
 """Of the points of a plane, over the radius: smallest deviation in any direction, distance of their mean."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class GroundSurface:
+class GroundSurface(NamedTuple):
     """Nodes at (x0 + column cell, y0 + row cell); nobody writes to it after it was made."""
 
     x0: float
@@ -136,12 +135,11 @@ def planes_of(moments: FloatArray, radius: float) -> FloatArray:
 
 
 @njit(cache=True)
-def surface_at(
-    planes: FloatArray, x0: float, y0: float, cell: float, x: float, y: float
-) -> tuple[bool, float, float, float, float, float, float]:
+def surface_at(surface: GroundSurface, x: float, y: float) -> tuple[bool, float, float, float, float, float, float]:
     """Whether the surface is known at a place; height, slopes, and the variances of the three."""
+    planes, cell = surface.planes, surface.cell
     size = planes.shape[0]
-    across, up = (x - x0) / cell, (y - y0) / cell
+    across, up = (x - surface.x0) / cell, (y - surface.y0) / cell
     if not (0.0 <= across < size - 1 and 0.0 <= up < size - 1):
         return False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     column, row = int(across), int(up)

@@ -49,8 +49,12 @@ import numpy as np
 from sojourn_flight.odometry.odometry_kernels import (
     START_POSITION_VARIANCE,
     START_YAW_VARIANCE,
+    AddedVariances,
+    Move,
+    RateVariances,
+    WheelPeriod,
     body_arc,
-    fill_covariances,
+    covariances_of,
     propagate,
     rescaled,
     update_bias,
@@ -228,13 +232,12 @@ def step_odometry(
         )
     gyro = measured.gyro
     body_rate = gyro[2] - state.gyro_bias if gyro is not None else 0.0
+    wheels = WheelPeriod(
+        old_positions, measured.wheel_positions, measured.wheel_rates, old_angles, measured.steer_angles
+    )
     v_x, v_y, wheel_yaw_rate, residual, fastest, jumps = wheel_motion(
         table,
-        old_positions,
-        measured.wheel_positions,
-        measured.wheel_rates,
-        old_angles,
-        measured.steer_angles,
+        wheels,
         float(dt),
         params.plausible_wheel_rate,
         params.lateral_weight,
@@ -307,20 +310,15 @@ def step_odometry(
     kept = math.exp(-travel / params.slip_length)
     renewed = 1.0 - kept * kept
     yaw_variance = gyro_variance * dt if gyro is not None else params.wheel_yaw_sigma**2 * travel
-    covariance = propagate(
-        before,
-        move_x,
-        move_y,
-        -sin_yaw * travel,
-        cos_yaw * travel,
-        bias_gain,
-        kept,
-        slip_sigma**2 * renewed,
-        side_sigma**2 * renewed,
-        params.travel_sigma**2 * travel + (params.turn_sigma**2 + measured.turn_sigma**2) * abs(yaw_rate) * dt,
-        yaw_variance,
-        params.gyro_bias_walk**2 * dt if gyro is not None else 0.0,
+    added = AddedVariances(
+        slip=slip_sigma**2 * renewed,
+        side=side_sigma**2 * renewed,
+        move=params.travel_sigma**2 * travel + (params.turn_sigma**2 + measured.turn_sigma**2) * abs(yaw_rate) * dt,
+        yaw=yaw_variance,
+        bias=params.gyro_bias_walk**2 * dt if gyro is not None else 0.0,
     )
+    move = Move(move_x, move_y, -sin_yaw * travel, cos_yaw * travel)
+    covariance = propagate(before, move, bias_gain, kept, added)
     return OdometryState(
         x=state.x + move_x,
         y=state.y + move_y,
@@ -380,16 +378,11 @@ def message_covariances(params: OdometryParams, state: OdometryState, dt: float)
         [rad/s] in base_link. Errors of height grow with distance times the error of tilt.
     """
     speed = math.hypot(state.v_x, state.v_y)
-    pose, twist = np.zeros((6, 6)), np.zeros((6, 6))
-    fill_covariances(
-        state.covariance,
-        params.tilt_sigma,
-        float(state.distance),
-        params.travel_sigma**2 * speed / dt,
-        float(state.covariance[3, 3]) * speed**2,
-        (state.side_sigma * speed) ** 2,
-        params.gyro_random_walk**2 / dt + float(state.covariance[5, 5]),
-        pose,
-        twist,
+    rates = RateVariances(
+        white=params.travel_sigma**2 * speed / dt,
+        lasting=float(state.covariance[3, 3]) * speed**2,
+        side=(state.side_sigma * speed) ** 2,
+        gyro=params.gyro_random_walk**2 / dt + float(state.covariance[5, 5]),
     )
+    pose, twist = covariances_of(state.covariance, params.tilt_sigma, float(state.distance), rates)
     return pose, twist

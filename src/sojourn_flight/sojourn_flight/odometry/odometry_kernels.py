@@ -1,6 +1,7 @@
 """Kernels of the odometry: arc, wheels, covariance. Equations and sources are in `odometry`."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +19,55 @@ STANDING_RATE_VARIANCE = 1e-8
 """Variance of a velocity that is zero because the rover stands [m^2/s^2 or rad^2/s^2]."""
 
 
+class WheelPeriod(NamedTuple):
+    """Wheels at both ends of a period. Arrays have shape (wheels,)."""
+
+    positions_before: FloatArray
+    """Encoder angles [rad]."""
+    positions: FloatArray
+    rates: FloatArray
+    """As measured at the end [rad/s]."""
+    angles_before: FloatArray
+    """Of the steering [rad]."""
+    angles: FloatArray
+
+
+class Move(NamedTuple):
+    """Displacement D of a period in odom and its sideways companion S [m]."""
+
+    x: float
+    y: float
+    side_x: float
+    side_y: float
+
+
+class AddedVariances(NamedTuple):
+    """Q: what a period adds to the variances of the states."""
+
+    slip: float
+    """[-]"""
+    side: float
+    """[-]"""
+    move: float
+    """Of x and of y [m^2]."""
+    yaw: float
+    """[rad^2]"""
+    bias: float
+    """[rad^2/s^2]"""
+
+
+class RateVariances(NamedTuple):
+    """Of the velocities [m^2/s^2] and of the gyro [rad^2/s^2]."""
+
+    white: float
+    """From one period to the next."""
+    lasting: float
+    """Of the slip."""
+    side: float
+    """Of the drift aside."""
+    gyro: float
+
+
 @njit(cache=True)
 def body_arc(v_x: float, v_y: float, turn: float, dt: float) -> tuple[float, float]:
     """Displacement in the body plane at the start of a period [m] while the body turns by `turn` [rad]."""
@@ -32,19 +82,24 @@ def body_arc(v_x: float, v_y: float, turn: float, dt: float) -> tuple[float, flo
 
 @njit(cache=True)
 def wheel_motion(
-    table: FloatArray, old_positions: FloatArray, positions: FloatArray, measured_rates: FloatArray,
-    old_angles: FloatArray, angles: FloatArray, dt: float, plausible_rate: float, lateral_weight: float,
-    yaw_rate: float, use_gyro: bool,
-) -> tuple[float, float, float, float, float, int]:  # fmt: skip
+    table: FloatArray,
+    wheels: WheelPeriod,
+    dt: float,
+    plausible_rate: float,
+    lateral_weight: float,
+    yaw_rate: float,
+    use_gyro: bool,
+) -> tuple[float, float, float, float, float, int]:
     """v_x, v_y, yaw rate of the wheels alone, residual, fastest rim (roll or steer) [m/s], encoder jumps."""
+    angles, old_angles = wheels.angles, wheels.angles_before
     count = table.shape[0]
     rates, middle, turning = np.empty(count), np.empty(count), np.empty(count)
     fastest = 0.0
     jumps = 0
     for i in range(count):
-        rates[i] = (positions[i] - old_positions[i]) / dt
+        rates[i] = (wheels.positions[i] - wheels.positions_before[i]) / dt
         if abs(rates[i]) > plausible_rate:
-            rates[i] = measured_rates[i]
+            rates[i] = wheels.rates[i]
             jumps += 1
         middle[i] = 0.5 * (angles[i] + old_angles[i])
         turning[i] = (angles[i] - old_angles[i]) / dt
@@ -58,23 +113,13 @@ def wheel_motion(
 
 @njit(cache=True)
 def propagate(
-    covariance: FloatArray,
-    move_x: float,
-    move_y: float,
-    side_x: float,
-    side_y: float,
-    bias_gain: float,
-    slip_kept: float,
-    slip_variance: float,
-    side_variance: float,
-    move_variance: float,
-    yaw_variance: float,
-    bias_variance: float,
+    covariance: FloatArray, move: Move, bias_gain: float, slip_kept: float, added: AddedVariances
 ) -> FloatArray:
-    """F P F^T + Q for one period; the variances are those added, `slip_kept` what is left of the old slip.
+    """F P F^T + Q for one period; `slip_kept` is what is left of the old slip [-], `bias_gain` g [s].
 
     States beyond the six of the odometry are constants.
     """
+    move_x, move_y, side_x, side_y = move
     result = covariance.copy()
     # F differs from the identity in its first five rows only: F P row by row, and the same once more for the columns.
     # The bias turns the heading while the rover moves: half of the period's turn counts for its displacement.
@@ -90,12 +135,12 @@ def propagate(
     for i in range(covariance.shape[0]):
         for j in range(i):
             result[i, j] = result[j, i]
-    result[0, 0] += move_variance
-    result[1, 1] += move_variance
-    result[2, 2] += yaw_variance
-    result[3, 3] += slip_variance
-    result[4, 4] += side_variance
-    result[5, 5] += bias_variance
+    result[0, 0] += added.move
+    result[1, 1] += added.move
+    result[2, 2] += added.yaw
+    result[3, 3] += added.slip
+    result[4, 4] += added.side
+    result[5, 5] += added.bias
     return result
 
 
@@ -168,17 +213,22 @@ def update_all(
 
 
 @njit(cache=True)
-def fill_covariances(
-    covariance: FloatArray, tilt_sigma: float, distance: float, white: float, lasting: float, side: float,
-    gyro: float, pose: FloatArray, twist: FloatArray,
-) -> None:  # fmt: skip
-    """Fills the two (6, 6) covariances of a message, which are zero before."""
+def covariances_of(
+    covariance: FloatArray, tilt_sigma: float, distance: float, rates: RateVariances
+) -> tuple[FloatArray, FloatArray]:
+    """The covariances of pose and twist of a message, (6, 6) each.
+
+    Args:
+        covariance: of the states. tilt_sigma: [rad]. distance: driven [m].
+    """
+    pose, twist = np.zeros((6, 6)), np.zeros((6, 6))
     pose[0, 0], pose[0, 1], pose[1, 1] = covariance[0, 0], covariance[0, 1], covariance[1, 1]
     pose[0, 5], pose[1, 5], pose[5, 5] = covariance[0, 2], covariance[1, 2], covariance[2, 2]
     pose[1, 0], pose[5, 0], pose[5, 1] = pose[0, 1], pose[0, 5], pose[1, 5]
     pose[2, 2] = START_POSITION_VARIANCE + (tilt_sigma * distance) ** 2
     pose[3, 3] = pose[4, 4] = tilt_sigma**2
-    twist[0, 0] = STANDING_RATE_VARIANCE + white + lasting
-    twist[1, 1] = STANDING_RATE_VARIANCE + white + side
-    twist[2, 2] = STANDING_RATE_VARIANCE + side
-    twist[3, 3] = twist[4, 4] = twist[5, 5] = STANDING_RATE_VARIANCE + gyro
+    twist[0, 0] = STANDING_RATE_VARIANCE + rates.white + rates.lasting
+    twist[1, 1] = STANDING_RATE_VARIANCE + rates.white + rates.side
+    twist[2, 2] = STANDING_RATE_VARIANCE + rates.side
+    twist[3, 3] = twist[4, 4] = twist[5, 5] = STANDING_RATE_VARIANCE + rates.gyro
+    return pose, twist

@@ -36,6 +36,7 @@ from sojourn_flight.odometry.speed_filter import (
     ROCKING_LAG,
     ROCKING_RATE,
     SPEED,
+    ProcessNoise,
     bound_factor,
     carry_gravity,
     felt_rocking,
@@ -309,10 +310,8 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         )  # fmt: skip
     acceleration = felt[0] * ahead_x + felt[1] * ahead_y
     drift_variance = (trust.drift_walk**2 + TURNED_APART * abs(gyro[2]) * trust.accelerometer_bias**2) * dt
-    predict(
-        states, covariance, acceleration, ahead_x, wheels * dt, dt, force_noise, drift_variance, trust.factor_sigma,
-        trust.factor_length,
-    )  # fmt: skip
+    noise = ProcessNoise(force_noise, drift_variance, trust.factor_sigma, trust.factor_length)
+    predict(states, covariance, acceleration, ahead_x, wheels * dt, dt, noise)
     loads, way = machine.loads, old.way
     along, levers, counts = np.empty(count), np.empty(count), np.empty(count)
     kinds = np.zeros(count, dtype=np.int64)

@@ -31,6 +31,7 @@ Assumptions: the machine moves where its wheels roll to; lever arm of the IMU ti
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,6 +47,19 @@ ROCKING_LAG = 0.5
 """Time over which the acceleration that is felt is averaged [s]."""
 FACTOR_BOUND = 3.0
 """The soil's factor is held within so many standard deviations of a new soil's [-]."""
+
+
+class ProcessNoise(NamedTuple):
+    """What makes the states uncertain from one period to the next."""
+
+    force: float
+    """Density of the noise of the accelerations [m/s^1.5]."""
+    drift_variance: float
+    """Gained by the drift in the period [m^2/s^4]."""
+    factor_sigma: float
+    """Of a new soil's factor [-]."""
+    factor_length: float
+    """Way over which a soil is forgotten [m]."""
 
 
 @njit(cache=True)
@@ -94,11 +108,20 @@ def felt_rocking(felt: FloatArray, acceleration: float, dt: float) -> FloatArray
 
 @njit(cache=True)
 def predict(
-    states: FloatArray, covariance: FloatArray, acceleration: float, ahead: float, way: float, dt: float,
-    force_noise: float, drift_variance: float, factor_sigma: float, factor_length: float,
-) -> None:  # fmt: skip
-    """One period, in place. `ahead`: d_x, cosine between the motion and x of base_link. `drift_variance`: gained."""
-    kept = math.exp(-way / factor_length)
+    states: FloatArray,
+    covariance: FloatArray,
+    acceleration: float,
+    ahead: float,
+    way: float,
+    dt: float,
+    noise: ProcessNoise,
+) -> None:
+    """One period of dt [s], in place.
+
+    Args:
+        acceleration: a [m/s^2]. ahead: d_x, cosine between the motion and x of base_link. way: of the wheels [m].
+    """
+    kept = math.exp(-way / noise.factor_length)
     states[SPEED] += (acceleration - ahead * states[DRIFT]) * dt
     states[FACTOR] = 1.0 + (states[FACTOR] - 1.0) * kept
     carried = covariance[SPEED] - ahead * dt * covariance[DRIFT]
@@ -107,9 +130,9 @@ def predict(
     covariance[FACTOR] *= kept
     covariance[:, FACTOR] *= kept
     sideways = 1.0 - ahead * ahead  # across x the drift is not estimated, and may be what it is at first
-    covariance[SPEED, SPEED] += force_noise**2 * dt + sideways * (0.01**2) * dt
-    covariance[DRIFT, DRIFT] += drift_variance
-    covariance[FACTOR, FACTOR] += factor_sigma**2 * (1.0 - kept * kept)
+    covariance[SPEED, SPEED] += noise.force**2 * dt + sideways * (0.01**2) * dt
+    covariance[DRIFT, DRIFT] += noise.drift_variance
+    covariance[FACTOR, FACTOR] += noise.factor_sigma**2 * (1.0 - kept * kept)
 
 
 @njit(cache=True)

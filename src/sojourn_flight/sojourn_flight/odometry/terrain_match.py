@@ -82,27 +82,18 @@ def match(
         place: first guess of base_link on the surface, shape (3,) [m].
         sharing: [-]. turn_sigmas: of tilt and heading against the surface's [rad].
     """
-    return Match(
-        *_match(
-            surface.planes,
-            surface.x0,
-            surface.y0,
-            surface.cell,
-            points,
-            errors,
-            place,
-            sharing,
-            turn_sigmas[0],
-            turn_sigmas[1],
-        )
-    )
+    return Match(*_match(surface, points, errors, place, sharing, turn_sigmas))
 
 
 @njit(cache=True)
 def normal_equations(
-    planes: FloatArray, x0: float, y0: float, cell: float, points: FloatArray, errors: FloatArray, place: FloatArray,
-    shift: FloatArray, sharing: float,
-) -> tuple[FloatArray, FloatArray, FloatArray, int, int, float]:  # fmt: skip
+    surface: GroundSurface,
+    points: FloatArray,
+    errors: FloatArray,
+    place: FloatArray,
+    shift: FloatArray,
+    sharing: float,
+) -> tuple[FloatArray, FloatArray, FloatArray, int, int, float]:
     """J^T W J, -J^T W r, the part of the noise of the slopes (x x, x y, y y), points, outliers, sum of squares."""
     matrix, side, noise = np.zeros((UNKNOWNS, UNKNOWNS)), np.zeros(UNKNOWNS), np.zeros(2)
     row = np.empty(UNKNOWNS)
@@ -113,7 +104,7 @@ def normal_equations(
         x = place[0] + shift[0] + px + shift[4] * pz - shift[5] * py
         y = place[1] + shift[1] + py + shift[5] * px - shift[3] * pz
         z = place[2] + shift[2] + pz + shift[3] * py - shift[4] * px
-        known, height, slope_x, slope_y, variance, variance_x, variance_y = surface_at(planes, x0, y0, cell, x, y)
+        known, height, slope_x, slope_y, variance, variance_x, variance_y = surface_at(surface, x, y)
         if not known:
             continue
         count += 1
@@ -143,24 +134,25 @@ def normal_equations(
 
 @njit(cache=True)
 def _match(
-    planes: FloatArray, x0: float, y0: float, cell: float, points: FloatArray, errors: FloatArray, place: FloatArray,
-    sharing: float, tilt_sigma: float, heading_sigma: float,
-) -> tuple[FloatArray, FloatArray, int, int, float, bool]:  # fmt: skip
+    surface: GroundSurface,
+    points: FloatArray,
+    errors: FloatArray,
+    place: FloatArray,
+    sharing: float,
+    turn_sigmas: tuple[float, float],
+) -> tuple[FloatArray, FloatArray, int, int, float, bool]:
     """The fields of a Match."""
+    tilt_sigma, heading_sigma = turn_sigmas
     prior = np.array((CAPTURE**-2, CAPTURE**-2, 0.0, tilt_sigma**-2, tilt_sigma**-2, heading_sigma**-2))
     shift, nothing = np.zeros(UNKNOWNS), np.zeros((2, 2))
-    matrix, side, noise, count, outliers, squares = normal_equations(
-        planes, x0, y0, cell, points, errors, place, shift, sharing
-    )
+    matrix, side, noise, count, outliers, squares = normal_equations(surface, points, errors, place, shift, sharing)
     converged = False
     for iteration in range(ITERATIONS):
         if count - outliers < 2 * UNKNOWNS:
             return shift, nothing, count, outliers, 0.0, False
         change = np.linalg.solve(matrix + np.diag(prior), side - prior * shift)
         shift = shift + (change if iteration < FULL_STEPS else 0.5 * change)
-        matrix, side, noise, count, outliers, squares = normal_equations(
-            planes, x0, y0, cell, points, errors, place, shift, sharing
-        )
+        matrix, side, noise, count, outliers, squares = normal_equations(surface, points, errors, place, shift, sharing)
         if abs(change[0]) + abs(change[1]) < CONVERGED:
             converged = True
             break

@@ -30,7 +30,7 @@ import numpy as np
 from sojourn_flight.hazards.clearance import AHEAD, room_in, room_of_motion
 from sojourn_flight.hazards.obstacle_map import empty_map, with_cloud, with_slip
 from sojourn_flight.hazards.traversability import HIDDEN_GROUND, Obstacle, judged, obstacle_at
-from sojourn_flight.hazards.wide_map import empty_wide_map, remembered
+from sojourn_flight.hazards.wide_map import JudgedCells, empty_wide_map, remembered
 from sojourn_flight.mobility.kinematics import PlanarTwist
 from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_flight.odometry.odometry import OdometryState
@@ -107,10 +107,12 @@ def judged_anew(avoidance: Avoidance, state: AvoidanceState, odometry: OdometryS
     wide = remembered(
         avoidance.params.map,
         state.wide,
-        (map_.x0, map_.y0),
-        static_costs(room, avoidance.straight, avoidance.turning),
-        sure_slopes(ground.slopes),
-        map_.known,
+        JudgedCells(
+            map_.grid,
+            static_costs(room, avoidance.straight, avoidance.turning),
+            sure_slopes(ground.slopes),
+            map_.known,
+        ),
         (odometry.x, odometry.y, odometry.distance),
     )
     return replace(state, ground=ground, room=room, wide=wide)
@@ -330,10 +332,10 @@ def guarded(
     on_the_spot = twist.v_x == 0.0 and twist.v_y == 0.0
     if on_the_spot and room.at(odometry.x, odometry.y) >= outline.turn_radius + avoidance.params.guard_margin:
         return state, True  # its circle; those that cover the outline sweep more than it does
-    grid = (room.distances, room.x0, room.y0, room.cell, avoidance.circles, avoidance.radius)
     pose = (odometry.x, odometry.y, odometry.yaw)
     motion = (float(twist.v_x), float(twist.v_y), float(twist.yaw_rate))
-    now, least = room_of_motion(*grid, pose, motion, outline.turn_radius, STEPS if by_hand else ON_A_PATH)
+    ways = STEPS if by_hand else ON_A_PATH
+    now, least = room_of_motion(room.grid, avoidance.circles, pose, motion, outline.turn_radius, ways)
     margin = avoidance.params.guard_margin if state.back is None else 0.0  # its own track it has been through
     roomy = least >= margin or least >= now - 1e-3
     if roomy and steep is None:

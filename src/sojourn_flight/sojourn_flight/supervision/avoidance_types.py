@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sojourn_flight.hazards.clearance import Room, circles_of
+from sojourn_flight.hazards.clearance import Circles, Room, circles_of
 from sojourn_flight.hazards.obstacle_map import ObstacleMap
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
 from sojourn_flight.hazards.stereo_camera import StereoCamera
@@ -33,14 +33,11 @@ class Avoidance:
     eye: StereoCamera
     wheels: FloatArray
     """Their places in base_link, shape (wheels, 2) [m]."""
-    circles: FloatArray = field(init=False)
-    radius: float = field(init=False)
+    circles: Circles = field(init=False)
     """The circles that cover the outline, see `room`."""
 
     def __post_init__(self) -> None:
-        circles, radius = circles_of(self.params.outline)
-        object.__setattr__(self, "circles", circles)
-        object.__setattr__(self, "radius", radius)
+        object.__setattr__(self, "circles", circles_of(self.params.outline))
 
     @cached_property
     def astern(self) -> "Avoidance":
@@ -52,11 +49,11 @@ class Avoidance:
     @property
     def straight(self) -> float:
         """Distance from an obstacle that a plan keeps [m]."""
-        return self.radius + self.params.margin
+        return self.circles.radius + self.params.margin
 
     def straight_at(self, drift: float) -> float:
         """The same for a rover that is turned off its path by an angle [rad], and reaches to the side with its ends."""
-        return min(self.straight + float(np.abs(self.circles).max()) * abs(math.sin(drift)), self.turning)
+        return min(self.straight + float(np.abs(self.circles.places).max()) * abs(math.sin(drift)), self.turning)
 
     @property
     def turning(self) -> float:

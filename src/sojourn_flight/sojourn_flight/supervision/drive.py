@@ -21,6 +21,8 @@ import numpy as np
 from sojourn_flight.mobility.easing import eased
 from sojourn_flight.mobility.kinematics import PlanarTwist, limited_twist
 from sojourn_flight.mobility.motor_watch import (
+    NOT_MEASURED,
+    MeasuredMotors,
     MotorState,
     believable,
     commandable,
@@ -379,16 +381,10 @@ def _watch(
     last = state.odometry.steer_angles
     if last is None or inputs.power_limit <= 0.0:
         return state.motors
-    efforts = None if inputs.wheel_efforts is None else _measured_array(model, "wheel effort", inputs.wheel_efforts)
-    return watch_motors(
-        model.params.motors,
-        model.params.limits,
-        model.table,
-        state.motors,
-        commanded,
-        measured.steer_angles,
-        (measured.steer_angles - last) / dt,
-        measured.wheel_rates,
-        efforts,
-        dt,
-    )
+    efforts = NOT_MEASURED
+    if inputs.wheel_efforts is not None:
+        efforts = _measured_array(model, "wheel effort", inputs.wheel_efforts)
+    steer_rates = (measured.steer_angles - last) / dt
+    motors = MeasuredMotors(measured.steer_angles, steer_rates, measured.wheel_rates, efforts)
+    params = model.params
+    return watch_motors(params.motors, params.limits, model.table, state.motors, commanded, motors, dt)

@@ -43,8 +43,7 @@ def tilts_of(avoidance: Avoidance, state: AvoidanceState, poses: FloatArray) -> 
 
 def rooms_of(avoidance: Avoidance, room: Room, poses: FloatArray) -> FloatArray:
     """Room at poses x, y, yaw in odom, shape (n, 3): shape (n,) [m]."""
-    grid = (room.distances, room.x0, room.y0, room.cell, avoidance.circles, avoidance.radius)
-    return np.asarray(room_along(*grid, poses))
+    return np.asarray(room_along(room.grid, avoidance.circles, poses))
 
 
 def path_ahead(way: FollowerState) -> tuple[FloatArray, FloatArray]:
