@@ -11,7 +11,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from sojourn_bags.errors import BagsError
 from sojourn_bringup.health import Health, Progress
-from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, Stopwatch
+from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, RunStopwatch
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_table import process
 from sojourn_bringup.run_folder import FolderWatch
@@ -48,7 +48,7 @@ class ComposedRun:
         self._load = load
         self._health = {role: Health(role, pid=os.getpid()) for role in reversed(plan.in_order_of_stop())}
         self._progress = Progress()
-        self.stopwatch = Stopwatch()
+        self.stopwatch = RunStopwatch()
         self._shown_at = 0.0
         self._started_at = 0.0
         self._not_started = ""

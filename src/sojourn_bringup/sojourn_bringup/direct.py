@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from sojourn_bags.errors import BagsError
 from sojourn_bringup.health import Health, Progress
-from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, Stopwatch
+from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, RunStopwatch
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.run_folder import FolderWatch
 from sojourn_bringup.screen import Screen
@@ -34,7 +34,7 @@ class DirectRun:
     def __init__(self, plan: RunPlan, screen: Screen) -> None:
         self.plan = plan
         self.screen = screen
-        self.stopwatch = Stopwatch()
+        self.stopwatch = RunStopwatch()
         self._progress = Progress()
         self._folder = FolderWatch(plan.run_dir)
         self._shown_at = 0.0

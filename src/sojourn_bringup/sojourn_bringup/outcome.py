@@ -38,7 +38,7 @@ class Outcome:
         return outcome
 
 
-class Stopwatch:
+class RunStopwatch:
     """Wall time since simulation time has moved, and the real-time factor since then."""
 
     def __init__(self) -> None:

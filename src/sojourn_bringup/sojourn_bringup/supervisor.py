@@ -10,7 +10,7 @@ from dataclasses import replace
 from sojourn_bringup.child import STOP_S, Child, command_of, environment_of
 from sojourn_bringup.health import DEAD, RESTARTING, STOPPED, Health
 from sojourn_bringup.monitor import Monitor
-from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, Stopwatch
+from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, RunStopwatch
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_table import process
 from sojourn_bringup.run_folder import FolderWatch
@@ -45,7 +45,7 @@ class Supervisor:
         self._ros = ros_variables(plan.domain, plan.on_network)
         self._deaths: dict[str, deque[float]] = {role: deque() for role in plan.started}
         self.shadows = Shadows(plan, screen, self._ros)
-        self.stopwatch = Stopwatch()
+        self.stopwatch = RunStopwatch()
         self._logs = plan.run_dir / "logs"
         self._folder = FolderWatch(plan.run_dir)
 
