@@ -19,13 +19,14 @@ from sojourn_bags.recorded_run import RecordedRun
 from sojourn_bags.recording import CLOCK, Recording
 from sojourn_config.errors import ConfigError
 from sojourn_contract import process, stamps
+from sojourn_contract.codecs import encode
 from sojourn_contract.decoding import stamp_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import STALLED
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
-from sojourn_contract.values import Header
+from sojourn_contract.values import Header, Message
 
 TICK_PERIODS = topic("/recorder/tick").every
 DRAIN_S = 2.0
@@ -100,6 +101,10 @@ class RecorderNode(ContractNode):
         """Profiles of those who publish a topic; none for what the recorder itself adds."""
         name = self.get_namespace().rstrip("/") + spec.topic
         return offered_entries(spec.qos, (info.qos_profile for info in self.get_publishers_info_by_topic(name)))
+
+    def hear(self, row: Topic, message: Message) -> None:
+        """Take what a neighbour says, as the bytes that it would send."""
+        self._receive(row, encode(row, message))
 
     def _receive(self, row: Topic, message: bytes) -> None:
         """Take one message as bytes, and write it whatever it is: what is wrong with it, others will judge. What the

@@ -22,6 +22,7 @@ from sojourn_config.ros_environment import ros_variables
 from sojourn_contract import process as node_process
 from sojourn_contract.errors import ContractError
 from sojourn_contract.heartbeat import ENDED, READY, RUNNING, WAITING_TO_MATCH
+from sojourn_contract.neighbours import Neighbours
 from sojourn_contract.node import ContractNode
 from sojourn_contract.stamps import seconds
 from sojourn_contract.stop_flag import StopFlag
@@ -67,7 +68,9 @@ class ComposedRun:
                     overrides=self.plan.parameters(role), namespace=self.plan.namespace or None
                 )
             self._started_at = time.monotonic()
-            node_process.spin(list(self.nodes.values()), stop, self._each_poll)
+            nodes = list(self.nodes.values())
+            neighbours = None if self.plan.realtime else Neighbours(nodes)
+            node_process.spin(nodes, stop, self._each_poll, neighbours=neighbours)
             return self._outcome(stop)
         except (CommandError, BagsError, ContractError, ConfigError, MachineError, OSError) as error:
             return Outcome(FAILED, str(error), sim_time_s=self._time_s(), wall_time_s=self.stopwatch.wall_s)

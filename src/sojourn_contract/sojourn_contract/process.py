@@ -16,6 +16,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_config.collector import settle_collector
+from sojourn_contract.neighbours import Neighbours
 from sojourn_contract.node import ContractNode
 from sojourn_contract.stop_flag import StopFlag
 
@@ -32,12 +33,14 @@ def spin(
     stop: StopFlag,
     each_poll: Callable[[], bool] = lambda: False,
     when_closed: Callable[[], None] = lambda: None,
+    neighbours: Neighbours | None = None,
 ) -> int:
     """Run nodes until a signal, until all that can finish have, or until `each_poll` returns True.
 
     Args:
         nodes: the nodes. stop: set by a signal. each_poll: called some times a second.
         when_closed: called once all have said farewell, before the executor lets them go.
+        neighbours: what they say to each other without the middleware; None where all goes over it.
 
     Returns the largest exit status of the nodes. In a composed run the nodes are closed in the given order,
     so the recorder goes last.
@@ -48,9 +51,13 @@ def spin(
         executor.add_node(node)
     settle_collector()
     next_poll = 0.0
+
+    def turn() -> None:
+        _turn(executor, nodes, neighbours)
+
     try:
         while not stop.is_set:
-            executor.spin_once(timeout_sec=POLL_S)
+            turn()
             now = time.monotonic()
             if now >= next_poll:
                 next_poll = now + POLL_S
@@ -58,15 +65,27 @@ def spin(
                     node.poll()
                 if not rclpy.ok() or each_poll() or any(node.finished for node in nodes if node.ends_the_run):
                     break
-        drain(executor, nodes, when_closed, interrupted=stop.is_set)
+        drain(turn, nodes, interrupted=stop.is_set)
+        when_closed()
+        for node in nodes:
+            executor.remove_node(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     return max(node.exit_status for node in nodes)
 
 
-def drain(
-    executor: EventsExecutor, nodes: list[ContractNode], when_closed: Callable[[], None], interrupted: bool = False
-) -> None:
+def _turn(executor: EventsExecutor, nodes: list[ContractNode], neighbours: Neighbours | None) -> None:
+    """Let the nodes hear each other for a while, and then what the middleware brings."""
+    until = time.monotonic() + POLL_S
+    if neighbours is None or not neighbours.hear(lambda: time.monotonic() >= until):
+        executor.spin_once(timeout_sec=POLL_S)
+        return
+    received = -1
+    while received != (received := sum(node.received for node in nodes)):  # one message at a time
+        executor.spin_once(timeout_sec=0.0)
+
+
+def drain(turn: Callable[[], None], nodes: list[ContractNode], interrupted: bool = False) -> None:
     """Close the nodes in order, each after what is still on its way to it has been taken.
 
     Where a signal has ended the run in the middle of a period, those after the plant answer it first: else the record
@@ -74,20 +93,17 @@ def drain(
     """
     for number, node in enumerate(nodes):
         while not node.is_drained():
-            executor.spin_once(timeout_sec=POLL_S)
+            turn()
         node.close()
         if interrupted and node.ends_the_run:
-            _settle(executor, nodes[number + 1 :])
-    when_closed()
-    for node in nodes:
-        executor.remove_node(node)
+            _settle(turn, nodes[number + 1 :])
 
 
-def _settle(executor: EventsExecutor, nodes: list[ContractNode]) -> None:
+def _settle(turn: Callable[[], None], nodes: list[ContractNode]) -> None:
     """Run until none of the nodes has acted for a while."""
     acted, since = [node.now for node in nodes], time.monotonic()
     while nodes and time.monotonic() - since < SETTLE_S:
-        executor.spin_once(timeout_sec=POLL_S)
+        turn()
         if acted != (acted := [node.now for node in nodes]):
             since = time.monotonic()
 

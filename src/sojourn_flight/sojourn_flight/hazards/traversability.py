@@ -7,7 +7,7 @@
 - Loose: ground on which the wheels have slipped too much, see `slip_policy`.
 - Slope: gradient of the plane of least squares through the mean heights within `reach` of a cell, without those of
   steps, so that a rock is no slope; with its standard deviation, from what the cells are off the plane. A slope closes
-  no cell: what it means depends on the direction driven, see `way_round` (plans) and `settling` (poses).
+  no cell: what it means depends on the direction driven, see `detour_search` (plans) and `settling` (poses).
 
 What was closed by a step or a bump stays so until it is below its limit by the part `hysteresis`: noise about a limit
 does not open and close the way with every look.
