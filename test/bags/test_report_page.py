@@ -15,7 +15,7 @@ from test_run_summary import make_run
 from sojourn_bags.completeness import RECORD, account
 from sojourn_bags.definitions import definition
 from sojourn_bags.machine import euler_angles
-from sojourn_bags.page.chart import LEFT, RIGHT, Curve, Span, TimeAxis, chart, strips, ticks
+from sojourn_bags.page.chart import LEFT, RIGHT, ChartLine, Span, TimeAxis, chart, strips, ticks
 from sojourn_bags.page.page import write_page
 from sojourn_bags.page.story import Story
 from sojourn_bags.reading import read_bag
@@ -192,7 +192,7 @@ def test_empty_bag_has_a_page(tmp_path: Path) -> None:
 def test_curves_are_where_their_values_are() -> None:
     axis = TimeAxis(0.0, 10.0, (Span(2.0, 4.0, "#0072b2", "a goal"),))
     times = np.array([0.0, 5.0, 6.0, 10.0])
-    drawn = chart(axis, [Curve(times, np.array([0.0, 10.0, np.nan, 5.0]), "speed & more")], "speed [m/s]")
+    drawn = chart(axis, [ChartLine(times, np.array([0.0, 10.0, np.nan, 5.0]), "speed & more")], "speed [m/s]")
     path = re.search(r'<path class="curve"[^>]* d="(M[^"]+L[^"]+)"', drawn)
     assert path is not None
     points = [tuple(map(float, point.split())) for point in re.findall(r"[ML]([\d.]+ [\d.]+)", path[1])]
@@ -207,7 +207,7 @@ def test_every_peak_of_a_long_curve_is_drawn() -> None:
     times = np.arange(100_000) / 100.0
     values = np.zeros_like(times)
     values[54_321] = 7.0
-    drawn = chart(TimeAxis(0.0, 1000.0), [Curve(times, values, "force")], "force [N]")
+    drawn = chart(TimeAxis(0.0, 1000.0), [ChartLine(times, values, "force")], "force [N]")
     heights = [float(y) for y in re.findall(r"[ML][\d.]+ ([\d.]+)", drawn[drawn.index('class="band"') :])]
     assert max(heights) - min(heights) > 120.0
     assert len(drawn) < 40_000

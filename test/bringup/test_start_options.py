@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sojourn_bringup import demo, demonstration, start, start_run
-from sojourn_bringup.instance import DomainInUseError, RoleTokens
+from sojourn_bringup.instance import RoleInUseError, RoleTokens
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_table import ROLE_NAMES
 from sojourn_bringup.run_folder import make_run_folder
@@ -161,14 +161,14 @@ def test_latest_that_is_a_folder_is_left_alone(tmp_path: Path) -> None:
 
 def test_a_role_is_held_by_one_run_at_a_time(tmp_path: Path) -> None:
     with RoleTokens(231, "", ("plant", "drive")):
-        with pytest.raises(DomainInUseError, match="domain 231 is in use: a run on this machine has a plant there"):
+        with pytest.raises(RoleInUseError, match="domain 231 is in use: a run on this machine has a plant there"):
             plan_of(tmp_path)
         assert not (tmp_path / "run").exists()
         with RoleTokens(231, "/other", ("plant",)), RoleTokens(230, "", ("plant",)), RoleTokens(231, "", ("arm",)):
             pass
     with RoleTokens(231, "", ("plant", "drive")):
         pass
-    assert issubclass(DomainInUseError, CommandError) and DomainInUseError.exit_status == 1
+    assert issubclass(RoleInUseError, CommandError) and RoleInUseError.exit_status == 1
 
 
 def test_the_demo_passes_its_wishes_on_and_answers_under_its_own_name(capsys: pytest.CaptureFixture[str]) -> None:

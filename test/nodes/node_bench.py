@@ -94,8 +94,8 @@ class Bench:
 
     def connect(self, node: Any, lockstep: bool = True) -> None:
         """Listen to all that a node publishes and speak on all that it listens to; wait until both have met."""
-        self.listen(*node._outputs, lockstep=lockstep)
-        self.speak(*node._readers, lockstep=lockstep)
+        self.listen(*node.endpoints.outputs, lockstep=lockstep)
+        self.speak(*node.endpoints.readers, lockstep=lockstep)
         self.met()
 
     def met(self) -> None:

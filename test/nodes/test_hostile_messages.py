@@ -42,7 +42,7 @@ def test_no_bytes_end_a_node(bench: Bench, role: str, lockstep: bool) -> None:
     node = bench.start(kind, *participants, lockstep=lockstep)
     if role == "plant":
         node._begun = True
-    rows = node._inputs()
+    rows = node.endpoints.inputs
 
     @settings(max_examples=120, deadline=None, suppress_health_check=list(HealthCheck), database=None)
     @given(st.data())

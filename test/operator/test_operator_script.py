@@ -23,9 +23,9 @@ from sojourn_operator.goal_messages import goal_message
 from sojourn_operator.script import (
     FINAL_STATES,
     LEAD_NS,
+    GoalReport,
     GoalToSend,
     OperatorScript,
-    Report,
     StepResult,
     results_as_data,
     results_from_data,
@@ -42,7 +42,7 @@ class Operator:
     def __init__(self, script: OperatorScript, done: Sequence[StepResult] = ()) -> None:
         self.script, self.state = script, script.begin(done)
 
-    def look(self, now: int, reports: dict[str, Report]) -> GoalToSend | None:
+    def look(self, now: int, reports: dict[str, GoalReport]) -> GoalToSend | None:
         self.state, goal = self.script.look(self.state, now, reports)
         return goal
 
@@ -63,10 +63,10 @@ def script(*steps: Action, limit_s: float = 100.0, timeout_s: float | None = Non
     return Operator(OperatorScript([(step, timeout_s) for step in steps], limit_s))
 
 
-def answer(goal: GoalToSend | None, state: str, reason: str = "") -> dict[str, Report]:
+def answer(goal: GoalToSend | None, state: str, reason: str = "") -> dict[str, GoalReport]:
     """A report of drive or arm about a goal."""
     assert goal is not None
-    return {receiver_of(goal.action): Report(state, goal.stamp, reason)}
+    return {receiver_of(goal.action): GoalReport(state, goal.stamp, reason)}
 
 
 def test_goals_go_out_one_after_another_five_periods_ahead() -> None:
@@ -106,9 +106,9 @@ def test_an_answer_about_another_goal_ends_nothing() -> None:
     goal = operator.look(LOOK, {})
     assert goal is not None
     for stamp in (0, goal.stamp - 1, goal.stamp + 1):
-        operator.look(2 * LOOK, {"drive": Report("reached", stamp)})
+        operator.look(2 * LOOK, {"drive": GoalReport("reached", stamp)})
         assert operator.results == []
-    operator.look(3 * LOOK, {"arm": Report("reached", goal.stamp)})
+    operator.look(3 * LOOK, {"arm": GoalReport("reached", goal.stamp)})
     assert operator.results == []
 
 
@@ -186,7 +186,7 @@ _actions = st.sampled_from([DRIVE, ARM, ArmTo(1.0, 0.0, 0.0), Wait(0.3)])
 def test_whatever_is_answered_goals_are_in_order_and_the_script_ends(steps: list[Action], answers: list[str]) -> None:
     """Never two goals at once, every goal later than the last, nothing after the end, at most one bad result."""
     operator = script(*steps, limit_s=30.0, timeout_s=2.0)
-    reports: dict[str, Report] = {}
+    reports: dict[str, GoalReport] = {}
     goals: list[GoalToSend] = []
     now = 0
     while not operator.finished and now < 40 * NANOSECONDS:
@@ -196,7 +196,7 @@ def test_whatever_is_answered_goals_are_in_order_and_the_script_ends(steps: list
             goals.append(goal)
         if goals:
             state = answers[(now // LOOK) % len(answers)]
-            reports[receiver_of(goals[-1].action)] = Report(state, goals[-1].stamp)
+            reports[receiver_of(goals[-1].action)] = GoalReport(state, goals[-1].stamp)
     assert operator.finished
     assert [goal.stamp for goal in goals] == sorted({goal.stamp for goal in goals})
     wanted = [step for step in steps if not isinstance(step, Wait)]

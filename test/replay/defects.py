@@ -71,8 +71,8 @@ def alter(node: Any, topic: str, change: Alter) -> None:
 
 def lose(node: Any, topic: str, every: int) -> None:
     """Each so-many-th message is counted as sent, and never is."""
-    sender, count = node._senders[topic], iter(range(1, 1_000_000))
-    node._senders[topic] = SimpleNamespace(
+    sender, count = node.endpoints.senders[topic], iter(range(1, 1_000_000))
+    node.endpoints.senders[topic] = SimpleNamespace(
         publish=lambda message: None if next(count) % every == 0 else sender.publish(message),
         get_subscription_count=sender.get_subscription_count,
     )
@@ -218,9 +218,9 @@ def a_heartbeat_is_missing(drive: Any) -> None:
 
 @defect("drive", replay="/odom: qos.reliability", judge="/odom: qos.reliability")
 def a_publisher_is_best_effort(drive: Any) -> None:
-    drive.destroy_publisher(drive._senders["/odom"])
+    drive.destroy_publisher(drive.endpoints.senders["/odom"])
     loose = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
-    drive._senders["/odom"] = drive.create_publisher(message_class("nav_msgs/Odometry"), "odom", loose)
+    drive.endpoints.senders["/odom"] = drive.create_publisher(message_class("nav_msgs/Odometry"), "odom", loose)
 
 
 # Arm

@@ -5,7 +5,7 @@ import pytest
 
 from sojourn_flight.mobility.kinematics import PlanarTwist, wheel_rates
 from sojourn_studies.measure_slip import on_plane
-from sojourn_studies.measure_turning import Turn, track_ratio, turn
+from sojourn_studies.measure_turning import MeasuredTurn, track_ratio, turn
 
 
 @pytest.mark.parametrize("rover", ["lunokhod", "micro", "skid"])
@@ -23,5 +23,5 @@ def test_a_machine_turns_at_the_rate_that_is_asked_for(rover: str) -> None:
 
 
 def test_the_ratio_is_the_fit_of_all_motions() -> None:
-    turns = [Turn(0.4, 0.1, 0.0, 0.0), Turn(-0.2, -0.05, 0.0, 0.0)]
+    turns = [MeasuredTurn(0.4, 0.1, 0.0, 0.0), MeasuredTurn(-0.2, -0.05, 0.0, 0.0)]
     assert track_ratio(turns, track=1.6, slip=0.2) == pytest.approx(0.4 * 0.8 / (0.1 * 1.6))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_bags.comparison_fields import compare_layouts
-from sojourn_bags.comparison_match import Match, match, stamps_of
+from sojourn_bags.comparison_match import MatchedMessages, match, stamps_of
 from sojourn_bags.comparison_result import Comparison, TopicComparison
 from sojourn_bags.comparison_tally import Tally
 from sojourn_bags.comparison_text import compare_statuses
@@ -33,7 +33,7 @@ def compare(one: Mapping[str, Messages], other: Mapping[str, Messages]) -> Compa
     """
     names = sorted(one.keys() | other.keys(), key=lambda name: (place_of(name), name))
     topics = []
-    matches: dict[str, Match] = {}
+    matches: dict[str, MatchedMessages] = {}
     for name in names:
         left = one.get(name) or Messages(name, other[name].type)
         right = other.get(name) or Messages(name, one[name].type)
@@ -52,7 +52,7 @@ def until(messages: Mapping[str, Messages], stamp: int) -> dict[str, Messages]:
     return {name: each for name, each in found.items() if len(each)}
 
 
-def _compare_topic(one: Messages, other: Messages, matched: Match) -> TopicComparison:
+def _compare_topic(one: Messages, other: Messages, matched: MatchedMessages) -> TopicComparison:
     tally = Tally()
     if one.type != other.type and len(matched.one):
         tally.add_single("(type)", "type", 0, one.type, other.type, float("inf"), 0.0)
@@ -76,7 +76,7 @@ def _compare_topic(one: Messages, other: Messages, matched: Match) -> TopicCompa
     )
 
 
-def _compare_pairs(one: Messages, other: Messages, matched: Match, pairs: list[int], tally: Tally) -> None:
+def _compare_pairs(one: Messages, other: Messages, matched: MatchedMessages, pairs: list[int], tally: Tally) -> None:
     if not pairs:
         return
     left = _chosen(one, matched.one[pairs])
@@ -87,7 +87,7 @@ def _compare_pairs(one: Messages, other: Messages, matched: Match, pairs: list[i
         compare_layouts(left, right, np.array(pairs, dtype=np.int64), tally)
 
 
-def _compare_log_times(one: Messages, other: Messages, matched: Match, tally: Tally) -> None:
+def _compare_log_times(one: Messages, other: Messages, matched: MatchedMessages, tally: Tally) -> None:
     """The period under which a recorder has filed a message; for a goal stamped zero it is that of its effect."""
     if not one.places or not other.places or not len(matched.one):
         return
@@ -109,7 +109,7 @@ def _chosen(messages: Messages, indices: NDArray[np.int64]) -> Messages:
     return Messages(messages.topic, messages.type, data=[messages.data[index] for index in indices])
 
 
-def _label(messages: Messages, matched: Match, path: str, pair: int, element: int) -> str:
+def _label(messages: Messages, matched: MatchedMessages, path: str, pair: int, element: int) -> str:
     """Name of an element of an array: of its joint, or its number."""
     if messages.type == _JOINTS and path in _JOINT_ARRAYS:
         names = messages.decode(int(matched.one[pair])).name
@@ -119,7 +119,7 @@ def _label(messages: Messages, matched: Match, path: str, pair: int, element: in
 
 
 def _order_differs_at(
-    one: Mapping[str, Messages], other: Mapping[str, Messages], matches: Mapping[str, Match]
+    one: Mapping[str, Messages], other: Mapping[str, Messages], matches: Mapping[str, MatchedMessages]
 ) -> tuple[str, int] | None:
     """The first message of the first set that stands at another place in the second."""
     found: list[tuple[int, str, int]] = []

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_bags.comparison_tally import Tally
-from sojourn_bags.reading import Group, Messages, points_of
+from sojourn_bags.reading import LayoutGroup, Messages, points_of
 from sojourn_contract.tolerance import is_angle, rule_of, tolerance_of
 
 _CLOUD = "sensor_msgs/msg/PointCloud2"
@@ -34,20 +34,22 @@ def compare_layouts(one: Messages, other: Messages, pairs: NDArray[np.int64], ta
         _compare_group(one, group, other_group, pairs[chosen], tally)
 
 
-def _by_layout(one: Messages, other: Messages) -> Iterator[tuple[Group, Group, NDArray[np.int64]]]:
+def _by_layout(one: Messages, other: Messages) -> Iterator[tuple[LayoutGroup, LayoutGroup, NDArray[np.int64]]]:
     """Pairs of messages that have one layout in each set: the two groups' rows, and the pairs' numbers."""
     for group in one.groups:
         for other_group in other.groups:
             chosen, rows, other_rows = np.intersect1d(group.indices, other_group.indices, return_indices=True)
             if chosen.size:
                 yield (
-                    Group(chosen, group.rows[rows], group.layout),
-                    Group(chosen, other_group.rows[other_rows], other_group.layout),
+                    LayoutGroup(chosen, group.rows[rows], group.layout),
+                    LayoutGroup(chosen, other_group.rows[other_rows], other_group.layout),
                     chosen,
                 )
 
 
-def _compare_group(messages: Messages, group: Group, other: Group, pairs: NDArray[np.int64], tally: Tally) -> None:
+def _compare_group(
+    messages: Messages, group: LayoutGroup, other: LayoutGroup, pairs: NDArray[np.int64], tally: Tally
+) -> None:
     done: set[str] = set()
     columns = {path: group.layout.column(group.rows, path) for path in group.layout.numbers}
     others = {path: other.layout.column(other.rows, path) for path in other.layout.numbers}
@@ -112,7 +114,7 @@ def _compare_attitudes(
     )
 
 
-def _compare_texts(group: Group, other: Group, pairs: NDArray[np.int64], tally: Tally) -> None:
+def _compare_texts(group: LayoutGroup, other: LayoutGroup, pairs: NDArray[np.int64], tally: Tally) -> None:
     for path in [path for path in group.layout.texts if path in other.layout.texts]:
         left, right = _texts(group, path), _texts(other, path)
         unequal = np.array([one != another for one, another in zip(left, right, strict=True)])
@@ -130,20 +132,20 @@ def _compare_lengths(path: str, lengths: tuple[int, int], pairs: NDArray[np.int6
     tally.add(f"{path} (length)", "length", pairs, every, difference, 0.0, lambda _row, _element: lengths)
 
 
-def _texts(group: Group, path: str) -> list[str]:
+def _texts(group: LayoutGroup, path: str) -> list[str]:
     text = group.layout.texts[path]
     cells = np.ascontiguousarray(group.rows[:, text.offset : text.offset + text.length])
     return [row.tobytes().decode(errors="replace") for row in cells]
 
 
-def _sequences(group: Group, other: Group) -> dict[str, tuple[int, int]]:
+def _sequences(group: LayoutGroup, other: LayoutGroup) -> dict[str, tuple[int, int]]:
     """Sequences of messages or texts that are not equally long: their lengths by path."""
     counts = [_counts(each) for each in (group, other)]
     lengths = {base: (counts[0].get(base, 0), counts[1].get(base, 0)) for base in counts[0] | counts[1]}
     return {base: pair for base, pair in lengths.items() if pair[0] != pair[1]}
 
 
-def _counts(group: Group) -> dict[str, int]:
+def _counts(group: LayoutGroup) -> dict[str, int]:
     """Length of each sequence of messages or texts of the message itself."""
     found: dict[str, int] = {}
     for path in (*group.layout.numbers, *group.layout.texts):
@@ -153,7 +155,7 @@ def _counts(group: Group) -> dict[str, int]:
     return found
 
 
-def _same_points(group: Group, other: Group, columns: dict[str, Any], others: dict[str, Any]) -> bool:
+def _same_points(group: LayoutGroup, other: LayoutGroup, columns: dict[str, Any], others: dict[str, Any]) -> bool:
     """Whether two clouds have the same fields and the same number of points, so that these can be compared."""
     told = [path for path in columns if path != "data" and not path.startswith("header.")]
     same = columns.keys() == others.keys() and all(

@@ -18,7 +18,7 @@ _STAMPED = frozenset(row.name for row in TOPICS)
 
 
 @dataclass(frozen=True)
-class Match:
+class MatchedMessages:
     """Messages of one topic that belong together.
 
     Attributes:
@@ -34,14 +34,14 @@ class Match:
     extra: tuple[int, ...]
 
 
-def match(one: Messages, other: Messages) -> Match:
+def match(one: Messages, other: Messages) -> MatchedMessages:
     """Match the messages of a topic. Either set may be empty."""
     keys, other_keys = _keys(one), _keys(other)
     places = {key: place for place, key in enumerate(other_keys)}
     pairs = [(place, places.pop(key)) for place, key in enumerate(keys) if key in places]
     known = set(other_keys)
     indices = np.array(pairs, dtype=np.int64).reshape(-1, 2)
-    return Match(
+    return MatchedMessages(
         indices[:, 0],
         indices[:, 1],
         np.array([keys[place][0] for place, _ in pairs], dtype=np.int64),

@@ -45,7 +45,7 @@ class Text:
 
 
 @dataclass
-class Layout:
+class MessageLayout:
     """Fields of one message by path, as `pose.pose.position.x`, `position` or `fields[0].name`.
 
     Attributes:
@@ -83,7 +83,7 @@ class _Walker:
         self.data = data
         self.order = "<" if data[1] & 1 else ">"
         self.at = _HEADER
-        self.layout = Layout()
+        self.layout = MessageLayout()
 
     def message(self, type_name: str, prefix: str) -> None:
         """All fields of a message."""
@@ -143,7 +143,7 @@ class _Walker:
         self.at = _HEADER + -(-(self.at - _HEADER) // size) * size
 
 
-def layout_of(type_name: str, data: bytes) -> Layout:
+def layout_of(type_name: str, data: bytes) -> MessageLayout:
     """Layout of one message of type "package/msg/Name". Raises ValueError if it is cut off."""
     if len(data) < _HEADER:
         raise ValueError(f"a message of {len(data)} bytes has no header")

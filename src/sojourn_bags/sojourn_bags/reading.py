@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from sojourn_bags.definitions import RUN_RECORD, deserialized, learn
 from sojourn_bags.errors import UnknownTopicInBagError, UnreadableBagError, UnreadableMessageError
-from sojourn_bags.layout import Layout, layout_of
+from sojourn_bags.layout import MessageLayout, layout_of
 from sojourn_bags.salvage import Salvage
 from sojourn_contract.topics import TOPICS
 
@@ -32,7 +32,7 @@ _POINT_CODES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8
 
 
 @dataclass(frozen=True)
-class Joints:
+class JointHistory:
     """Joint states of a run.
 
     Attributes:
@@ -53,21 +53,21 @@ class Joints:
 
 
 @dataclass(frozen=True)
-class Group:
+class LayoutGroup:
     """Messages of one layout: their indices in the topic, and their bytes, one message a row."""
 
     indices: NDArray[np.int64]
     rows: NDArray[np.uint8]
-    layout: Layout
+    layout: MessageLayout
 
-    def split(self, begin: int, end: int) -> list["Group"]:
+    def split(self, begin: int, end: int) -> list["LayoutGroup"]:
         """Split by the bytes in [begin, end), which are text and so without padding that varies."""
         keys: dict[bytes, list[int]] = {}
         for number, key in enumerate(np.ascontiguousarray(self.rows[:, begin:end])):
             keys.setdefault(key.tobytes(), []).append(number)
         if len(keys) == 1:
             return [self]
-        return [Group(self.indices[chosen], self.rows[chosen], self.layout) for chosen in keys.values()]
+        return [LayoutGroup(self.indices[chosen], self.rows[chosen], self.layout) for chosen in keys.values()]
 
     def unusable(self) -> dict[int, str]:
         """Rows that cannot be decoded, or whose points are not where their fields say, and why."""
@@ -101,7 +101,7 @@ class Group:
             row: "its fields are not those of the others" for row in set(range(len(self.rows))) - {*usual.tolist()}
         }
         try:
-            points_of(Group(self.indices[usual], self.rows[usual], self.layout))
+            points_of(LayoutGroup(self.indices[usual], self.rows[usual], self.layout))
         except (ValueError, KeyError, TypeError, IndexError) as error:
             found |= {row: f"its points cannot be found ({error})" for row in usual.tolist()}
         return found
@@ -140,7 +140,7 @@ class Messages:
         return self.column(f"{prefix}.sec") + 1e-9 * self.column(f"{prefix}.nanosec")
 
     @cached_property
-    def groups(self) -> list[Group]:
+    def groups(self) -> list[LayoutGroup]:
         """The messages by layout; most topics have one. Raises ValueError for one that cannot be read."""
         return self._grouped(None)
 
@@ -168,7 +168,7 @@ class Messages:
         for name in ("groups", "times"):
             self.__dict__.pop(name, None)
 
-    def _grouped(self, unreadable: dict[int, str] | None) -> list[Group]:
+    def _grouped(self, unreadable: dict[int, str] | None) -> list[LayoutGroup]:
         sizes = np.array([len(message) for message in self.data], dtype=np.int64)
         left = np.arange(len(self.data), dtype=np.int64)
         found = []
@@ -186,7 +186,7 @@ class Messages:
             rows = np.frombuffer(joined, dtype=np.uint8).reshape(len(alike), -1)
             structure = layout.structure()
             same = (rows[:, structure] == rows[0, structure]).all(axis=1)
-            found.append(Group(alike[same], rows[same], layout))
+            found.append(LayoutGroup(alike[same], rows[same], layout))
             left = np.setdiff1d(left, alike[same], assume_unique=True)
         return found
 
@@ -217,7 +217,7 @@ class Messages:
         """Several single numbers side by side: shape (n, len(paths))."""
         return np.stack([self.column(path) for path in paths], axis=1)
 
-    def joints(self) -> Joints:
+    def joints(self) -> JointHistory:
         """A JointState topic, by joint. Raises UnknownTopicInBagError if it is another type."""
         if self.type != "sensor_msgs/msg/JointState":
             raise UnknownTopicInBagError(f"a joint state on {self.topic}", [self.type])
@@ -235,7 +235,7 @@ class Messages:
                 values = group.layout.column(group.rows, key)
                 if values.shape[1] == len(targets):
                     array[np.ix_(group.indices, targets)] = values
-        return Joints(names, **arrays)
+        return JointHistory(names, **arrays)
 
     def points(self) -> dict[str, FloatArray]:
         """A PointCloud2 topic by its point fields: each (n, most points), NaN where a cloud has fewer."""
@@ -264,7 +264,7 @@ class Messages:
         return found
 
 
-def points_of(group: Group) -> dict[str, NDArray]:
+def points_of(group: LayoutGroup) -> dict[str, NDArray]:
     """Points of PointCloud2 messages by their fields: each (messages, points), in its own number type."""
     layout = group.layout
 

@@ -18,7 +18,7 @@ _CREDENTIALS = struct.Struct("3i")
 """struct ucred: process, user, group."""
 
 
-class DomainInUseError(CommandError):
+class RoleInUseError(CommandError):
     """A role is already run on this domain."""
 
     def __init__(self, role: str, domain: int, namespace: str, holder: int) -> None:
@@ -38,7 +38,7 @@ class RoleTokens:
         domain, namespace: where the nodes meet. roles: those that are started here.
 
     Raises:
-        DomainInUseError: on entering, if another process on this machine holds one of them.
+        RoleInUseError: on entering, if another process on this machine holds one of them.
     """
 
     def __init__(self, domain: int, namespace: str, roles: Iterable[str]) -> None:
@@ -50,7 +50,7 @@ class RoleTokens:
         try:
             for role in self._roles:
                 self._take(role)
-        except DomainInUseError:
+        except RoleInUseError:
             self._release()
             raise
         return self
@@ -72,7 +72,7 @@ class RoleTokens:
             holder = _holder(name)
             if holder == os.getpid():
                 holder = 0
-            raise DomainInUseError(role, self._domain, self._namespace, holder) from error
+            raise RoleInUseError(role, self._domain, self._namespace, holder) from error
         self._held.append(token)
 
     def _release(self) -> None:

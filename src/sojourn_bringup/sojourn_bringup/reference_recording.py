@@ -16,12 +16,12 @@ from sojourn_bags.errors import BagsError
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bringup import start, start_run
 from sojourn_bringup.record_reference import DIGEST
-from sojourn_bringup.references import REFERENCES, Reference, references_folder
+from sojourn_bringup.references import REFERENCES, ReferenceBag, references_folder
 from sojourn_bringup.screen import Screen
 from sojourn_config.command_errors import CommandError
 
 
-def record(reference: Reference, folder: Path, domain: int) -> Bag:
+def record(reference: ReferenceBag, folder: Path, domain: int) -> Bag:
     """Run the scenario and return its bag, which is in `folder`. Raises CommandError if it went otherwise."""
     arguments = [str(references_folder() / f"{reference.name}.yaml"), "--composed", "--run-dir", str(folder)]
     arguments += ["--domain", str(domain)]
@@ -42,7 +42,7 @@ def record(reference: Reference, folder: Path, domain: int) -> Bag:
     return bag
 
 
-def renew(reference: Reference, domain: int) -> list[str]:
+def renew(reference: ReferenceBag, domain: int) -> list[str]:
     """Record a reference bag and put it in its place unless it is the same. Returns what has changed, as lines."""
     place = references_folder() / reference.name
     with tempfile.TemporaryDirectory(prefix="sojourn-reference-") as base:

@@ -7,7 +7,7 @@ from sojourn_config.paths import repository_root
 
 
 @dataclass(frozen=True)
-class Reference:
+class ReferenceBag:
     """A reference bag.
 
     Args:
@@ -21,7 +21,7 @@ class Reference:
 
 
 REFERENCES = (
-    Reference(
+    ReferenceBag(
         "short_goals",
         # a load is shed in the middle of the run, and the drive's power is limited
         (

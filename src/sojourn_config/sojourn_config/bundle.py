@@ -12,7 +12,7 @@ from sojourn_config.errors import MISSING, ConfigError, single
 from sojourn_config.machine import MachineConfig
 from sojourn_config.machine_checks import ground_problems, machine_problems, steering_geometry, with_drive_data
 from sojourn_config.machine_reader import MachineReader, MachineSets
-from sojourn_config.set_reader import Asked, ReadSet
+from sojourn_config.set_reader import ReadSet, Referrer
 from sojourn_config.tool_config import tool_ground_problems, with_tool
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
@@ -133,7 +133,7 @@ class BundleReader(MachineReader):
     def __init__(self, scenario: YamlDocument, path: Path | None, overrides: dict[str, list[str]]) -> None:
         super().__init__(overrides)
         self.files |= scenario.texts
-        self._here = Asked(scenario, path or Path(scenario.file))
+        self._here = Referrer(scenario, path or Path(scenario.file))
 
     def read(
         self,

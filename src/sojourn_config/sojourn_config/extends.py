@@ -27,7 +27,7 @@ def read_document(path: Path, kind: str = PARTS) -> YamlDocument:
     Raises:
         ConfigError: a file cannot be read or is no YAML, see `read_yaml`; a base that is not there, or a ring of them.
     """
-    return _Reader(kind).read(path, ())
+    return _SetReader(kind).read(path, ())
 
 
 class _Base(NamedTuple):
@@ -38,7 +38,7 @@ class _Base(NamedTuple):
     root: KeyPath
 
 
-class _Reader:
+class _SetReader:
     def __init__(self, kind: str) -> None:
         self.folders = tuple(config_folder() / name for name in dict.fromkeys((kind, PARTS)))
         self._bases: dict[Path, YamlDocument] = {}
@@ -60,7 +60,7 @@ class _Reader:
 class _Layer:
     """One file while its tables are laid over those that they build on."""
 
-    def __init__(self, reader: _Reader, plain: YamlDocument, path: Path, above: tuple[Path, ...]) -> None:
+    def __init__(self, reader: _SetReader, plain: YamlDocument, path: Path, above: tuple[Path, ...]) -> None:
         self.reader, self.plain, self.path, self.above = reader, plain, path, above
         self.merged = YamlDocument(plain.file, {}, texts=dict(plain.texts))
 

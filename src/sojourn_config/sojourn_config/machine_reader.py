@@ -14,7 +14,7 @@ from sojourn_config.extends import PARTS
 from sojourn_config.machine import MACHINE_KINDS, FlightSet, MachineConfig, PowerSet
 from sojourn_config.mounting import LoadedMachine, join, mount_problems
 from sojourn_config.paths import SUFFIX, config_folder
-from sojourn_config.set_reader import Asked, ReadSet, SetReader
+from sojourn_config.set_reader import ReadSet, Referrer, SetReader
 from sojourn_config.tool_config import ToolSet, pad_problem
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
@@ -25,7 +25,7 @@ from sojourn_physics.sensors.params import SensorSuiteParams
 
 Model = TypeVar("Model", bound=BaseModel)
 MACHINES = "machines"
-COMMAND_LINE = Asked(YamlDocument("command line", {}), Path("command line"))
+COMMAND_LINE = Referrer(YamlDocument("command line", {}), Path("command line"))
 """Names a set where no file does."""
 FILES: Mapping[str, tuple[str, ...]] = {
     "machine": (),
@@ -58,7 +58,7 @@ class MachineSets:
 class MachineReader(SetReader):
     """Reads machines; what is wrong goes into `problems`, what was read into `files`."""
 
-    def machine(self, name: str, asked: Asked, mounted: str | None = None) -> MachineSets | None:
+    def machine(self, name: str, asked: Referrer, mounted: str | None = None) -> MachineSets | None:
         """The machine that the key `machine` names; None with the reason in `problems`.
 
         Args:
@@ -158,7 +158,7 @@ class MachineReader(SetReader):
         self.refuse_overrides("arm", f"the machine {name} has no arm")
         return None
 
-    def _tool(self, machine: ReadSet[MachineConfig], asked: Asked, mounted: str | None) -> ReadSet[ToolSet] | None:
+    def _tool(self, machine: ReadSet[MachineConfig], asked: Referrer, mounted: str | None) -> ReadSet[ToolSet] | None:
         """The set of the tool; None where the arm has none, or with the reason in `problems`."""
         name, asked = (mounted, asked) if mounted else (machine.params.tool, machine.asked)
         if name is None:

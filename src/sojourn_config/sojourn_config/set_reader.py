@@ -20,7 +20,7 @@ from sojourn_flight.arm.dh_urdf import urdf_from_dh
 Model = TypeVar("Model", bound=BaseModel)
 
 
-class Asked(NamedTuple):
+class Referrer(NamedTuple):
     """Who names a set: a document, and its path."""
 
     document: YamlDocument
@@ -35,9 +35,9 @@ class ReadSet(NamedTuple, Generic[Model]):
     path: Path
 
     @property
-    def asked(self) -> Asked:
+    def asked(self) -> Referrer:
         """This set as the one that names others."""
-        return Asked(self.document, self.path)
+        return Referrer(self.document, self.path)
 
 
 class SetReader:
@@ -52,7 +52,7 @@ class SetReader:
         self.files: dict[str, str] = {}
         self.overrides = overrides
 
-    def place(self, kind: str, name: str, key: str, asked: Asked) -> Path | None:
+    def place(self, kind: str, name: str, key: str, asked: Referrer) -> Path | None:
         """The file that a key names; None with the reason in `problems`."""
         folders = asking_folders(asked.document, (key,), asked.path.parent)
         try:
@@ -79,13 +79,13 @@ class SetReader:
             self.problems += error.problems
             return None
 
-    def load(self, kind: str, name: str, key: str, model: type[Model], asked: Asked) -> "ReadSet[Model] | None":
+    def load(self, kind: str, name: str, key: str, model: type[Model], asked: Referrer) -> "ReadSet[Model] | None":
         """The set that a key names; None with the reason in `problems`."""
         path = self.place(kind, name, key, asked)
         document = None if path is None else self.document(path, kind, self.overrides.get(key, ()))
         return None if path is None or document is None else self.validated(document, path, model)
 
-    def named(self, kind: str, name: str, key: str, model: type[Model], asked: Asked) -> "ReadSet[Model] | None":
+    def named(self, kind: str, name: str, key: str, model: type[Model], asked: Referrer) -> "ReadSet[Model] | None":
         """A set that carries its own name, which must be that of its file."""
         found = self.load(kind, name, key, model, asked)
         if found is None:
@@ -97,7 +97,7 @@ class SetReader:
             return None
         return found
 
-    def urdf(self, name: str, asked: Asked) -> UrdfSummary | None:
+    def urdf(self, name: str, asked: Referrer) -> UrdfSummary | None:
         """The URDF that the key `urdf` names, or that a Denavit-Hartenberg table comes to; None with the reason."""
         folder = asked.document.origins.get(("urdf",), asked.path).parent
         try:

@@ -152,7 +152,7 @@ def parse_yaml(text: str, file: str) -> YamlDocument:
     if not isinstance(root, MappingNode):
         raise ConfigError([Problem(file, "", "", "allowed is a table of keys and values that is not empty")])
     document = YamlDocument(file, {}, texts={file: text})
-    reader = _Reader(document)
+    reader = _NodeReader(document)
     data = reader.convert(root, ())
     if reader.problems:
         raise ConfigError(reader.problems)
@@ -185,7 +185,7 @@ def parse_value(text: str, file: str) -> Data:
     return parse_yaml(f"value: {text}", file).data["value"]
 
 
-class _Reader:
+class _NodeReader:
     """Turns nodes into plain data and collects what is refused."""
 
     def __init__(self, document: YamlDocument) -> None:

@@ -29,7 +29,7 @@ class Neighbours:
         """Whether something has been sent over the middleware that a neighbour may have to hear before it goes on."""
         roles = {node.role for node in nodes}
         for node in nodes:
-            for name in node.join(self, roles):
+            for name in node.endpoints.join(self, roles):
                 self._takers.setdefault(name, []).append(node)
 
     def say(self, row: Topic, message: Message) -> None:

@@ -6,7 +6,7 @@ stamp at which inputs are due, once they are all in. In real time it is called w
 """
 
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from rclpy.context import Context
@@ -14,11 +14,12 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from sojourn_contract import qos, stamps
+from sojourn_contract import stamps
 from sojourn_contract.arrival import TICK, check_input
 from sojourn_contract.barrier import Barrier, awaited_inputs
-from sojourn_contract.codecs import decode, encode
+from sojourn_contract.codecs import decode
 from sojourn_contract.decoding import refusing, stamp_of
+from sojourn_contract.endpoints import Endpoints
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.events import EventQueue, parse_tick
 from sojourn_contract.heartbeat import (
@@ -33,10 +34,8 @@ from sojourn_contract.heartbeat import (
     heartbeat_message,
 )
 from sojourn_contract.latest_inputs import LatestInputs, trigger_of
-from sojourn_contract.neighbours import Neighbours, are_near
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import ROLES, inputs_of, outputs_of, topic
-from sojourn_contract.types import message_class
+from sojourn_contract.topics import ROLES, topic
 from sojourn_contract.values import Message
 
 REFUSAL_LOG_S = 1.0
@@ -101,24 +100,19 @@ class ContractNode(Node):
         """Whether its process (or the composed run) ends when it has finished: the plant's."""
         self.now = 0
         """Stamp [ns] of the last period acted on; zero before the run."""
-        self._awaited = awaited_inputs(role, self.participants)
-        self.barrier: Barrier[Any] = Barrier(self._awaited, every_period)
-        self._awaited_by_name = {row.name: row for row in self._awaited}
-        self._trigger = trigger_of(self._awaited)
+        self.awaited = awaited_inputs(role, self.participants)
+        self.barrier: Barrier[Any] = Barrier(self.awaited, every_period)
+        self._awaited_by_name = {row.name: row for row in self.awaited}
+        self._trigger = trigger_of(self.awaited)
         self._last_progress = self._heard_trigger = time.monotonic()
         self._last_ready = self._complained = 0.0
         self._advancing = False
         self._raw = raw
-        self._neighbours: Neighbours | None = None
-        self._neighbouring: Collection[str] = ()
-        self._unheard: Collection[str] = ()
-        """Topics that nobody hears over the middleware."""
         self.received = 0
         """Messages that have come over the middleware."""
-        self._outputs = {row.name: row for row in outputs_of(role, {*self.participants, role})}
-        self._senders = {row.name: self._create_output(row) for row in self._outputs.values()}
-        self._readers = {row.name: self._create_input(row) for row in self._inputs()}
-        self.latest = LatestInputs([row for row in self._inputs() if not row.is_event and row.publisher != "all"])
+        self.endpoints = Endpoints(self, self._take)
+        periodic = [row for row in self.endpoints.inputs if not row.is_event and row.publisher != "all"]
+        self.latest = LatestInputs(periodic)
         """What real time acts on."""
 
     acts_in_silence = False
@@ -151,7 +145,7 @@ class ContractNode(Node):
 
     def gives(self, topic: str) -> bool:
         """Whether this run has a topic of the role."""
-        return topic in self._outputs
+        return topic in self.endpoints.outputs
 
     def publish(self, topic: str, message: Message) -> None:
         """Publish on a topic of the role and count it."""
@@ -160,14 +154,6 @@ class ContractNode(Node):
 
     # What the loop around the node calls
 
-    def join(self, neighbours: Neighbours, roles: Collection[str]) -> list[str]:
-        """Hear what nodes of these roles say from them, not over the middleware. Returns those topics."""
-        self._neighbours, self._neighbouring = neighbours, roles
-        direct = [row.name for row in self._inputs() if are_near(row, roles)]
-        for name in direct:
-            self.destroy_subscription(self._readers.pop(name))
-        return direct
-
     def hear(self, row: Topic, message: Message) -> None:
         """Take what a neighbour says."""
         self._receive(row, message)
@@ -175,8 +161,7 @@ class ContractNode(Node):
     def poll(self) -> None:
         """Wall-clock chores, called some times a second: readiness before the run, a word when stalled."""
         now = time.monotonic()
-        if self._neighbours is not None:
-            self._unheard = {name for name, sender in self._senders.items() if not sender.get_subscription_count()}
+        self.endpoints.look()
         if self.now == 0:
             if now - self._last_ready >= READY_REPEAT_S:
                 self._last_ready = now
@@ -203,63 +188,26 @@ class ContractNode(Node):
         if self.now:
             self._send_heartbeat(ENDED, self.now)
             # or the end of the node may overtake its last words, and the recorder's account lacks its counters
-            self._senders["/diagnostics"].wait_for_all_acked(Duration(seconds=FAREWELL_S))
+            self.endpoints.senders["/diagnostics"].wait_for_all_acked(Duration(seconds=FAREWELL_S))
 
     def unmatched(self) -> list[str]:
         """Endpoints of other participants that are not connected yet, in words."""
-        missing = []
-        for row in self._awaited:
-            if row.name in self._readers and self._readers[row.name].get_publisher_count() == 0:
-                missing.append(f"no publisher of {row.name} ({row.publisher})")
-        for name, sender in self._senders.items():
-            listeners = self._listeners(self._outputs[name])
-            if sender.get_subscription_count() < len(listeners):
-                missing.append(f"{name} is not heard by all of {', '.join(listeners)}")
-        return missing
+        return self.endpoints.unmatched()
 
     # Inside
 
     def _waits_for(self) -> tuple[str, str]:
         """Role and topic that this node waits for in lock-step; empty where it waits for nobody."""
-        if not self.lockstep or not self._awaited:
+        if not self.lockstep or not self.awaited:
             return "", ""
         missing = self.barrier.missing()
         if missing:
             return missing[0].publisher, missing[0].name
         return ("", "") if self._goals_are_in() else (topic(TICK).publisher, "the goals that its tick announces")
 
-    def _inputs(self) -> list[Topic]:
-        """Rows to subscribe: in lock-step what is awaited, in real time whoever may publish it; goals always."""
-        return [
-            row
-            for row in inputs_of(self.role, {*self.participants, self.role})
-            if row.is_event or row.publisher == "all" or not self.lockstep or row.name in self._awaited_by_name
-        ]
-
-    def _listeners(self, row: Topic) -> list[str]:
-        roles = [role for role in row.subscribers if role in self.participants]
-        if row.logged and "recorder" in self.participants:
-            roles.append("recorder")
-        near = self._neighbouring if are_near(row, self._neighbouring) else ()
-        return [role for role in roles if (role != self.role or row.publisher == "all") and role not in near]
-
-    def _create_output(self, row: Topic) -> Any:
-        return self.create_publisher(
-            message_class(row.type), row.name.lstrip("/"), qos.profile(row, self.lockstep, self.role)
-        )
-
-    def _create_input(self, row: Topic) -> Any:
-        def receive(data: bytes) -> None:
-            self.received += 1
-            self._receive(row, data)
-
-        return self.create_subscription(
-            message_class(row.type),
-            row.name.lstrip("/"),
-            receive,
-            qos.profile(row, self.lockstep, self.role),
-            raw=True,  # the ROS library's own decoding ends the executor with bytes that it cannot read
-        )
+    def _take(self, row: Topic, data: bytes) -> None:
+        self.received += 1
+        self._receive(row, data)
 
     def _receive(self, row: Topic, data: bytes | Message) -> None:
         """Take one message, serialised as it comes over the middleware or as it is: refuse it, queue it as a goal, or
@@ -377,7 +325,7 @@ class ContractNode(Node):
 
     def _advance(self) -> None:
         """Act on every period whose inputs are in."""
-        if not self.lockstep or self._advancing or not self._awaited:
+        if not self.lockstep or self._advancing or not self.awaited:
             return
         self._advancing = True
         try:
@@ -394,7 +342,7 @@ class ContractNode(Node):
         if tick is None:
             return True
         counts, _ = parse_tick(tick.frame)
-        known = {name: count for name, count in counts.items() if name in self._readers}
+        known = {name: count for name, count in counts.items() if name in self.endpoints.readers}
         return self.events.has_received(known)
 
     def act(self, stamp: int, inputs: Mapping[str, Any]) -> None:
@@ -414,12 +362,7 @@ class ContractNode(Node):
         self._send("/diagnostics", message)
 
     def _send(self, topic: str, message: Message) -> None:
-        row, sender = self._outputs[topic], self._senders[topic]
-        if self._neighbours is not None:
-            self._neighbours.say(row, message)
-            if topic in self._unheard:
-                return
-        sender.publish(encode(row, message))
+        self.endpoints.send(topic, message)
 
 
 def _stamp_of(row: Topic, data: bytes | Message) -> int:

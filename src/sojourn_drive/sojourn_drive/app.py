@@ -22,7 +22,7 @@ from sojourn_contract.topics import topic
 from sojourn_contract.values import TwistStamped
 from sojourn_drive.arm_interlock import ArmInterlock
 from sojourn_drive.charge import ChargeGauge
-from sojourn_drive.goals import LastGoal, goal_of
+from sojourn_drive.goals import GoalStatus, goal_of
 from sojourn_drive.measurements import WheelMeasurements
 from sojourn_drive.reports import drive_report, odometry_report
 from sojourn_drive.sun import SunSightings
@@ -44,7 +44,7 @@ Refusal = tuple[str, Exception]
 class Asked:
     """What operators want."""
 
-    last: LastGoal = field(default_factory=LastGoal)
+    last: GoalStatus = field(default_factory=GoalStatus)
     pending: Goal | None = None
     """A goal that waits for the first period whose measurements can be used."""
     twist: tuple[int, PlanarTwist] | None = None
@@ -166,7 +166,7 @@ class DriveApp(App[DriveAppState]):
             else:
                 last = asked.last.begun(message)
                 try:
-                    asked = replace(asked, pending=goal_of(name, message, state.drive.odometry, last.name), last=last)
+                    asked = replace(asked, pending=goal_of(name, message, state.drive.odometry, last.number), last=last)
                 except RefusedMessageError as refusal:
                     asked = replace(asked, last=replace(last, state="refused", reason=str(refusal)))
                     refusals.append((name, refusal))

@@ -19,46 +19,41 @@ FRAMES = ("map", "odom", "base_link")
 
 
 @dataclass(frozen=True, slots=True)
-class LastGoal:
+class GoalStatus:
     """What became of the last goal, or velocity command."""
 
     state: str = "idle"
     reason: str = ""
     stamp: int = 0
-    count: int = 0
-    """Goals so far: by its number a goal is known to the drive. Its stamp is no name: all goals that are stamped zero
-    would share it."""
+    number: int = 0
+    """Of the goal: goals are numbered as they come. Their stamps do not tell them apart: those that are stamped zero
+    share it."""
 
-    @property
-    def name(self) -> str:
-        """Of the goal, for the drive."""
-        return str(self.count)
-
-    def begun(self, message: Message) -> "LastGoal":
+    def begun(self, message: Message) -> "GoalStatus":
         """A new goal has come."""
-        return LastGoal("moving", "", message.stamp, self.count + 1)
+        return GoalStatus("moving", "", message.stamp, self.number + 1)
 
-    def refused(self, message: Message, reason: str) -> "LastGoal":
+    def refused(self, message: Message, reason: str) -> "GoalStatus":
         """A goal or a velocity command has come and was refused."""
-        return LastGoal("refused", reason, message.stamp, self.count + 1)
+        return GoalStatus("refused", reason, message.stamp, self.number + 1)
 
-    def pre_empted(self, stamp: int, unseen: bool) -> "LastGoal":
+    def pre_empted(self, stamp: int, unseen: bool) -> "GoalStatus":
         """A velocity command stamped `stamp` [ns] has come: a goal on its way ends with the outcome that the drive
         gives it. A goal that the drive has not seen yet (`unseen`) never starts.
         """
         if unseen:
             return replace(self, state="stopped", reason="pre-empted by /cmd_vel")
-        return self if self.state == "moving" else LastGoal(stamp=stamp, count=self.count)
+        return self if self.state == "moving" else GoalStatus(stamp=stamp, number=self.number)
 
-    def given_up(self, reason: str) -> "LastGoal":
+    def given_up(self, reason: str) -> "GoalStatus":
         """The goal on its way has failed, as its measurements stay away."""
         return replace(self, state="failed", reason=reason) if self.state == "moving" else self
 
-    def noted(self, outcomes: Sequence[GoalOutcome]) -> "LastGoal":
+    def noted(self, outcomes: Sequence[GoalOutcome]) -> "GoalStatus":
         """With how it ended, if it has."""
         last = self
         for outcome in outcomes:
-            if outcome.goal.name == last.name and last.state == "moving":
+            if outcome.goal.number == last.number and last.state == "moving":
                 last = replace(last, state=outcome.kind, reason=outcome.reason)
         return last
 
@@ -73,7 +68,7 @@ class LastGoal:
         }
 
 
-def goal_of(topic: str, message: Message, here: OdometryState, name: str) -> Goal:
+def goal_of(topic: str, message: Message, here: OdometryState, number: int) -> Goal:
     """Goal of a PoseStamped or a Path, in odom. A z other than 0 is the height of its point, for the forecast.
 
     Raises:
@@ -90,7 +85,7 @@ def goal_of(topic: str, message: Message, here: OdometryState, name: str) -> Goa
     base = here.z if frame == "base_link" else 0.0
     z = [float(pose.position[2]) for pose in poses]
     heights = tuple(base + height if height != 0.0 else None for height in z)
-    goal = Goal.along(points, yaw, name) if topic == "/waypoints" else Goal.at(*points[0], yaw, name)
+    goal = Goal.along(points, yaw, number) if topic == "/waypoints" else Goal.at(*points[0], yaw, number)
     return replace(goal, heights=heights)
 
 

@@ -19,7 +19,7 @@ from sojourn_operator.actions import Action, ArmGround, ArmTo
 from sojourn_operator.goal_messages import goal_message, report_of
 from sojourn_operator.ground import ground_point
 from sojourn_operator.scenario_steps import script_steps
-from sojourn_operator.script import OperatorScript, Report, ScriptState
+from sojourn_operator.script import GoalReport, OperatorScript, ScriptState
 
 TRUTH, TICK = "/truth/odom", "/operator/tick"
 _STATUSES = {"/drive/status": "drive", "/arm/status": "arm"}
@@ -31,7 +31,7 @@ class OperatorState:
     """What the role remembers."""
 
     script: ScriptState
-    reports: Mapping[str, Report] = field(default_factory=dict)
+    reports: Mapping[str, GoalReport] = field(default_factory=dict)
     """Last word of drive and arm."""
     sent: Mapping[str, int] = field(default_factory=dict)
     """Goals sent on each topic."""

@@ -8,7 +8,7 @@ import numpy as np
 from sojourn_contract.heartbeat import is_count, status_message, status_values
 from sojourn_contract.values import DiagnosticArray, Header, JointState, Message, Path, PoseStamped, TwistStamped
 from sojourn_operator.actions import Action, ArmAlong, ArmJoints, ArmTask, ArmTo, DriveAlong, DriveTo
-from sojourn_operator.script import Report
+from sojourn_operator.script import GoalReport
 
 ANY = (0.0, 0.0, 0.0, 0.0)
 """An orientation of zero length."""
@@ -57,11 +57,11 @@ def stamped(message: Message, stamp: int) -> Message:
     return message
 
 
-def report_of(status: DiagnosticArray) -> Report:
+def report_of(status: DiagnosticArray) -> GoalReport:
     """What a status message says of its goal."""
     values = status_values(status)
     stamp = values.get("goal_stamp", "0")
-    return Report(values.get("state", ""), int(stamp) if is_count(stamp) else 0, values.get("reason", ""))
+    return GoalReport(values.get("state", ""), int(stamp) if is_count(stamp) else 0, values.get("reason", ""))
 
 
 def _pose(frame: str, stamp: int, position: Sequence[float], orientation: Sequence[float]) -> PoseStamped:

@@ -21,7 +21,7 @@ LEAD_NS = OPERATOR_LAG * CONTROL_PERIOD_NS
 
 
 @dataclass(frozen=True)
-class Report:
+class GoalReport:
     """What drive or arm says of its goal.
 
     Args:
@@ -97,7 +97,7 @@ class OperatorScript:
         return f"step {index + 1} of {len(self.steps)}: {describe(self.steps[index][0])}"
 
     def look(
-        self, state: ScriptState, now: int, reports: Mapping[str, Report]
+        self, state: ScriptState, now: int, reports: Mapping[str, GoalReport]
     ) -> tuple[ScriptState, GoalToSend | None]:
         """Look at the machine at simulation time `now` [ns]; the goal to send now, if any.
 
@@ -121,7 +121,7 @@ class OperatorScript:
         action = self.steps[len(state.results)][0]
         return state, None if isinstance(action, Wait) else GoalToSend(TOPICS[type(action)][0], now + LEAD_NS, action)
 
-    def _judge(self, state: ScriptState, now: int, reports: Mapping[str, Report]) -> tuple[str, str] | None:
+    def _judge(self, state: ScriptState, now: int, reports: Mapping[str, GoalReport]) -> tuple[str, str] | None:
         """Outcome and reason of the present step, or None while it goes on."""
         action, limit = self.steps[len(state.results)]
         since = state.since or 0

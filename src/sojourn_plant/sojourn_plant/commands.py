@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -46,6 +46,15 @@ class HeldCommands:
         ]
 
 
+class NamedJoints(NamedTuple):
+    """The joints that a command names, in its order."""
+
+    names: tuple[str, ...]
+    columns: tuple[int, ...]
+    needed: tuple[tuple[str, str], ...]
+    """Part of the message that must not be empty, and the joints for which, in words."""
+
+
 class Commands:
     """Takes commands for a machine. One that is older than its row allows is lost: its joints stop where they are told.
 
@@ -64,6 +73,8 @@ class Commands:
             self._by_position |= {TOOL_JOINT} if model.tool.params.joint.held else set()
         self._loads = {load.name: place for place, load in enumerate(model.bus.loads)}
         self._joint_count = len(kinds)
+        self._named: dict[str, NamedJoints] = {}
+        """Of the last command of each topic: looked up again only when the names change."""
 
     def holding(self, angles: FloatArray) -> HeldCommands:
         """Hold these joint angles, (joints,) [rad], until a command comes."""
@@ -80,15 +91,11 @@ class Commands:
         if row.name == SWITCHES:
             check_switches(row.name, status_values(message), self._loads)
             return
-        check_names(row.name, message.names, self._index)
+        named = self._joints_of(row.name, message.names)
         check_ranges(row, message)
-        for part, needed in (
-            ("position", self._by_position),
-            ("velocity", self._index.keys() - self._by_position),
-        ):
-            named = needed.intersection(message.names)
-            if named and not len(getattr(message, part)):
-                raise RefusedMessageError(row.name, part, "0 numbers", f"one for {', '.join(sorted(named))}")
+        for part, joints in named.needed:
+            if not len(getattr(message, part)):
+                raise RefusedMessageError(row.name, part, "0 numbers", f"one for {joints}")
 
     def take(self, held: HeldCommands, inputs: Mapping[str, Any]) -> HeldCommands:
         """Keep the commands among the inputs; None (refused) leaves the last good one."""
@@ -97,10 +104,11 @@ class Commands:
             message = inputs.get(name)
             if message is None:
                 continue
-            columns = [self._index[joint] for joint in message.names]
-            left_out = [column for column in joints.get(name, ()) if column not in columns]
-            reference[RATE, left_out] = 0.0  # a joint that is no longer named stops
-            joints[name] = (*columns, *left_out)
+            columns = self._joints_of(name, message.names).columns
+            if joints.get(name) != columns:
+                left_out = [column for column in joints.get(name, ()) if column not in columns]
+                reference[RATE, left_out] = 0.0  # a joint that is no longer named stops
+                joints[name] = (*columns, *left_out)
             sent[name] = message.stamp
             for row, values in (
                 (POSITION, message.position),
@@ -129,3 +137,14 @@ class Commands:
         # between commands it moves on.
         tool = None if self._tool is None else reference[:, self._tool].copy()
         return PlantCommand(np.ascontiguousarray(reference[:, : self._tool]), held.fractions.copy(), tool=tool)
+
+    def _joints_of(self, topic: str, names: tuple[str, ...]) -> NamedJoints:
+        """Raises RefusedMessageError for a joint that has no motor or is named twice."""
+        known = self._named.get(topic)
+        if known is None or known.names != names:
+            check_names(topic, names, self._index)
+            parts = (("position", self._by_position), ("velocity", self._index.keys() - self._by_position))
+            found = [(part, needed.intersection(names)) for part, needed in parts]
+            needed = tuple((part, ", ".join(sorted(joints))) for part, joints in found if joints)
+            known = self._named[topic] = NamedJoints(names, tuple(self._index[name] for name in names), needed)
+        return known

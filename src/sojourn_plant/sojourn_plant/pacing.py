@@ -57,7 +57,7 @@ class PacingNode(AppNode):
             return
         if not self._begun:
             self._begin_when_ready()
-        elif self.lockstep and not self._awaited:
+        elif self.lockstep and not self.awaited:
             until = time.monotonic() + FREE_RUN_S
             while time.monotonic() < until:
                 self.act(self.now + stamps.CONTROL_PERIOD_NS, {})
@@ -70,8 +70,8 @@ class PacingNode(AppNode):
         super().act(stamp, inputs)
 
     def _begin_when_ready(self) -> None:
-        if self.count_publishers(self._senders["/clock"].topic_name) > 1:
-            self._fail(DomainInUseError(str(self.context.get_domain_id()), self._senders["/clock"].topic_name))
+        if self.count_publishers(self.endpoints.senders["/clock"].topic_name) > 1:
+            self._fail(DomainInUseError(str(self.context.get_domain_id()), self.endpoints.senders["/clock"].topic_name))
             return
         self._waiting_since = min(self._waiting_since, time.monotonic())
         waited = time.monotonic() - self._waiting_since

@@ -100,6 +100,7 @@ class TruthMessages:
 
 def _odometry(stamp: int, state: PlantState, output: PlantOutput) -> Odometry:
     configuration, velocity = state.configuration, state.velocity
-    spread = np.diag(output.spread[:SPREAD_SIZE] ** 2).ravel()
+    spread = np.zeros(SPREAD_SIZE * SPREAD_SIZE)
+    spread[:: SPREAD_SIZE + 1] = output.spread[:SPREAD_SIZE] ** 2
     pose, twist = (configuration[:3], configuration[3:7]), (velocity[:3], velocity[3:6])
     return Odometry(stamp, "map", "base_link", *pose, *twist, twist_covariance=spread)

@@ -15,7 +15,7 @@ from sojourn_machine.vectors import cross
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class InertialMotion:
     """Of the IMU, in its own frame, each (3,): angular velocity [rad/s], acceleration less gravity
     [m/s^2].
     """
@@ -55,7 +55,7 @@ class ImuMotion:
         coefficients: FloatArray = np.array(pin.Quaternion(rotation).coeffs())
         return coefficients
 
-    def felt(self, before: MotionBefore | None, odometry: Odometry, dt: float) -> tuple[MotionBefore, Motion]:
+    def felt(self, before: MotionBefore | None, odometry: Odometry, dt: float) -> tuple[MotionBefore, InertialMotion]:
         """Motion at the end of a period of `dt` [s], from the base's true odometry; `before` None in the first."""
         orientation = odometry.orientation
         rotation = rotation_matrix(orientation)
@@ -64,7 +64,7 @@ class ImuMotion:
         change = np.zeros(3) if before is None else velocity - before.velocity
         specific = rotation.T @ (change / dt - self._gravity)
         mean = angular if before is None else rotation_vector(before.orientation, orientation) / dt
-        motion = Motion(self._rotation_imu_to_base.T @ mean, self._rotation_imu_to_base.T @ specific)
+        motion = InertialMotion(self._rotation_imu_to_base.T @ mean, self._rotation_imu_to_base.T @ specific)
         return MotionBefore(velocity, orientation), motion
 
 

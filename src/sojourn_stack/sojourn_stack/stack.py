@@ -7,12 +7,13 @@ checked on arrival, refused ones counted, goals wait for their period, and each 
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import lcm
 from typing import Any
 
 from sojourn_contract import stamps
 from sojourn_contract.app import App, Period
 from sojourn_contract.arrival import check_input
-from sojourn_contract.barrier import Barrier, awaited_inputs, is_due, stamp_due
+from sojourn_contract.barrier import Barrier, awaited_inputs, is_due
 from sojourn_contract.errors import RefusedMessageError, unreadable
 from sojourn_contract.events import EventQueue
 from sojourn_contract.heartbeat import ENDED, RUNNING, Counters, beats, heartbeat_message
@@ -27,7 +28,7 @@ HEARTBEATS = "/diagnostics"
 Said = tuple[Topic, Message]
 """A row and its message."""
 Due = tuple[Topic, int]
-"""A row, and the stamp of its message that a role waits for [ns]."""
+"""A row, and by how much the stamp of its message that a role waits for is behind that of the period [ns]."""
 Heard = tuple[Message, str]
 """A message, and why nobody may take it; empty where all may."""
 
@@ -97,14 +98,21 @@ class Stack:
             for row in rows.values()
             if row.is_event
         }
-        self.lags = {row.name: row.lag for rows in self._awaited.values() for row in rows}
+        self.kept_for = {
+            row.name: row.lag * stamps.CONTROL_PERIOD_NS for rows in self._awaited.values() for row in rows
+        }
+        """How long a message of a topic is waited for after its stamp [ns]."""
+        rows = [row for awaited in self._awaited.values() for row in awaited]
+        self._cycle = lcm(*self._strides.values(), *(row.every for row in rows))
+        self._latest = max((row.lag for row in rows), default=0)
+        self._agendas: dict[int, Mapping[str, Sequence[Due]]] = {}
 
     def begin(self) -> tuple[StackState, list[Said]]:
         """The first state, and the truth with which the run begins."""
         roles = {role: RoleState(app.initial_state()) for role, app in self.apps.items()}
         truth = self.apps[PLANT].first_messages(roles[PLANT].app, stamps.CONTROL_PERIOD_NS)
         period = _Period(self, StackState(1, roles, {}))
-        period.say(PLANT, truth)
+        period.begin(PLANT, truth)
         return period.state(1), period.said
 
     def step(self, state: StackState) -> tuple[StackState, list[Said]]:
@@ -114,13 +122,13 @@ class Stack:
             WaitingError: a role waits for what nobody sends.
         """
         period = _Period(self, state)
-        waiting = {role: self._due(role, state.period) for role in self.acting_at(state.period)}
+        waiting = dict(self.agenda(state.period))
         while waiting:
-            ready = next((role for role, due in waiting.items() if not period.missing(due)), None)
+            ready = next((role for role, due in waiting.items() if period.missing(due) is None), None)
             if ready is None:
                 role, due = next(iter(waiting.items()))
-                row, stamp = period.missing(due)[0]
-                raise WaitingError(role, row.name, stamps.seconds(stamp))
+                row, behind = period.missing(due) or due[0]
+                raise WaitingError(role, row.name, stamps.seconds(period.stamp - behind))
             period.act(ready, waiting.pop(ready))
         return period.state(state.period + 1), period.said
 
@@ -128,17 +136,27 @@ class Stack:
         """Last heartbeats, with what each role has said in all."""
         return [(topic(HEARTBEATS), self.heartbeat(role, ENDED, one)) for role, one in state.roles.items() if one.now]
 
-    def acting_at(self, period: int) -> list[str]:
-        """Roles that act in a period."""
-        return [role for role, stride in self._strides.items() if period % stride == 0]
+    def agenda(self, period: int) -> Mapping[str, Sequence[Due]]:
+        """Roles that act in a period, and what each waits for. It repeats, once all is waited for that ever is."""
+        if period <= self._latest:
+            return self._agenda(period)
+        place = period % self._cycle
+        agenda = self._agendas.get(place)
+        if agenda is None:
+            agenda = self._agendas[place] = self._agenda(period)
+        return agenda
 
     def heartbeat(self, role: str, kind: str, one: RoleState) -> DiagnosticArray:
         """What a role says of itself."""
         values = self.apps[role].heartbeat_values(one.app, one.now)
         return heartbeat_message(role, kind, one.now, one.counters, "", values)
 
-    def _due(self, role: str, period: int) -> list[Due]:
-        return [(row, stamp_due(row, period)) for row in self._awaited[role] if is_due(row, period)]
+    def _agenda(self, period: int) -> Mapping[str, Sequence[Due]]:
+        return {
+            role: [(row, row.lag * stamps.CONTROL_PERIOD_NS) for row in self._awaited[role] if is_due(row, period)]
+            for role, stride in self._strides.items()
+            if period % stride == 0
+        }
 
 
 class _Period:
@@ -151,54 +169,76 @@ class _Period:
     def __init__(self, stack: Stack, state: StackState) -> None:
         self.said: list[Said] = []
         self._stack = stack
-        self._stamp = state.period * stamps.CONTROL_PERIOD_NS
+        self.stamp = state.period * stamps.CONTROL_PERIOD_NS
         self._roles = dict(state.roles)
-        self._messages = {name: dict(kept) for name, kept in state.messages.items()}
+        self._messages = dict(state.messages)
         self._finished = state.finished
 
     def state(self, period: int) -> StackState:
         """At the end, with the number of the next one."""
         return StackState(period, self._roles, self._messages, self._finished)
 
-    def missing(self, due: Sequence[Due]) -> list[Due]:
-        """What has not been said yet."""
-        return [(row, stamp) for row, stamp in due if stamp not in self._messages.get(row.name, ())]
+    def missing(self, due: Sequence[Due]) -> Due | None:
+        """The first that has not been said yet."""
+        for awaited in due:
+            row, behind = awaited
+            if self.stamp - behind not in self._messages.get(row.name, ()):
+                return awaited
+        return None
 
     def act(self, role: str, due: Sequence[Due]) -> None:
         """Let a role act on what is due for it."""
         app, one = self._stack.apps[role], self._roles[role]
         inputs: dict[str, Any] = {}
-        for row, stamp in due:
-            message, refusal = self._messages[row.name][stamp]
+        for row, behind in due:
+            message, refusal = self._messages[row.name][self.stamp - behind]
             refusal = refusal or _refusal(app.check, row, message)
             inputs[row.name] = None if refusal else message
             one = one.refusing(row.name, refusal) if refusal else one
-        goals, taken = one.goals.taken(self._stamp)
-        memory, answer = app.step(one.app, Period(self._stamp, inputs, taken, one.last_refusal))
-        before, one = one.now, replace(one, app=memory, goals=goals, now=self._stamp)
+        goals, taken = one.goals.taken(self.stamp)
+        memory, answer = app.step(one.app, Period(self.stamp, inputs, taken, one.last_refusal))
+        said = self._of(role, answer.messages)
+        before, published = one.now, _counted(one.published, said)
+        one = replace(one, app=memory, goals=goals, now=self.stamp, published=published)
         for name, refused in answer.refusals:
             one = one.refusing(name, str(refused))
         self._roles[role] = one
         self._finished = self._finished or answer.finished
-        self.say(role, answer.messages)
-        if beats(before, self._stamp):
-            self._roles[role] = one = _counting(self._roles[role], [HEARTBEATS])
-            self.said.append((topic(HEARTBEATS), self._stack.heartbeat(role, RUNNING, one)))
+        self._say(said)
+        if beats(before, self.stamp):
+            heartbeat = topic(HEARTBEATS)
+            one = self._roles[role]
+            self._roles[role] = one = replace(one, published=_counted(one.published, [(heartbeat, None)]))
+            self.said.append((heartbeat, self._stack.heartbeat(role, RUNNING, one)))
 
-    def say(self, role: str, messages: Iterable[tuple[str, Message]]) -> None:
-        """Keep what a role says for those who wait for it, and give it to those whose goal it is."""
+    def begin(self, role: str, messages: Iterable[tuple[str, Message]]) -> None:
+        """What a role says before its first period."""
+        said, one = self._of(role, messages), self._roles[role]
+        self._roles[role] = replace(one, published=_counted(one.published, said))
+        self._say(said)
+
+    def _of(self, role: str, messages: Iterable[tuple[str, Message]]) -> list[Said]:
+        """Those of a role's messages that this run has."""
         outputs = self._stack.outputs[role]
-        said = [(outputs[name], message) for name, message in messages if name in outputs]
-        self._roles[role] = _counting(self._roles[role], [row.name for row, _ in said])
+        return [(outputs[name], message) for name, message in messages if name in outputs]
+
+    def _say(self, said: list[Said]) -> None:
+        """Keep what is said for those who wait for it, and give it to those whose goal it is."""
         for row, message in said:
             if row.is_event:
                 for taker in self._stack.takers[row.name]:
                     self._offer(taker, row, message)
-            elif row.name in self._stack.lags:
-                stamp = message.stamp
-                oldest = stamp - self._stack.lags[row.name] * stamps.CONTROL_PERIOD_NS
-                kept = {at: older for at, older in self._messages.get(row.name, {}).items() if at >= oldest}
-                self._messages[row.name] = kept | {stamp: (message, _refusal(check_input, row, message))}
+                continue
+            kept_for = self._stack.kept_for.get(row.name)
+            if kept_for is None:
+                continue
+            stamp = message.stamp
+            heard: dict[int, Heard] = {}
+            if kept_for:
+                earlier = self._messages.get(row.name, {})
+                heard = {at: older for at, older in earlier.items() if at >= stamp - kept_for}
+            heard[stamp] = (message, _refusal(check_input, row, message))
+            self._messages[row.name] = heard
         self.said += said
 
     def _offer(self, role: str, row: Topic, message: Message) -> None:
@@ -224,8 +264,9 @@ def _refusal(check: Callable[[Topic, Message], None], row: Topic, message: Messa
     return ""
 
 
-def _counting(one: RoleState, names: Iterable[str]) -> RoleState:
-    published = dict(one.published)
-    for name in names:
-        published[name] = published.get(name, 0) + 1
-    return replace(one, published=published)
+def _counted(published: Mapping[str, int], said: Iterable[tuple[Topic, Message | None]]) -> Mapping[str, int]:
+    """Messages by topic, with those that are said now."""
+    counts = dict(published)
+    for row, _ in said:
+        counts[row.name] = counts.get(row.name, 0) + 1
+    return counts

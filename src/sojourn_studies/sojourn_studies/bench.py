@@ -12,8 +12,8 @@ from sojourn_config import command_line
 
 RESULT = "bench.json"
 PART_NAMES = (
-    "step", "start", "direct", "composed", "processes", "commands", "wheel", "contacts", "ground", "arm", "arm_limits",
-    "wheels", "energy",
+    "step", "period", "start", "direct", "composed", "processes", "commands", "wheel", "contacts", "ground", "arm",
+    "arm_limits", "wheels", "energy",
 )  # fmt: skip
 
 

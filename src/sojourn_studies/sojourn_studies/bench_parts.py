@@ -23,6 +23,7 @@ from sojourn_studies import (
     bench_ground,
     bench_loop,
     bench_machine,
+    bench_period,
     bench_start,
     bench_step,
     bench_wheel,
@@ -49,7 +50,7 @@ class Size(NamedTuple):
         cases: of the surveys of contact laws, and of the wheel on soil. maps: sizes of ground [m].
         poses: of each arm. plans, goals: of the arm's planning. distance: of the long drive [m].
         starts: of each command. seconds, rounds: simulated time of a run of the loop [s], and runs.
-        commands: that are timed.
+        commands: that are timed. periods: that are timed by app.
     """
 
     cases: int
@@ -62,13 +63,15 @@ class Size(NamedTuple):
     rounds: int
     commands: int
     starts: int
+    periods: int
 
 
-QUICK = Size(100_000, (10, 100), 1000, 50, 500, 3.0, 15.0, 1, 100, 2)
-FULL = Size(1_000_000, (10, 100, 1000), 10_000, 200, 100_000, 100.0, 40.0, 3, 400, 7)
+QUICK = Size(100_000, (10, 100), 1000, 50, 500, 3.0, 15.0, 1, 100, 2, 600)
+FULL = Size(1_000_000, (10, 100, 1000), 10_000, 200, 100_000, 100.0, 40.0, 3, 400, 7, 3000)
 Part = Callable[[Size, argparse.Namespace], dict[str, float]]
 PARTS: dict[str, Part] = {
     "step": lambda size, given: bench_step.bench_step(),
+    "period": lambda size, given: bench_period.bench_period(size.periods, given.domain),
     "start": lambda size, given: bench_start.bench_start(given.domain, size.starts, tell),
     "direct": lambda size, given: bench_loop.bench_loop("direct", size.seconds, size.rounds, tell),
     "composed": lambda size, given: bench_loop.bench_loop("composed", size.seconds, size.rounds, tell),

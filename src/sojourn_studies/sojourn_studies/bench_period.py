@@ -16,6 +16,7 @@ import rclpy
 from rclpy.experimental import EventsExecutor
 
 from sojourn_bags.recorded_run import RecordedRun
+from sojourn_config.collector import settle_collector
 from sojourn_config.ros_environment import ros_variables
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos
@@ -65,6 +66,7 @@ def bench_period(periods: int, domain: int) -> dict[str, float]:
         app.step = watch.timing(f"app of {role}", _eager(app.step))  # type: ignore[method-assign]
         app.check = watch.timing("checks", app.check)  # type: ignore[method-assign]
     stack = Stack(apps, ROLES)
+    settle_collector()
     with tempfile.TemporaryDirectory(prefix="sojourn-bench-") as folder:
         recorder = DirectRecorder(Path(folder) / "bag", RecordedRun(SCENARIO, (), ROLES, loaded=scenario))
         record = watch.timing("recorder, with encoding", recorder.take)

@@ -14,7 +14,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as Drawing
 
 from sojourn_analysis.datasheet.figures import Curve, Figure, Section
-from sojourn_analysis.datasheet.sheet import Comparison, Datasheet
+from sojourn_analysis.datasheet.sheet import Datasheet, FigureComparison
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#333333")
 """Distinct to colour-blind eyes too (Okabe and Ito 2008)."""
@@ -100,7 +100,7 @@ def _row(figure: Figure) -> str:
     )
 
 
-def _comparison_section(comparisons: Iterable[Comparison]) -> str:
+def _comparison_section(comparisons: Iterable[FigureComparison]) -> str:
     rows = []
     for entry in comparisons:
         low, high = (number_text(value) for value in entry.published)

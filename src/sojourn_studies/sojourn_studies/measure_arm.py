@@ -50,7 +50,7 @@ DISTANCE_M, ANGLE_DEG = 0.002, 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Placement:
+class TipPlacement:
     """One target and how near the tip came to it."""
 
     tilt_deg: float
@@ -166,7 +166,7 @@ class _Reading:
     attitude: FloatArray
 
 
-def place(bench: Bench, generator: np.random.Generator) -> Placement:
+def place(bench: Bench, generator: np.random.Generator) -> TipPlacement:
     """Draw targets until one is accepted, and go there.
 
     Raises:
@@ -183,7 +183,7 @@ def place(bench: Bench, generator: np.random.Generator) -> Placement:
         after = bench.base_in_map
         over_ground = after.act(tip.position) - before.act(wanted.position)
         cosine = float(np.clip(tip.tool_direction @ wanted.tool_direction, -1.0, 1.0))
-        return Placement(
+        return TipPlacement(
             tilt_deg=math.degrees(math.acos(min(before.rotation[2, 2], 1.0))),
             reached=answer.status == "reached",
             distance_m=float(np.linalg.norm(tip.position - wanted.position)),
@@ -196,7 +196,7 @@ def place(bench: Bench, generator: np.random.Generator) -> Placement:
 
 def placements(
     scenario: str, overrides: Sequence[str], count: int, seed: int, known: float = 1.0
-) -> Iterator[Placement]:
+) -> Iterator[TipPlacement]:
     """So many random targets, on random slopes."""
     generator = np.random.default_rng(seed)
     for first in range(0, count, TARGETS_A_SLOPE):

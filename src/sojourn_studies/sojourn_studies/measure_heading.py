@@ -35,7 +35,7 @@ SENSOR_SEEDS = 1000
 """Seeds of sensors begin here, so that none is that of a ground."""
 
 
-class Motion(NamedTuple):
+class RecordedMotion(NamedTuple):
     """What a plant did: its model, its first state, and for each period command, state and output."""
 
     plant: PlantModel
@@ -43,14 +43,14 @@ class Motion(NamedTuple):
     periods: list[tuple[PlanarTwist | None, PlantState, PlantOutput]]
 
 
-class Felt(ClosedLoop):
+class ReplayedLoop(ClosedLoop):
     """A loop whose plant does what another did.
 
     Args:
         scenario: with the seed of the sensors. motion: of the plant.
     """
 
-    def __init__(self, scenario: LoadedScenario, motion: Motion) -> None:
+    def __init__(self, scenario: LoadedScenario, motion: RecordedMotion) -> None:
         super().__init__(scenario, (motion.plant, motion.first))
         self._driven = motion
 
@@ -69,10 +69,10 @@ def course(seed: int, seconds: float) -> list[PlanarTwist | None]:
     return told[:periods]
 
 
-def drive(scenario: LoadedScenario, seconds: float) -> Motion:
+def drive(scenario: LoadedScenario, seconds: float) -> RecordedMotion:
     """What the plant does on the course of the scenario's seed."""
     loop = ClosedLoop(scenario)
-    motion = Motion(loop.plant, loop.truth, [])
+    motion = RecordedMotion(loop.plant, loop.truth, [])
     for twist in course(scenario.config.seed, seconds):
         loop.step(twist=twist)
         if loop.told is not None:
@@ -80,9 +80,9 @@ def drive(scenario: LoadedScenario, seconds: float) -> Motion:
     return motion
 
 
-def errors(scenario: LoadedScenario, motion: Motion) -> FloatArray:
+def errors(scenario: LoadedScenario, motion: RecordedMotion) -> FloatArray:
     """Errors of the heading and its stated deviations at every sample, shape (samples, 2) [rad]."""
-    loop, found = Felt(scenario, motion), []
+    loop, found = ReplayedLoop(scenario, motion), []
     every = round(SAMPLE_S / CONTROL_PERIOD_S)
     for period, (twist, _, _) in enumerate(motion.periods, start=1):
         true_heading = loop.true_pose[2]  # of what is measured in this period

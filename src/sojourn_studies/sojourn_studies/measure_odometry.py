@@ -36,7 +36,7 @@ CHI_SQUARE_95 = 5.991
 """Of two degrees of freedom."""
 
 
-class Result(NamedTuple):
+class SeedResult(NamedTuple):
     """One seed: distance gone [m], true error at the end in x and y [m], error over its deviations squared, error and
     deviation of the heading [rad], true distance from the last point of the route [m], how the goal ended.
     """
@@ -75,7 +75,7 @@ def route_of(scenario: LoadedScenario) -> Goal:
     raise UsageError(f"scenario {scenario.name}: no step drives a route; allowed is one with drive_route")
 
 
-def drive(name: str, overrides: Sequence[str], seed: int) -> Result:
+def drive(name: str, overrides: Sequence[str], seed: int) -> SeedResult:
     """One seed."""
     nominal = load_scenario(name, overrides)
     scenario = load_scenario(name, [*overrides, f"seed={seed}", *soil_of(nominal, seed)])
@@ -92,7 +92,7 @@ def drive(name: str, overrides: Sequence[str], seed: int) -> Result:
         raise UsageError(f"scenario {name}, seed {seed}: {said}; allowed is a route that this rover can drive")
     estimate, truth = output.odometry, loop.true_pose
     off = np.array((estimate.x - truth[0], estimate.y - truth[1]))
-    return Result(
+    return SeedResult(
         seed,
         distance,
         float(np.linalg.norm(off)),

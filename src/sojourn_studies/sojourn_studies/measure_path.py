@@ -17,7 +17,7 @@ from sojourn_config.command_errors import CommandError
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_flight.planning.energy_forecast import SECONDS_PER_HOUR
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.planning.path import Path
+from sojourn_flight.planning.path import PlannedPath
 from sojourn_operator.actions import DriveAlong
 from sojourn_operator.scenario_steps import script_steps
 from sojourn_studies.measure_energy import MeteredLoop
@@ -52,7 +52,7 @@ class PathFigures:
 class TruePlace:
     """Follows the true place along the path."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: PlannedPath) -> None:
         self.path = path
         self._leg, self._near = 0, 0.0
         self.square = self.gone = self.most = 0.0

@@ -38,7 +38,7 @@ PARTS = ((0.0, 0.5), (0.0, 1.0), (0.7, 0.3), (0.7, -0.3), (0.7, 0.15))
 """Motions: speed and yaw rate over the largest that the drive may ask for, the latter of a machine without slip [-]."""
 
 
-class Turn(NamedTuple):
+class MeasuredTurn(NamedTuple):
     """What came of one motion."""
 
     difference: float
@@ -51,7 +51,7 @@ class Turn(NamedTuple):
     """Of the mean of both sides; not a number on the spot [-]."""
 
 
-def turn(scenario: LoadedScenario, speed: float, yaw_rate: float, angle: float = TURN) -> Turn:
+def turn(scenario: LoadedScenario, speed: float, yaw_rate: float, angle: float = TURN) -> MeasuredTurn:
     """Drive one motion: speed [m/s], yaw rate [rad/s] and angle [rad] of a machine without slip."""
     model, state = build_plant(scenario)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
@@ -73,10 +73,10 @@ def turn(scenario: LoadedScenario, speed: float, yaw_rate: float, angle: float =
     tips = radii * (state.joints[0, wheels] - angles)
     right, left = float(tips[sides < 0.0].mean()), float(tips[sides > 0.0].mean())
     slip = 1.0 - float(way[0]) / (0.5 * (right + left)) if speed else float("nan")
-    return Turn((right - left) / (count * period), turned / (count * period), -float(way[1]) / turned, slip)
+    return MeasuredTurn((right - left) / (count * period), turned / (count * period), -float(way[1]) / turned, slip)
 
 
-def track_ratio(turns: Sequence[Turn], track: float, slip: float) -> float:
+def track_ratio(turns: Sequence[MeasuredTurn], track: float, slip: float) -> float:
     """Least squares of the yaw rates: w = difference (1 - slip) / (ratio track)."""
     kinematic = np.array([(1.0 - slip) * one.difference / track for one in turns])
     rates = np.array([one.yaw_rate for one in turns])

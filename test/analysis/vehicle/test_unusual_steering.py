@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from sojourn_analysis.vehicle.articulated import (
-    Body,
     Joint,
+    VehicleUnit,
     eigenvalues,
     stable_speed,
     state_matrix,
@@ -58,7 +58,7 @@ def test_a_short_wide_vehicle_turns_as_its_rims_say() -> None:
     assert turn.forward == pytest.approx(0.2, rel=1e-4)
 
 
-FRONT, REAR = Body(400.0, 150.0, 0.6, 0.7, 30e3), Body(500.0, 200.0, 0.8, 0.9, 35e3)
+FRONT, REAR = VehicleUnit(400.0, 150.0, 0.6, 0.7, 30e3), VehicleUnit(500.0, 200.0, 0.8, 0.9, 35e3)
 
 
 @given(angle=st.floats(0.01, 1.2), a=st.floats(0.3, 2.0), b=st.floats(0.3, 2.0))

@@ -120,7 +120,7 @@ def follow_on(step: Guidance, here: OdometryState, fresh: bool) -> Guidance:
     return guide(AVOIDANCE, replace(step.state, fresh=fresh), step.way, here)
 
 
-def test_a_way_round_is_kept_while_nothing_new_is_near() -> None:
+def test_a_detour_is_kept_while_nothing_new_is_near() -> None:
     state, way = sent(facing_a_block(2.5, 2.8, 0.5), Goal.at(5.0, 0.0), at(0.0, 0.0))
     step = guide(AVOIDANCE, state, way, at(0.0, 0.0))
     for fresh in (False, True):
@@ -141,7 +141,7 @@ def test_a_rover_that_cannot_get_free_gives_up() -> None:
     assert step.outcome.kind == "stopped" and step.outcome.reason.endswith("no room to move beside it")
 
 
-def test_a_way_round_that_gets_too_long_ends_the_goal() -> None:
+def test_a_detour_that_gets_too_long_ends_the_goal() -> None:
     state, way = sent(facing_a_block(2.0, 2.3, 1.0), Goal.at(4.0, 0.0), at(0.0, 0.0))
     late = at(0.0, 0.0, driven=4.0 + PARAMS.max_detour + 0.1)
     step = guide(AVOIDANCE, replace(state, blocked=True), way, late)
@@ -187,8 +187,8 @@ def test_the_guard_stops_on_what_is_too_steep_in_the_direction_of_the_motion() -
     assert free, "it stands on it already, and it gets no steeper"
 
 
-def test_clocks_and_errors_of_a_goal_go_on_over_a_way_round() -> None:
-    goal = Goal.along([(1.0, 0.0), (2.6, 0.0), (4.5, 0.0)], name="mine")
+def test_clocks_and_errors_of_a_goal_go_on_over_a_detour() -> None:
+    goal = Goal.along([(1.0, 0.0), (2.6, 0.0), (4.5, 0.0)], number=7)
     state, way = sent(facing_a_block(2.5, 2.8, 0.5), goal, at(0.0, 0.0))
     kept = {"elapsed": 70.0, "drive_stall": 50.0, "turn_stall": 20.0, "lateral_max": 0.3, "lateral_square": 0.2,
             "followed": 5.0, "drift": 0.1, "attempts": 2, "passed": 1}  # fmt: skip

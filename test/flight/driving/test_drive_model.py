@@ -44,13 +44,13 @@ def test_goals_are_reached_in_truth(model: DriveModel, machine: Callable, goal: 
     if goal.yaw is not None:
         assert math.remainder(rover.yaw - goal.yaw, 2 * math.pi) == pytest.approx(0.0, abs=0.06)
     assert output.status["outcome"] == "reached"
-    assert output.status["outcome_goal"] == goal.name
+    assert output.status["outcome_goal"] == str(goal.number)
     np.testing.assert_array_equal(rover.run(state, 1.0)[1].wheel_rates, np.zeros(6))
 
 
 def test_waypoints_are_driven_and_counted(model: DriveModel, machine: Callable) -> None:
     rover = machine()
-    goal = Goal.along([(1.0, 0.0), (2.0, 0.5), (3.0, 0.5)], name="round the rock")
+    goal = Goal.along([(1.0, 0.0), (2.0, 0.5), (3.0, 0.5)], number=7)
     state, output = rover.run(model.initial_state(), 14.0, goal=goal)
     assert state.mode == "waypoints"
     assert output.status["waypoint"] == 1.0
@@ -75,26 +75,26 @@ def test_slip_does_not_keep_the_drive_from_its_goal_in_odom(model: DriveModel, m
 
 def test_newer_goal_ends_the_older(model: DriveModel, machine: Callable) -> None:
     rover = machine()
-    state, _ = rover.run(model.initial_state(), 3.0, goal=Goal.at(5.0, 0.0, name="first"))
-    state, output = rover.run(state, DT, goal=Goal.at(2.0, 2.0, name="second"))
+    state, _ = rover.run(model.initial_state(), 3.0, goal=Goal.at(5.0, 0.0, number=1))
+    state, output = rover.run(state, DT, goal=Goal.at(2.0, 2.0, number=2))
     (outcome,) = output.outcomes
-    assert (outcome.kind, outcome.reason, outcome.goal.name) == (
+    assert (outcome.kind, outcome.reason, outcome.goal.number) == (
         "stopped",
         "pre-empted by a newer goal",
-        "first",
+        1,
     )
     assert outcome.distance_to_go == pytest.approx(4.8, abs=0.2)
-    assert output.status["goal"] == "second"
+    assert output.status["goal"] == "2"
     assert state.mode == "goal"
 
 
 def test_refused_goal_leaves_the_present_one_alone(model: DriveModel, machine: Callable) -> None:
     rover = machine()
-    state, _ = rover.run(model.initial_state(), 3.0, goal=Goal.at(5.0, 0.0, name="good"))
-    state, output = rover.run(state, DT, goal=Goal.at(math.nan, 0.0, name="bad"))
+    state, _ = rover.run(model.initial_state(), 3.0, goal=Goal.at(5.0, 0.0, number=1))
+    state, output = rover.run(state, DT, goal=Goal.at(math.nan, 0.0, number=2))
     (outcome,) = output.outcomes
-    assert (outcome.kind, outcome.goal.name) == ("refused", "bad")
-    assert output.status["goal"] == "good"
+    assert (outcome.kind, outcome.goal.number) == ("refused", 2)
+    assert output.status["goal"] == "1"
     state, output = rover.run(model.initial_state(), DT, goal=Goal.at(1e6, 0.0))
     assert state.mode == "idle"
     assert output.status["text"].startswith("refused: the path is")

@@ -21,7 +21,7 @@ from sojourn_flight.planning.energy_forecast import (
 )
 from sojourn_flight.planning.energy_params import EnergyParams
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.planning.path import Path
+from sojourn_flight.planning.path import PlannedPath
 from sojourn_flight.planning.path_planner import plan_path
 from sojourn_flight.supervision.drive import DriveModel
 from sojourn_flight.supervision.drive_types import DriveInput
@@ -45,7 +45,7 @@ START = Pose(0.0, 0.0, 0.0)
 
 def way(model: DriveModel, goal: Goal, z: float = 0.0) -> Forecast:
     path = plan_path(model.params.follower, TurningLimits(0.7, 2.7, True), START, goal)
-    assert isinstance(path, Path)
+    assert isinstance(path, PlannedPath)
     return forecast_way(COSTS, path, goal, z, 0.0)
 
 

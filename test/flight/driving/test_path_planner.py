@@ -12,7 +12,7 @@ from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Piece, Pose
 from sojourn_flight.planning.corner import gentlest_corner, needed_curvature, round_corner
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.planning.path import Leg, Path
+from sojourn_flight.planning.path import Leg, PlannedPath
 from sojourn_flight.planning.path_planner import plan_path
 from sojourn_flight.supervision.params import DriveParams, GoalFollowerParams
 
@@ -26,7 +26,7 @@ def params(drive_params: DriveParams) -> GoalFollowerParams:
     return drive_params.follower
 
 
-def check(params: GoalFollowerParams, machine: TurningLimits, start: Pose, goal: Goal, path: Path) -> None:
+def check(params: GoalFollowerParams, machine: TurningLimits, start: Pose, goal: Goal, path: PlannedPath) -> None:
     """What holds for every path."""
     joint = start
     for leg in path.legs:
@@ -67,7 +67,7 @@ def test_a_machine_that_turns_on_the_spot_gets_a_path_through_any_points(
 ) -> None:
     start, goal = START._replace(heading=yaw), Goal.along(chain(legs))
     path = plan_path(params, ROVER, start, goal)
-    assert isinstance(path, Path), path
+    assert isinstance(path, PlannedPath), path
     if path.legs:
         check(params, ROVER, start, goal, path)
 
@@ -93,9 +93,11 @@ def test_a_machine_that_cannot_gets_one_leg_from_its_heading_or_a_reason(
 
 def test_a_gentle_route_is_one_leg_and_a_right_angle_a_stop(params: GoalFollowerParams) -> None:
     path = plan_path(params, ROVER, START, Goal.along([(2.6, 1.0), (4.5, 2.5), (6.2, 2.2), (8.6, 0.5)]))
-    assert isinstance(path, Path) and len(path.legs) == 1
+    assert isinstance(path, PlannedPath) and len(path.legs) == 1
     path = plan_path(params, ROVER, START, Goal.along([(4.0, 0.0), (4.0, 4.0)]))
-    assert isinstance(path, Path) and [leg.start.heading for leg in path.legs] == pytest.approx([0.0, math.pi / 2])
+    assert isinstance(path, PlannedPath) and [leg.start.heading for leg in path.legs] == pytest.approx(
+        [0.0, math.pi / 2]
+    )
     assert path.marks == pytest.approx((4.0, 8.0))
 
 
@@ -103,7 +105,7 @@ def test_a_circle_sampled_densely_has_no_corners(params: GoalFollowerParams) -> 
     angles = np.linspace(0.05, 6.0, 300)
     points = [(3.0 * math.sin(angle), 3.0 - 3.0 * math.cos(angle)) for angle in angles]
     path = plan_path(params, CAR, START, Goal.along(points))
-    assert isinstance(path, Path) and len(path.legs) == 1
+    assert isinstance(path, PlannedPath) and len(path.legs) == 1
     radius = np.hypot(path.legs[0].samples[:, 1], path.legs[0].samples[:, 2] - 3.0)
     assert radius.min() > 3.0 - params.corner_cut and radius.max() < 3.0 + params.corner_cut
     # every point is passed where it lies on the circle
@@ -121,15 +123,15 @@ def test_what_cannot_be_joined_is_refused_with_the_point_and_the_numbers(params:
     reason = plan_path(params, CAR, START, Goal.at(3.0, 0.0, 3.0))
     assert isinstance(reason, str) and reason.startswith("the heading of 3.00 rad at the end: no curve of at most 0.56")
     path = plan_path(params, CAR, START, Goal.at(-8.0, 0.0))  # behind: round and back
-    assert isinstance(path, Path) and path.length > 8.0 + math.pi * 1.0
+    assert isinstance(path, PlannedPath) and path.length > 8.0 + math.pi * 1.0
 
 
 def test_a_goal_where_the_rover_stands_needs_no_path(params: GoalFollowerParams) -> None:
     for goal in (Goal.at(0.02, 0.0), Goal.at(-0.08, 0.0)):
         path = plan_path(params, ROVER, START, goal)
-        assert isinstance(path, Path) and not path.legs and path.length == 0.0
+        assert isinstance(path, PlannedPath) and not path.legs and path.length == 0.0
     path = plan_path(params, ROVER, START, Goal.at(0.08, 0.0))
-    assert isinstance(path, Path) and path.length == pytest.approx(0.08)
+    assert isinstance(path, PlannedPath) and path.length == pytest.approx(0.08)
 
 
 @given(st.floats(0.02, 2.9), st.floats(0.05, 0.7))
@@ -167,6 +169,6 @@ def test_the_nearest_place_follows_a_path_that_crosses_itself() -> None:
 
 def test_turns_on_the_spot_are_added_up(params: GoalFollowerParams) -> None:
     path = plan_path(params, ROVER, START, Goal.along([(4.0, 0.0), (4.0, 4.0)], 0.0))
-    assert isinstance(path, Path)
+    assert isinstance(path, PlannedPath)
     assert path.turns(0.1, 0.0) == pytest.approx((0.1, math.pi / 2, math.pi / 2))
     assert path.turns(0.0, None) == pytest.approx((math.pi / 2,))

@@ -48,7 +48,7 @@ def way_from(rocks: list[Rock], yaw: float, drift: float) -> tuple[AvoidanceStat
 @settings(max_examples=100, deadline=None)
 @given(ROCKS, st.floats(-0.6, 0.6), st.floats(-0.15, 0.15) | st.just(0.0))
 @example([(1.35, -1.3, 0.3)], -0.58, 0.0)
-def test_a_way_round_that_is_taken_is_open(rocks: list[Rock], yaw: float, drift: float) -> None:
+def test_a_detour_that_is_taken_is_open(rocks: list[Rock], yaw: float, drift: float) -> None:
     """It was taken though its own check had found it closed, driven into, found closed again, and planned again: 43
     times on 8 degrees with boulders. Beyond HURRY it may be closed: what is far off may look other soon."""
     taken = way_from(rocks, yaw, drift)

@@ -12,7 +12,7 @@ from sojourn_machine.errors import MachineError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import GripperToolParams, ObjectParams
 from sojourn_physics.plant.tools.gripper import Gripper, needed_grasp
-from sojourn_physics.plant.tools.tool_state import Surroundings, ToolState
+from sojourn_physics.plant.tools.tool_state import ToolState, ToolSurroundings
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.memory import GroundMemory, MemoryBoard
 
@@ -26,10 +26,10 @@ MARS = 3.71
 DT = 0.02
 
 
-def around(tip: FloatArray, opening: float, force: float, supply: float = 1.0) -> Surroundings:
+def around(tip: FloatArray, opening: float, force: float, supply: float = 1.0) -> ToolSurroundings:
     report = np.zeros(16)
     report[:3] = tip
-    return Surroundings(
+    return ToolSurroundings(
         board=MemoryBoard(GroundMemory(0.02, -5.0, -5.0)), terrain=GROUND, grid=GROUND.grid, soils=np.zeros((1, 40)),
         gravity=MARS, dt=DT, reference=np.array([opening, 0.0, force]), supply=supply, report=report, drag=np.zeros(2),
         axis=np.array([0.0, 0.0, -1.0]), across=np.array([0.0, 1.0, 0.0]), voltage=28.0,

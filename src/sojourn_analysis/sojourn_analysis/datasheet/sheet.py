@@ -20,7 +20,7 @@ from sojourn_analysis.vehicle.params import PublishedFigure
 from sojourn_machine.errors import InvalidValueError
 
 
-class Comparison(NamedTuple):
+class FigureComparison(NamedTuple):
     """A published figure and our own."""
 
     label: str
@@ -35,7 +35,7 @@ class Datasheet(NamedTuple):
     """Sections and comparisons; none of these where the published figures are for another ground."""
 
     sections: tuple[Section, ...]
-    comparisons: tuple[Comparison, ...]
+    comparisons: tuple[FigureComparison, ...]
 
 
 NEAR = 0.05
@@ -77,7 +77,7 @@ def datasheet(subject: Subject) -> Datasheet:
     return Datasheet(sections, () if elsewhere else compare(vehicle.published, sections))
 
 
-def compare(published: tuple[PublishedFigure, ...], sections: tuple[Section, ...]) -> tuple[Comparison, ...]:
+def compare(published: tuple[PublishedFigure, ...], sections: tuple[Section, ...]) -> tuple[FigureComparison, ...]:
     """The published figures with those of the sections.
 
     Raises:
@@ -91,5 +91,5 @@ def compare(published: tuple[PublishedFigure, ...], sections: tuple[Section, ...
         figure = figures[item.figure]
         own = figure.value if isinstance(figure.value, float) else None
         inside = own is not None and item.low * (1.0 - NEAR) <= own <= item.high * (1.0 + NEAR)
-        compared.append(Comparison(figure.label, figure.unit, (item.low, item.high), own, inside, item.source))
+        compared.append(FigureComparison(figure.label, figure.unit, (item.low, item.high), own, inside, item.source))
     return tuple(compared)

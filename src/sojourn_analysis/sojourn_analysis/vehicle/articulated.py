@@ -29,7 +29,7 @@ from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
 
-class Body(NamedTuple):
+class VehicleUnit(NamedTuple):
     """One half: mass [kg], yaw inertia [kg m^2], distance of its centre of mass and of its axle from the joint [m],
     axle cornering stiffness [N/rad]."""
 
@@ -66,23 +66,23 @@ def yaw_rate(front_axle: float, rear_axle: float, speed: float, angle: float, an
     return (speed * math.sin(angle) + rear_axle * angle_rate) / (front_axle * math.cos(angle) + rear_axle)
 
 
-def state_matrix(front: Body, rear: Body, joint: Joint, speed: float) -> FloatArray:
+def state_matrix(front: VehicleUnit, rear: VehicleUnit, joint: Joint, speed: float) -> FloatArray:
     """A (4, 4) of the state (v, r_1, r_2, g) at a speed of more than 0 [m/s], with the angle g_0 at 0."""
     return _matrices(front, rear, joint, speed)[0]
 
 
-def steady_turn(front: Body, rear: Body, joint: Joint, speed: float, asked: float) -> FloatArray:
+def steady_turn(front: VehicleUnit, rear: VehicleUnit, joint: Joint, speed: float, asked: float) -> FloatArray:
     """Steady state (v, r_1, r_2, g) for an asked articulation [rad], shape (4,)."""
     a, b = _matrices(front, rear, joint, speed)
     return np.asarray(np.linalg.solve(a, -b * asked))
 
 
-def eigenvalues(front: Body, rear: Body, joint: Joint, speed: float) -> FloatArray:
+def eigenvalues(front: VehicleUnit, rear: VehicleUnit, joint: Joint, speed: float) -> FloatArray:
     """Eigenvalues [1/s], complex, shape (4,)."""
     return np.asarray(np.linalg.eigvals(state_matrix(front, rear, joint, speed)).astype(np.complex128))
 
 
-def stable_speed(front: Body, rear: Body, joint: Joint, highest: float = 50.0) -> tuple[float, str]:
+def stable_speed(front: VehicleUnit, rear: VehicleUnit, joint: Joint, highest: float = 50.0) -> tuple[float, str]:
     """Speed [m/s] beyond which it is unstable and how: snaking, folding; or `highest` and stable."""
 
     def worst(speed: float) -> complex:
@@ -99,7 +99,7 @@ def stable_speed(front: Body, rear: Body, joint: Joint, highest: float = 50.0) -
     return (highest, "stable") if worst(highest).real < 0.0 else (0.0, "unstable at any speed")
 
 
-def _matrices(front: Body, rear: Body, joint: Joint, speed: float) -> tuple[FloatArray, FloatArray]:
+def _matrices(front: VehicleUnit, rear: VehicleUnit, joint: Joint, speed: float) -> tuple[FloatArray, FloatArray]:
     if not (math.isfinite(speed) and speed > 0.0):
         raise InvalidValueError("speed", speed, "a finite number more than 0 m/s")
     one, two = front.mass * front.centre, rear.mass * rear.centre

@@ -32,7 +32,7 @@ class ElasticAxle(NamedTuple):
     track: float = 1.0
 
 
-class Mode(NamedTuple):
+class BodyMode(NamedTuple):
     """Natural frequency [Hz], damping ratio [-], centre of the motion forward of the centre of mass [m].
 
     The centre of a bounce mode lies outside of the axles, that of a pitch mode between them.
@@ -70,7 +70,7 @@ def matrices(
     return np.diag([mass, pitch_inertia]), damping, stiffness
 
 
-def heave_and_pitch_modes(mass: float, pitch_inertia: float, axles: Sequence[ElasticAxle]) -> tuple[Mode, ...]:
+def heave_and_pitch_modes(mass: float, pitch_inertia: float, axles: Sequence[ElasticAxle]) -> tuple[BodyMode, ...]:
     """The modes by rising frequency: two, fewer where one is overdamped."""
     m, c, k = matrices(mass, pitch_inertia, axles)
     a = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(m, k), -np.linalg.solve(m, c)]])
@@ -80,7 +80,7 @@ def heave_and_pitch_modes(mass: float, pitch_inertia: float, axles: Sequence[Ela
         if value.imag > 1e-9:
             heave, pitch = vector[0], vector[1]
             centre = float((heave / pitch).real) if abs(pitch) > 1e-12 * abs(heave) else math.inf
-            found.append(Mode(abs(value) / (2.0 * math.pi), float(-value.real / abs(value)), centre))
+            found.append(BodyMode(abs(value) / (2.0 * math.pi), float(-value.real / abs(value)), centre))
     return tuple(sorted(found))
 
 

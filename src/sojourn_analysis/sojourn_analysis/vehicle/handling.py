@@ -55,7 +55,7 @@ class Derivatives(NamedTuple):
     n_steer: float
 
 
-class Gains(NamedTuple):
+class SteadyStateGains(NamedTuple):
     """Steady response to one rad of steering: curvature [1/m], yaw rate [1/s], side slip [-], acceleration [m/s^2]."""
 
     curvature: float
@@ -118,7 +118,7 @@ def neutral_steer_point(car: SingleTrack) -> float:
     return float(x @ stiffness / stiffness.sum())
 
 
-def steady_gains(car: SingleTrack, speed: float) -> Gains:
+def steady_gains(car: SingleTrack, speed: float) -> SteadyStateGains:
     """Steady response to the steer angle.
 
     Raises:
@@ -128,7 +128,7 @@ def steady_gains(car: SingleTrack, speed: float) -> Gains:
     if abs(np.linalg.det(a)) < 1e-12 * np.abs(a).max() ** 2:
         raise InvalidValueError("speed", speed, "any but the critical speed")
     side_slip, rate = np.linalg.solve(a, -b[:, 0])
-    return Gains(float(rate) / speed, float(rate), float(side_slip), float(rate) * speed)
+    return SteadyStateGains(float(rate) / speed, float(rate), float(side_slip), float(rate) * speed)
 
 
 def step_response(car: SingleTrack, speed: float, steer: float, times: FloatArray) -> FloatArray:

@@ -65,7 +65,7 @@ class SideView:
     belly: tuple[float, float, float] | None = None
 
 
-class Posture(NamedTuple):
+class ClimbingPose(NamedTuple):
     """Place (x, z) [m] and pitch, nose up positive [rad], of the body's origin; angle of the bogie against it [rad]."""
 
     x: float
@@ -125,15 +125,15 @@ def least_friction(side: SideView, height: float, gravity: float, highest: float
 class _Ascent(NamedTuple):
     """Postures on the way of a wheel up a step, with the normals of its contacts there; whether it ends on top."""
 
-    postures: tuple[tuple[Posture, list[tuple[float, float]]], ...]
+    postures: tuple[tuple[ClimbingPose, list[tuple[float, float]]], ...]
     whole: bool
 
 
 @lru_cache(maxsize=128)
 def _ascent(side: SideView, wheel: int, height: float) -> _Ascent:
     """As far as the joints let the wheel go, and the body clears the edge: geometry, whatever the friction."""
-    postures: list[tuple[Posture, list[tuple[float, float]]]] = []
-    guess: Posture | None = None
+    postures: list[tuple[ClimbingPose, list[tuple[float, float]]]] = []
+    guess: ClimbingPose | None = None
     for centre, normals in _way_up(side.wheels[wheel].radius, height):
         guess = _posture(side, wheel, centre, height, guess)
         if guess is None or abs(guess.bogie) > side.bogie_limit or _touches(side, guess, height):
@@ -163,7 +163,7 @@ def _way_up(radius: float, height: float) -> list[tuple[tuple[float, float], lis
     return way
 
 
-def _touches(side: SideView, posture: Posture, height: float) -> bool:
+def _touches(side: SideView, posture: ClimbingPose, height: float) -> bool:
     """Whether the edge of the step is inside the body."""
     if side.belly is None:
         return False
@@ -172,7 +172,7 @@ def _touches(side: SideView, posture: Posture, height: float) -> bool:
     return bool(rear < edge[0] < front and edge[1] > under)
 
 
-def _place(posture: Posture, side: SideView, point: tuple[float, float], on_bogie: bool) -> FloatArray:
+def _place(posture: ClimbingPose, side: SideView, point: tuple[float, float], on_bogie: bool) -> FloatArray:
     """Where a point of the machine is, shape (2,) [m]."""
     local = np.array(point)
     if on_bogie:
@@ -187,13 +187,13 @@ def _turn(angle: float) -> FloatArray:
 
 
 def _posture(
-    side: SideView, climbing: int, centre: tuple[float, float], height: float, guess: Posture | None
-) -> Posture | None:
+    side: SideView, climbing: int, centre: tuple[float, float], height: float, guess: ClimbingPose | None
+) -> ClimbingPose | None:
     """Posture with one wheel's centre at a point and the others on flat ground, on the step those ahead."""
     hinged = side.bogie_mass > 0.0
 
     def misses(unknown: FloatArray) -> list[float]:
-        posture = Posture(unknown[0], unknown[1], unknown[2], unknown[3] if hinged else 0.0)
+        posture = ClimbingPose(unknown[0], unknown[1], unknown[2], unknown[3] if hinged else 0.0)
         found = []
         for index, wheel in enumerate(side.wheels):
             place = _place(posture, side, (wheel.x, wheel.z), wheel.on_bogie)
@@ -204,17 +204,17 @@ def _posture(
         return found
 
     wheel = side.wheels[climbing]
-    first = guess or Posture(centre[0] - wheel.x, centre[1] - wheel.z, 0.0, 0.0)
+    first = guess or ClimbingPose(centre[0] - wheel.x, centre[1] - wheel.z, 0.0, 0.0)
     solution, _, flag, _ = fsolve(misses, np.array(first[: 4 if hinged else 3]), full_output=True, xtol=1e-12)
     if flag != 1 or np.abs(misses(solution)).max() > 1e-8 or abs(solution[2]) > 1.2:
         return None
-    return Posture(*(float(value) for value in solution), *(() if hinged else (0.0,)))
+    return ClimbingPose(*(float(value) for value in solution), *(() if hinged else (0.0,)))
 
 
 def _holds(
     side: SideView,
     climbing: int,
-    posture: Posture,
+    posture: ClimbingPose,
     normals: list[tuple[float, float]],
     friction: float,
     gravity: float,

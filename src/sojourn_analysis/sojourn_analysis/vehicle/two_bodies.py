@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from sojourn_analysis.vehicle.articulated import Body, Joint
+from sojourn_analysis.vehicle.articulated import Joint, VehicleUnit
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
 from sojourn_machine.errors import InvalidValueError
 
@@ -19,8 +19,8 @@ from sojourn_machine.errors import InvalidValueError
 class TwoBodies(NamedTuple):
     """Front and rear body, without axle stiffness (1 N/rad), the joint, and its largest angle to both sides [rad]."""
 
-    front: Body
-    rear: Body
+    front: VehicleUnit
+    rear: VehicleUnit
     joint: Joint
     largest_angle: float
 
@@ -55,7 +55,7 @@ def two_bodies(machine: StandingMachine, joint: str, angles: Mapping[str, float]
         for link in links:
             total += model.inertias[link].se3Action(data.oMi[link])
         bodies.append(
-            Body(
+            VehicleUnit(
                 float(total.mass),
                 float(total.inertia[2, 2]),
                 sign * (float(total.lever[0]) - place),

@@ -30,7 +30,7 @@ class Span:
 
 
 @dataclass(frozen=True)
-class Curve:
+class ChartLine:
     """A curve: times [s], values, name for the legend, colour, and number of the dash pattern."""
 
     times: FloatArray
@@ -54,7 +54,7 @@ class TimeAxis:
         return np.asarray(LEFT + (np.asarray(times) - self.begin) / length * (RIGHT - LEFT))
 
 
-def wheel_curves(times: FloatArray, values: FloatArray, names: Sequence[str]) -> list[Curve]:
+def wheel_curves(times: FloatArray, values: FloatArray, names: Sequence[str]) -> list[ChartLine]:
     """A curve a column. Right-hand ones are dashed in the colour of their left-hand fellows, where all have a side."""
     paired = bool(names) and all({"left", "right"} & set(name.replace("_", " ").split()) for name in names)
     curves, families = [], list(dict.fromkeys(_without_side(name) for name in names))
@@ -62,7 +62,7 @@ def wheel_curves(times: FloatArray, values: FloatArray, names: Sequence[str]) ->
         number = families.index(_without_side(name)) if paired else column
         dash = int("right" in name) if paired else number // len(COLORS)
         color = COLORS[number % len(COLORS)]
-        curves.append(Curve(times, values[:, column], name.replace("_", " "), color, dash))
+        curves.append(ChartLine(times, values[:, column], name.replace("_", " "), color, dash))
     return curves
 
 
@@ -71,7 +71,11 @@ def _without_side(name: str) -> str:
 
 
 def chart(
-    axis: TimeAxis, curves: Sequence[Curve], label: str, lines: Sequence[tuple[float, str]] = (), height: float = HEIGHT
+    axis: TimeAxis,
+    curves: Sequence[ChartLine],
+    label: str,
+    lines: Sequence[tuple[float, str]] = (),
+    height: float = HEIGHT,
 ) -> str:
     """Curves over time: a faint band holds every value, the bold line is the mean.
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from sojourn_bags.curves import COLORS
 from sojourn_bags.machine import poses_of
-from sojourn_bags.page.html import Section, figure, paragraph
+from sojourn_bags.page.html import PageSection, figure, paragraph
 from sojourn_bags.page.story import POSE, Story
 from sojourn_bags.report_map import draw_map
 
@@ -16,9 +16,9 @@ DOTS_PER_INCH = 130
 QUALITY = 86
 
 
-def section(story: Story) -> Section:
+def section(story: Story) -> PageSection:
     """Map of the run."""
-    return Section("map", "Map", _body(story))
+    return PageSection("map", "Map", _body(story))
 
 
 def _body(story: Story) -> str:

@@ -56,7 +56,7 @@ charts.forEach(chart => {
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     """A part of the page: a word for its address, its title, and its content as HTML."""
 
     key: str
@@ -111,7 +111,7 @@ def tiles(found: Sequence[Tile]) -> str:
     return f'<div class="tiles">{inside}</div>'
 
 
-def document(title: str, head: str, sections: Sequence[Section], script: str) -> str:
+def document(title: str, head: str, sections: Sequence[PageSection], script: str) -> str:
     """The whole page; it needs nothing beside itself."""
     links = "".join(f'<a href="#{section.key}">{escape(section.title)}</a> ' for section in sections)
     body = "".join(

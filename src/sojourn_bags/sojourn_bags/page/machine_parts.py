@@ -4,17 +4,17 @@ import numpy as np
 
 from sojourn_bags.curves import COLORS, FloatArray, short_name
 from sojourn_bags.goals import ARM_TOPICS
-from sojourn_bags.page.chart import Curve, Span, chart, strips, wheel_curves
-from sojourn_bags.page.html import Section, figure, paragraph
+from sojourn_bags.page.chart import ChartLine, Span, chart, strips, wheel_curves
+from sojourn_bags.page.html import PageSection, figure, paragraph
 from sojourn_bags.page.story import BATTERY, JOINTS, STATUS, Story
 from sojourn_bags.page.wrist import wrist_figures
-from sojourn_bags.reading import Joints, Messages
+from sojourn_bags.reading import JointHistory, Messages
 from sojourn_contract.switches import fraction_of
 
 ON, PART, OFF = "#56b4e9", "#e69f00", "#333333"
 
 
-def power(story: Story) -> Section:
+def power(story: Story) -> PageSection:
     """Power, charge, bus and loads."""
     store, measured = story.find("/truth/electrical", BATTERY), story.find("/battery_state", BATTERY)
     source = store or measured
@@ -27,18 +27,18 @@ def power(story: Story) -> Section:
         parts += _battery(story, source, store, measured)
     parts.append(_loads(story))
     parts.append(_switches(story))
-    return Section("power", "Power and charge", "".join(parts))
+    return PageSection("power", "Power and charge", "".join(parts))
 
 
 def _battery(story: Story, source: Messages, store: Messages | None, measured: Messages | None) -> list[str]:
     times = story.times(source)
-    drawn = Curve(times, -source.column("voltage") * source.column("current"), "out of the battery")
+    drawn = ChartLine(times, -source.column("voltage") * source.column("current"), "out of the battery")
     charge = []
     for number, (messages, name) in enumerate(((store, "true"), (measured, "estimated"))):
         if messages is not None:
             values = 100.0 * messages.column("percentage")
-            charge.append(Curve(story.times(messages), values, name, COLORS[number], number))
-    volts = [Curve(times, source.column("voltage"), "at the battery" if store is None else "of the bus")]
+            charge.append(ChartLine(story.times(messages), values, name, COLORS[number], number))
+    volts = [ChartLine(times, source.column("voltage"), "at the battery" if store is None else "of the bus")]
     return [
         figure("Power out of the battery", chart(story.axis, [drawn], "power [W]", height=160.0)),
         figure("State of charge", chart(story.axis, charge, "charge [%]", height=140.0)),
@@ -88,16 +88,18 @@ def _look(text: str) -> tuple[str, str]:
     return (OFF, "off") if fraction == 0.0 else (PART, f"{100.0 * fraction:.0f} %")
 
 
-def arm(story: Story) -> Section:
+def arm(story: Story) -> PageSection:
     """Joint angles as commanded and as they were, and the torques."""
     states, found = story.find("/truth/joint_states", JOINTS), story.true_joints
     source, name = (states, "true") if states else (story.find("/joint_states", JOINTS), "measured")
     joints = found if states else source.joints() if source else None
     names = list(story.run.arm_joints) if story.run else []
     if story.run and not names:
-        return Section("arm", "Arm", paragraph("This rover has no arm."))
+        return PageSection("arm", "Arm", paragraph("This rover has no arm."))
     if source is None or joints is None or not set(names) & set(joints.names):
-        return Section("arm", "Arm", paragraph("The bag tells of no arm: that takes the machine and its joint states."))
+        return PageSection(
+            "arm", "Arm", paragraph("The bag tells of no arm: that takes the machine and its joint states.")
+        )
     names = [joint for joint in names if joint in joints.names]
     goals = story.summary["goals"] if story.summary else []
     asked = any(goal["topic"] in ARM_TOPICS for goal in goals)
@@ -105,20 +107,20 @@ def arm(story: Story) -> Section:
     if not asked and not any(np.ptp(joints.position[:, joints.index(joint)]) > 2e-3 for joint in names):
         torque = _largest(joints, names)
         text = f"The arm was not asked to move and has not moved. Largest torque that held it: {torque:.2f} N m."
-        return Section("arm", "Arm", paragraph(text))
+        return PageSection("arm", "Arm", paragraph(text))
     command = story.find("/arm_command", JOINTS)
     wanted = command.joints() if command else None
     sliding = story.run.sliding_joints if story.run else frozenset()
-    turning: list[Curve] = []
-    travels: list[Curve] = []
+    turning: list[ChartLine] = []
+    travels: list[ChartLine] = []
     error_curves = []
     for number, joint in enumerate(names):
         color, place = COLORS[number % len(COLORS)], joints.index(joint)
         curves, scale = (travels, 1000.0) if joint in sliding else (turning, 180.0 / np.pi)
-        curves.append(Curve(times, scale * joints.position[:, place], short_name(joint), color))
+        curves.append(ChartLine(times, scale * joints.position[:, place], short_name(joint), color))
         if command is not None and wanted is not None and joint in wanted.names:
             target = scale * wanted.position[:, wanted.index(joint)]
-            curves.append(Curve(story.times(command), target, f"{short_name(joint)}, commanded", color, 1))
+            curves.append(ChartLine(story.times(command), target, f"{short_name(joint)}, commanded", color, 1))
             error_curves.append(_error(story, source, joints, command, wanted, joint, color))
     parts = [
         figure(f"{what}, {name} and commanded", chart(story.axis, curves, unit, height=240.0))
@@ -137,18 +139,24 @@ def arm(story: Story) -> Section:
         unit = "torque [N m], force [N]" if travels else "torque [N m]"
         parts.append(figure("Torque of the arm joints", chart(story.axis, curves, unit)))
     parts += wrist_figures(story)
-    return Section("arm", "Arm", "".join(parts))
+    return PageSection("arm", "Arm", "".join(parts))
 
 
 def _error(
-    story: Story, source: Messages, joints: Joints, command: Messages, wanted: Joints, joint: str, color: str
-) -> Curve:
+    story: Story,
+    source: Messages,
+    joints: JointHistory,
+    command: Messages,
+    wanted: JointHistory,
+    joint: str,
+    color: str,
+) -> ChartLine:
     _, rows, others = np.intersect1d(source.times, command.times, return_indices=True)
     difference = wanted.position[others, wanted.index(joint)] - joints.position[rows, joints.index(joint)]
-    return Curve(story.times(source)[rows], 1000.0 * difference, short_name(joint), color)
+    return ChartLine(story.times(source)[rows], 1000.0 * difference, short_name(joint), color)
 
 
-def _largest(joints: Joints, names: list[str]) -> float:
+def _largest(joints: JointHistory, names: list[str]) -> float:
     efforts: FloatArray = np.abs(joints.effort[:, [joints.index(name) for name in names]])
     return float(np.nanmax(efforts)) if np.isfinite(efforts).any() else float("nan")
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from sojourn_bags.curves import COLORS, FloatArray
 from sojourn_bags.machine import euler_angles
-from sojourn_bags.page.chart import Curve, chart, wheel_curves
-from sojourn_bags.page.html import Section, figure, paragraph
+from sojourn_bags.page.chart import ChartLine, chart, wheel_curves
+from sojourn_bags.page.html import PageSection, figure, paragraph
 from sojourn_bags.page.story import CLOUD, IMU, JOINTS, POSE, Story
 from sojourn_bags.reading import Messages
 
@@ -14,11 +14,11 @@ MER_CLASS_DEG = 45.0
 _QUATERNION = tuple(f"orientation.{axis}" for axis in "xyzw")
 
 
-def wheels(story: Story) -> Section:
+def wheels(story: Story) -> PageSection:
     """Slip, sinkage, loads and torques of the wheels."""
     contacts = story.find("/truth/contacts", CLOUD)
     if contacts is None or story.run is None:
-        return Section(
+        return PageSection(
             "wheels", "Wheels", paragraph("The bag has no true contacts of a known machine on /truth/contacts.")
         )
     times, parts = story.times(contacts), []
@@ -46,7 +46,7 @@ def wheels(story: Story) -> Section:
     parts.append(_torques(story, drives if driven else [], "Torque of the wheel drives"))
     steered = list(story.run.machine.steer_joints)
     parts.append(_torques(story, steered if story.moved(steered) else [], "Torque of the steering joints"))
-    return Section("wheels", "Wheels", "".join(parts))
+    return PageSection("wheels", "Wheels", "".join(parts))
 
 
 def _pads(story: Story, times: FloatArray) -> str:
@@ -57,7 +57,7 @@ def _pads(story: Story, times: FloatArray) -> str:
     touched = [(name, force) for name, force in pads if np.nanmax(np.append(force, 0.0)) > 0.0]
     if not touched:
         return paragraph("Nothing but the wheels has touched the ground.", quiet=True)
-    curves = [Curve(times, force, name.replace("_", " "), COLORS[number % len(COLORS)], number // len(COLORS))
+    curves = [ChartLine(times, force, name.replace("_", " "), COLORS[number % len(COLORS)], number // len(COLORS))
               for number, (name, force) in enumerate(touched)]  # fmt: skip
     return figure("Contact force of what else has touched the ground", chart(story.axis, curves, "force [N]"))
 
@@ -72,7 +72,7 @@ def _torques(story: Story, joints: list[str], title: str) -> str:
     return figure(title, chart(story.axis, wheel_curves(story.times(states), values, names), "torque [N m]"))
 
 
-def attitude(story: Story) -> Section:
+def attitude(story: Story) -> PageSection:
     """Roll, pitch and yaw, true and estimated; error of the estimated position; margin against tipping over."""
     sources: list[tuple[str, Messages, FloatArray]] = []
     for topic, name in (("/truth/odom", "true"), ("/odom", "odometry")):
@@ -85,17 +85,17 @@ def attitude(story: Story) -> Section:
         sources.append(("inertial unit", imu, np.degrees(euler_angles(imu.columns(*_QUATERNION)))))
     if not sources:
         text = "The bag has neither /truth/odom nor /odom nor /imu/data of the usual types."
-        return Section("attitude", "Attitude and position", paragraph(text))
+        return PageSection("attitude", "Attitude and position", paragraph(text))
     parts = []
     for number, angle in enumerate(("Roll", "Pitch", "Yaw")):
         curves = [
-            Curve(story.times(messages), values[:, number], name, COLORS[index], index)
+            ChartLine(story.times(messages), values[:, number], name, COLORS[index], index)
             for index, (name, messages, values) in enumerate(sources)
         ]
         parts.append(figure(angle, chart(story.axis, curves, f"{angle.lower()} [degree]", height=150.0)))
     parts.append(_position_error(story))
     parts.append(_margin(story))
-    return Section("attitude", "Attitude, position and tip-over margin", "".join(parts))
+    return PageSection("attitude", "Attitude, position and tip-over margin", "".join(parts))
 
 
 def _position_error(story: Story) -> str:
@@ -110,8 +110,8 @@ def _position_error(story: Story) -> str:
     error = belief.columns(*place)[others] - truth.columns(*place)[rows]
     times = story.times(truth)[rows]
     heading = np.degrees(_yaw(belief)[others] - _yaw(truth)[rows])
-    plane = [Curve(times, 1000.0 * np.hypot(error[:, 0], error[:, 1]), "in the plane")]
-    turned = [Curve(times, heading, "heading")]
+    plane = [ChartLine(times, 1000.0 * np.hypot(error[:, 0], error[:, 1]), "in the plane")]
+    turned = [ChartLine(times, heading, "heading")]
     return figure(
         "Distance of the estimated from the true position", chart(story.axis, plane, "error [mm]", height=150.0)
     ) + (figure("Estimated less true heading", chart(story.axis, turned, "error [degree]", height=130.0)))
@@ -131,6 +131,6 @@ def _margin(story: Story) -> str:
         "Angle by which the line of gravity, through the true centre of mass, is inside the outline of the wheels that "
         "carry; at 0 the rover tips. A gap: fewer than three wheels carry, or they stand in a line."
     )
-    curves = [Curve(story.margin.times, np.degrees(story.margin.values), "least over all edges")]
+    curves = [ChartLine(story.margin.times, np.degrees(story.margin.values), "least over all edges")]
     marks = [(MER_CLASS_DEG, f"{MER_CLASS_DEG:.0f}°: rovers of the MER class, on the level")]
     return figure(title, chart(story.axis, curves, "margin [degree]", marks), note)

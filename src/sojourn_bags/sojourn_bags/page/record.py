@@ -10,7 +10,7 @@ from sojourn_bags.completeness import RECORD
 from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import CONFIGURATION_NAME
 from sojourn_bags.page.chart import Span, strips
-from sojourn_bags.page.html import Section, figure, paragraph, table
+from sojourn_bags.page.html import PageSection, figure, paragraph, table
 from sojourn_bags.page.story import ARM_SHADE, STATUS, Story
 from sojourn_bags.provenance import VERSIONS_NAME
 from sojourn_bags.recovery import RECOVERY_RECORD
@@ -26,10 +26,10 @@ HEARTBEAT_S = 1.0
 STATUSES = ("/drive/status", "/arm/status", "/power/status")
 
 
-def goals(story: Story) -> Section:
+def goals(story: Story) -> PageSection:
     """Goals and how each ended."""
     if story.summary is None:
-        return Section("goals", "Goals", paragraph("Goals cannot be judged without the scenario in the bag."))
+        return PageSection("goals", "Goals", paragraph("Goals cannot be judged without the scenario in the bag."))
     found = story.summary["goals"]
     parts = []
     if found:
@@ -51,7 +51,7 @@ def goals(story: Story) -> Section:
         parts.append(paragraph("No goal was sent."))
     if story.summary["steps_not_sent"]:
         parts.append(paragraph(f"{story.summary['steps_not_sent']} steps of the scenario were never sent."))
-    return Section("goals", "Goals", "".join(parts))
+    return PageSection("goals", "Goals", "".join(parts))
 
 
 def heartbeats_of(story: Story) -> dict[str, list[tuple[float, Heartbeat]]]:
@@ -67,7 +67,7 @@ def heartbeats_of(story: Story) -> dict[str, list[tuple[float, Heartbeat]]]:
     return found
 
 
-def diagnostics(story: Story) -> Section:
+def diagnostics(story: Story) -> PageSection:
     """Heartbeats, refusals, stalls, and what the statuses said."""
     found = heartbeats_of(story)
     parts = []
@@ -91,7 +91,7 @@ def diagnostics(story: Story) -> Section:
                 "other states than running")  # fmt: skip
         parts.append(table(head, rows, (1, 2, 3, 4), bad))
     parts.append(_changes(story, found))
-    return Section("diagnostics", "Diagnostics", "".join(parts))
+    return PageSection("diagnostics", "Diagnostics", "".join(parts))
 
 
 def _changes(story: Story, beats: Mapping[str, list[tuple[float, Heartbeat]]]) -> str:
@@ -126,7 +126,7 @@ def _changes(story: Story, beats: Mapping[str, list[tuple[float, Heartbeat]]]) -
     )
 
 
-def contract(story: Story) -> Section:
+def contract(story: Story) -> PageSection:
     """Violations of the contract."""
     parts = [paragraph(story.judgement_in_words)]
     parts += [paragraph(note[:1].upper() + note[1:] + ".", quiet=True) for note in story.judgement_notes]
@@ -142,10 +142,10 @@ def contract(story: Story) -> Section:
                          worst, finding.allowed])  # fmt: skip
         head = ("topic", "field", "rule", "count", "first at [s]", "first value", "worst value", "allowed")
         parts.append(table(head, rows, (3, 4), [True] * len(rows)))
-    return Section("contract", "Contract", "".join(parts))
+    return PageSection("contract", "Contract", "".join(parts))
 
 
-def completeness(story: Story) -> Section:
+def completeness(story: Story) -> PageSection:
     """Messages published and recorded, by topic."""
     bag = story.bag
     parts = []
@@ -177,10 +177,10 @@ def completeness(story: Story) -> Section:
         bad.append(bool(lost))
     head = ("topic", "type", "rate [Hz]", "longest gap [s]", "published", "recorded", "lost")
     parts.append(table(head, rows, (2, 3, 4, 5, 6), bad))
-    return Section("completeness", "Completeness", "".join(parts))
+    return PageSection("completeness", "Completeness", "".join(parts))
 
 
-def provenance(story: Story) -> Section:
+def provenance(story: Story) -> PageSection:
     """Scenario, seed, versions, digests of the configuration."""
     bag, run = story.bag, story.run
     rows = [["file", str(bag.path)], ["size", f"{bag.path.stat().st_size / 1e6:.1f} MB"]]
@@ -211,7 +211,7 @@ def provenance(story: Story) -> Section:
         parts.append("<h3>Configuration</h3>" + table(("file", "bytes", "SHA-256, first 16 digits"), digests, (1,)))
     else:
         parts.append(paragraph("No configuration is attached."))
-    return Section("provenance", "Provenance", "".join(parts))
+    return PageSection("provenance", "Provenance", "".join(parts))
 
 
 def _explained(name: str) -> str:

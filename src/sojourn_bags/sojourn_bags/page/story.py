@@ -14,7 +14,7 @@ from sojourn_bags.goals import ARM_TOPICS
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.machine import TrueMachine
 from sojourn_bags.page.chart import Span, TimeAxis
-from sojourn_bags.reading import Bag, Joints, Messages
+from sojourn_bags.reading import Bag, JointHistory, Messages
 from sojourn_bags.summary import summarise
 from sojourn_contract.conformance.findings import Report
 
@@ -129,7 +129,7 @@ class Story:
         return TrueMachine(self.bag, self.run.urdf)
 
     @cached_property
-    def true_joints(self) -> Joints | None:
+    def true_joints(self) -> JointHistory | None:
         """True state of the joints."""
         states = self.find("/truth/joint_states", JOINTS)
         return states.joints() if states else None

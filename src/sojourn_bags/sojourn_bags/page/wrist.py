@@ -3,7 +3,7 @@
 import numpy as np
 
 from sojourn_bags.curves import COLORS
-from sojourn_bags.page.chart import Curve, chart, wheel_curves
+from sojourn_bags.page.chart import ChartLine, chart, wheel_curves
 from sojourn_bags.page.html import figure
 from sojourn_bags.page.story import CLOUD, Story
 
@@ -30,7 +30,7 @@ def wrist_figures(story: Story) -> list[str]:
     return parts
 
 
-def _contact(story: Story) -> list[Curve]:
+def _contact(story: Story) -> list[ChartLine]:
     """Upward and level force of the ground on pads of the arm, where they have touched it."""
     contacts = story.find("/truth/contacts", CLOUD)
     if contacts is None or story.run is None:
@@ -45,4 +45,4 @@ def _contact(story: Story) -> list[Curve]:
     if not np.nan_to_num(np.abs(up) + level).any():
         return []
     times = story.times(contacts)
-    return [Curve(times, up, "upward", COLORS[0]), Curve(times, level, "level", COLORS[1])]
+    return [ChartLine(times, up, "upward", COLORS[0]), ChartLine(times, level, "level", COLORS[1])]

@@ -1,8 +1,8 @@
-"""A way round: from the rover back to the way that was asked for, beyond what closes it.
+"""A detour: from the rover back to the way that was asked for, beyond what closes it.
 
 Candidates are the places of that way, a step apart, that lie on the maps behind the first closed stretch, up to the
 next of its corners that is free: what the operator has named is not cut off. Taken is the one with the least cost of
-the way there (`way_round`) plus the length that then remains, of which the closed part counts CLOSED times: one way
+the way there (`detour_search`) plus the length that then remains, of which the closed part counts CLOSED times: one way
 round two obstacles is better than two. Corners that lie before the closed stretch are passed first. A rover that has
 left a way which is open joins it AHEAD or beyond; the way to where it joins, or to the first corner, is planned, too.
 """
@@ -17,9 +17,7 @@ from numpy.typing import NDArray
 from sojourn_flight.hazards.clearance import Room
 from sojourn_flight.hazards.wide_map import WideMap
 from sojourn_flight.planning.clothoid import Pose
-from sojourn_flight.planning.goal import Point
-from sojourn_flight.planning.route import Route
-from sojourn_flight.planning.way_round import (
+from sojourn_flight.planning.detour_search import (
     Graph,
     Slopes,
     cell_costs,
@@ -31,6 +29,8 @@ from sojourn_flight.planning.way_round import (
     straight_cost,
     taut_path,
 )
+from sojourn_flight.planning.goal import Point
+from sojourn_flight.planning.route import Route
 from sojourn_machine.params import FloatArray
 
 STEP = 0.2

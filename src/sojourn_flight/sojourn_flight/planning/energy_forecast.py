@@ -23,7 +23,7 @@ import numpy as np
 
 from sojourn_flight.planning.energy_params import EnergyParams
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.planning.path import Path
+from sojourn_flight.planning.path import PlannedPath
 from sojourn_machine.evolution import replace
 
 SECONDS_PER_HOUR = 3600.0
@@ -84,7 +84,7 @@ def on_grade(params: EnergyParams, measured: Sequence[float], grade: float) -> f
     return max(float(measured[b if b == -1 else a] + slope * (grade - grades[b if b == -1 else a])), 0.0)
 
 
-def forecast_way(params: EnergyParams, path: Path, goal: Goal, z: float, yaw: float) -> Forecast:
+def forecast_way(params: EnergyParams, path: PlannedPath, goal: Goal, z: float, yaw: float) -> Forecast:
     """What a path will take.
 
     Args:
@@ -104,7 +104,7 @@ def forecast_way(params: EnergyParams, path: Path, goal: Goal, z: float, yaw: fl
     return Forecast(motion, params.house_power * seconds, seconds, path.length, None if end is None else end - z)
 
 
-def _stretches(path: Path, heights: Sequence[float | None], z: float) -> list[tuple[float, float]]:
+def _stretches(path: PlannedPath, heights: Sequence[float | None], z: float) -> list[tuple[float, float]]:
     """Length and climb between the places whose height is known; level from the last of them."""
     found, begin = [], 0.0
     for mark, height in zip(path.marks, heights, strict=False):

@@ -22,18 +22,18 @@ class Goal:
     """How it was asked for."""
     heights: tuple[float | None, ...] = ()
     """Height of the ground at the points in odom [m], as far as it is known; empty if it is not at all."""
-    name: str = ""
-    """Name the operator or the shell gave it; comes back with the outcome."""
+    number: int = 0
+    """By which who sent it knows it again in its outcome: goals that ask for the same are still two."""
 
     @classmethod
-    def at(cls, x: float, y: float, yaw: float | None = None, name: str = "") -> "Goal":
+    def at(cls, x: float, y: float, yaw: float | None = None, number: int = 0) -> "Goal":
         """One point [m] with an optional heading [rad]."""
-        return cls(points=((float(x), float(y)),), yaw=yaw, kind="goal", name=name)
+        return cls(points=((float(x), float(y)),), yaw=yaw, kind="goal", number=number)
 
     @classmethod
-    def along(cls, points: Sequence[Point], yaw: float | None = None, name: str = "") -> "Goal":
+    def along(cls, points: Sequence[Point], yaw: float | None = None, number: int = 0) -> "Goal":
         """A path [m] with an optional heading at its end [rad]."""
-        return cls(points=tuple((float(x), float(y)) for x, y in points), yaw=yaw, kind="waypoints", name=name)
+        return cls(points=tuple((float(x), float(y)) for x, y in points), yaw=yaw, kind="waypoints", number=number)
 
 
 @dataclass(frozen=True, slots=True)

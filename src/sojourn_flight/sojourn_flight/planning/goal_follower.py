@@ -31,7 +31,7 @@ from sojourn_flight.mobility.turning_limits import TurningLimits
 from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.goal import Goal, GoalOutcome, refusal
-from sojourn_flight.planning.path import Path, PathPoint
+from sojourn_flight.planning.path import NearestPoint, PlannedPath
 from sojourn_flight.planning.path_planner import plan_path
 from sojourn_flight.planning.path_tracking import Tracking, track
 from sojourn_flight.supervision.params import GoalFollowerParams
@@ -63,7 +63,7 @@ class FollowerState:
     """One goal on its way."""
 
     goal: Goal
-    path: Path
+    path: PlannedPath
     phase: Phase
     leg: int = 0
     """Leg of the path."""
@@ -192,7 +192,7 @@ def _outcome(kind: Literal["reached", "stopped"], state: FollowerState, reason: 
     return GoalOutcome(kind, reason, state.goal, state.distance_to_go, state.lateral_rms, state.lateral_max)
 
 
-def _on_path(params: GoalFollowerParams, state: FollowerState, path: Path, pose: Pose) -> FollowerState:
+def _on_path(params: GoalFollowerParams, state: FollowerState, path: PlannedPath, pose: Pose) -> FollowerState:
     """The state at the begin of a path."""
     state = replace(state, path=path, leg=0, on_leg=0.0, best_distance=math.inf)
     if path.legs:
@@ -220,7 +220,7 @@ def _turn(params: GoalFollowerParams, error: float, limits: FollowerLimits) -> f
     return math.copysign(max(rate, SLOWEST_TURN * limits.yaw_rate), error)
 
 
-def _locate(state: FollowerState, pose: Pose, drift: float | None) -> tuple[FollowerState, PathPoint | None]:
+def _locate(state: FollowerState, pose: Pose, drift: float | None) -> tuple[FollowerState, NearestPoint | None]:
     """Where the rover is on its path, with the errors of this period; no place where there is no path."""
     if not state.path.legs:
         return state, None

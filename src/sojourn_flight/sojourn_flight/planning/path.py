@@ -24,7 +24,7 @@ NO_TURN = 0.02
 """Angle below which nothing has to be turned [rad]."""
 
 
-class PathPoint(NamedTuple):
+class NearestPoint(NamedTuple):
     """A place on a leg, the nearest to the rover."""
 
     distance: float
@@ -61,14 +61,14 @@ class Leg:
         """Pose at its end."""
         return Pose(*(float(value) for value in self.samples[-1, 1:4]))
 
-    def nearest(self, x: float, y: float, near: float) -> PathPoint:
+    def nearest(self, x: float, y: float, near: float) -> NearestPoint:
         """The place on the leg nearest to (x, y) [m] among those about `near` [m] from its begin."""
-        return PathPoint(*_nearest(self.samples, float(x), float(y), float(near)))
+        return NearestPoint(*_nearest(self.samples, float(x), float(y), float(near)))
 
 
 @njit(cache=True)
 def _nearest(samples: FloatArray, x: float, y: float, near: float) -> tuple[float, float, float, float]:
-    """The fields of a PathPoint."""
+    """The fields of a NearestPoint."""
     count = samples.shape[0]
     first = max(int(np.searchsorted(samples[:, 0], near - BEHIND)) - 1, 0)
     last = min(int(np.searchsorted(samples[:, 0], near + AHEAD)) + 1, count - 1)
@@ -88,7 +88,7 @@ def _nearest(samples: FloatArray, x: float, y: float, near: float) -> tuple[floa
 
 
 @dataclass(frozen=True, eq=False)
-class Path:
+class PlannedPath:
     """The way to a goal. No legs: it is there already."""
 
     legs: tuple[Leg, ...]

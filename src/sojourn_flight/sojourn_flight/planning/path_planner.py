@@ -31,7 +31,7 @@ from sojourn_flight.planning.corner import (
     round_corner,
 )
 from sojourn_flight.planning.goal import Goal, Point
-from sojourn_flight.planning.path import Leg, Path
+from sojourn_flight.planning.path import Leg, PlannedPath
 from sojourn_flight.supervision.params import GoalFollowerParams
 
 DROPPED = (0.25, 0.5, 0.1, 0.0)
@@ -58,7 +58,7 @@ class _Vertex(NamedTuple):
     """How far the path may pass it [m]."""
 
 
-def plan_path(params: GoalFollowerParams, machine: TurningLimits, start: Pose, goal: Goal) -> Path | str:
+def plan_path(params: GoalFollowerParams, machine: TurningLimits, start: Pose, goal: Goal) -> PlannedPath | str:
     """The path from a pose in odom to a goal, or why there is none.
 
     Args:
@@ -76,7 +76,9 @@ def plan_path(params: GoalFollowerParams, machine: TurningLimits, start: Pose, g
         return str(refusal)
 
 
-def _plan_approach(params: GoalFollowerParams, limits: TurningLimits, start: Pose, goal: Goal, yaw: float) -> Path:
+def _plan_approach(
+    params: GoalFollowerParams, limits: TurningLimits, start: Pose, goal: Goal, yaw: float
+) -> PlannedPath:
     """The path to a goal whose heading has to be met by driving."""
     x, y = goal.points[-1]
     for radii in (0.0, *APPROACHES):
@@ -98,11 +100,13 @@ def _plan_approach(params: GoalFollowerParams, limits: TurningLimits, start: Pos
     )
 
 
-def _plan(params: GoalFollowerParams, limits: TurningLimits, start: Pose, goal: Goal, before: Point | None) -> Path:
+def _plan(
+    params: GoalFollowerParams, limits: TurningLimits, start: Pose, goal: Goal, before: Point | None
+) -> PlannedPath:
     """The path with the fewest stops, with one more point before the end if there is one."""
     if _is_there(params, start, goal.points):
-        return Path((), (0.0,) * len(goal.points))
-    paths: list[Path] = []
+        return PlannedPath((), (0.0,) * len(goal.points))
+    paths: list[PlannedPath] = []
     refused: _Refused | None = None
     for dropped in DROPPED:
         vertices = _vertices(params.corner_cut, dropped, start, goal.points)
@@ -126,7 +130,7 @@ def _through(
     start: Pose,
     points: Sequence[Point],
     vertices: Sequence[_Vertex],
-) -> Path:
+) -> PlannedPath:
     """The path along these vertices."""
     first, turn = _first_turn(params, limits, start, vertices[0].place)
     places = [(first.x, first.y), *(vertex.place for vertex in vertices)]
@@ -152,7 +156,7 @@ def _through(
             origin, pieces, before = Pose(*places[place + 1], headings[place + 1]), [], here
     known = {vertex.waypoint: s for vertex, s in zip(vertices, passed, strict=True) if vertex.waypoint is not None}
     _refuse_missed(params, limits, points, known, legs)
-    return Path(tuple(legs), _marks(start, points, known))
+    return PlannedPath(tuple(legs), _marks(start, points, known))
 
 
 def _refuse_missed(

@@ -24,7 +24,7 @@ import math
 from typing import NamedTuple
 
 from sojourn_flight.odometry.odometry import wrap_angle
-from sojourn_flight.planning.path import PathPoint
+from sojourn_flight.planning.path import NearestPoint
 
 FARTHEST = 0.9
 """|c e| from which the feed-forward means nothing [-]."""
@@ -39,7 +39,7 @@ class Tracking(NamedTuple):
     """Course wanted less course [rad]."""
 
 
-def track(place: PathPoint, yaw: float, drift: float, lateral_length: float, heading_length: float) -> Tracking:
+def track(place: NearestPoint, yaw: float, drift: float, lateral_length: float, heading_length: float) -> Tracking:
     """Curvature for a rover at a place of the path.
 
     Args:

@@ -9,7 +9,7 @@ It is chosen where wheels slip by as much as calls for another way (`slip_policy
 more wheels without motors lie ahead of base_link than behind it, and where the machine can turn on the spot. The goal
 lies ahead and nothing looks backwards: it stands for a look, turns about, drives on its path backwards as far as the
 ground about it has been seen, and turns to look again. What closes the path, too, is looked at with the camera, and
-the way round planned from there. With the motor back, or at the goal, it drives forwards again.
+the detour planned from there. With the motor back, or at the goal, it drives forwards again.
 
 Without a camera no ground is looked at anyway, and all of the way is driven backwards.
 

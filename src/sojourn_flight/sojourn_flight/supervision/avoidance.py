@@ -4,10 +4,10 @@ Three layers, from slow to fast:
 
 - With each cloud: the map, what of it no part of the rover may meet, the room between, and what of it the wide map
   keeps (`see`).
-- With each cloud, and when the guard has stopped a motion: is the path ahead closed (`path_check`)? Then a way round is
+- With each cloud, and when the guard has stopped a motion: is the path ahead closed (`path_check`)? Then a detour is
   planned on both maps and given to the goal follower in place of the way asked for (`guide`). With no room to turn into
   it the rover first goes back over its own track. A goal ends as stopped, with the obstacle, its measure and the limit,
-  where no way is known and the obstacle is near, where the goal lies in an obstacle, where the way round gets too long,
+  where no way is known and the obstacle is near, where the goal lies in an obstacle, where the detour gets too long,
   or where the rover cannot get free.
 - Every period: a motion that would bring the outline nearer to an obstacle than the guard's margin, or onto ground too
   steep in its direction, is not made (`guarded`); one that leads away from it is. On the way back the margin is zero.
@@ -36,11 +36,11 @@ from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.detour import Maps, plan_detour
+from sojourn_flight.planning.detour_search import Slopes, static_costs, sure_slopes
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_flight.planning.goal_follower import FollowerState, Phase, accept, rerouted, stop
 from sojourn_flight.planning.route import advanced, route_of
 from sojourn_flight.planning.way_back import driven_on, go_back, way_back
-from sojourn_flight.planning.way_round import Slopes, static_costs, sure_slopes
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, ClosedPlace, Guidance
 from sojourn_flight.supervision.path_check import closed_ahead, nearest_obstacle, slope_at, tilts_of
 from sojourn_flight.supervision.slip_policy import SlipPolicyParams
@@ -50,21 +50,21 @@ from sojourn_machine.params import FloatArray
 NEAR_GOAL = 3.0
 """A goal in an obstacle is given up from here [m]: beyond it the error of stereo may have made the obstacle."""
 LAST_STRETCH = 0.35
-"""Without a way round the rover goes on to so far before the closed place [m]: it may find one there."""
+"""Without a detour the rover goes on to so far before the closed place [m]: it may find one there."""
 ATTEMPTS = 5
 """Motions that the guard stops, one after the other, before the rover gives up [-]."""
 PATIENCE, HURRY = 0.5, 1.2
-"""A way round is kept for so long [m], unless it is closed within so far [m]: what is far off may look other soon."""
+"""A detour is kept for so long [m], unless it is closed within so far [m]: what is far off may look other soon."""
 FREE_WAY = 0.3
 """So far along its route the rover has to get to be free of such a series; so far it backs off in it [m]."""
 HEADWAY, WITHOUT_HEADWAY = 0.3, 8
-"""So many ways round may be planned within so much of driving [m]; with one more the rover gives up [-]."""
+"""So many detours may be planned within so much of driving [m]; with one more the rover gives up [-]."""
 CORNER_CUTS = (1.0, 0.5, 0.25, 0.1)
 """Parts of the follower's corner_cut that are tried for a path that stays clear [-]."""
 STARTS = (*((part, False) for part in CORNER_CUTS), (CORNER_CUTS[-1], True))
 """Paths that are tried along the same points: part of corner_cut, and whether they begin with a turn on the spot."""
 TRIES = 4
-"""Plans that are made for one way round, each without the place where the one before was closed [-]."""
+"""Plans that are made for one detour, each without the place where the one before was closed [-]."""
 TOO_STEEP, TOO_NARROW = 0.3, 0.2
 """So far about such a place the next plan does not go [m]."""
 EXAMPLE_CLOUD = np.array([[3.0, 0.2 * y, 0.2 * z] for y in range(-6, 7) for z in range(5)])
@@ -180,7 +180,7 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
         return _given_up(state, way, reason)
     if state.attempts > ATTEMPTS:
         return _given_up(state, way, f"{state.obstacle}: no room to move beside it")
-    answer = _way_round(avoidance, state, Pose(*position, odometry.yaw), way.drift)
+    answer = _detour(avoidance, state, Pose(*position, odometry.yaw), way.drift)
     if answer is None:
         if reach > LAST_STRETCH:
             return Guidance(state, way)
@@ -198,10 +198,10 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
     return _go_round(state, way, answer, odometry)
 
 
-def _way_round(
+def _detour(
     avoidance: Avoidance, state: AvoidanceState, here: Pose, drift: float
 ) -> FollowerState | GoalOutcome | None:
-    """The way round from a pose, or why the follower refuses it; None where the maps know none.
+    """The detour from a pose, or why the follower refuses it; None where the maps know none.
 
     Args:
         drift: angle by which the rover slides off its heading [rad].

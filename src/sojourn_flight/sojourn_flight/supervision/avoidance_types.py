@@ -94,13 +94,13 @@ class AvoidanceState:
     back: WayBack | None = None
     """The way that is driven backwards; None while driving forward."""
     planned_at: float = -math.inf
-    """Odometer when the last way round was planned [m]."""
+    """Odometer when the last detour was planned [m]."""
     plans: int = 0
-    """Ways round that were planned since the rover last got on, see `avoidance.WITHOUT_HEADWAY`."""
+    """Detours that were planned since the rover last got on, see `avoidance.WITHOUT_HEADWAY`."""
     plans_from: float = -math.inf
     """Odometer then [m]."""
     detours: int = 0
-    """Ways round on the way to this goal."""
+    """Detours on the way to this goal."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 From `slow` on the rover drives slower, down to a part of its speed at `another_way`: wheels that slip dig, and the
 slower the more is seen of it in time. There the ground ahead is taken for loose and closed on the map, the rover goes
-back over its own track, and a way round is planned as round any obstacle. Beyond `stuck_slip` of the slip estimate the
+back over its own track, and a detour is planned as round any obstacle. Beyond `stuck_slip` of the slip estimate the
 goal ends (`drive_slip`); so it does where there is no camera and so no map to find another way on. An operator's
 velocities are his own.
 

@@ -12,13 +12,13 @@ motors; the bus voltage holds for the next period.
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 
 from sojourn_machine.contact_report import FORCE
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 from sojourn_machine.power import battery, loads
 from sojourn_physics.actuators.joint_drive import (

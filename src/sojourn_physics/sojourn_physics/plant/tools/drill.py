@@ -22,7 +22,7 @@ from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import DrillToolParams
 from sojourn_physics.actuators.spindle import spindle_step
-from sojourn_physics.plant.tools.tool_state import DrillState, Hole, Surroundings, ToolEnergy, ToolState
+from sojourn_physics.plant.tools.tool_state import DrillState, Hole, ToolEnergy, ToolState, ToolSurroundings
 from sojourn_physics.soil.drilling import Drilling, drill
 from sojourn_physics.soil.params import SoilParams
 
@@ -31,7 +31,7 @@ COLD = 1e-3
 NO_DRILLING = Drilling(0.0, 0.0, math.inf)
 
 
-class Drill:
+class DrillLaw:
     """The law of one drill.
 
     Args:
@@ -61,7 +61,7 @@ class Drill:
             return False
         return not own.holes and abs(own.temperature - self.params.heat.ambient) <= COLD
 
-    def advance(self, state: ToolState, around: Surroundings) -> tuple[ToolState, ToolEnergy]:
+    def advance(self, state: ToolState, around: ToolSurroundings) -> tuple[ToolState, ToolEnergy]:
         """State at the end of a period, and the energy that it took."""
         own, report, axis = state.own, around.report, around.axis
         wanted = max(float(around.reference[1]), 0.0)

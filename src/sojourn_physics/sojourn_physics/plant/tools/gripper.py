@@ -29,7 +29,7 @@ from sojourn_machine.contact_report import PLACE
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import GripperToolParams, ObjectParams
-from sojourn_physics.plant.tools.tool_state import GripperState, Surroundings, ToolEnergy, ToolState
+from sojourn_physics.plant.tools.tool_state import GripperState, ToolEnergy, ToolState, ToolSurroundings
 from sojourn_physics.terrain.height_field import HeightField
 
 LIFTED = 1e-3
@@ -74,7 +74,7 @@ class Gripper:
             return False
         return min(max(float(reference[0]), 0.0), self.params.stroke) == state.position
 
-    def advance(self, state: ToolState, around: Surroundings) -> tuple[ToolState, ToolEnergy]:
+    def advance(self, state: ToolState, around: ToolSurroundings) -> tuple[ToolState, ToolEnergy]:
         """State at the end of a period, and the energy that it took."""
         own = state.own
         if not isinstance(own, GripperState):
@@ -110,7 +110,7 @@ class Gripper:
         )
         return after, ToolEnergy(electrical=energy, friction_heat=energy)
 
-    def _between(self, own: GripperState, around: Surroundings, before: float, after: float) -> int | None:
+    def _between(self, own: GripperState, around: ToolSurroundings, before: float, after: float) -> int | None:
         """Number of the object on which the fingers close in this period."""
         for number, (thing, place) in enumerate(zip(self._objects, own.places, strict=True)):
             if not after <= thing.width <= before:
@@ -124,7 +124,7 @@ class Gripper:
                 return number
         return None
 
-    def _carry(self, own: GripperState, held: int | None, grasp: float, around: Surroundings) -> GripperState:
+    def _carry(self, own: GripperState, held: int | None, grasp: float, around: ToolSurroundings) -> GripperState:
         """Hold an object, or let it go."""
         if held is None:
             own = own if own.held is None else self._fallen(own, own.held, around)
@@ -151,7 +151,7 @@ class Gripper:
             return replace(own, held=None, grasp=0.0, before=(), slips=own.slips + 1)
         return own
 
-    def _fallen(self, own: GripperState, number: int, around: Surroundings) -> GripperState:
+    def _fallen(self, own: GripperState, number: int, around: ToolSurroundings) -> GripperState:
         """The object lies on the ground under the tip."""
         x, y, _ = around.report[PLACE].tolist()
         place = self._on_ground(self._objects[number], x, y)

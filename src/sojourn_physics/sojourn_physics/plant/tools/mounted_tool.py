@@ -23,10 +23,10 @@ from sojourn_machine.tools import (
     ToolParams,
 )
 from sojourn_physics.contact.pad_on_soil import DRAG_X, DRAG_Y, MOMENT, PILE, TAKEN
-from sojourn_physics.plant.tools.drill import Drill
+from sojourn_physics.plant.tools.drill import DrillLaw
 from sojourn_physics.plant.tools.gripper import Gripper
 from sojourn_physics.plant.tools.scoop import Scoop
-from sojourn_physics.plant.tools.tool_state import Surroundings, ToolEnergy, ToolState
+from sojourn_physics.plant.tools.tool_state import ToolEnergy, ToolState, ToolSurroundings
 from sojourn_physics.soil.params import SoilParams
 from sojourn_physics.terrain.height_field import HeightField
 
@@ -47,7 +47,7 @@ class ToolLaw(Protocol):
     def idle(self, state: ToolState, reference: FloatArray, touches: bool) -> bool:
         """Whether nothing happens in a period: the usual case, which must be cheap."""
 
-    def advance(self, state: ToolState, around: Surroundings) -> tuple[ToolState, ToolEnergy]:
+    def advance(self, state: ToolState, around: ToolSurroundings) -> tuple[ToolState, ToolEnergy]:
         """One period."""
 
 
@@ -122,7 +122,7 @@ class MountedTool:
         if self._law.idle(state, wanted, bool(report[ReportColumn.SINKAGE] > 0.0)):
             return state, NO_ENERGY
         to_map = model.placements[self._joint, :9].reshape(3, 3)
-        around = Surroundings(
+        around = ToolSurroundings(
             board=model.memory,
             terrain=model.terrain,
             grid=model.grid,
@@ -154,7 +154,7 @@ def _law_of(
         case ScoopToolParams():
             return Scoop(params, tuple(soil.kind == "soil" for soil in soils))
         case DrillToolParams():
-            return Drill(params, list(soils))
+            return DrillLaw(params, list(soils))
         case GripperToolParams():
             return Gripper(params, objects, terrain)
 

@@ -25,7 +25,7 @@ from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import ScoopToolParams
 from sojourn_physics.contact.pad_on_soil import lead_length
-from sojourn_physics.plant.tools.tool_state import ScoopState, Soil, Surroundings, ToolEnergy, ToolState
+from sojourn_physics.plant.tools.tool_state import ScoopState, Soil, ToolEnergy, ToolState, ToolSurroundings
 from sojourn_physics.soil.params import SoilColumn
 from sojourn_physics.terrain.earthwork import cut, heap
 from sojourn_physics.terrain.height_field import sample_soil
@@ -59,7 +59,7 @@ class Scoop:
         full = own.carried.volume > DUST and state.position > 0.5 * self.params.lid.opening
         return not full and min(max(float(reference[0]), 0.0), self.params.lid.opening) == state.position
 
-    def advance(self, state: ToolState, around: Surroundings) -> tuple[ToolState, ToolEnergy]:
+    def advance(self, state: ToolState, around: ToolSurroundings) -> tuple[ToolState, ToolEnergy]:
         """State at the end of a period, and the energy that it took."""
         own = state.own
         if not isinstance(own, ScoopState):
@@ -80,12 +80,12 @@ class Scoop:
         )
         return after, ToolEnergy(electrical=energy, friction_heat=energy)
 
-    def _lid(self, state: ToolState, around: Surroundings) -> float:
+    def _lid(self, state: ToolState, around: ToolSurroundings) -> float:
         most = self.params.lid.rate * around.dt if around.supply > 0.0 else 0.0
         wanted = min(max(float(around.reference[0]), 0.0), self.params.lid.opening)
         return state.position + min(max(wanted - state.position, -most), most)
 
-    def _cut(self, own: ScoopState, around: Surroundings, open_: bool) -> ScoopState:
+    def _cut(self, own: ScoopState, around: ToolSurroundings, open_: bool) -> ScoopState:
         """The end is in the ground."""
         soil, place = int(around.report[ReportColumn.SOIL]), around.report[PLACE]
         drag = math.hypot(around.drag[0], around.drag[1])
@@ -115,7 +115,7 @@ class Scoop:
             has_worked=True,
         )
 
-    def _leave(self, own: ScoopState, around: Surroundings, open_: bool) -> ScoopState:
+    def _leave(self, own: ScoopState, around: ToolSurroundings, open_: bool) -> ScoopState:
         """The end is out of the ground: what it pushed stays there, what it cannot keep falls out."""
         pushed = own.pushed.less(fallen(own.pushed, own.ahead, around)) if own.pushed.volume > DUST else own.pushed
         carried = own.carried
@@ -126,7 +126,7 @@ class Scoop:
         return replace(own, carried=carried, pushed=pushed, front=None, taken=own.taken - put)
 
 
-def fallen(soil: Soil, place: tuple[float, float], around: Surroundings) -> Soil:
+def fallen(soil: Soil, place: tuple[float, float], around: ToolSurroundings) -> Soil:
     """Let soil fall onto a place (x, y) in map: what has got there. It all does, but for the rounding of the ground."""
     grid, terrain = around.grid, around.terrain
     number = sample_soil(terrain.soil_index, grid[0], grid[1], grid[2], place[0], place[1])

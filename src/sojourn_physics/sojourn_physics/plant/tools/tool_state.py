@@ -168,7 +168,7 @@ class ToolEnergy:
 
 
 @dataclass(frozen=True, slots=True)
-class Surroundings:
+class ToolSurroundings:
     """What a tool finds at the end of a period."""
 
     board: MemoryBoard

@@ -1,4 +1,4 @@
-"""Way round obstacles: the cheapest path over the cells of the map and of the wide map beyond it, drawn taut.
+"""A detour round obstacles: the cheapest path over the cells of the map and of the wide map beyond it, drawn taut.
 
 A cell costs for each metre
 

@@ -1,4 +1,4 @@
-"""Room and ways round: against brute force, against arcs walked in small steps, and through gaps and walls."""
+"""Room and detours: against brute force, against arcs walked in small steps, and through gaps and walls."""
 
 import itertools
 import math
@@ -17,9 +17,9 @@ from sojourn_flight.hazards.obstacle_params import TiltLimits
 from sojourn_flight.hazards.wide_map import COST, SEEN_AT, WideMap, empty_wide_map
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.detour import Maps, plan_detour
+from sojourn_flight.planning.detour_search import CLIMB, SIDE, Slopes, cell_costs, cheapest_ways, graph_of, taut_path
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.planning.route import advanced, route_of
-from sojourn_flight.planning.way_round import CLIMB, SIDE, Slopes, cell_costs, cheapest_ways, graph_of, taut_path
 
 CELL, CELLS = PARAMS.map.cell, PARAMS.map.cells
 CIRCLES, RADIUS = circles_of(PARAMS.outline)
@@ -219,7 +219,7 @@ def remembering(x: tuple[float, float], y: tuple[float, float]) -> WideMap:
     return replace(WIDE, layers=layers)
 
 
-def test_a_way_round_goes_to_the_side_that_the_rover_faces() -> None:
+def test_a_detour_search_goes_to_the_side_that_the_rover_faces() -> None:
     """Longer to the left by 0.6 m: taken by a rover that faces left."""
     ground = with_obstacles((2.0, -1.2, 2.3, 1.8))
 

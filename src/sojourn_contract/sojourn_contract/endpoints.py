@@ -1,0 +1,102 @@
+"""Publishers and readers of a node, from the topic table, and who is at their other ends."""
+
+from collections.abc import Callable, Collection
+from typing import TYPE_CHECKING, Any
+
+from sojourn_contract import qos
+from sojourn_contract.codecs import encode
+from sojourn_contract.neighbours import Neighbours, are_near
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import inputs_of, outputs_of
+from sojourn_contract.types import message_class
+from sojourn_contract.values import Message
+
+if TYPE_CHECKING:  # a node has endpoints
+    from sojourn_contract.node import ContractNode
+
+
+class Endpoints:
+    """Of one node.
+
+    Args:
+        node: it knows its role, the participants, the mode of time, and what it waits for.
+        take: called with the row and the bytes of each message that comes over the middleware.
+
+    Attributes:
+        inputs: rows to subscribe: in lock-step what is awaited, in real time whoever may publish it; goals always.
+        outputs: rows that the node publishes, by topic. senders, readers: of the ROS library, by topic.
+    """
+
+    def __init__(self, node: "ContractNode", take: Callable[[Topic, bytes], None]) -> None:
+        self._node = node
+        everyone, awaited = {*node.participants, node.role}, {row.name for row in node.awaited}
+        self.inputs = [
+            row
+            for row in inputs_of(node.role, everyone)
+            if row.is_event or row.publisher == "all" or not node.lockstep or row.name in awaited
+        ]
+        self.outputs = {row.name: row for row in outputs_of(node.role, everyone)}
+        self.senders = {name: self._sender(row) for name, row in self.outputs.items()}
+        self.readers = {row.name: self._reader(row, take) for row in self.inputs}
+        self._neighbours: Neighbours | None = None
+        self._near: Collection[str] = ()
+        self._unheard: Collection[str] = ()
+
+    def join(self, neighbours: Neighbours, roles: Collection[str]) -> list[str]:
+        """Hear what nodes of these roles say from them, not over the middleware. Returns those topics."""
+        self._neighbours, self._near = neighbours, roles
+        direct = [row.name for row in self.inputs if are_near(row, roles)]
+        for name in direct:
+            self._node.destroy_subscription(self.readers.pop(name))
+        return direct
+
+    def look(self) -> None:
+        """See which topics nobody hears over the middleware; a node with neighbours sends nothing on those."""
+        if self._neighbours is not None:
+            self._unheard = {name for name, sender in self.senders.items() if not sender.get_subscription_count()}
+
+    def send(self, topic: str, message: Message) -> None:
+        """To the neighbours, and over the middleware to all others who listen."""
+        row = self.outputs[topic]
+        if self._neighbours is not None:
+            self._neighbours.say(row, message)
+            if topic in self._unheard:
+                return
+        self.senders[topic].publish(encode(row, message))
+
+    def unmatched(self) -> list[str]:
+        """Endpoints of other participants that are not connected yet, in words."""
+        missing = []
+        for row in self._node.awaited:
+            if row.name in self.readers and self.readers[row.name].get_publisher_count() == 0:
+                missing.append(f"no publisher of {row.name} ({row.publisher})")
+        for name, sender in self.senders.items():
+            listeners = self._listeners(self.outputs[name])
+            if sender.get_subscription_count() < len(listeners):
+                missing.append(f"{name} is not heard by all of {', '.join(listeners)}")
+        return missing
+
+    def _listeners(self, row: Topic) -> list[str]:
+        """Roles that hear a row over the middleware."""
+        node = self._node
+        roles = [role for role in row.subscribers if role in node.participants]
+        if row.logged and "recorder" in node.participants:
+            roles.append("recorder")
+        near = self._near if are_near(row, self._near) else ()
+        return [role for role in roles if (role != node.role or row.publisher == "all") and role not in near]
+
+    def _sender(self, row: Topic) -> Any:
+        profile = qos.profile(row, self._node.lockstep, self._node.role)
+        return self._node.create_publisher(message_class(row.type), row.name.lstrip("/"), profile)
+
+    def _reader(self, row: Topic, take: Callable[[Topic, bytes], None]) -> Any:
+        def receive(data: bytes) -> None:
+            take(row, data)
+
+        return self._node.create_subscription(
+            message_class(row.type),
+            row.name.lstrip("/"),
+            receive,
+            qos.profile(row, self._node.lockstep, self._node.role),
+            raw=True,  # the ROS library's own decoding ends the executor with bytes that it cannot read
+        )
