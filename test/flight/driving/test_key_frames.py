@@ -10,7 +10,7 @@ from rough_ground import STEREO, Eye, ground, nodes, rough
 from sojourn_flight.odometry import key_frames
 from sojourn_flight.odometry.key_frames import TerrainMatcher, TerrainMatchState, match_ground, match_status
 from sojourn_flight.odometry.odometry import OdometryInput, OdometryState, initial_odometry, step_odometry
-from sojourn_flight.odometry.odometry_kernels import AddedVariances, Move, cloned, propagate, widened
+from sojourn_flight.odometry.odometry_kernels import AddedVariances, cloned, propagate, widened
 from sojourn_flight.odometry.relative_fix import Fix
 from sojourn_flight.odometry.terrain_match import Match
 from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams
@@ -186,7 +186,7 @@ def test_the_covariance_grows_as_the_product_of_matrices_says() -> None:
     covariance = factor @ factor.T
     move, side, gain, kept = (0.02, -0.01), (0.01, 0.02), 0.02, 0.99
     noise = (1e-3, 2e-3, 3e-3, 4e-3, 5e-3)
-    found = propagate(covariance, Move(*move, *side), gain, kept, AddedVariances(*noise))
+    found = propagate(covariance, move, side, gain, kept, AddedVariances(*noise))
     jacobian = np.eye(12)
     jacobian[0, 2:6] = -move[1], -move[0], side[0], 0.5 * gain * move[1]
     jacobian[1, 2:6] = move[0], -move[1], side[1], -0.5 * gain * move[0]

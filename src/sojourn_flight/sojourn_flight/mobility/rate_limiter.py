@@ -64,9 +64,13 @@ class SteeringPace(NamedTuple):
     """[rad/s^2]"""
 
 
-class SteeringWait(NamedTuple):
-    """How wheels and steering wait for each other."""
+class SteeringLimits(NamedTuple):
+    """How fast the steering may move, and how wheels and steering wait for each other."""
 
+    rate: float
+    """[rad/s]"""
+    acceleration: float
+    """[rad/s^2]"""
     full_speed_error: float
     """Steer error up to which the wheels roll at their full speed [rad]."""
     stop_error: float
@@ -98,14 +102,16 @@ def _arriving_rate(to_go: float, acceleration: float, dt: float) -> float:
 @njit(cache=True)
 def _steering_kernel(
     table: FloatArray,
-    pace: SteeringPace,
-    waiting: SteeringWait,
-    state: LimiterState,
+    limits: SteeringLimits,
+    angles: FloatArray,
+    wheel_rates: FloatArray,
+    steer_rates: FloatArray,
     wanted_angles: FloatArray,
     measured_angles: FloatArray,
     dt: float,
-) -> SteeringStep:
-    angles, steer_rates, acceleration = state.steer_angles, state.steer_rates, pace.acceleration
+) -> tuple[FloatArray, FloatArray, float, float]:
+    """The fields of a SteeringStep. Arrays one by one: as a LimiterState they take a microsecond more to hand over."""
+    acceleration = limits.acceleration
     count = table.shape[0]
     new_angles, new_rates = np.empty(count), np.empty(count)
     command_error = 0.0
@@ -117,15 +123,15 @@ def _steering_kernel(
             miss = abs(wanted_angles[i] - angles[i])
             command_error = max(command_error, miss)
             error = max(error, abs(wanted_angles[i] - measured_angles[i]))
-            most = min(pace.rate, table[i, _MAX_STEER_RATE])
+            most = min(limits.rate, table[i, _MAX_STEER_RATE])
             if miss * gain > most:
                 gain = most / miss
         _, _, _, own = rolling_line(table[i], angles[i], steer_rates[i])
-        if abs(state.wheel_rates[i] * table[i, _RADIUS] - own) > waiting.rolling_speed:
+        if abs(wheel_rates[i] * table[i, _RADIUS] - own) > limits.rolling_speed:
             rolling = True
     error = max(error, command_error)
-    factor = min(max((waiting.stop_error - error) / (waiting.stop_error - waiting.full_speed_error), 0.0), 1.0)
-    if rolling and command_error >= waiting.stop_error:
+    factor = min(max((limits.stop_error - error) / (limits.stop_error - limits.full_speed_error), 0.0), 1.0)
+    if rolling and command_error >= limits.stop_error:
         gain = 0.0
     elif command_error > 0.0:
         gain = min(gain, _arriving_rate(command_error, acceleration, dt) / command_error)
@@ -139,7 +145,7 @@ def _steering_kernel(
         rate = steer_rates[i] + step * (gain * (wanted_angles[i] - angles[i]) - steer_rates[i])
         new_angles[i] = wanted_angles[i] if arrives else angles[i] + rate * dt
         new_rates[i] = (new_angles[i] - angles[i]) / dt
-    return SteeringStep(new_angles, new_rates, factor, error)
+    return new_angles, new_rates, factor, error
 
 
 @njit(cache=True)
@@ -182,16 +188,28 @@ def limit_steering(
         transition: steer errors at which wheels slow down and stop.
         state: last commands.
         wanted_angles: [rad], shape (wheels,), float64.
-        measured_angles: where the steering is [rad], shape (wheels,); a stuck motor keeps the wheels waiting.
+        measured_angles: where the steering is [rad], shape (wheels,); a stuck motor keeps the wheels limits.
         dt: period [s], above 0.
         waits: whether a large move waits until the wheels stand; not where they roll along with the steering.
     """
-    rolling_speed = transition.rolling_speed if waits else math.inf
-    waiting = SteeringWait(transition.full_speed_error, transition.stop_error, rolling_speed)
-    pace = SteeringPace(float(pace.rate), float(pace.acceleration))
-    return _steering_kernel(  # type: ignore[no-any-return]
-        table, pace, waiting, state, wanted_angles, measured_angles, float(dt)
+    limits = SteeringLimits(
+        float(pace.rate),
+        float(pace.acceleration),
+        transition.full_speed_error,
+        transition.stop_error,
+        transition.rolling_speed if waits else math.inf,
     )
+    step = _steering_kernel(
+        table,
+        limits,
+        state.steer_angles,
+        state.wheel_rates,
+        state.steer_rates,
+        wanted_angles,
+        measured_angles,
+        float(dt),
+    )
+    return SteeringStep(*step)
 
 
 def limit_rates(

@@ -50,8 +50,6 @@ from sojourn_flight.odometry.odometry_kernels import (
     START_POSITION_VARIANCE,
     START_YAW_VARIANCE,
     AddedVariances,
-    Move,
-    RateVariances,
     WheelPeriod,
     body_arc,
     covariances_of,
@@ -317,8 +315,8 @@ def step_odometry(
         yaw=yaw_variance,
         bias=params.gyro_bias_walk**2 * dt if gyro is not None else 0.0,
     )
-    move = Move(move_x, move_y, -sin_yaw * travel, cos_yaw * travel)
-    covariance = propagate(before, move, bias_gain, kept, added)
+    side = (-sin_yaw * travel, cos_yaw * travel)
+    covariance = propagate(before, (move_x, move_y), side, bias_gain, kept, added)
     return OdometryState(
         x=state.x + move_x,
         y=state.y + move_y,
@@ -378,11 +376,13 @@ def message_covariances(params: OdometryParams, state: OdometryState, dt: float)
         [rad/s] in base_link. Errors of height grow with distance times the error of tilt.
     """
     speed = math.hypot(state.v_x, state.v_y)
-    rates = RateVariances(
-        white=params.travel_sigma**2 * speed / dt,
-        lasting=float(state.covariance[3, 3]) * speed**2,
-        side=(state.side_sigma * speed) ** 2,
-        gyro=params.gyro_random_walk**2 / dt + float(state.covariance[5, 5]),
+    pose, twist = covariances_of(
+        state.covariance,
+        params.tilt_sigma,
+        float(state.distance),
+        params.travel_sigma**2 * speed / dt,
+        float(state.covariance[3, 3]) * speed**2,
+        (state.side_sigma * speed) ** 2,
+        params.gyro_random_walk**2 / dt + float(state.covariance[5, 5]),
     )
-    pose, twist = covariances_of(state.covariance, params.tilt_sigma, float(state.distance), rates)
     return pose, twist

@@ -32,15 +32,6 @@ class WheelPeriod(NamedTuple):
     angles: FloatArray
 
 
-class Move(NamedTuple):
-    """Displacement D of a period in odom and its sideways companion S [m]."""
-
-    x: float
-    y: float
-    side_x: float
-    side_y: float
-
-
 class AddedVariances(NamedTuple):
     """Q: what a period adds to the variances of the states."""
 
@@ -54,18 +45,6 @@ class AddedVariances(NamedTuple):
     """[rad^2]"""
     bias: float
     """[rad^2/s^2]"""
-
-
-class RateVariances(NamedTuple):
-    """Of the velocities [m^2/s^2] and of the gyro [rad^2/s^2]."""
-
-    white: float
-    """From one period to the next."""
-    lasting: float
-    """Of the slip."""
-    side: float
-    """Of the drift aside."""
-    gyro: float
 
 
 @njit(cache=True)
@@ -113,13 +92,21 @@ def wheel_motion(
 
 @njit(cache=True)
 def propagate(
-    covariance: FloatArray, move: Move, bias_gain: float, slip_kept: float, added: AddedVariances
+    covariance: FloatArray,
+    move: tuple[float, float],
+    side: tuple[float, float],
+    bias_gain: float,
+    slip_kept: float,
+    added: AddedVariances,
 ) -> FloatArray:
-    """F P F^T + Q for one period; `slip_kept` is what is left of the old slip [-], `bias_gain` g [s].
+    """F P F^T + Q for one period. States beyond the six of the odometry are constants.
 
-    States beyond the six of the odometry are constants.
+    Args:
+        move: displacement D in odom [m]. side: its sideways companion S [m].
+        bias_gain: g [s]. slip_kept: what is left of the old slip [-].
     """
-    move_x, move_y, side_x, side_y = move
+    move_x, move_y = move
+    side_x, side_y = side
     result = covariance.copy()
     # F differs from the identity in its first five rows only: F P row by row, and the same once more for the columns.
     # The bias turns the heading while the rover moves: half of the period's turn counts for its displacement.
@@ -214,12 +201,20 @@ def update_all(
 
 @njit(cache=True)
 def covariances_of(
-    covariance: FloatArray, tilt_sigma: float, distance: float, rates: RateVariances
+    covariance: FloatArray,
+    tilt_sigma: float,
+    distance: float,
+    white: float,
+    lasting: float,
+    side: float,
+    gyro: float,
 ) -> tuple[FloatArray, FloatArray]:
     """The covariances of pose and twist of a message, (6, 6) each.
 
     Args:
         covariance: of the states. tilt_sigma: [rad]. distance: driven [m].
+        white, lasting, side: variances of the velocities, new in each period, of the slip, aside [m^2/s^2].
+        gyro: variance [rad^2/s^2].
     """
     pose, twist = np.zeros((6, 6)), np.zeros((6, 6))
     pose[0, 0], pose[0, 1], pose[1, 1] = covariance[0, 0], covariance[0, 1], covariance[1, 1]
@@ -227,8 +222,8 @@ def covariances_of(
     pose[1, 0], pose[5, 0], pose[5, 1] = pose[0, 1], pose[0, 5], pose[1, 5]
     pose[2, 2] = START_POSITION_VARIANCE + (tilt_sigma * distance) ** 2
     pose[3, 3] = pose[4, 4] = tilt_sigma**2
-    twist[0, 0] = STANDING_RATE_VARIANCE + rates.white + rates.lasting
-    twist[1, 1] = STANDING_RATE_VARIANCE + rates.white + rates.side
-    twist[2, 2] = STANDING_RATE_VARIANCE + rates.side
-    twist[3, 3] = twist[4, 4] = twist[5, 5] = STANDING_RATE_VARIANCE + rates.gyro
+    twist[0, 0] = STANDING_RATE_VARIANCE + white + lasting
+    twist[1, 1] = STANDING_RATE_VARIANCE + white + side
+    twist[2, 2] = STANDING_RATE_VARIANCE + side
+    twist[3, 3] = twist[4, 4] = twist[5, 5] = STANDING_RATE_VARIANCE + gyro
     return pose, twist

@@ -34,8 +34,6 @@ from pydantic import Field, model_validator
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import Params
 from sojourn_machine.power.battery_kernels import (
-    PackCondition,
-    PackConstants,
     PackTables,
     step_kernel,
     table_clamped,
@@ -123,19 +121,17 @@ class BatteryParams(Params):
             temperature=np.array(self.resistance_temperatures, dtype=np.float64),
             ohmic=scale * np.array(self.resistance_ohmic, dtype=np.float64),
             polarisation=scale * np.array(self.resistance_polarisation, dtype=np.float64),
-        )
-        constants = PackConstants(
             charge_capacity=self.charge_capacity,
             capacitance=self.capacitance,
             efficiency=self.coulombic_efficiency,
             heat_capacity=self.heat_capacity * self.cells_series * self.cells_parallel,
             conductance=self.thermal_conductance,
         )
-        return Pack(tables, constants)
+        return Pack(tables)
 
     @property
     def tables(self) -> PackTables:
-        """The tables of the whole pack."""
+        """What the kernels are given of the whole pack."""
         return self.pack.tables
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
@@ -165,7 +161,6 @@ class Pack:
     """What the kernels are given of a pack that does not change. Parameters are compared without it."""
 
     tables: PackTables
-    constants: PackConstants
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,7 +216,16 @@ def thevenin(params: BatteryParams, state: PackState) -> tuple[float, float]:
     voltage moves in tens of seconds, so both may be kept for 20 ms. An empty pack is switched off by its
     protection: 0 V.
     """
-    source, resistance = thevenin_kernel(params.tables, _condition(state))
+    tables = params.tables
+    source, resistance = thevenin_kernel(
+        tables.soc,
+        tables.ocv,
+        tables.temperature,
+        tables.ohmic,
+        state.soc,
+        state.polarisation_voltage,
+        state.temperature,
+    )
     return float(source), float(resistance)
 
 
@@ -257,13 +261,19 @@ def step(
     if not (np.isfinite(dt) and dt > 0.0):
         raise InvalidValueError("dt [s]", dt, "a finite number above 0")
     _require_temperature(params, around)
-    after, energy_terminal, heat = step_kernel(
-        params.pack.tables, params.pack.constants, _condition(state), float(current), float(dt), float(around)
+    soc, polarisation, temperature, energy_terminal, heat = step_kernel(
+        params.pack.tables,
+        state.soc,
+        state.polarisation_voltage,
+        state.temperature,
+        float(current),
+        float(dt),
+        float(around),
     )
     return PackState(
-        soc=after.soc,
-        polarisation_voltage=after.polarisation,
-        temperature=after.temperature,
+        soc=soc,
+        polarisation_voltage=polarisation,
+        temperature=temperature,
         charge_drawn=state.charge_drawn + current * dt,
         energy_terminal=state.energy_terminal + energy_terminal,
         energy_heat=state.energy_heat + heat,
@@ -286,10 +296,6 @@ def limits_exceeded(params: BatteryParams, state: PackState, current: float) -> 
     if state.soc <= 0.0:
         found.append("empty")
     return tuple(found)
-
-
-def _condition(state: PackState) -> PackCondition:
-    return PackCondition(state.soc, state.polarisation_voltage, state.temperature)
 
 
 def _require_rising(name: str, values: tuple[float, ...]) -> None:

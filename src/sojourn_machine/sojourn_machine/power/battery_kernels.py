@@ -1,4 +1,4 @@
-"""Numba kernels of the battery: tables and one step, on pack-level scalars and contiguous float64 tables.
+"""Numba kernels of the battery: tables and one step, on pack-level scalars and contiguous float64 pack.
 
 Equations, sources and range of validity are in `battery`. Tables rise strictly in x and have the same
 length in y.
@@ -13,7 +13,7 @@ from sojourn_machine.params import FloatArray
 
 
 class PackTables(NamedTuple):
-    """The tables of a whole pack as contiguous arrays."""
+    """What of a whole pack does not change, arrays contiguous."""
 
     soc: FloatArray
     """States of charge [1]."""
@@ -25,11 +25,6 @@ class PackTables(NamedTuple):
     """Ohmic resistance of the pack at `temperature` [ohm]."""
     polarisation: FloatArray
     """Polarisation resistance of the pack at `temperature` [ohm]."""
-
-
-class PackConstants(NamedTuple):
-    """What of a whole pack does not change."""
-
     charge_capacity: float
     """Charge of the full pack [C]."""
     capacitance: float
@@ -40,17 +35,6 @@ class PackConstants(NamedTuple):
     """[J/K]"""
     conductance: float
     """To the surroundings [W/K]."""
-
-
-class PackCondition(NamedTuple):
-    """What of a pack changes."""
-
-    soc: float
-    """State of charge [1]."""
-    polarisation: float
-    """Voltage of the polarisation pair [V]."""
-    temperature: float
-    """[K]"""
 
 
 @njit(cache=True)
@@ -85,43 +69,56 @@ def table_integral(x_table: FloatArray, y_table: FloatArray, x: float) -> float:
 
 
 @njit(cache=True)
-def thevenin_kernel(tables: PackTables, condition: PackCondition) -> tuple[float, float]:
+def thevenin_kernel(
+    soc_table: FloatArray,
+    ocv_table: FloatArray,
+    temperature_table: FloatArray,
+    ohmic_table: FloatArray,
+    soc: float,
+    polarisation: float,
+    temperature: float,
+) -> tuple[float, float]:
     """`thevenin` on the pack's tables: source voltage [V] and resistance [ohm]."""
-    resistance = table_clamped(tables.temperature, tables.ohmic, condition.temperature)
-    if condition.soc <= 0.0:
+    resistance = table_clamped(temperature_table, ohmic_table, temperature)
+    if soc <= 0.0:
         return 0.0, resistance
-    return table_extrapolated(tables.soc, tables.ocv, condition.soc) - condition.polarisation, resistance
+    return table_extrapolated(soc_table, ocv_table, soc) - polarisation, resistance
 
 
 @njit(cache=True)
 def step_kernel(
-    tables: PackTables, pack: PackConstants, condition: PackCondition, current: float, dt: float, surroundings: float
-) -> tuple[PackCondition, float, float]:
-    """One step: condition after it, terminal energy [J] and heat [J] of this step.
+    pack: PackTables,
+    soc: float,
+    polarisation: float,
+    temperature: float,
+    current: float,
+    dt: float,
+    surroundings: float,
+) -> tuple[float, float, float, float, float]:
+    """One step: soc [1], polarisation [V], temperature [K], terminal energy [J], heat [J] of this step.
 
     Args:
         current: out of the pack positive [A]. dt: [s]. surroundings: their temperature [K].
     """
-    soc, polarisation, temperature = condition.soc, condition.polarisation, condition.temperature
     charge_capacity, efficiency, heat_capacity = pack.charge_capacity, pack.efficiency, pack.heat_capacity
-    r0 = table_clamped(tables.temperature, tables.ohmic, temperature)
-    r1 = table_clamped(tables.temperature, tables.polarisation, temperature)
+    r0 = table_clamped(pack.temperature, pack.ohmic, temperature)
+    r1 = table_clamped(pack.temperature, pack.polarisation, temperature)
 
     # Source energy is OCV times current; charge not stored, for efficiency or a full pack, becomes heat.
     if current >= 0.0:
         soc_new = soc - current * dt / charge_capacity
         chemical = charge_capacity * (
-            table_integral(tables.soc, tables.ocv, soc) - table_integral(tables.soc, tables.ocv, soc_new)
+            table_integral(pack.soc, pack.ocv, soc) - table_integral(pack.soc, pack.ocv, soc_new)
         )
         source = chemical
     else:
         stored = min(-efficiency * current * dt, max(1.0 - soc, 0.0) * charge_capacity)
         soc_new = soc + stored / charge_capacity
         chemical = charge_capacity * (
-            table_integral(tables.soc, tables.ocv, soc) - table_integral(tables.soc, tables.ocv, soc_new)
+            table_integral(pack.soc, pack.ocv, soc) - table_integral(pack.soc, pack.ocv, soc_new)
         )
         overflow = max(-current * dt - stored / efficiency, 0.0)
-        source = chemical / efficiency - overflow * table_extrapolated(tables.soc, tables.ocv, soc_new)
+        source = chemical / efficiency - overflow * table_extrapolated(pack.soc, pack.ocv, soc_new)
     side_heat = chemical - source
 
     # v(t) = end + (v0 - end) exp(-t / tau), and the integrals of v and v^2 over the step.
@@ -142,4 +139,4 @@ def step_kernel(
     decay = -np.expm1(-rate * dt)
     spread = decay / rate if rate > 0.0 else dt
     temperature_new = temperature + (surroundings - temperature) * decay + heat / dt / heat_capacity * spread
-    return PackCondition(soc_new, polarisation_new, temperature_new), terminal, heat
+    return soc_new, polarisation_new, temperature_new, terminal, heat
