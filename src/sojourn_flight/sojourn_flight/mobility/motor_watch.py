@@ -155,7 +155,7 @@ def _watched(
 def _does_not_follow(
     failed: BoolArray, commanded: FloatArray, measured: MeasuredMotors, thresholds: MotorThresholds
 ) -> BoolArray:
-    """Whether each drive motor misses its command [rad/s]."""
+    """Whether each drive motor misses its command."""
     rates, efforts, rate_error = measured.wheel_rates, measured.wheel_efforts, thresholds.rate_error
     size = np.abs(commanded)
     asked = size > thresholds.least_wheel_rate
