@@ -75,7 +75,7 @@ class Room:
 
     def at(self, x: float, y: float) -> float:
         """Distance from a place in odom to the nearest obstacle [m]."""
-        return float(distance_at(self.grid, x, y))
+        return float(distance_at(self.distances, self.x0, self.y0, self.cell, x, y))
 
     def holds(self, x: float, y: float) -> bool:
         """Whether a place in odom is on the map."""
@@ -115,11 +115,10 @@ def room_in(map_: ObstacleMap, kinds: NDArray[np.int64]) -> Room:
 
 
 @njit(cache=True)
-def distance_at(grid: DistanceGrid, x: float, y: float) -> float:
+def distance_at(distances: FloatArray, x0: float, y0: float, cell: float, x: float, y: float) -> float:
     """Distance to the nearest obstacle, bilinear between the middles of cells; infinite off the map."""
-    distances, cell = grid.distances, grid.cell
     size = distances.shape[0]
-    column, row = (x - grid.x0) / cell - 0.5, (y - grid.y0) / cell - 0.5
+    column, row = (x - x0) / cell - 0.5, (y - y0) / cell - 0.5
     if not (0.0 <= column <= size - 1 and 0.0 <= row <= size - 1):
         return math.inf
     j, i = min(int(column), size - 2), min(int(row), size - 2)
@@ -137,7 +136,8 @@ def room_at_pose(grid: DistanceGrid, circles: Circles, x: float, y: float, yaw: 
     """Room of the outline at a pose in odom [m]; below zero where a circle meets an obstacle."""
     least = math.inf
     for place in circles.places:
-        found = distance_at(grid, x + place * math.cos(yaw), y + place * math.sin(yaw))
+        east, north = x + place * math.cos(yaw), y + place * math.sin(yaw)
+        found = distance_at(grid.distances, grid.x0, grid.y0, grid.cell, east, north)
         least = min(least, found - circles.radius)
     return least
 
