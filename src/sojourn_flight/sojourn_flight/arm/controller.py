@@ -24,10 +24,13 @@ follows the position and velocity given here and adds the effort.
 The state is a value: copy it, save it, go on from it; nothing is kept elsewhere.
 """
 
+import math
+
 import numpy as np
 
 from sojourn_flight.arm.collision import check_posture
 from sojourn_flight.arm.deflection import joint_positions, motor_positions
+from sojourn_flight.arm.dynamics import rigid_effort
 from sojourn_flight.arm.feedforward import feedforward_effort
 from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent, Outcome
 from sojourn_flight.arm.goals import ArmGoal, PauseGoal, PoseGoal, ResumeGoal, StopGoal
@@ -94,7 +97,9 @@ def step(
         InvalidValueError: a measurement or the gravity vector of wrong length or not finite.
     """
     _check_input(model, inputs, dt)
-    inputs = replace(inputs, positions=joint_positions(params, model, inputs.positions, inputs.gravity_in_base))
+    positions = joint_positions(params, model, inputs.positions, inputs.gravity_in_base)
+    if positions is not inputs.positions:
+        inputs = replace(inputs, positions=positions)
     if isinstance(state.phase, Waiting):
         state = _hold(model, state, inputs.positions, "idle", "")
     before, state = state, _follow_permission(params, model, state, inputs)
@@ -130,7 +135,7 @@ def _check_input(model: ArmModel, inputs: ArmInput, dt: float) -> None:
         ("measured velocities", inputs.velocities, n),
         ("gravity_in_base", inputs.gravity_in_base, 3),
     ):
-        if array.shape != (length,) or not np.isfinite(array).all():
+        if array.shape != (length,) or not all(map(math.isfinite, array.tolist())):
             raise InvalidValueError(name, array.tolist(), f"{length} finite numbers")
     if not 0.0 < dt <= 1.0:
         raise InvalidValueError("dt", dt, "above 0, at most 1 s")
@@ -320,20 +325,14 @@ def _time_to_go(state: ArmState) -> float:
 def _output(
     params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput, events: tuple[GoalEvent, ...]
 ) -> ArmOutput:
-    reference = state.reference
+    reference, gravity = state.reference, inputs.gravity_in_base
+    rigid = rigid_effort(model, reference.position, reference.velocity, reference.acceleration, gravity)
     tip = forward_kinematics(model, inputs.positions)
     offset = tip.position - state.target.tip
     return ArmOutput(
-        positions=_within_limits(model, motor_positions(params, model, reference, inputs.gravity_in_base), state.trim),
+        positions=_within_limits(model, motor_positions(params, reference.position, rigid), state.trim),
         velocities=reference.velocity.copy(),
-        efforts=feedforward_effort(
-            params,
-            model,
-            reference.position,
-            reference.velocity,
-            reference.acceleration,
-            inputs.gravity_in_base,
-        ),
+        efforts=feedforward_effort(params, model, reference.velocity, rigid),
         status=state.status,
         progress=state.progress,
         time_to_go=_time_to_go(state),
