@@ -45,7 +45,8 @@ from sojourn_flight.arm.pace import (
     runs_as_planned,
     with_granted_power,
 )
-from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.param_groups import FollowingParams, SettlingParams
+from sojourn_flight.arm.params import ArmParams, TrimParams
 from sojourn_flight.arm.path_clock import PathClock
 from sojourn_flight.arm.phases import (
     ArmStatus,
@@ -155,7 +156,7 @@ def _follow(model: ArmModel, state: ArmState, guide: TipMotion) -> ArmState:
     return replace(state, phase=Guided(), reference=guide.joints, target=target, reason="")
 
 
-def _follow_permission(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:
+def _follow_permission(params: FollowingParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:
     if not inputs.allowed:
         reason = f"not allowed to move: {inputs.not_allowed_reason or 'no reason given'}"
         if isinstance(state.phase, Moving):
@@ -219,7 +220,7 @@ def _advance(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInp
         return _go_on_stopping(state, phase, dt)
     error = state.reference.position - inputs.positions
     if inputs.allowed and params.trim.rate > 0.0:
-        trim = _trimmed(params, state.trim, error, dt)
+        trim = _trimmed(params.trim, state.trim, error, dt)
         state = state if trim is state.trim else replace(state, trim=trim)
     return _settle(params, model, state, phase, inputs, error, dt) if isinstance(phase, Settling) else state
 
@@ -253,7 +254,7 @@ def _go_on_stopping(state: ArmState, stopping: Stopping, dt: float) -> ArmState:
 
 
 def _yield(
-    params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput, joint: int, behind: float
+    params: FollowingParams, model: ArmModel, state: ArmState, inputs: ArmInput, joint: int, behind: float
 ) -> tuple[ArmState, Stopping]:
     """Give way: bring the reference back to the measured position. The state, and its phase."""
     reason = (
@@ -270,8 +271,7 @@ def _yield(
     return replace(stopped, phase=back, target=target), back
 
 
-def _trimmed(params: ArmParams, trim: FloatArray, error: FloatArray, dt: float) -> FloatArray:
-    settings = params.trim
+def _trimmed(settings: TrimParams, trim: FloatArray, error: FloatArray, dt: float) -> FloatArray:
     active = np.abs(error) > settings.deadband
     if not active.any():
         return trim
@@ -281,7 +281,7 @@ def _trimmed(params: ArmParams, trim: FloatArray, error: FloatArray, dt: float) 
 
 
 def _settle(
-    params: ArmParams,
+    params: SettlingParams,
     model: ArmModel,
     state: ArmState,
     settling: Settling,

@@ -19,7 +19,7 @@ import numpy as np
 
 from sojourn_flight.arm.dynamics import gravity_effort
 from sojourn_flight.arm.model import ArmModel
-from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.param_groups import ArmGearParams
 from sojourn_machine.params import FloatArray
 
 _LEAST_FRICTION = 1e-3
@@ -40,21 +40,21 @@ def _gears(bearing: tuple[float, ...], backlash: tuple[float, ...], compliance: 
     return _Gears(friction, 0.5 * np.array(backlash), np.array(compliance))
 
 
-def gear_twist(params: ArmParams, efforts: FloatArray) -> FloatArray:
+def gear_twist(params: ArmGearParams, efforts: FloatArray) -> FloatArray:
     """x (n,) [rad]: motor over the gear less joint, under joint torques `efforts` (n,) [N m]."""
     bearing, half_play, compliance = _gears(params.bearing_friction, params.gear_backlash, params.gear_compliance)
     flank = np.minimum(np.maximum(efforts / bearing, -1.0), 1.0)
     return np.asarray(compliance * efforts + half_play * flank)
 
 
-def joint_positions(params: ArmParams, model: ArmModel, measured: FloatArray, gravity: FloatArray) -> FloatArray:
+def joint_positions(params: ArmGearParams, model: ArmModel, measured: FloatArray, gravity: FloatArray) -> FloatArray:
     """Where the joints are (n,) [rad or m], from the encoders (n,) and gravity in base_link (3,) [m/s2]."""
     if not params.gear_compliance:
         return measured
     return measured - gear_twist(params, gravity_effort(model, measured, gravity))
 
 
-def motor_positions(params: ArmParams, positions: FloatArray, efforts: FloatArray) -> FloatArray:
+def motor_positions(params: ArmGearParams, positions: FloatArray, efforts: FloatArray) -> FloatArray:
     """Where the motors have to be (n,) for the joints to be at `positions` (n,) with rigid-body torques (n,)."""
     if not params.gear_compliance:
         return positions

@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from sojourn_flight.arm.model import ArmModel
-from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.param_groups import ArmDriveParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
@@ -50,7 +50,7 @@ def _array(values: tuple[float, ...]) -> FloatArray:
     return np.array(values)
 
 
-def friction_effort(params: ArmParams, velocities: FloatArray) -> FloatArray:
+def friction_effort(params: ArmDriveParams, velocities: FloatArray) -> FloatArray:
     """Friction to be overcome at reference `velocities` (n,): efforts (n,) [N m or N]."""
     effort = np.zeros(velocities.shape[0])
     if params.coulomb_friction:
@@ -61,7 +61,7 @@ def friction_effort(params: ArmParams, velocities: FloatArray) -> FloatArray:
 
 
 def feedforward_effort(
-    params: ArmParams, model: ArmModel, velocities: FloatArray, rigid_efforts: FloatArray
+    params: ArmDriveParams, model: ArmModel, velocities: FloatArray, rigid_efforts: FloatArray
 ) -> FloatArray:
     """Inverse dynamics (`dynamics.rigid_effort`, (n,)) and friction of a reference with these velocities (n,), cut to
     the URDF's effort limits: (n,) [N m or N].
