@@ -27,7 +27,7 @@ from sojourn_contract.topics import topic
 from sojourn_flight.arm.goals import StopGoal
 from sojourn_flight.arm.model import build_arm_model, reach_from_base
 from sojourn_flight.arm.refusal import GoalRefusedError
-from sojourn_flight.arm.state import ArmInput, ArmOutput
+from sojourn_flight.arm.state import EVERYTHING, ArmInput, ArmOutput, Granted
 from sojourn_flight.arm.tasks import task_control
 from sojourn_flight.arm.tasks.task_control import TaskState
 from sojourn_machine.evolution import replace
@@ -89,10 +89,14 @@ class ArmApp(App[ArmAppState]):
         stamp, inputs, refusals = period.stamp, period.inputs, list[Refusal]()
         rover = self._rover.rover(inputs)
         ground = self._see(state.ground, inputs.get(CLOUD), rover, refusals)
-        state = replace(state, granted=_granted(inputs.get(SWITCHES), state.granted), ground=ground)
-        state = self._take_goals(state, period, rover, refusals)
         measured = self._measurements.read(inputs, refusals)
-        state = replace(state, usable_at=seen_usable(stamp, state.usable_at, measured is not None))
+        state = replace(
+            state,
+            granted=_granted(inputs.get(SWITCHES), state.granted),
+            ground=ground,
+            usable_at=seen_usable(stamp, state.usable_at, measured is not None),
+        )
+        state = self._take_goals(state, period, rover, refusals)
         if measured is not None:
             state = self._control(state, inputs[JOINTS], measured, rover)
         else:
@@ -129,7 +133,7 @@ class ArmApp(App[ArmAppState]):
         """Form the command of a period whose measurements can be used."""
         request, granted = state.pending, state.granted
         ground = state.ground if request is None else self._ground.look(state.ground, joints)
-        loads = self._stand.loads(state.loads, joints, measured)
+        loads = self._stand.loads(state.loads, joints, measured, state.tasks.moves or request is not None)
         why_not = rover.why_not_allowed if granted else "the power manager has switched the arm off"
         known = ArmInput(
             positions=measured.positions,
@@ -138,8 +142,7 @@ class ArmApp(App[ArmAppState]):
             allowed=not why_not,
             not_allowed_reason=why_not,
             ground=ground.ground,
-            granted_power=None if granted == 1.0 else granted * self._rated_power,
-            granted_current=granted,
+            granted=EVERYTHING if granted == 1.0 else Granted(granted * self._rated_power, granted),
         )
         told = task_input(known, request, measured, loads.loads)
         tasks, output, report = task_control.step(self.params, self.model, state.tasks, told, stamps.CONTROL_PERIOD_S)
@@ -149,7 +152,7 @@ class ArmApp(App[ArmAppState]):
             ground=ground,
             output=output,
             command=command_of(self.params.joint_names, output, None if tasks.tool is None else tasks.tool_command),
-            goal=state.goal.noted(output, report, request is not None),
+            goal=state.goal.noted(output, report),
             pending=None,
             loads=loads,
         )
