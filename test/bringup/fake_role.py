@@ -55,7 +55,7 @@ class FakeRole(ContractNode):
             return
         if self._sent == 0:
             self._say(1)
-        elif (not self.lockstep or not self._awaited) and time.monotonic() > self._next_at:
+        elif (not self.lockstep or not self.awaited) and time.monotonic() > self._next_at:
             self.act(self._sent * PERIOD, {})
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:

@@ -1,6 +1,7 @@
 """Rules on a whole run: stamps, answers, heartbeats, counters, rates. Each test breaks one thing in a clean run."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from clean_run import PERIOD, PERIODS, CleanRun, beats_of, explorer, kinds, set_
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
 
 from sojourn_contract.conformance.answers import missing_answers
 from sojourn_contract.conformance.consistency import RateRule
@@ -234,6 +236,44 @@ def test_a_jolt_within_a_period_is_fair_where_it_is_told() -> None:
 @pytest.mark.parametrize("speed", [-2.0, 2.0 * math.degrees(1.0), 1.0, 3.0])
 def test_no_spread_hides_a_rate_that_is_wrong(told: float, speed: float) -> None:
     assert {"twist.twist.linear.x"} <= {finding.field for finding in bumped(told, speed)}
+
+
+def rocking(told: Callable[[float], float], pulse: float, steady: float = 0.0, wheel: float = 0.9) -> list[Finding]:
+    """Of a bogie that turns steadily, and in one period of ten besides as over the edge of a rut: its rate goes up to
+    `pulse` and back to where it was, on straight lines, within the period.
+
+    Args:
+        told: of its rate at the end of a period, what it says. wheel: the rate of a wheel [rad/s].
+    """
+    row, found, angle = topic("/truth/joint_states"), [], 0.0
+    rule = RateRule(row, ["wheel_front_left_joint"])
+    for period in range(1, 11):
+        angle += 0.02 * (steady + 0.5 * pulse * (period == 6))
+        message = JointState(name=["bogie_left_joint", "wheel_front_left_joint"])
+        message.position, message.velocity = [angle, wheel * 0.02 * period], [told(steady), wheel]
+        found += rule.judge(Observation(row, message, period * PERIOD, None, period * PERIOD))
+    return found
+
+
+@given(pulse=st.floats(0.11, 0.6), steady=st.floats(-0.3, 0.3), sign=st.sampled_from([-1.0, 1.0]))
+@settings(max_examples=50, deadline=None)
+def test_a_wheel_at_the_edge_of_a_rut_jolts_its_bogie(pulse: float, steady: float, sign: float) -> None:
+    """On 0.5 degrees, in the ruts of a turn, a bogie's rate went from 0 to 0.12 rad/s and back to 0 within a period."""
+    assert not rocking(lambda rate: rate, sign * pulse, steady)
+    assert not rocking(lambda rate: rate, sign * pulse, -steady)
+
+
+@pytest.mark.parametrize("pulse,wheel", [(0.14, 0.0), (0.14, 0.02), (2.0, 0.9)])
+def test_without_a_turning_wheel_or_beyond_its_edge_there_is_no_such_jolt(pulse: float, wheel: float) -> None:
+    (finding,) = rocking(lambda rate: rate, pulse, wheel=wheel)
+    assert finding.field == "velocity[bogie_left_joint]"
+
+
+@given(steady=st.floats(0.06, 1.0), pulse=st.floats(-0.6, 0.6), sign=st.sampled_from([-1.0, 1.0]))
+@settings(max_examples=50, deadline=None)
+def test_no_jolt_hides_a_rate_that_is_wrong(steady: float, pulse: float, sign: float) -> None:
+    for wrong in (-1.0, math.degrees(1.0), 3.0):
+        assert rocking(lambda rate, factor=wrong: factor * rate, pulse, sign * steady)
 
 
 def test_roles_that_are_not_judged_are_listened_to() -> None:

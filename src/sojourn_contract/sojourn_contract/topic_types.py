@@ -39,8 +39,8 @@ class FieldRule:
         rate_of: field whose change over time this one is, "" for none.
         rate_tolerance: by how much it may differ from the change of that field.
         rate_window: over how many periods that change may be taken at most.
-        rate_part: part of the rate itself by which a jolt within a period may move its mean besides, see
-            `conformance.consistency`.
+        rate_part: part of the rate itself by which a jolt within a period may move its mean besides, and of a wheel's
+            radius by which edges under it are high, see `conformance.consistency`.
         rate_spread: field whose diagonal is the mean square of what the rate was within the period less what is told,
             "" for none; `rate_spread_place`: where the rate's three components begin on it.
     """

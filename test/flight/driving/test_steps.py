@@ -4,11 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 from obstacle_examples import CAMERA, EYE, PARAMS, RIDE, ground
 
-from sojourn_flight.hazards.obstacle_map import HIGH, LOW, empty_map, with_cloud
-from sojourn_flight.hazards.steps import EXPECTED, LARGEST, MOST, PLAUSIBLE, grounds
+from sojourn_flight.hazards.obstacle_map import COUNT, HIGH, LAYERS, LOW, MEAN, NOISE, SIGMAS, empty_map, with_cloud
+from sojourn_flight.hazards.steps import EXPECTED, LARGEST, MOST, PLAUSIBLE, grounds, step_at
 from sojourn_flight.hazards.stereo_camera import height_variances
 from sojourn_flight.hazards.traversability import DROP, FREE, judged
 from sojourn_physics.sensors import hazcam
@@ -81,6 +83,75 @@ def test_a_step_beyond_the_limit_is_never_missed(height: int, slope: float, beyo
     """
     distances, _, closed = approaches(height * (LIMIT + beyond), 1.55, slope)
     assert closed[:, distances < 1.05].all()
+
+
+def smooth(means: NDArray[np.float64], counts: NDArray[np.float64], sigma: float) -> NDArray[np.float64]:
+    """Layers of cells of known means, without edges in them; a count of 0 is an unknown cell."""
+    layers = np.zeros((LAYERS, *means.shape))
+    layers[[LOW, HIGH, MEAN]], layers[COUNT], layers[NOISE] = means, counts, sigma**2
+    return layers
+
+
+def step_between(means: tuple[float, float], points: tuple[int, int], sigma: float) -> tuple[float, float, float]:
+    """Rise and fall from one cell to another, alone on the map, and what of them is sure; no slope explains it [m]."""
+    here = np.array([[1.0, 1.0], [0.0, 0.0]])
+    layers = smooth(here * means, here * points, sigma)
+    rise, fall, sure = step_at(layers, *grounds(layers), 0, 0, CELL, 0.0)
+    return rise, fall, sure
+
+
+def test_a_step_between_cells_of_a_few_points_is_no_obstacle_for_their_noise() -> None:
+    """A terrace of 75 mm between two cells of one and two points seen from 4 m, one 25 mm too low, the other 30 too
+    high: a drop of 0.13 m, for which the rover left its straight way along a side slope. Seen from nearby it is one.
+    """
+    heights = np.where(np.arange(12) < 6, 0.0, 0.075) * np.ones((12, 1))
+    heights[6, 4], heights[6, 6] = -0.025, 0.075 + 0.03
+    known = np.where(np.arange(12) == 5, 0.0, 6.0) * np.ones((12, 1))
+    few, many = known.copy(), 20.0 * known
+    few[6, 4], few[6, 6] = 1.0, 2.0
+    map_ = empty_map(PARAMS, 0.0, 0.0)
+    for counts, sigma, closed in ((few, 0.01, False), (many, 0.002, True)):
+        map_.layers[:, :12, :12] = smooth(heights, counts, sigma)
+        kinds = judged(PARAMS, map_).kinds
+        assert [bool(kinds[6, column] != FREE) for column in (4, 6)] == [closed, closed]
+
+
+@pytest.mark.parametrize("points", [(1, 1), (1, 5), (2, 3), (20, 20)])
+def test_what_is_beyond_a_limit_by_no_more_than_noise_is_not_sure(points: tuple[int, int]) -> None:
+    """Guarded rejection, by draws: of steps that are the limit, one in 44 is taken for more (beyond two deviations of a
+    normal error); of those that are higher by four deviations, all but one in 44."""
+    random, sigma, pairs, most = np.random.default_rng(4), 0.008, 4000, 0.5 * math.erfc(SIGMAS / math.sqrt(2.0))
+    doubt = sigma * math.sqrt(sum(1.0 / n for n in points))
+    for truth, share in ((LIMIT, most), (LIMIT + 2.0 * SIGMAS * doubt, 1.0 - most)):
+        beyond = 0
+        for _ in range(pairs):
+            low, high = (sigma * random.standard_normal(n).mean() for n in points)
+            beyond += step_between((low, truth + high), points, sigma)[2] > LIMIT
+        assert beyond / pairs == pytest.approx(share, abs=0.01)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.floats(-0.5, 0.5), st.integers(1, 500), st.integers(1, 500), st.floats(0.0, 0.02))
+def test_less_is_taken_for_noise_the_more_points_there_are(rise: float, here: int, there: int, sigma: float) -> None:
+    """And nothing of a step that was measured without noise."""
+    exact, once = (step_between((0.0, rise), (here, there), noise) for noise in (0.0, sigma))
+    often = step_between((0.0, rise), (100 * here, 100 * there), sigma)
+    assert exact == pytest.approx((max(rise, 0.0), max(-rise, 0.0), abs(rise)))
+    assert exact[:2] == once[:2] == often[:2]
+    largest = SIGMAS * sigma * math.sqrt(2.0)
+    assert -1e-12 <= exact[2] - often[2] <= 0.1 * largest + 1e-12
+    assert exact[2] - often[2] <= exact[2] - once[2] + 1e-12 <= largest + 2e-12
+
+
+def test_of_a_stone_that_is_seen_for_sure_nothing_is_left_out() -> None:
+    """A stone of one cell and 0.3 m, whose neighbour on one side is 0.13 m high, of single points seen from afar: that
+    alone is in doubt, beside the stone it is closed."""
+    map_ = empty_map(PARAMS, 0.0, 0.0)
+    for height, closed in ((0.3, True), (0.0, False)):
+        heights = np.zeros((12, 12))
+        heights[6, 6], heights[6, 7] = height, 0.13
+        map_.layers[:, :12, :12] = smooth(heights, np.ones((12, 12)), 0.01)
+        assert (judged(PARAMS, map_).kinds[6, 8] != FREE) == closed
 
 
 def test_the_expected_and_the_largest_of_normal_errors() -> None:

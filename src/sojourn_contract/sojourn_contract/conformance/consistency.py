@@ -14,7 +14,14 @@ by what holds for every motion, since a mean's square is at most the mean square
 where that says more. So that nobody tells a spread for a fault, sqrt(S) counts up to LARGEST_SPREAD of the body's
 speed: it does not gain by meeting the ground. Of a joint no spread is told. A wheel of radius r that rolls up an edge
 of height h loses the part h / r of its rate at most (its centre turns about the edge), and most of it but for a moment:
-the slack is more by the table's part of the rate itself.
+the slack is more by the table's part p = h / r of the rate itself. That edge turns the joints between wheel and body,
+too: its centre leaves the ground's direction by beta, cos beta = 1 - p, and rises at omega r sin beta, on an arm not
+shorter than r. Where a wheel turns at omega a mean may be farther off by
+
+    omega sin beta = omega sqrt(p (2 - p)),
+
+if the rate told before that period lies, within the tolerance, between the mean rates of the periods before and after
+it, as rates do that have not jumped. Those of a flipped sign, in degrees or of another joint do not.
 
 A rate that may be taken over a window of several periods (an encoder's counts) lies
 between the least and the greatest of the mean rates over the last period, the last two, and so on to the whole window,
@@ -48,18 +55,19 @@ class RateRule:
     """Rates of one topic, of joints or of a body.
 
     Args:
-        row: the topic.
+        row: the topic. wheels: names of the joints of wheels, whose edges jolt the others of a message.
     """
 
     name = "rate of change"
 
-    def __init__(self, row: Topic) -> None:
+    def __init__(self, row: Topic, wheels: Sequence[str] = ()) -> None:
+        self._wheels = frozenset(wheels)
         rules = [rule for rule in row.fields if rule.rate_of]
         make: Callable[[FieldRule], _Joints | _Linear | _Angular]
         make = _Joints if row.type == "sensor_msgs/JointState" else _rate_of_body
         self._pairs = [(rule, make(rule)) for rule in rules]
         self._last: tuple[int, list[tuple[Sequence[Any], Sequence[float]]]] | None = None
-        self._means: list[deque[Sequence[float]]] = [deque(maxlen=rule.rate_window) for rule in rules]
+        self._means: list[deque[Sequence[float]]] = [deque(maxlen=max(rule.rate_window, 2)) for rule in rules]
         self._names: list[str] = []
 
     @staticmethod
@@ -83,7 +91,7 @@ class RateRule:
         found = []
         for (rule, pair), means, before, after in zip(self._pairs, self._means, last[1], now, strict=True):
             means.append(pair.mean(before[0], after[0], dt))
-            if len(means) == rule.rate_window:
+            if len(means) >= rule.rate_window:
                 found += self._compare(rule, means, before[1], after[1], _spread(rule, message))
         return found
 
@@ -95,7 +103,9 @@ class RateRule:
         v_1: Sequence[float],
         spread: Sequence[float],
     ) -> list[Finding]:
-        """Rates at both ends of a period against the mean rates of the periods of the window, the last one last."""
+        """Rates at both ends of a period against the mean rates of the periods of the window, the last one last; before
+        those of a window of one there is the one before.
+        """
         found = []
         believed = LARGEST_SPREAD * max(hypot(*v_0), hypot(*v_1)) if spread else 0.0
         for place, (name, a, b) in enumerate(zip(self._names, v_0, v_1, strict=False)):
@@ -105,6 +115,10 @@ class RateRule:
                 off = max(min(a, b) - mean, mean - max(a, b)) - slack - 0.5 * abs(b - a)
                 if spread:
                     off = min(off, abs(mean - b) - min(spread[place], believed) - slack)
+                if off > 0.0 and len(means) > 1:
+                    low, high = sorted((means[-2][place], mean))
+                    jumped = max(low - a, a - high) - rule.rate_tolerance
+                    off = min(off, max(off - self._jolt(rule, (v_0, v_1)), jumped))
                 change = f"{mean:.4g} {rule.unit}, the change of {rule.rate_of}"
             else:
                 sums = accumulate(mean[place] for mean in reversed(means))
@@ -116,6 +130,11 @@ class RateRule:
                 path = f"{rule.path}.{name}" if self._names == AXES else f"{rule.path}[{name}]"
                 found.append(Finding(path, b, f"{change}, within {rule.rate_tolerance:g}", off + rule.rate_tolerance))
         return found
+
+    def _jolt(self, rule: FieldRule, rates: Sequence[Sequence[float]]) -> float:
+        """How far the mean rate of a joint may be off by an edge under a wheel, with the rates at both ends [rad/s]."""
+        turning = [abs(v) for told in rates for name, v in zip(self._names, told, strict=False) if name in self._wheels]
+        return max(turning, default=0.0) * sqrt(rule.rate_part * (2.0 - rule.rate_part))
 
 
 class _Joints:

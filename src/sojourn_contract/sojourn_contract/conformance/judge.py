@@ -207,7 +207,7 @@ def rules_of(row: Topic, machine: JudgedMachine, lockstep: bool) -> list[Rule]:
     if row.type == _JOINT_STATE:
         rules.append(JointLimitRule(row, machine))
     if RateRule.applies(row):
-        rules.append(RateRule(row))
+        rules.append(RateRule(row, machine.drive))
     if row.type == "sensor_msgs/PointCloud2":
         rules.append(CloudRule(row, machine.contacts if row.name == "/truth/contacts" else None))
     if row.publisher == "all":

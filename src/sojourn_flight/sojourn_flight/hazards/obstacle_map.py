@@ -40,6 +40,8 @@ LEAST_FIT = 50
 """Points on known ground that a look needs to be fitted to it; with fewer the last fit holds [-]."""
 MOST_POINTS = 50.0
 """Weight of what is known when new points are merged [-]."""
+SIGMAS = 2.0
+"""So much of a difference of heights is taken for noise of the map, in standard deviations [-]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +130,12 @@ def with_slip(map_: ObstacleMap, place: tuple[float, float], radius: float, slip
     layers[SLIP][away <= radius] = slip
     layers[SEEN_AT][away <= radius] = driven
     return replace(map_, layers=layers)
+
+
+@njit(cache=True)
+def mean_variance(layers: FloatArray, row: int, column: int) -> float:
+    """Variance of the mean height of a known cell [m^2]: that of a point, over the number of points."""
+    return float(layers[NOISE, row, column] / layers[COUNT, row, column])
 
 
 def _lift(map_: ObstacleMap, layers: FloatArray, points: FloatArray) -> float:

@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sojourn_flight.hazards.obstacle_map import COUNT, MEAN, NOISE
+from sojourn_flight.hazards.obstacle_map import COUNT, MEAN, SIGMAS, mean_variance
 from sojourn_flight.hazards.obstacle_params import TiltLimits
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
@@ -33,8 +33,6 @@ from sojourn_machine.params import FloatArray
 FOOTING = 0.25
 """Cells so near to a wheel's place are its ground [m]."""
 LEAST_WHEELS = 4
-SIGMAS = 2.0
-"""So much of a tilt is taken for noise of the map, in standard deviations [-]."""
 
 
 class SettlingGround(NamedTuple):
@@ -67,7 +65,7 @@ def footing(ground: SettlingGround, x: float, y: float) -> tuple[bool, float, fl
                 continue
             n += 1.0
             total += ground.layers[MEAN, i, j] + ground.slopes[0, i, j] * east + ground.slopes[1, i, j] * north
-            variance += ground.layers[NOISE, i, j] / ground.layers[COUNT, i, j]
+            variance += mean_variance(ground.layers, i, j)
     if n == 0.0:
         return False, 0.0, 0.0
     return True, total / n, variance / (n * n)

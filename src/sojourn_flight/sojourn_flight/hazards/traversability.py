@@ -1,7 +1,9 @@
 """What of the ground no part of the rover may meet: steps, drops, bumps, hidden ground, cell by cell; and its slope.
 
 - Step: the height of a cell against its eight neighbours (across one unknown cell if need be), and within it, without
-  what noise and slope explain, see `steps`. A cell at the foot is a `step`, one at the top a `drop`.
+  what noise and slope explain, see `steps`. A cell at the foot is a `step`, one at the top a `drop`. It is closed where
+  it or one beside it is surely beyond the limit: noise of two cells alone closes nothing, and of a stone that is seen
+  for sure nothing is left out.
 - Bump: highest point within `reach` of a cell above its plane, which would touch the belly.
 - Hidden: see `hidden_ground`.
 - Loose: ground on which the wheels have slipped too much, see `slip_policy`.
@@ -13,7 +15,9 @@ What was closed by a step or a bump stays so until it is below its limit by the 
 does not open and close the way with every look.
 
 Sources: Goldberg, Maimone & Matthies (2002), IEEE Aerospace Conf. 5:2025 (step, tilt and roughness of planes fitted
-to patches of the rover's size); Biesiadecki & Maimone (2006), IEEE Aerospace Conf. (their use on Mars).
+to patches of the rover's size); Biesiadecki & Maimone (2006), IEEE Aerospace Conf. (their use on Mars); Canny (1986),
+IEEE Trans. Pattern Analysis and Machine Intelligence 8(6):679 (two thresholds: what is beyond the lower one counts
+beside what is beyond the higher one).
 
 Assumption: steps and bumps are the same from any side. Lengths [m].
 """
@@ -139,7 +143,8 @@ def obstacle_at(
     kind, limits = int(ground.kinds[row, column]), params.passable
     if kind in (STEP, DROP):
         rows, columns = (slice(max(place - NEARBY, 0), place + NEARBY + 1) for place in (row, column))
-        part = np.where(ground.kinds[rows, columns] <= DROP, ground.measures[rows, columns], 0.0)
+        steps = (ground.kinds[rows, columns] == STEP) | (ground.kinds[rows, columns] == DROP)
+        part = np.where(steps, ground.measures[rows, columns], 0.0)
         worst = np.unravel_index(int(np.argmax(part)), part.shape)
         row, column = rows.start + int(worst[0]), columns.start + int(worst[1])
         low, high = map_.layers[LOW, row, column], map_.layers[HIGH, row, column]
@@ -171,13 +176,20 @@ def judge_cells(
     measures = np.zeros((size, size))
     slopes = np.zeros((3, size, size))
     lows, highs = grounds(layers)
+    sure = np.zeros((size + 2, size + 2), np.bool_)
     for row in range(size):
         for column in range(size):
             if layers[COUNT, row, column] > 0.0:
-                rise, fall = step_at(layers, lows, highs, row, column, cell, max_slope)
+                rise, fall, at_least = step_at(layers, lows, highs, row, column, cell, max_slope)
                 measures[row, column] = max(rise, fall)
                 if measures[row, column] > eased[row, column] * max_step:
                     kinds[row, column] = STEP if rise >= fall else DROP
+                    sure[row + 1, column + 1] = at_least > eased[row, column] * max_step
+    for row in range(size):
+        for column in range(size):
+            if layers[COUNT, row, column] > 0.0:
+                if kinds[row, column] != FREE and not sure[row : row + 3, column : column + 3].any():
+                    kinds[row, column] = FREE
             elif layers[HIDDEN, row, column] > 0.0:
                 kinds[row, column] = HIDDEN_GROUND
                 measures[row, column] = math.nan
