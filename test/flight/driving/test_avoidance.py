@@ -254,8 +254,8 @@ def test_loose_ground_round_the_goal_is_not_closed() -> None:
 
 
 def test_no_loose_ground_that_is_closed_takes_the_way_to_the_goal() -> None:
-    """In any place of the grid. On 12 degrees, 0.08 m before its goal and 1.391 m before the middle of the loose ground,
-    the rover closed it, went back, and then found no way: the cells of it reach farther than their middles."""
+    """In any place of the grid. On 12 degrees, 0.08 m before its goal and 1.391 m from the middle of the loose ground,
+    it closed that, went back, and then found no way: the cells of it reach farther than their middles."""
     policy = DRIVE.slip_policy
     assert policy is not None
     random, closed = np.random.default_rng(3), 0
