@@ -20,6 +20,7 @@ from sojourn_contract.checks import check_complete, check_finite, check_message,
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.switches import check_switches, fraction_of
 from sojourn_contract.topics import topic
+from sojourn_contract.values import WrenchStamped as WrenchValue
 
 BAD = [math.nan, math.inf, -math.inf]
 FIELDS: list[tuple[Callable[[], Any], str]] = [
@@ -158,3 +159,15 @@ def test_other_switch_texts_are_refused(text: str) -> None:
 def test_unknown_load_is_refused_with_the_known_ones() -> None:
     with pytest.raises(RefusedMessageError, match="heater: allowed is one of arm, drive"):
         check_switches("/power/switches", {"heater": "on"}, ("arm", "drive"))
+
+
+def test_a_wrench_is_finite_or_nowhere_measured() -> None:
+    nan, zeros = np.full(3, np.nan), np.zeros(3)
+    check_message("/wrench", WrenchValue(0, "", nan, nan))
+    for force, torque, field in (
+        (nan, zeros, "wrench.force.x"),
+        (zeros, np.array([0.0, np.inf, 0.0]), "wrench.torque.y"),
+    ):
+        with pytest.raises(RefusedMessageError) as refusal:
+            check_message("/wrench", WrenchValue(0, "", force, torque))
+        assert refusal.value.field == field

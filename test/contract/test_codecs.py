@@ -165,3 +165,12 @@ def test_an_array_that_was_read_belongs_to_the_reader() -> None:
     one = CODECS["sensor_msgs/JointState"].decode(data)
     one.position[0] = 5.0
     assert CODECS["sensor_msgs/JointState"].decode(data).position[0] == 1.0 and one.position.flags.aligned
+
+
+@given(st.lists(st.tuples(st.text("ab", min_size=2, max_size=2), st.text("ab", min_size=3, max_size=3)), min_size=2))
+def test_texts_as_long_as_those_before_are_read_anew(pairs: list[tuple[str, str]]) -> None:
+    codec = CODECS["diagnostic_msgs/DiagnosticArray"]
+    said = [
+        values.DiagnosticArray(stamp, (values.DiagnosticStatus("name", (pair,)),)) for stamp, pair in enumerate(pairs)
+    ]
+    assert [codec.decode(codec.encode(value)) for value in said] == said

@@ -122,7 +122,7 @@ def test_a_motion_of_the_arm_is_gone_on_with_from_a_kept_state_too(apps: dict[st
     names = loop.goes_on_from(60, 100)
     assert {"/arm_command", "/arm/status"} <= names
     state = loop.states["arm"]
-    assert (state.goal.stamp, state.tasks.arm.goals_accepted) == (0, 3) and state.goal.state == "moving"
+    assert (state.goal.stamp, state.goal.goals_accepted) == (0, 3) and state.goal.state == "moving"
     assert state.ground.seen is not None and state.ground.cloud == 150 * CONTROL_PERIOD_NS
 
 

@@ -18,6 +18,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from ros_messages import ros_time
 from sojourn_arm.node import ArmNode
 from sojourn_contract.heartbeat import status_message
+from sojourn_flight.arm.state import EVERYTHING, Granted
 from sojourn_machine.tools import TOOL_JOINT
 
 COMMANDED = (*ARM, TOOL_JOINT)
@@ -358,7 +359,7 @@ def test_a_goal_on_the_ground_is_found_from_where_the_rover_stands(bench: Bench)
     wanted = tip + np.array([0.0, 0.03, 0.02])
     status = arm.goal("/arm/goal_pose", pose_goal(*base_in_odom.act(wanted).tolist(), "odom"))
     assert status["state"] in ("moving", "reached"), status["reason"]
-    assert arm.node.state.tasks.arm.tip_target == pytest.approx(wanted, abs=1e-4)
+    assert arm.node.state.tasks.arm.target.tip == pytest.approx(wanted, abs=1e-4)
     status = arm.goal("/arm/goal_pose", pose_goal(*wanted.tolist(), "camera"))
     assert "header.frame_id = 'camera': allowed is one of base_link, map, odom" in status["reason"]
 
@@ -468,12 +469,12 @@ def test_a_share_of_its_power_limits_what_the_arm_plans(arm: ArmBench) -> None:
     arm.step(10, switch="0.25")
     arm.goal("/arm/joint_goal", joint_goal((), [], "stow"))
     granted = arm.node.state.tasks.arm
-    assert (granted.granted_power, granted.granted_current) == (None, 1.0), "the bench switches it on again"
+    assert granted.granted == EVERYTHING, "the bench switches it on again"
     arm.step(1, switch="0.25")
     arm.step(10, switch="0.25")
     granted = arm.node.state.tasks.arm
-    assert (granted.granted_power, granted.granted_current) == (20.0, 0.25)
-    assert granted.pace == 1.0 and granted.status == "moving"
+    assert granted.granted == Granted(20.0, 0.25)
+    assert granted.phase.pace == 1.0 and granted.status == "moving"
 
 
 def test_a_place_in_a_rock_that_the_camera_sees_is_refused(bench: Bench) -> None:

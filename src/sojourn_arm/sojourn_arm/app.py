@@ -27,7 +27,7 @@ from sojourn_contract.topics import topic
 from sojourn_flight.arm.goals import StopGoal
 from sojourn_flight.arm.model import build_arm_model, reach_from_base
 from sojourn_flight.arm.refusal import GoalRefusedError
-from sojourn_flight.arm.state import ArmInput, ArmOutput
+from sojourn_flight.arm.state import EVERYTHING, ArmInput, ArmOutput, Granted
 from sojourn_flight.arm.tasks import task_control
 from sojourn_flight.arm.tasks.task_control import TaskState
 from sojourn_machine.evolution import replace
@@ -138,8 +138,7 @@ class ArmApp(App[ArmAppState]):
             allowed=not why_not,
             not_allowed_reason=why_not,
             ground=ground.ground,
-            granted_power=None if granted == 1.0 else granted * self._rated_power,
-            granted_current=granted,
+            granted=EVERYTHING if granted == 1.0 else Granted(granted * self._rated_power, granted),
         )
         told = task_input(known, request, measured, loads.loads)
         tasks, output, report = task_control.step(self.params, self.model, state.tasks, told, stamps.CONTROL_PERIOD_S)
@@ -149,7 +148,7 @@ class ArmApp(App[ArmAppState]):
             ground=ground,
             output=output,
             command=command_of(self.params.joint_names, output, None if tasks.tool is None else tasks.tool_command),
-            goal=state.goal.noted(output, report, request is not None),
+            goal=state.goal.noted(output, report),
             pending=None,
             loads=loads,
         )

@@ -10,6 +10,7 @@ from sojourn_arm.tasks import Request, task_fields, task_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.values import JointTrajectory, Message, Path, PoseStamped, TwistStamped
+from sojourn_flight.arm.goal_events import GoalEvent
 from sojourn_flight.arm.goals import (
     JointGoal,
     NamedGoal,
@@ -28,15 +29,6 @@ from sojourn_machine.evolution import replace
 
 ON_ARC = "arc"
 """header.frame_id of a pose of a path that the tip goes by on an arc."""
-_STATES = {
-    "holding": "failed",
-    "idle": "idle",
-    "moving": "moving",
-    "paused": "reached",
-    "refused": "refused",
-    "reached": "reached",
-    "stopped": "stopped",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +43,10 @@ class LastGoal:
     """It has failed without the arm's doing: what the arm says of it is no news."""
     report: TaskReport | None = None
     """Of the last period; None where the last goal was no task."""
-    refused_before: int = 0
-    """Goals that the arm had refused by then."""
+    goals_accepted: int = 0
+    """By the arm, so far."""
+    goals_refused: int = 0
+    """By the arm, so far."""
 
     def begun(self, message: Message) -> "LastGoal":
         """A new goal has come."""
@@ -66,19 +60,27 @@ class LastGoal:
         """The goal on its way has failed, as its measurements stay away."""
         return replace(self, state="failed", reason=reason, abandoned=True) if self.state == "moving" else self
 
-    def noted(self, output: ArmOutput, report: TaskReport | None, new_goal: bool) -> "LastGoal":
-        """With what has become of it in this period; `new_goal`: in which it was given to the arm."""
-        refused = output.goals_refused > self.refused_before
-        last = replace(self, report=report, refused_before=output.goals_refused)
-        if last.abandoned:
+    def noted(self, output: ArmOutput, report: TaskReport | None) -> "LastGoal":
+        """With what has become of it in this period."""
+        last = self if report is self.report else replace(self, report=report)
+        for event in output.events:
+            last = last._after(event)
+        if last.state != "moving":
             return last
-        if refused:
-            return last.refused(output.reason)
-        if not (new_goal or last.state == "moving"):
-            return last
-        if report is not None:
-            return replace(last, state=report.doing.state, reason=report.doing.reason)
-        return replace(last, state=_STATES[output.status], reason=output.reason)
+        reason = output.reason if report is None else report.doing.reason
+        return last if reason == last.reason else replace(last, reason=reason)
+
+    def _after(self, event: GoalEvent) -> "LastGoal":
+        """After what has happened to it, which is told once."""
+        if event.outcome == "accepted":
+            last = replace(self, goals_accepted=self.goals_accepted + 1)
+            return last if last.abandoned else replace(last, state="moving")
+        if event.outcome == "refused":
+            last = replace(self, goals_refused=self.goals_refused + 1)
+            return last if last.abandoned else last.refused(event.reason)
+        if self.state != "moving":
+            return self
+        return replace(self, state="reached" if event.outcome == "paused" else event.outcome, reason=event.reason)
 
     def status(self, output: ArmOutput | None) -> dict[str, str]:
         """Fields of /arm/status; without those that are measured where nothing has been measured yet."""
@@ -94,8 +96,8 @@ class LastGoal:
                 "error_m": f"{output.goal_error:.6f}",
                 "joint_error_rad": f"{output.joint_error:.6f}",
                 "tip_in_base_m": f"{x:.5f} {y:.5f} {z:.5f}",
-                "goals_accepted": str(output.goals_accepted),
-                "goals_refused": str(output.goals_refused),
+                "goals_accepted": str(self.goals_accepted),
+                "goals_refused": str(self.goals_refused),
             }
             | task_fields(self.report)
         )

@@ -4,10 +4,8 @@ A node adds its own checks (joint names, frames) on top. NaN and infinity never 
 """
 
 from collections.abc import Callable, Sequence
-from math import isfinite
-from typing import Any
-
-import numpy as np
+from math import isfinite, isnan
+from typing import Any, NamedTuple, TypeAlias
 
 from sojourn_contract.clouds import points_of
 from sojourn_contract.errors import RefusedMessageError
@@ -27,6 +25,9 @@ from sojourn_contract.values import (
     WrenchStamped,
 )
 from sojourn_machine.params import FloatArray
+
+Check: TypeAlias = Callable[[str, Any], object]
+"""Of the message of a topic: raises RefusedMessageError."""
 
 
 def check_message(topic: str, message: Message) -> None:
@@ -48,10 +49,11 @@ def check_finite(topic: str, field: str, values: FloatArray) -> None:
 
 def check_names(topic: str, names: Sequence[str], known: dict[str, int]) -> None:
     """Raise RefusedMessageError if a joint is unknown or named twice. `known`: joint name -> index."""
-    for name in names:
-        if name not in known:
-            raise RefusedMessageError(topic, "name", name, "one of " + ", ".join(known))
-    if len(set(names)) != len(names):
+    distinct = set(names)
+    if not distinct <= known.keys():
+        name = next(name for name in names if name not in known)
+        raise RefusedMessageError(topic, "name", name, "one of " + ", ".join(known))
+    if len(distinct) != len(names):
         raise RefusedMessageError(topic, "name", ", ".join(names), "each joint once")
 
 
@@ -59,10 +61,10 @@ def check_complete(topic: str, message: JointState) -> None:
     """Raise RefusedMessageError if a measured JointState lacks the position or the rate of a joint that it
     names.
     """
-    for field in ("position", "velocity"):
-        count = len(getattr(message, field))
-        if count != len(message.names):
-            raise RefusedMessageError(topic, field, f"{count} numbers", f"one for each of {len(message.names)} names")
+    named = len(message.names)
+    for field, count in (("position", len(message.position)), ("velocity", len(message.velocity))):
+        if count != named:
+            raise RefusedMessageError(topic, field, f"{count} numbers", f"one for each of {named} names")
 
 
 def check_ranges(row: Topic, message: JointState) -> None:
@@ -71,10 +73,12 @@ def check_ranges(row: Topic, message: JointState) -> None:
     """
     for rule in row.fields:
         values = getattr(message, rule.path).tolist()
-        if values and (min(values) < rule.low or max(values) > rule.high):
-            worst = min(values) if min(values) < rule.low else max(values)
+        if not values:
+            continue
+        least, most = min(values), max(values)
+        if least < rule.low or most > rule.high:
             allowed = f"{rule.low:g} to {rule.high:g} {rule.unit}"
-            raise RefusedMessageError(row.name, rule.path, worst, allowed)
+            raise RefusedMessageError(row.name, rule.path, least if least < rule.low else most, allowed)
 
 
 def _check_scalar(topic: str, field: str, value: float) -> None:
@@ -84,14 +88,21 @@ def _check_scalar(topic: str, field: str, value: float) -> None:
 
 def _check_vector(topic: str, field: str, vector: FloatArray) -> None:
     """Of 3 numbers x y z, or 4, x y z w."""
-    if not isfinite(sum(vector.tolist())):
-        for axis, value in zip("xyzw", vector.tolist(), strict=False):
+    numbers = vector.tolist()
+    if not isfinite(sum(numbers)):
+        for axis, value in zip("xyzw", numbers, strict=False):
             _check_scalar(topic, f"{field}.{axis}", value)
 
 
-def _check_pose(topic: str, field: str, pose: PoseStamped | Odometry) -> None:
-    _check_vector(topic, f"{field}.position", pose.position)
-    _check_vector(topic, f"{field}.orientation", pose.orientation)
+def _vectors(kind: type[NamedTuple], **fields: str) -> Check:
+    """Check of the vectors of a message, in the order in which they are given: name in its value, name in ROS."""
+    places = [(field, kind._fields.index(name)) for name, field in fields.items()]
+
+    def check(topic: str, message: Message) -> None:
+        for field, place in places:
+            _check_vector(topic, field, message[place])
+
+    return check
 
 
 def _check_joint_state(topic: str, message: JointState) -> None:
@@ -113,28 +124,11 @@ def _check_trajectory(topic: str, message: JointTrajectory) -> None:
             check_finite(topic, where, values)
 
 
-def _check_twist(topic: str, message: TwistStamped) -> None:
-    _check_vector(topic, "twist.linear", message.linear)
-    _check_vector(topic, "twist.angular", message.angular)
-
-
 def _check_wrench(topic: str, message: WrenchStamped) -> None:
     """Numbers, or NaN throughout: not measured."""
-    if not (np.isnan(message.force).all() and np.isnan(message.torque).all()):
-        _check_vector(topic, "wrench.force", message.force)
-        _check_vector(topic, "wrench.torque", message.torque)
-
-
-def _check_odometry(topic: str, message: Odometry) -> None:
-    _check_pose(topic, "pose.pose", message)
-    _check_vector(topic, "twist.twist.linear", message.linear)
-    _check_vector(topic, "twist.twist.angular", message.angular)
-
-
-def _check_imu(topic: str, message: Imu) -> None:
-    _check_vector(topic, "angular_velocity", message.angular_velocity)
-    _check_vector(topic, "linear_acceleration", message.linear_acceleration)
-    _check_vector(topic, "orientation", message.orientation)
+    force, torque = message.force.tolist(), message.torque.tolist()
+    if not isfinite(sum(force + torque)) and not all(map(isnan, force + torque)):
+        _check_wrench_vectors(topic, message)
 
 
 def _check_battery(topic: str, message: BatteryState) -> None:
@@ -144,18 +138,31 @@ def _check_battery(topic: str, message: BatteryState) -> None:
 
 def _check_path(topic: str, message: Path) -> None:
     for index, pose in enumerate(message.poses):
-        _check_pose(topic, f"poses[{index}].pose", pose)
+        _check_vector(topic, f"poses[{index}].pose.position", pose.position)
+        _check_vector(topic, f"poses[{index}].pose.orientation", pose.orientation)
 
 
-_CHECKS: dict[type, Callable[[str, Any], object]] = {
+_check_wrench_vectors = _vectors(WrenchStamped, force="wrench.force", torque="wrench.torque")
+_CHECKS: dict[type, Check] = {
     JointState: _check_joint_state,
     JointTrajectory: _check_trajectory,
-    TwistStamped: _check_twist,
-    PoseStamped: lambda topic, message: _check_pose(topic, "pose", message),
+    TwistStamped: _vectors(TwistStamped, linear="twist.linear", angular="twist.angular"),
+    PoseStamped: _vectors(PoseStamped, position="pose.position", orientation="pose.orientation"),
     Path: _check_path,
-    Odometry: _check_odometry,
-    Imu: _check_imu,
-    Vector3Stamped: lambda topic, message: _check_vector(topic, "vector", message.vector),
+    Odometry: _vectors(
+        Odometry,
+        position="pose.pose.position",
+        orientation="pose.pose.orientation",
+        linear="twist.twist.linear",
+        angular="twist.twist.angular",
+    ),
+    Imu: _vectors(
+        Imu,
+        angular_velocity="angular_velocity",
+        linear_acceleration="linear_acceleration",
+        orientation="orientation",
+    ),
+    Vector3Stamped: _vectors(Vector3Stamped, vector="vector"),
     BatteryState: _check_battery,
     WrenchStamped: _check_wrench,
     PointCloud2: points_of,

@@ -1,5 +1,7 @@
 """Clouds of points: numbers to messages and back. Those of contacts are in `messages.py`."""
 
+from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -31,37 +33,47 @@ def points_of(topic: str, cloud: PointCloud2) -> NDArray[np.float64]:
     if not cloud.width * cloud.height:
         return np.zeros((0, 3))
     columns = columns_of(topic, cloud, POINT_FIELDS)
-    points = np.stack([columns[name] for name in POINT_FIELDS], axis=1).astype(np.float64)
-    bad = np.argwhere(~np.isfinite(points))
-    if len(bad):
-        point, column = bad[0]
+    points = np.empty((cloud.width * cloud.height, len(POINT_FIELDS)))
+    for place, name in enumerate(POINT_FIELDS):
+        points[:, place] = columns[name]
+    finite = np.isfinite(points)
+    if not finite.all():
+        point, column = np.argwhere(~finite)[0]
         raise RefusedMessageError(
             topic, f"{POINT_FIELDS[column]}[{point}]", float(points[point, column]), "a finite number"
         )
     return points
 
 
-def columns_of(topic: str, cloud: PointCloud2, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+def columns_of(topic: str, cloud: PointCloud2, names: tuple[str, ...]) -> Mapping[str, NDArray[Any]]:
     """The named fields of a cloud as arrays, one number a point. Raises RefusedMessageError as `points_of`."""
-    fields = {field.name: field for field in cloud.fields}
-    for name in names:
-        field = fields.get(name)
-        if field is None:
-            raise RefusedMessageError(topic, "fields", " ".join(fields), f"{' '.join(names)} among them")
-        code = CODES.get(field.datatype)
-        if code is None or field.elements != 1 or field.offset + int(code[1]) > cloud.point_step:
-            raise RefusedMessageError(topic, f"fields.{name}", f"datatype {field.datatype}", "one float64 or float32")
+    point = _point(topic, names, cloud.fields, cloud.point_step, bool(cloud.is_bigendian))
     count, data = cloud.width * cloud.height, cloud.data
     if len(data) != count * cloud.point_step:
         raise RefusedMessageError(topic, "data", f"{len(data)} bytes", f"{count} points of {cloud.point_step} bytes")
-    order = ">" if cloud.is_bigendian else "<"
-    dtype = np.dtype(
+    points = np.frombuffer(data, dtype=point)
+    return {name: points[name] for name in names}
+
+
+@lru_cache(maxsize=64)  # a topic's clouds are alike, and numpy takes long over a type
+def _point(
+    topic: str, names: tuple[str, ...], fields: tuple[PointField, ...], step: int, is_bigendian: bool
+) -> np.dtype[Any]:
+    """The named fields of a point of so many bytes as a type of numpy. Raises RefusedMessageError."""
+    known = {field.name: field for field in fields}
+    for name in names:
+        field = known.get(name)
+        if field is None:
+            raise RefusedMessageError(topic, "fields", " ".join(known), f"{' '.join(names)} among them")
+        code = CODES.get(field.datatype)
+        if code is None or field.elements != 1 or field.offset + int(code[1]) > step:
+            raise RefusedMessageError(topic, f"fields.{name}", f"datatype {field.datatype}", "one float64 or float32")
+    order = ">" if is_bigendian else "<"
+    return np.dtype(
         {
             "names": list(names),
-            "formats": [order + CODES[fields[name].datatype] for name in names],
-            "offsets": [fields[name].offset for name in names],
-            "itemsize": cloud.point_step,
+            "formats": [order + CODES[known[name].datatype] for name in names],
+            "offsets": [known[name].offset for name in names],
+            "itemsize": step,
         }
     )
-    points = np.frombuffer(data, dtype=dtype)
-    return {name: points[name] for name in names}

@@ -15,7 +15,8 @@ from sojourn_flight.arm.dynamics import rigid_effort
 from sojourn_flight.arm.goals import JointGoal, NamedGoal, PauseGoal, ResumeGoal, StopGoal
 from sojourn_flight.arm.model import build_arm_model
 from sojourn_flight.arm.motion_load import motor_efforts, power_drawn
-from sojourn_flight.arm.state import ArmInput, ArmOutput, ArmState, initial_state
+from sojourn_flight.arm.phases import Moving, Stopping
+from sojourn_flight.arm.state import ArmInput, ArmOutput, ArmState, Granted, initial_state
 from sojourn_flight.arm.trajectory import JointReference, at_rest, point_to_point, stop
 
 DT = 0.02
@@ -41,7 +42,7 @@ class Follower:
 
     def period(self, goal: Any = None) -> ArmOutput:
         """One period; the limits of speed and acceleration hold in it."""
-        asked = ArmInput(self.joints, np.zeros(5), MARS, goal, granted_power=self.granted, granted_current=self.current)
+        asked = ArmInput(self.joints, np.zeros(5), MARS, goal, granted=Granted(self.granted, self.current))
         self.state, self.out = controller.step(PARAMS, MODEL, self.state, asked, DT)
         self.joints = self.state.reference.position
         reference = self.state.reference
@@ -54,6 +55,11 @@ class Follower:
         motor = motor_efforts(PARAMS, rigid[None, :], reference.velocity[None, :])
         self.power.append(float(power_drawn(PARAMS, motor, reference.velocity[None, :])[0]))
         return self.out
+
+    @property
+    def moving(self) -> Moving:
+        assert isinstance(self.state.phase, Moving)
+        return self.state.phase
 
     def until(self, done: Callable[[ArmOutput], bool], periods: int = 6000) -> ArmOutput:
         for _ in range(periods):
@@ -78,7 +84,7 @@ def test_a_pause_at_any_moment_rests_on_the_path_and_goes_on_to_the_same_end(at:
     arm.period(JointGoal(PARAMS.joint_names, tuple(end)))
     for _ in range(at):
         arm.period()
-    if arm.state.path is None:
+    if not isinstance(arm.state.phase, Moving):
         with pytest.raises(AssertionError):
             arm.until(lambda out: out.status == "paused", 5)
         return
@@ -123,7 +129,7 @@ def test_a_stop_on_a_straight_line_stays_on_it() -> None:
 def test_with_less_power_granted_a_motion_is_planned_slower() -> None:
     full, little = Follower(), Follower()
     full.period(NamedGoal("stow"))
-    assert full.state.path is not None
+    assert isinstance(full.state.phase, Moving)
     full.until(lambda out: out.status == "reached")
     peak = max(full.power)
     little.granted = 0.4 * peak
@@ -149,10 +155,10 @@ def test_a_motion_under_way_slows_down_when_power_is_taken_and_takes_up_speed_ag
     for _ in range(100):
         arm.period()
     assert max(arm.power[first:]) <= 0.35 * peak
-    assert 0.0 < arm.state.pace < 1.0 and arm.state.rate == pytest.approx(arm.state.pace, abs=1e-6)
+    assert 0.0 < arm.moving.pace < 1.0 and arm.moving.clock.rate == pytest.approx(arm.moving.pace, abs=1e-6)
     arm.granted = None
     arm.period()
-    assert arm.state.pace == 1.0
+    assert arm.moving.pace == 1.0
     arm.until(lambda out: out.status == "reached")
     assert len(plain.samples) < len(arm.samples)
     ways = [np.array([sample.position for sample in each.samples]) for each in (plain, arm)]
@@ -164,6 +170,22 @@ def _largest_gap(path: np.ndarray, other: np.ndarray) -> float:
     return float(max(np.min(np.linalg.norm(path - point, axis=1)) for point in other))
 
 
+def test_a_stop_under_little_power_takes_as_long_as_the_limits_ask_for() -> None:
+    """The time to go used to be that of a motion at the pace that the power allows."""
+    arm = Follower()
+    arm.period(NamedGoal("stow"))
+    for _ in range(60):
+        arm.period()
+    arm.granted = 0.35 * max(arm.power)
+    for _ in range(30):
+        arm.period()
+    assert 0.0 < arm.moving.pace < 0.9
+    brake = stop(MODEL, arm.state.reference)
+    out = arm.period(StopGoal())
+    assert isinstance(arm.state.phase, Stopping) and out.time_to_go == pytest.approx(brake.duration - DT, abs=1e-9)
+    assert arm.until(lambda out: out.status != "moving").status == "stopped"
+
+
 def test_where_not_even_holding_is_granted_it_waits() -> None:
     arm = Follower()
     arm.period(NamedGoal("stow"))
@@ -171,7 +193,7 @@ def test_where_not_even_holding_is_granted_it_waits() -> None:
         arm.period()
     arm.granted = 1e-6
     arm.period()
-    assert "to hold the arm the arm would draw" in arm.state.reason and arm.state.pace == 0.0
+    assert "to hold the arm the arm would draw" in arm.state.reason and arm.moving.pace == 0.0
     for _ in range(200):
         arm.period()
     assert not np.any(arm.samples[-1].velocity) and arm.out is not None and arm.out.status == "moving"
@@ -189,7 +211,7 @@ def test_with_a_share_of_its_current_a_motor_has_a_share_of_its_torque() -> None
     assert arm.period(NamedGoal("stow")).status == "moving"
     arm.granted, arm.current = 2.5, 2.5 / 80.0
     arm.period()
-    assert arm.state.pace == 0.0 and "waits: 2.5 W are granted, and to hold the arm arm_" in arm.state.reason
+    assert arm.moving.pace == 0.0 and "waits: 2.5 W are granted, and to hold the arm arm_" in arm.state.reason
 
 
 def test_a_state_that_was_saved_in_a_pause_goes_on_the_same_way() -> None:

@@ -11,11 +11,13 @@ from hypothesis import strategies as st
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.arm.dynamics import rigid_effort
 from sojourn_flight.arm.force_control import ForceControlParams, force_speed, hybrid_velocity, impedance_velocity
-from sojourn_flight.arm.goals import NamedGoal, StopGoal
+from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent
+from sojourn_flight.arm.goals import JointGoal, NamedGoal, StopGoal
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import build_arm_model
 from sojourn_flight.arm.motion_load import motor_efforts, power_drawn
-from sojourn_flight.arm.state import ArmInput
+from sojourn_flight.arm.phases import Paused
+from sojourn_flight.arm.state import ArmInput, Granted
 from sojourn_flight.arm.tasks import task_control
 from sojourn_flight.arm.tasks.contact_sense import sensor_rotation
 from sojourn_flight.arm.tasks.guided_pace import GuidedPace, PaceLimits, next_pace
@@ -41,6 +43,7 @@ class IdealArm:
         self.power: list[float] = []
         self.state = task_control.initial_state(PARAMS, ARM)
         self.tips: list[np.ndarray] = []
+        self.events: list[GoalEvent] = []
         self.period()
 
     def period(self, goal: Any = None, task: Any = None) -> None:
@@ -49,9 +52,10 @@ class IdealArm:
         wrench = self.state.sense.tool_load(ARM, tip, GRAVITY)
         wrench[:3] += sensor_rotation(ARM, tip).T @ self.force
         reason = "" if self.allowed else "a test"
-        arm = ArmInput(self.joints, self.rates, GRAVITY, goal, self.allowed, reason, granted_power=self.granted)
+        arm = ArmInput(self.joints, self.rates, GRAVITY, goal, self.allowed, reason, granted=Granted(self.granted))
         inputs = task_control.TaskInput(arm, task, wrench if self.feels else None)
         self.state, self.said, self.report = task_control.step(PARAMS, ARM, self.state, inputs, DT)
+        self.events += self.said.events
         assert np.all(np.abs(self.said.velocities) <= ARM.max_velocity + 1e-9)
         assert np.all(np.abs(self.said.velocities - self.rates) <= 1.5 * ARM.max_acceleration * DT + 1e-9)
         self.joints, self.rates = self.said.positions.copy(), self.said.velocities.copy()
@@ -59,6 +63,11 @@ class IdealArm:
         rigid = rigid_effort(ARM, self.joints, self.rates, np.zeros(5), GRAVITY) + outside
         motor = motor_efforts(PARAMS, rigid[None, :], self.rates[None, :])
         self.power.append(float(power_drawn(PARAMS, motor, self.rates[None, :])[0]))
+
+    @property
+    def outcomes(self) -> list[str]:
+        """What has been told of the goals so far."""
+        return [event.outcome for event in self.events]
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / DT)):
@@ -100,14 +109,14 @@ def test_a_goal_or_a_stop_replaces_a_task(arm: IdealArm, goal: Any) -> None:
 def test_a_second_task_is_refused_or_replaces_as_it_asks(arm: IdealArm) -> None:
     arm.start("guarded_move")
     arm.start("stow")
-    assert arm.report.name == "guarded_move" and arm.said.goals_refused == 1
+    assert arm.report.name == "guarded_move" and arm.outcomes.count("refused") == 1
     assert "guarded_move is under way" in arm.said.reason
     arm.start("stow", preempt=True)
     assert arm.report.name == "stow"
     arm.run(30.0)
     assert arm.report.doing.state == "reached"
     assert np.allclose(arm.joints, PARAMS.named_poses["stow"], atol=1e-3)
-    assert arm.said.goals_accepted == 2
+    assert arm.outcomes == ["accepted", "refused", "accepted", "reached"]
 
 
 def test_too_much_force_is_given_way_to(arm: IdealArm) -> None:
@@ -129,7 +138,7 @@ def test_without_leave_to_move_a_task_ends_and_the_arm_stops(arm: IdealArm) -> N
     assert arm.report.doing.state == "failed" and "not allowed to move: a test" in arm.report.doing.reason
     assert not arm.rates.any()
     arm.start("stow")
-    assert arm.said.goals_refused == 1
+    assert arm.outcomes.count("refused") == 1
 
 
 def test_a_pause_rests_in_the_middle_of_a_task_and_resuming_goes_on(arm: IdealArm) -> None:
@@ -161,6 +170,62 @@ def test_a_pause_rests_in_the_middle_of_a_task_and_resuming_goes_on(arm: IdealAr
     assert arm.report.name == "stow" and arm.report.doing.state == "reached"
     arm.start("resume")
     assert "no motion is paused" in arm.said.reason
+
+
+def test_a_task_replaces_a_motion_that_is_paused(arm: IdealArm) -> None:
+    """The arm used to stay in its pause, and the task was called reached."""
+    arm.period(goal=NamedGoal("stow"))
+    arm.run(1.0)
+    arm.start("pause")
+    arm.run(3.0)
+    assert isinstance(arm.state.arm.phase, Paused) and arm.outcomes == ["accepted", "accepted", "paused"]
+    arm.start("guarded_move", preempt=True, distance=0.05, speed=0.01)
+    arm.run(1.0)
+    assert arm.report is not None and arm.report.doing.state == "moving" and arm.rates.any()
+    arm.run(10.0)
+    assert arm.outcomes[3:] == ["accepted", "failed"], "nothing is met on 5 cm"
+
+
+def test_a_goal_that_is_refused_during_a_task_says_why(arm: IdealArm) -> None:
+    """The reason used to be lost, as the task went on in the same period."""
+    arm.start("guarded_move", distance=0.08, speed=0.01)
+    arm.run(0.5)
+    arm.period(goal=JointGoal(("no_joint",), (0.0,)))
+    assert arm.report is not None and arm.report.name == "guarded_move"
+    assert arm.events[0] == ACCEPTED
+    assert arm.outcomes == ["accepted", "refused"] and "unknown joint no_joint" in arm.events[1].reason
+
+
+_ASKED = ("goal", "bad goal", "stop", "pause", "resume", "stow", "guarded_move", "tare")
+
+
+@given(asked=st.lists(st.tuples(st.sampled_from(_ASKED), st.integers(1, 120)), min_size=1, max_size=8))
+@settings(max_examples=8, deadline=None)
+def test_every_goal_is_answered_once_and_ends_once_at_most(asked: list[tuple[str, int]]) -> None:
+    arm = IdealArm()
+    goals = {
+        "goal": JointGoal((PARAMS.joint_names[0],), (0.1,)),
+        "bad goal": JointGoal((PARAMS.joint_names[0],), (100.0,)),
+        "stop": StopGoal(),
+    }
+    for name, periods in asked:
+        before = len(arm.events)
+        if name in goals:
+            arm.period(goal=goals[name])
+        else:
+            numbers = {"distance": 0.05, "speed": 0.01} if name == "guarded_move" else {}
+            arm.start(name, **numbers, **({} if name in ("pause", "resume") else {"preempt": True}))
+        answers = [event for event in arm.events[before:] if event.is_answer]
+        assert len(answers) == 1, "in the same period"
+        for _ in range(periods):
+            arm.period()
+    arm.run(40.0)
+    assert len([event for event in arm.events if event.is_answer]) == len(asked)
+    open_goal = False
+    for event in arm.events:
+        assert event.is_answer or open_goal, f"{event} of no goal"
+        open_goal = event.outcome == "accepted" or (open_goal and event.outcome == "refused")
+    assert not open_goal, "the last one has come to an end"
 
 
 def test_a_lost_contact_is_sought_with_bounded_speed(arm: IdealArm) -> None:

@@ -7,8 +7,11 @@ the step. At every position
 
     sum F = 0, sum M = 0, moment about the bogie's pivot = 0,      N_i >= 0,  |T_i| <= mu N_i,  |T_i| r_i <= T_max
 
-in the normal and tangential forces N, T of all contacts is a linear programme; motors may divide the traction as they
-like. The step is climbed if there is a solution at every position, for every wheel in turn.
+in the normal and tangential forces N, T of all contacts asks for a point of a convex cone; motors may divide the
+traction as they like. With the edges of each contact's friction cone as unknowns, and what is left of each motor's
+torque, all unknowns are at least 0, and the answer is that of non-negative least squares (Lawson and Hanson 1974,
+Solving least squares problems, chapter 23): there are such forces where nothing is left over. The step is climbed if
+there is a solution at every position, for every wheel in turn.
 Normals: horizontal on the face, from the edge to the wheel's centre at the edge. A wheel lower than its radius' worth
 of step meets the edge at once. The underside of the body may not touch the edge. (Thueer, Krebs, Siegwart and Lamon
 2007, J. Field Robotics 24:215, use the same statics.)
@@ -22,13 +25,15 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import fsolve, linprog
+from scipy.optimize import fsolve, nnls
 
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
 POSITIONS = 16
 """Of each wheel on its way up."""
+BALANCED = 1e-9
+"""What may be left over of the weight, and of its moments about the pivot at 1 m, where forces balance it [-]."""
 
 
 class SideWheel(NamedTuple):
@@ -93,7 +98,7 @@ def failing_wheel(side: SideView, height: float, friction: float, gravity: float
         raise InvalidValueError("wheels", side.wheels, "two on the body, or one there and two on a bogie")
     for wheel in range(len(side.wheels)):
         ascent = _ascent(side, wheel, height)
-        if not all(_holds(side, wheel, posture, normals, friction, gravity) for posture, normals in ascent.postures):
+        if not all(_holds(balance, side, friction, gravity) for balance in ascent.balances):
             return wheel
         if not ascent.whole:
             return wheel
@@ -122,24 +127,39 @@ def least_friction(side: SideView, height: float, gravity: float, highest: float
     return high
 
 
-class _Ascent(NamedTuple):
-    """Postures on the way of a wheel up a step, with the normals of its contacts there; whether it ends on top."""
+class _Balance(NamedTuple):
+    """What the forces of a posture's contacts have to balance: rows F_x, F_z, moment and, with a bogie, its moment, all
+    about the pivot and as parts of the weight.
+    """
 
-    postures: tuple[tuple[ClimbingPose, list[tuple[float, float]]], ...]
+    normal: FloatArray
+    """(rows, contacts): of a unit force along each contact's normal; lever arms in m."""
+    tangential: FloatArray
+    """(rows, contacts): along its tangent."""
+    load: FloatArray
+    """(rows,)"""
+    radii: FloatArray
+    """(contacts,): of the wheels [m]."""
+
+
+class _Ascent(NamedTuple):
+    """Balances on the way of a wheel up a step; whether it ends on top."""
+
+    balances: tuple[_Balance, ...]
     whole: bool
 
 
 @lru_cache(maxsize=128)
 def _ascent(side: SideView, wheel: int, height: float) -> _Ascent:
     """As far as the joints let the wheel go, and the body clears the edge: geometry, whatever the friction."""
-    postures: list[tuple[ClimbingPose, list[tuple[float, float]]]] = []
+    balances: list[_Balance] = []
     guess: ClimbingPose | None = None
     for centre, normals in _way_up(side.wheels[wheel].radius, height):
         guess = _posture(side, wheel, centre, height, guess)
         if guess is None or abs(guess.bogie) > side.bogie_limit or _touches(side, guess, height):
-            return _Ascent(tuple(postures), False)
-        postures.append((guess, normals))
-    return _Ascent(tuple(postures), True)
+            return _Ascent(tuple(balances), False)
+        balances.append(_balance(side, wheel, guess, normals))
+    return _Ascent(tuple(balances), True)
 
 
 def _way_up(radius: float, height: float) -> list[tuple[tuple[float, float], list[tuple[float, float]]]]:
@@ -211,49 +231,42 @@ def _posture(
     return ClimbingPose(*(float(value) for value in solution), *(() if hinged else (0.0,)))
 
 
-def _holds(
-    side: SideView,
-    climbing: int,
-    posture: ClimbingPose,
-    normals: list[tuple[float, float]],
-    friction: float,
-    gravity: float,
-) -> bool:
-    """Whether forces within friction and torque hold the machine in a posture."""
-    rows: list[list[float]] = []  # columns of the equilibrium, one a force: F_x, F_z, moment, moment of the bogie
-    limits: list[tuple[int, float]] = []
+def _balance(side: SideView, climbing: int, posture: ClimbingPose, normals: list[tuple[float, float]]) -> _Balance:
+    """Of a posture in which a wheel touches the step along normals, and the others the ground."""
     pivot = _place(posture, side, side.pivot, False)
 
-    def add(point: FloatArray, direction: FloatArray, on_bogie: bool) -> None:
+    def wrench(point: FloatArray, force: FloatArray, on_bogie: bool) -> FloatArray:
         arm = point - pivot
-        moment = arm[0] * direction[1] - arm[1] * direction[0]
-        rows.append([direction[0], direction[1], moment, moment if on_bogie else 0.0])
+        moment = arm[0] * force[1] - arm[1] * force[0]
+        return np.array([force[0], force[1], moment, moment if on_bogie else 0.0])
 
+    normal, tangential, radii = [], [], []
     for index, wheel in enumerate(side.wheels):
         centre = _place(posture, side, (wheel.x, wheel.z), wheel.on_bogie)
-        for normal in normals if index == climbing else [(0.0, 1.0)]:
-            n = np.array(normal)
+        for direction in normals if index == climbing else [(0.0, 1.0)]:
+            n = np.array(direction)
             contact = centre - wheel.radius * n
-            limits.append((len(rows), side.max_torque / wheel.radius))
-            add(contact, n, wheel.on_bogie)
-            add(contact, np.array([n[1], -n[0]]), wheel.on_bogie)
-    weight = np.zeros(4)
+            normal.append(wrench(contact, n, wheel.on_bogie))
+            tangential.append(wrench(contact, np.array([n[1], -n[0]]), wheel.on_bogie))
+            radii.append(wheel.radius)
+    load = np.zeros(4)
     for mass, point, on_bogie in ((side.mass, side.centre, False), (side.bogie_mass, side.bogie_centre, True)):
-        place = _place(posture, side, point, on_bogie)
-        moment = -(place[0] - pivot[0]) * mass * gravity
-        weight += [0.0, -mass * gravity, moment, moment if on_bogie else 0.0]
-    scale = (side.mass + side.bogie_mass) * gravity  # of the forces, so that the solver's tolerances fit
-    count = len(rows)
-    cone = np.zeros((count, count))
-    bounds: list[tuple[float | None, float | None]] = [(0.0, None)] * count
-    for row, (first, torque) in enumerate(limits):
-        cone[2 * row, [first, first + 1]] = -friction, 1.0
-        cone[2 * row + 1, [first, first + 1]] = -friction, -1.0
-        bounds[first + 1] = (None, None) if math.isinf(torque) else (-torque / scale, torque / scale)
-    equations = np.array(rows).T
-    used = slice(0, 4 if side.bogie_mass > 0.0 else 3)
-    found = linprog(
-        np.zeros(count), A_ub=cone, b_ub=np.zeros(count), A_eq=equations[used], b_eq=-weight[used] / scale,
-        bounds=bounds, method="highs",
-    )  # fmt: skip
-    return bool(found.status == 0)
+        part = np.array([0.0, mass / (side.mass + side.bogie_mass)])
+        load += wrench(_place(posture, side, point, on_bogie), part, on_bogie)
+    rows = 4 if side.bogie_mass > 0.0 else 3
+    return _Balance(np.array(normal).T[:rows], np.array(tangential).T[:rows], load[:rows], np.array(radii))
+
+
+def _holds(balance: _Balance, side: SideView, friction: float, gravity: float) -> bool:
+    """Whether forces within friction and torque balance the weight."""
+    count = len(balance.radii)
+    traction = friction * balance.tangential
+    edges, load = np.hstack([balance.normal + traction, balance.normal - traction]), balance.load
+    if math.isfinite(side.max_torque):
+        most = side.max_torque / (balance.radii * (side.mass + side.bogie_mass) * gravity)
+        one, left = friction * np.eye(count), np.eye(2 * count)
+        both_ways = np.block([[one, -one], [-one, one]])
+        edges = np.block([[edges, np.zeros((len(load), 2 * count))], [both_ways, left]])
+        load = np.concatenate([load, most, most])
+    _, left_over = nnls(edges, load, maxiter=100 * edges.shape[1])
+    return bool(left_over <= BALANCED)

@@ -25,7 +25,7 @@ CODECS: Mapping[str, Codec] = {
     "geometry_msgs/TwistStamped": BlockCodec(values.TwistStamped, blocks.TWIST),
     "geometry_msgs/Vector3Stamped": BlockCodec(values.Vector3Stamped, blocks.VECTOR),
     "geometry_msgs/WrenchStamped": BlockCodec(values.WrenchStamped, blocks.WRENCH),
-    "nav_msgs/Odometry": BlockCodec(values.Odometry, blocks.ODOMETRY, ("frame", "child_frame")),
+    "nav_msgs/Odometry": BlockCodec(values.Odometry, blocks.ODOMETRY, texts=2),
     "nav_msgs/Path": PathCodec(),
     "rosgraph_msgs/Clock": ClockCodec(),
     "sensor_msgs/BatteryState": BatteryStateCodec(),

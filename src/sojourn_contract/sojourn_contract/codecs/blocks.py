@@ -4,9 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from sojourn_contract import stamps
 from sojourn_contract.codecs.beginnings import Beginnings
-from sojourn_contract.codecs.cdr import BEGIN, DOUBLES, CdrError, Reader, Writer, padding
+from sojourn_contract.codecs.cdr import DOUBLES, CdrError, Reader, Writer
 
 Block = tuple[tuple[str, int], ...]
 """Fields of a value in the order in which the message has them, and how many numbers each is."""
@@ -22,50 +21,44 @@ IMU: Block = (
 
 
 class BlockCodec:
-    """Of a message whose value has texts, then arrays.
+    """Of a message whose value has a stamp, texts, then arrays.
 
     Args:
-        kind: class of its value. block: its arrays. texts: names of its texts.
+        kind: class of its value. block: its arrays. texts: how many texts it has.
     """
 
-    def __init__(self, kind: Any, block: Block, texts: tuple[str, ...] = ("frame",)) -> None:
-        self._kind = kind
-        self._texts = texts
-        ends = np.cumsum([count for _, count in block]).tolist()
-        self._size = ends[-1]
-        self._slices = [(name, slice(end - count, end)) for (name, count), end in zip(block, ends, strict=True)]
-        self._of_text = [kind._fields.index(name) for name in texts]
-        self._of_array = [kind._fields.index(name) for name, _ in block]
-        placed = ["stamp", *texts, *(name for name, _ in block)]
-        self._order = [placed.index(name) for name in kind._fields]
-        self._scratch = np.empty(self._size, DOUBLES)
-        self._beginnings: Beginnings[tuple[str, ...]] = Beginnings(self._write_texts, self._read_texts)
+    def __init__(self, kind: Any, block: Block, texts: int = 1) -> None:
+        self._kind, self._texts = kind, texts
+        self._names, self._counts = [name for name, _ in block], [count for _, count in block]
+        self._places = [kind._fields.index(name) for name in self._names]
+        ends = dict(zip(self._names, np.cumsum(self._counts).tolist(), strict=True))
+        self._parts = [slice(ends[name] - dict(block)[name], ends[name]) for name in kind._fields[1 + texts :]]
+        """Of the value's arrays in the block, in the order of the value."""
+        self._scratch = np.empty(sum(self._counts), DOUBLES)
+        self._beginnings: Beginnings[tuple[str, ...]] = Beginnings(self._write_texts, self._read_texts, 8)
 
     def encode(self, value: Any) -> bytes:
         """CDR of a value. Raises ValueError for an array of another length."""
-        scratch = self._scratch
-        for place, (name, part) in zip(self._of_array, self._slices, strict=True):
-            array = value[place]
-            if len(array) != part.stop - part.start:
-                raise ValueError(f"{name}: {len(array)} numbers where there are {part.stop - part.start}")
-            scratch[part] = array
-        beginning = self._beginnings.bytes_of(value[0], tuple([value[place] for place in self._of_text]))
-        return beginning + padding(len(beginning), 8) + scratch.tobytes()
+        arrays = [value[place] for place in self._places]
+        if list(map(len, arrays)) != self._counts:
+            given = zip(self._names, arrays, self._counts, strict=True)
+            name, array, count = next(each for each in given if len(each[1]) != each[2])
+            raise ValueError(f"{name}: {len(array)} numbers where there are {count}")
+        np.concatenate(arrays, out=self._scratch)
+        return self._beginnings.bytes_of(value[0], value[1 : 1 + self._texts]) + self._scratch.tobytes()
 
     def decode(self, data: bytes) -> Any:
         """The value in these bytes."""
-        texts, at = self._beginnings.read(data)
-        at += (BEGIN - at) & 7
-        if at + 8 * self._size > len(data):
-            raise CdrError(f"{self._size} numbers at byte {at} of {len(data)}")
-        kind = DOUBLES if data[1] else DOUBLES.newbyteorder(">")
-        block = np.frombuffer(data, kind, self._size, at).astype(np.float64)
-        placed = [stamps.from_cdr(data), *texts, *[block[part] for _, part in self._slices]]
-        return self._kind(*[placed[place] for place in self._order])
+        stamp, texts, at = self._beginnings.read(data)
+        size = len(self._scratch)
+        if at + 8 * size > len(data):
+            raise CdrError(f"{size} numbers at byte {at} of {len(data)}")
+        order = DOUBLES if data[1] else DOUBLES.newbyteorder(">")
+        block = np.frombuffer(data, order, size, at).astype(np.float64)
+        return self._kind(stamp, *texts, *[block[part] for part in self._parts])
 
     def _write_texts(self, writer: Writer, texts: tuple[str, ...]) -> None:
-        for text in texts:
-            writer.text(text)
+        writer.text(*texts)
 
     def _read_texts(self, reader: Reader) -> tuple[str, ...]:
-        return tuple([reader.text() for _ in self._texts])
+        return tuple([reader.text() for _ in range(self._texts)])

@@ -6,6 +6,7 @@ its length counts. What stands between fields and behind the last one means noth
 """
 
 import struct
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,12 @@ from sojourn_machine.params import FloatArray
 HEADER = b"\0\1\0\0"
 """Of plain CDR, little endian."""
 BEGIN = len(HEADER)
-_STAMP, _LENGTH = struct.Struct("<iI"), struct.Struct("<I")
+STAMP = struct.Struct("<iI")
+STAMP_END = BEGIN + STAMP.size
+LITTLE = HEADER[:2]
+_NUMBERS = {order: {code: struct.Struct(order + code) for code in "BiIf"} for order in "<>"}
+"""By byte order and code."""
+LENGTH = _NUMBERS["<"]["I"]
 DOUBLES = np.dtype("<f8")
 _PADDING = tuple(bytes(count) for count in range(8))
 
@@ -31,7 +37,7 @@ def padding(at: int, size: int) -> bytes:
 
 def stamp_bytes(stamp: int) -> bytes:
     """A stamp [ns] as a Time."""
-    return _STAMP.pack(stamp // NANOSECONDS, stamp % NANOSECONDS)
+    return STAMP.pack(stamp // NANOSECONDS, stamp % NANOSECONDS)
 
 
 class Writer:
@@ -51,14 +57,16 @@ class Writer:
 
     def number(self, code: str, value: float) -> None:
         """A number by its code of `struct`."""
-        self.align(struct.calcsize("<" + code))
-        self.data += struct.pack("<" + code, value)
+        form = _NUMBERS["<"][code]
+        self.align(form.size)
+        self.data += form.pack(value)
 
-    def text(self, text: str) -> None:
-        """A text."""
-        data = text.encode()
-        self.align(4)
-        self.data += _LENGTH.pack(len(data) + 1) + data + b"\0"
+    def text(self, *texts: str) -> None:
+        """A text, or several one after another."""
+        data = self.data
+        for text in texts:
+            word = text.encode()
+            data += padding(len(data), 4) + LENGTH.pack(len(word) + 1) + word + b"\0"
 
     def header(self, stamp: int, frame: str) -> None:
         """A Header."""
@@ -68,8 +76,7 @@ class Writer:
     def texts(self, texts: tuple[str, ...]) -> None:
         """A sequence of texts."""
         self.number("I", len(texts))
-        for text in texts:
-            self.text(text)
+        self.text(*texts)
 
     def doubles(self, values: FloatArray) -> None:
         """Numbers of 64 bits without a length."""
@@ -89,21 +96,22 @@ class Writer:
 
 
 class Reader:
-    """Reads one message, field by field. Raises CdrError, or struct.error where the bytes end too early."""
+    """Reads one message, field by field, from a byte on. Raises CdrError, or struct.error where it ends too early."""
 
-    def __init__(self, data: bytes) -> None:
+    def __init__(self, data: bytes, at: int = BEGIN) -> None:
         if len(data) < BEGIN or data[0] != 0 or data[1] > 1:
             raise CdrError("no plain CDR")
         self.data = data
         self.order = "<" if data[1] else ">"
-        self.at = BEGIN
+        self._forms = _NUMBERS[self.order]
+        self.at = at
 
     def number(self, code: str) -> int | float:
         """A number by its code of `struct`."""
-        size = struct.calcsize("<" + code)
-        at = self.at + ((BEGIN - self.at) & (size - 1))
-        self.at = at + size
-        number: int | float = struct.unpack_from(self.order + code, self.data, at)[0]
+        form = self._forms[code]
+        at = self.at + ((BEGIN - self.at) & (form.size - 1))
+        self.at = at + form.size
+        number: int | float = form.unpack_from(self.data, at)[0]
         return number
 
     def count(self, least: int = 1) -> int:
@@ -116,6 +124,11 @@ class Reader:
     def stamp(self) -> int:
         """A Time or a Duration [ns]."""
         return int(self.number("i")) * NANOSECONDS + int(self.number("I"))
+
+    def flat(self, form: struct.Struct) -> tuple[Any, ...]:
+        """Fields without padding between them, from here on."""
+        at, self.at = self.at, self.at + form.size
+        return form.unpack_from(self.data, at)
 
     def text(self) -> str:
         """A text, up to its first zero; what is no UTF-8 is replaced, as the ROS library has it."""

@@ -1,7 +1,7 @@
 """Clouds of points."""
 
 from sojourn_contract.codecs.beginnings import Beginnings
-from sojourn_contract.codecs.cdr import Reader, Writer, padding
+from sojourn_contract.codecs.cdr import LENGTH, Reader, Writer
 from sojourn_contract.values import PointCloud2, PointField
 
 Form = tuple[str, int, int, tuple[PointField, ...], bool, int, int]
@@ -12,7 +12,7 @@ class PointCloudCodec:
     """sensor_msgs/PointCloud2."""
 
     def __init__(self) -> None:
-        self._beginnings: Beginnings[Form] = Beginnings(_write_form, _read_form)
+        self._beginnings: Beginnings[Form] = Beginnings(_write_form, _read_form, LENGTH.size)
 
     def encode(self, value: PointCloud2) -> bytes:
         """CDR of a value."""
@@ -20,16 +20,13 @@ class PointCloudCodec:
             value.frame, value.height, value.width, value.fields, value.is_bigendian, value.point_step, value.row_step,
         )  # fmt: skip
         beginning = self._beginnings.bytes_of(value.stamp, form)
-        writer = beginning + padding(len(beginning), 4) + len(value.data).to_bytes(4, "little")
-        return writer + value.data + (b"\1" if value.is_dense else b"\0")
+        return beginning + LENGTH.pack(len(value.data)) + value.data + (b"\1" if value.is_dense else b"\0")
 
     def decode(self, data: bytes) -> PointCloud2:
         """The value in these bytes."""
-        form, at = self._beginnings.read(data)
+        stamp, form, at = self._beginnings.read(data)
         frame, height, width, fields, is_bigendian, point_step, row_step = form
-        reader = Reader(data)
-        stamp = reader.stamp()
-        reader.at = at
+        reader = Reader(data, at)
         points, is_dense = reader.octets(), bool(reader.number("B"))
         return PointCloud2(stamp, frame, width, fields, point_step, points, height, row_step, is_bigendian, is_dense)
 

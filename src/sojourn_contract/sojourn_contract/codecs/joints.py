@@ -4,13 +4,15 @@ import struct
 
 import numpy as np
 
-from sojourn_contract import stamps
 from sojourn_contract.codecs.beginnings import Beginnings
-from sojourn_contract.codecs.cdr import BEGIN, DOUBLES, CdrError, Reader, Writer, padding
+from sojourn_contract.codecs.cdr import BEGIN, DOUBLES, LENGTH, CdrError, Reader, Writer
 from sojourn_contract.values import NOTHING, JointState, JointTrajectory, TrajectoryPoint
 from sojourn_machine.params import FloatArray
 
-_COUNT = {"<": struct.Struct("<I"), ">": struct.Struct(">I")}
+_ORDERS = ((DOUBLES.newbyteorder(">"), struct.Struct(">I")), (DOUBLES, LENGTH))
+"""Numbers and lengths by the second byte of a message: big endian, little endian."""
+_PADDED = struct.Struct("<I4x")
+"""A length that stands on a multiple of 8, as numbers do that come after it."""
 Names = tuple[str, tuple[str, ...]]
 """Frame of the header, names of the joints."""
 
@@ -19,37 +21,34 @@ class JointStateCodec:
     """sensor_msgs/JointState."""
 
     def __init__(self) -> None:
-        self._beginnings: Beginnings[Names] = Beginnings(_write_names, _read_names)
+        self._beginnings: Beginnings[Names] = Beginnings(_write_names, _read_names, LENGTH.size)
 
     def encode(self, value: JointState) -> bytes:
         """CDR of a value."""
         data = self._beginnings.bytes_of(value.stamp, (value.frame, value.names))
-        data += padding(len(data), 4)
         for array in (value.position, value.velocity, value.effort):
             count = len(array)
-            data += _COUNT["<"].pack(count)
-            if count:
-                data += padding(len(data), 8) + np.asarray(array, DOUBLES).tobytes()
+            length = _PADDED if count and len(data) & 4 else LENGTH
+            data += length.pack(count) + np.asarray(array, DOUBLES).tobytes()
         return data
 
     def decode(self, data: bytes) -> JointState:
         """The value in these bytes."""
-        (frame, names), at = self._beginnings.read(data)
-        at += (BEGIN - at) & 3
-        count_of, kind = (_COUNT["<"], "<f8") if data[1] else (_COUNT[">"], ">f8")
+        stamp, (frame, names), at = self._beginnings.read(data)
+        order, length = _ORDERS[data[1]]
         arrays = []
         for _ in range(3):
-            (count,) = count_of.unpack_from(data, at)
-            at += 4
+            (count,) = length.unpack_from(data, at)
+            at += length.size
             array: FloatArray = NOTHING
             if count:
                 at += (BEGIN - at) & 7
                 if at + 8 * count > len(data):
                     raise CdrError(f"{count} numbers at byte {at} of {len(data)}")
-                array = np.frombuffer(data, kind, count, at).astype(np.float64)
+                array = np.frombuffer(data, order, count, at).astype(np.float64)
                 at += 8 * count
             arrays.append(array)
-        return JointState._make((stamps.from_cdr(data), names, *arrays, frame))
+        return JointState._make((stamp, names, *arrays, frame))
 
 
 class JointTrajectoryCodec:

@@ -29,24 +29,37 @@ import numpy as np
 from sojourn_flight.arm.collision import check_posture
 from sojourn_flight.arm.deflection import joint_positions, motor_positions
 from sojourn_flight.arm.feedforward import feedforward_effort
-from sojourn_flight.arm.goals import PauseGoal, PoseGoal, ResumeGoal, StopGoal
+from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent, Outcome
+from sojourn_flight.arm.goals import ArmGoal, PauseGoal, PoseGoal, ResumeGoal, StopGoal
 from sojourn_flight.arm.ground_plane import GroundPlane
-from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.pace import (
     follow_granted_power,
     go_on_at_rate,
-    is_granted_as_before,
     pause,
     resume,
+    runs_as_planned,
     with_granted_power,
 )
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.path_clock import PathClock
+from sojourn_flight.arm.phases import (
+    ArmStatus,
+    Guided,
+    Holding,
+    Moving,
+    Paused,
+    RestStatus,
+    Settling,
+    Stopping,
+    Waiting,
+    is_busy,
+)
 from sojourn_flight.arm.planning import plan_goal
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import flat_relief
-from sojourn_flight.arm.state import ArmInput, ArmOutput, ArmState, ArmStatus, initial_state
+from sojourn_flight.arm.state import ArmInput, ArmOutput, ArmState, Target, initial_state
 from sojourn_flight.arm.tasks.tip_motion import TipMotion
 from sojourn_flight.arm.trajectory import JointReference, TrajectoryError, at_rest, point_to_point, stop
 from sojourn_flight.arm.ways import Plan
@@ -55,6 +68,9 @@ from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 __all__ = ["ArmInput", "ArmOutput", "ArmState", "ArmStatus", "initial_state", "step", "warm_up"]
+
+_OUTCOMES: dict[RestStatus, Outcome] = {"reached": "reached", "stopped": "stopped", "holding": "failed"}
+"""What has become of a motion under way, by the status in which the arm then holds."""
 
 
 def warm_up(params: ArmParams, model: ArmModel) -> None:
@@ -79,18 +95,32 @@ def step(
     """
     _check_input(model, inputs, dt)
     inputs = replace(inputs, positions=joint_positions(params, model, inputs.positions, inputs.gravity_in_base))
-    if not state.started:
-        state = _hold(model, replace(state, started=True), inputs.positions, "idle", "")
-    state = _follow_permission(params, model, state, inputs)
+    if isinstance(state.phase, Waiting):
+        state = _hold(model, state, inputs.positions, "idle", "")
+    before, state = state, _follow_permission(params, model, state, inputs)
+    events = _ended(before, state)
     if inputs.goal is not None:
-        state = _take_goal(params, model, state, inputs)
-    if not is_granted_as_before(state, inputs):
+        state, event = _take_goal(params, model, state, inputs, inputs.goal)
+        events = (*events, event)
+    if inputs.granted != state.granted:
         state = follow_granted_power(params, model, state, inputs)
-    if inputs.guide is not None and (inputs.goal is None or state.path is None):
+    before = state
+    if inputs.guide is not None and (inputs.goal is None or not isinstance(state.phase, Moving | Stopping)):
         state = _follow(model, state, inputs.guide)
     else:
         state = _advance(params, model, state, inputs, dt)
-    return state, _output(params, model, state, inputs)
+        events = (*events, *_ended(before, state))
+    return state, _output(params, model, state, inputs, events)
+
+
+def _ended(before: ArmState, after: ArmState) -> tuple[GoalEvent, ...]:
+    """What it means for a goal that one phase has given way to the next one."""
+    old, new = before.phase, after.phase
+    if isinstance(new, Paused) and not isinstance(old, Paused):
+        return (GoalEvent("paused", after.reason),)
+    if isinstance(new, Holding) and is_busy(old):
+        return (GoalEvent(_OUTCOMES[new.status], after.reason),)
+    return ()
 
 
 def _check_input(model: ArmModel, inputs: ArmInput, dt: float) -> None:
@@ -106,189 +136,133 @@ def _check_input(model: ArmModel, inputs: ArmInput, dt: float) -> None:
         raise InvalidValueError("dt", dt, "above 0, at most 1 s")
 
 
-def _hold(model: ArmModel, state: ArmState, positions: FloatArray, status: ArmStatus, reason: str) -> ArmState:
+def _hold(model: ArmModel, state: ArmState, positions: FloatArray, status: RestStatus, reason: str) -> ArmState:
     """Stand still at `positions`, without trim."""
-    return replace(
-        state,
-        reference=at_rest(positions),
-        target=positions.copy(),
-        tip_target=forward_kinematics(model, positions).position,
-        path=None,
-        settling=False,
-        stopping=False,
-        trim=np.zeros(positions.shape[0]),
-        retreat=None,
-        leave=None,
-        leave_time=0.0,
-        status=status,
-        reason=reason,
-        rate=1.0,
-        rate_change=0.0,
-        rate_fade=0,
-        paused=False,
-    )
+    target = Target(positions.copy(), forward_kinematics(model, positions).position)
+    trim = np.zeros(positions.shape[0])
+    return replace(state, phase=Holding(status), reference=at_rest(positions), target=target, trim=trim, reason=reason)
 
 
 def _follow(model: ArmModel, state: ArmState, guide: TipMotion) -> ArmState:
     """Take the reference that a task gives. The trim stays as it is: against a contact it would not come to an end."""
-    held = _hold(model, state, guide.joints.position, "moving", "")
-    return replace(held, reference=guide.joints, trim=state.trim, retreat=guide.origin)
+    joints = guide.joints.position
+    target = Target(joints.copy(), forward_kinematics(model, joints).position, guide.origin)
+    return replace(state, phase=Guided(), reference=guide.joints, target=target, reason="")
 
 
 def _follow_permission(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:
     if not inputs.allowed:
         reason = f"not allowed to move: {inputs.not_allowed_reason or 'no reason given'}"
-        if state.path is not None and not state.stopping:
-            state = _begin_stop(model, state, reason)
-        elif state.settling:
-            state = replace(state, settling=False, status="stopped", reason=reason)
+        if isinstance(state.phase, Moving):
+            state, _ = _begin_stop(model, state, reason)
+        elif isinstance(state.phase, Settling):
+            state = replace(state, phase=Holding("stopped"), reason=reason)
         return replace(state, was_allowed=False) if state.was_allowed else state
     if not state.was_allowed:
         state = replace(state, was_allowed=True)
         off = np.abs(inputs.positions - state.reference.position)
         worst = int(np.argmax(off))
-        if state.path is None and off[worst] > params.resync_error:
+        if not isinstance(state.phase, Moving | Stopping) and off[worst] > params.resync_error:
             text = f"allowed again: holds where it is, {off[worst]:.3f} {model.unit(worst)} from where it stopped"
             state = _hold(model, state, inputs.positions, "stopped", text)
     return state
 
 
-def _begin_stop(model: ArmModel, state: ArmState, reason: str) -> ArmState:
-    path = stop(model, state.reference)
-    end = path.sample(path.duration)[0]
-    return replace(
-        state,
-        part_done=_progress(state),
-        path=path,
-        path_time=0.0,
-        stopping=True,
-        settling=False,
-        target=end,
-        tip_target=forward_kinematics(model, end).position,
-        retreat=_present_retreat(state),
-        retreat_time=0.0,
-        leave=None,
-        leave_time=0.0,
-        status="moving",
-        reason=reason,
-        rate=1.0,
-        rate_change=0.0,
-        rate_fade=0,
-        paused=False,
-    )
+def _begin_stop(model: ArmModel, state: ArmState, reason: str) -> tuple[ArmState, Stopping]:
+    """The state, and its phase."""
+    stopping = Stopping(stop(model, state.reference))
+    end = stopping.path.sample(stopping.path.duration)[0]
+    target = Target(end, forward_kinematics(model, end).position, state.way_out)
+    return replace(state, phase=stopping, target=target, part_done=state.progress, reason=reason), stopping
 
 
-def _present_retreat(state: ArmState) -> FloatArray | None:
-    """The posture by which the arm must leave: on its last stretch, at its target, or just leaving one."""
-    if state.path is not None and state.path_time < state.leave_time:
-        return state.leave
-    if state.path is not None and state.path_time < state.retreat_time:
-        return None
-    return state.retreat
-
-
-def _take_goal(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:
-    if inputs.goal is None:
-        return state
-    if isinstance(inputs.goal, StopGoal):
-        state = _begin_stop(model, state, "stop asked for")
-        return replace(state, goals_accepted=state.goals_accepted + 1)
+def _take_goal(
+    params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput, goal: ArmGoal
+) -> tuple[ArmState, GoalEvent]:
+    if isinstance(goal, StopGoal):
+        return _begin_stop(model, state, "stop asked for")[0], ACCEPTED
     try:
         if not inputs.allowed:
             raise GoalRefusedError(f"not allowed to move: {inputs.not_allowed_reason or 'no reason given'}")
-        if isinstance(inputs.goal, PauseGoal):
-            return pause(state)
-        if isinstance(inputs.goal, ResumeGoal):
-            return resume(state)
-        retreat, gravity = _present_retreat(state), inputs.gravity_in_base
-        granted = with_granted_power(params, inputs)
-        plan = plan_goal(granted, model, inputs.goal, state.reference, state.target, retreat, inputs.ground, gravity)
+        if isinstance(goal, PauseGoal):
+            return pause(state), ACCEPTED
+        if isinstance(goal, ResumeGoal):
+            return resume(state), ACCEPTED
+        way_out, gravity = state.way_out, inputs.gravity_in_base
+        granted = with_granted_power(params, inputs.granted)
+        plan = plan_goal(granted, model, goal, state.reference, state.target.joints, way_out, inputs.ground, gravity)
     except GoalRefusedError as error:
-        busy = state.path is not None or state.settling
-        return replace(
-            state,
-            status=state.status if busy else "refused",
-            part_done=state.part_done if busy else 0.0,
-            reason=f"new goal refused: {error}" if busy else str(error),
-            goals_refused=state.goals_refused + 1,
-        )
-    return _start(replace(state, granted_power=inputs.granted_power, granted_current=inputs.granted_current), plan)
+        if is_busy(state.phase):
+            state = replace(state, reason=f"new goal refused: {error}")
+        else:
+            state = replace(state, phase=Holding("refused"), part_done=0.0, reason=str(error))
+        return state, GoalEvent("refused", state.reason)
+    return _start(replace(state, granted=inputs.granted), plan), ACCEPTED
 
 
 def _start(state: ArmState, plan: Plan) -> ArmState:
-    return replace(
-        state,
-        path=plan.path,
-        path_time=0.0,
-        stopping=False,
-        settling=False,
-        target=plan.target,
-        tip_target=plan.tip_target,
-        retreat=plan.retreat,
-        retreat_time=plan.retreat_time,
-        leave=plan.leave,
-        leave_time=plan.leave_time,
-        part_done=1.0,
-        status="moving",
-        reason=plan.note,
-        rate=1.0,
-        rate_change=0.0,
-        rate_fade=0,
-        pace=1.0,
-        paused=False,
-        goals_accepted=state.goals_accepted + 1,
-    )
+    target = Target(plan.target, plan.tip_target, plan.retreat)
+    phase = Moving(plan, PathClock(rate=1.0))
+    return replace(state, phase=phase, target=target, part_done=1.0, reason=plan.note)
 
 
 def _advance(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput, dt: float) -> ArmState:
-    if state.path is not None:
-        return _advance_motion(params, model, state, state.path, inputs, dt)
+    phase = state.phase
+    if isinstance(phase, Moving):
+        return _go_on(params, model, state, phase, inputs, dt)
+    if isinstance(phase, Stopping):
+        return _go_on_stopping(state, phase, dt)
     error = state.reference.position - inputs.positions
-    trim = state.trim
     if inputs.allowed and params.trim.rate > 0.0:
-        trim = _trimmed(params, trim, error, dt)
-    if not state.settling:
-        return state if trim is state.trim else replace(state, trim=trim)
-    return _settle(params, model, replace(state, trim=trim), inputs, error, dt)
+        trim = _trimmed(params, state.trim, error, dt)
+        state = state if trim is state.trim else replace(state, trim=trim)
+    return _settle(params, model, state, phase, inputs, error, dt) if isinstance(phase, Settling) else state
 
 
-def _advance_motion(
-    params: ArmParams, model: ArmModel, state: ArmState, path: JointPath, inputs: ArmInput, dt: float
+def _go_on(
+    params: ArmParams, model: ArmModel, state: ArmState, moving: Moving, inputs: ArmInput, dt: float
 ) -> ArmState:
     behind = np.abs(state.reference.position + state.trim - inputs.positions)
     worst = int(np.argmax(behind))
-    if behind[worst] > params.following_error_limit and not state.stopping:
-        state = _yield(params, model, state, inputs, worst, float(behind[worst]))
-        path = state.path if state.path is not None else path
-    if state.rate < 1.0 or state.pace < 1.0 or state.paused:
-        slowed = go_on_at_rate(model, state, path, dt)
-        if slowed.path_time < path.duration:
-            return slowed
-        state = replace(slowed, rate=1.0, rate_change=0.0, rate_fade=0, paused=False)
-    time = state.path_time + dt
+    if behind[worst] > params.following_error_limit:
+        state, stopping = _yield(params, model, state, inputs, worst, float(behind[worst]))
+        return _go_on_stopping(state, stopping, dt)
+    path = moving.plan.path
+    if not runs_as_planned(moving):
+        state, moving = go_on_at_rate(model, state, moving, dt)
+        if moving.clock.time < path.duration:
+            return state
+    time = moving.clock.time + dt
     if time < path.duration:
-        return replace(state, path_time=time, reference=JointReference(*path.sample(time)))
-    reference = at_rest(state.target)
-    if state.stopping:
-        return replace(state, path=None, reference=reference, stopping=False, status="stopped")
-    return replace(state, path=None, reference=reference, settling=True, settled_for=0.0, settling_for=0.0)
+        reference = JointReference(*path.sample(time))
+        return replace(state, phase=replace(moving, clock=replace(moving.clock, time=time)), reference=reference)
+    return replace(state, phase=Settling(), reference=at_rest(state.target.joints))
+
+
+def _go_on_stopping(state: ArmState, stopping: Stopping, dt: float) -> ArmState:
+    time = stopping.time + dt
+    if time < stopping.path.duration:
+        reference = JointReference(*stopping.path.sample(time))
+        return replace(state, phase=Stopping(stopping.path, time), reference=reference)
+    return replace(state, phase=Holding("stopped"), reference=at_rest(state.target.joints))
 
 
 def _yield(
     params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput, joint: int, behind: float
-) -> ArmState:
-    """Give way: bring the reference back to the measured position."""
+) -> tuple[ArmState, Stopping]:
+    """Give way: bring the reference back to the measured position. The state, and its phase."""
     reason = (
         f"stopped: {model.joint_names[joint]} is {behind:.3f} {model.unit(joint)} from its reference "
         f"(limit {params.following_error_limit:.3f}): something holds it"
     )
-    stopped = _begin_stop(model, state, reason)
+    stopped, stopping = _begin_stop(model, state, reason)
     here = np.clip(inputs.positions, model.lower, model.upper)
     try:
-        path = point_to_point(model, state.reference, here)
+        back = Stopping(point_to_point(model, state.reference, here))
     except TrajectoryError:
-        return stopped
-    return replace(stopped, path=path, target=here, tip_target=forward_kinematics(model, here).position)
+        return stopped, stopping
+    target = replace(stopped.target, joints=here, tip=forward_kinematics(model, here).position)
+    return replace(stopped, phase=back, target=target), back
 
 
 def _trimmed(params: ArmParams, trim: FloatArray, error: FloatArray, dt: float) -> FloatArray:
@@ -302,17 +276,22 @@ def _trimmed(params: ArmParams, trim: FloatArray, error: FloatArray, dt: float) 
 
 
 def _settle(
-    params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput, error: FloatArray, dt: float
+    params: ArmParams,
+    model: ArmModel,
+    state: ArmState,
+    settling: Settling,
+    inputs: ArmInput,
+    error: FloatArray,
+    dt: float,
 ) -> ArmState:
     off = np.abs(error)
     still = float(np.max(np.abs(inputs.velocities))) <= params.settle_velocity
     worst = int(np.argmax(off))
     within = still and float(off[worst]) <= params.joint_tolerance
-    settled_for = state.settled_for + dt if within else 0.0
-    settling_for = state.settling_for + dt
-    if settled_for >= params.settle_time - 1e-9:
-        return replace(state, settling=False, settled_for=settled_for, settling_for=settling_for, status="reached")
-    if settling_for >= params.settle_timeout:
+    settling = Settling(settling.within_for + dt if within else 0.0, settling.elapsed + dt)
+    if settling.within_for >= params.settle_time - 1e-9:
+        return replace(state, phase=Holding("reached"))
+    if settling.elapsed >= params.settle_timeout:
         speeds = np.abs(inputs.velocities)
         fastest = int(np.argmax(speeds))
         reason = (
@@ -320,8 +299,8 @@ def _settle(
             f"{float(off[worst]):.4f} {model.unit(worst)} off (tolerance {params.joint_tolerance:.4f}), "
             f"fastest joint {speeds[fastest]:.3f} {model.unit(fastest)}/s"
         )
-        return replace(state, settling=False, settling_for=settling_for, status="holding", reason=reason)
-    return replace(state, settled_for=settled_for, settling_for=settling_for)
+        return replace(state, phase=Holding("holding"), reason=reason)
+    return replace(state, phase=settling)
 
 
 def _within_limits(model: ArmModel, position: FloatArray, trim: FloatArray) -> FloatArray:
@@ -330,18 +309,20 @@ def _within_limits(model: ArmModel, position: FloatArray, trim: FloatArray) -> F
     return np.asarray(np.minimum(np.maximum(position + trim, lower), upper), dtype=np.float64)
 
 
-def _progress(state: ArmState) -> float:
-    """Part of the motion of the last goal that is done, 0 to 1; a stop does not add to it."""
-    if state.path is None or state.stopping:
-        return state.part_done
-    return min(state.path_time / max(state.path.duration, 1e-9), 1.0)
+def _time_to_go(state: ArmState) -> float:
+    """Of the path under way [s]."""
+    phase = state.phase
+    if isinstance(phase, Moving):
+        return max(phase.plan.path.duration - phase.clock.time, 0.0) / max(phase.pace, 1e-3)
+    return max(phase.path.duration - phase.time, 0.0) if isinstance(phase, Stopping) else 0.0
 
 
-def _output(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmOutput:
+def _output(
+    params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput, events: tuple[GoalEvent, ...]
+) -> ArmOutput:
     reference = state.reference
     tip = forward_kinematics(model, inputs.positions)
-    offset = tip.position - state.tip_target
-    time_to_go = 0.0 if state.path is None else max(state.path.duration - state.path_time, 0.0) / max(state.pace, 1e-3)
+    offset = tip.position - state.target.tip
     return ArmOutput(
         positions=_within_limits(model, motor_positions(params, model, reference, inputs.gravity_in_base), state.trim),
         velocities=reference.velocity.copy(),
@@ -354,13 +335,12 @@ def _output(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInpu
             inputs.gravity_in_base,
         ),
         status=state.status,
-        progress=_progress(state),
-        time_to_go=time_to_go,
+        progress=state.progress,
+        time_to_go=_time_to_go(state),
         reason=state.reason,
         tip_in_base=tip.position,
         tool_direction_in_base=tip.tool_direction,
         goal_error=float(np.sqrt(offset @ offset)),
-        joint_error=float(np.max(np.abs(inputs.positions - state.target))),
-        goals_accepted=state.goals_accepted,
-        goals_refused=state.goals_refused,
+        joint_error=float(np.max(np.abs(inputs.positions - state.target.joints))),
+        events=events,
     )

@@ -4,7 +4,6 @@ The rover may drive while every joint of the arm is within `tolerance` of one of
 Both are conditions of measured joints: what the arm was told does not count, only where it is.
 """
 
-import numpy as np
 from pydantic import Field
 
 from sojourn_machine.params import FloatArray, Params
@@ -44,16 +43,23 @@ def why_not_to_drive(
     """
     if not interlock.enabled or not interlock.driving_poses:
         return ""
-    off = {pose: np.abs(positions - poses[pose]) for pose in interlock.driving_poses}
-    nearest = min(off, key=lambda pose: float(off[pose].max()))
-    worst = int(off[nearest].argmax())
-    if off[nearest][worst] > interlock.tolerance:
+    measured = positions.tolist()  # plain numbers: every period of the drive asks
+    off = {
+        pose: [abs(position - there) for position, there in zip(measured, poses[pose], strict=True)]
+        for pose in interlock.driving_poses
+    }
+    nearest = min(off, key=lambda pose: max(off[pose]))
+    farthest = max(off[nearest])
+    if farthest > interlock.tolerance:
         poses_text = "' or '".join(interlock.driving_poses)
         return (
-            f"the arm is out: {names[worst]} is {off[nearest][worst]:.2f} from '{nearest}' "
+            f"the arm is out: {names[off[nearest].index(farthest)]} is {farthest:.2f} from '{nearest}' "
             f"(tolerance {interlock.tolerance:.2f}); the rover drives with the arm at '{poses_text}'"
         )
-    fastest = int(np.argmax(np.abs(velocities)))
-    if not driving and abs(velocities[fastest]) > interlock.still_speed:
-        return f"the arm moves: {names[fastest]} at {velocities[fastest]:.2f} rad/s (m/s where it slides)"
+    if driving:
+        return ""
+    speeds = velocities.tolist()
+    fastest = max(speeds, key=abs)
+    if abs(fastest) > interlock.still_speed:
+        return f"the arm moves: {names[speeds.index(fastest)]} at {fastest:.2f} rad/s (m/s where it slides)"
     return ""

@@ -8,8 +8,6 @@ Of a guided motion, the velocity that a task wants is made smaller at every peri
 are counted, the inertia of its slow changes is not.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from sojourn_flight.arm.joint_path import JointPath
@@ -17,11 +15,13 @@ from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import rate_within, share_within
 from sojourn_flight.arm.params import ArmParams
-from sojourn_flight.arm.path_clock import ClockLimits, PathClock, advance, sample
+from sojourn_flight.arm.path_clock import ClockLimits, advance, sample
+from sojourn_flight.arm.phases import Moving, Paused, Pausing
 from sojourn_flight.arm.refusal import GoalRefusedError
-from sojourn_flight.arm.state import ArmInput, ArmState
+from sojourn_flight.arm.state import ArmInput, ArmState, Granted
 from sojourn_flight.arm.tasks.tip_motion import TipMotion, rates_of
 from sojourn_flight.arm.trajectory import JointReference
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 _STILL = 1.0e-9
@@ -29,35 +29,30 @@ _STILL = 1.0e-9
 _ROUNDING = 1.0 + 1.0e-6
 
 
-def with_granted_power(params: ArmParams, inputs: ArmInput) -> ArmParams:
+def with_granted_power(params: ArmParams, granted: Granted) -> ArmParams:
     """The parameters with the smaller of the arm's own limits and what is granted: power, and torque by the current."""
-    granted = inputs.granted_power
     update: dict[str, float | tuple[float, ...]] = {}
-    if granted is not None and (params.power_limit is None or params.power_limit > granted):
-        update["power_limit"] = granted
-    if inputs.granted_current < 1.0 and params.motor_effort:
-        update["motor_effort"] = tuple(inputs.granted_current * effort for effort in params.motor_effort)
+    if granted.power is not None and (params.power_limit is None or params.power_limit > granted.power):
+        update["power_limit"] = granted.power
+    if granted.current < 1.0 and params.motor_effort:
+        update["motor_effort"] = tuple(granted.current * effort for effort in params.motor_effort)
     return params.model_copy(update=update) if update else params
-
-
-def is_granted_as_before(state: ArmState, inputs: ArmInput) -> bool:
-    """Whether nothing has changed in what the arm may draw."""
-    return (inputs.granted_power, inputs.granted_current) == (state.granted_power, state.granted_current)
 
 
 def follow_granted_power(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:
     """Set the pace of the motion under way to what is granted from now on."""
-    state = replace(state, granted_power=inputs.granted_power, granted_current=inputs.granted_current)
-    if state.path is None or state.stopping:
-        return replace(state, pace=1.0)
+    state, moving = replace(state, granted=inputs.granted), state.phase
+    if not isinstance(moving, Moving):
+        return state
     pace, holding = 1.0, ""
-    if inputs.granted_power is not None:
-        allowed = with_granted_power(params, inputs)
-        pace, peak = rate_within(allowed, model, state.path, state.path_time, inputs.gravity_in_base)
+    if inputs.granted.power is not None:
+        allowed = with_granted_power(params, inputs.granted)
+        pace, peak = rate_within(allowed, model, moving.plan.path, moving.clock.time, inputs.gravity_in_base)
         holding = peak.text
-    if pace == 1.0:
-        return replace(state, pace=1.0, reason="" if state.pace < 1.0 else state.reason)
-    return replace(state, pace=pace, reason=_slower(pace, inputs, holding))
+    reason = "" if moving.pace < 1.0 else state.reason
+    if pace < 1.0:
+        reason = _slower(pace, inputs, holding)
+    return replace(state, phase=replace(moving, pace=pace), reason=reason)
 
 
 def granted_velocity(
@@ -68,11 +63,11 @@ def granted_velocity(
     Args:
         wanted: (3,) [m/s]. force: of the ground on the tool in base_link (3,) [N].
     """
-    if inputs.granted_power is None:
+    if inputs.granted.power is None:
         return 1.0, ""
     positions = motion.joints.position
     contact = -forward_kinematics(model, positions).jacobian[:3].T @ force
-    allowed, rates = with_granted_power(params, inputs), rates_of(model, motion, wanted)
+    allowed, rates = with_granted_power(params, inputs.granted), rates_of(model, motion, wanted)
     share, asked = share_within(allowed, model, positions, rates, contact, inputs.gravity_in_base)
     return share, "" if share == 1.0 else _slower(share, inputs, asked)
 
@@ -80,8 +75,8 @@ def granted_velocity(
 def _slower(share: float, inputs: ArmInput, holding: str) -> str:
     """Why the arm moves with a share of its speed, in words."""
     if share == 0.0:
-        return f"waits: {inputs.granted_power:.1f} W are granted, and to hold the arm {holding}"
-    return f"slower, at {100.0 * share:.0f} % of the speed planned: {inputs.granted_power:.1f} W are granted"
+        return f"waits: {inputs.granted.power:.1f} W are granted, and to hold the arm {holding}"
+    return f"slower, at {100.0 * share:.0f} % of the speed planned: {inputs.granted.power:.1f} W are granted"
 
 
 def pause(state: ArmState) -> ArmState:
@@ -90,13 +85,12 @@ def pause(state: ArmState) -> ArmState:
     Raises:
         GoalRefusedError: no motion under way, or one that is stopping or paused already.
     """
-    if state.path is None or state.stopping:
+    moving = state.phase
+    if not isinstance(moving, Moving):
         raise GoalRefusedError("pause: no motion is under way")
-    if state.paused:
+    if isinstance(moving, Pausing | Paused):
         raise GoalRefusedError("pause: the motion is paused already")
-    return replace(
-        state, paused=True, status="moving", reason="comes to rest on its path", goals_accepted=state.goals_accepted + 1
-    )
+    return replace(state, phase=Pausing(moving.plan, moving.clock, moving.pace), reason="comes to rest on its path")
 
 
 def resume(state: ArmState) -> ArmState:
@@ -105,24 +99,29 @@ def resume(state: ArmState) -> ArmState:
     Raises:
         GoalRefusedError: no motion is paused.
     """
-    if state.path is None or not state.paused:
+    paused = state.phase
+    if not isinstance(paused, Pausing | Paused):
         raise GoalRefusedError("resume: no motion is paused")
-    return replace(state, paused=False, status="moving", reason="", goals_accepted=state.goals_accepted + 1)
+    return replace(state, phase=Moving(paused.plan, paused.clock, paused.pace), reason="")
 
 
-def go_on_at_rate(model: ArmModel, state: ArmState, path: JointPath, dt: float) -> ArmState:
-    """A period of `dt` [s] on the path, the rate moved towards what is wanted."""
-    wanted = 0.0 if state.paused else state.pace
-    clock = PathClock(state.path_time, state.rate, state.rate_change, state.rate_fade)
-    clock = advance(path, clock, wanted, _limits(model, path), dt)
+def runs_as_planned(moving: Moving) -> bool:
+    """Whether the motion goes on at the rate that it was planned with."""
+    return moving.clock.rate == 1.0 and moving.pace == 1.0 and not isinstance(moving, Pausing | Paused)
+
+
+def go_on_at_rate(model: ArmModel, state: ArmState, moving: Moving, dt: float) -> tuple[ArmState, Moving]:
+    """A period of `dt` [s] on the path, the rate moved towards what is wanted: the state, and its phase."""
+    path, pausing = moving.plan.path, isinstance(moving, Pausing | Paused)
+    clock = advance(path, moving.clock, 0.0 if pausing else moving.pace, _limits(model, path), dt)
     reference = JointReference(*sample(path, clock))
     rate = 0.0 if clock.rate < _STILL else 1.0 if clock.rate > 1.0 - _STILL else clock.rate
-    state = replace(state, path_time=clock.time, reference=reference, rate=rate)
-    state = replace(state, rate_change=clock.change, rate_fade=clock.fade)
-    if state.paused and rate == 0.0 and state.status == "moving":
-        part = 100.0 * state.path_time / max(path.duration, 1e-9)
-        return replace(state, status="paused", reason=f"paused at {part:.0f} % of the way; the task resume goes on")
-    return state
+    moving, reason = replace(moving, clock=replace(clock, rate=rate)), state.reason
+    if isinstance(moving, Pausing) and rate == 0.0:
+        part = 100.0 * clock.time / max(path.duration, 1e-9)
+        moving = Paused(moving.plan, moving.clock, moving.pace)
+        reason = f"paused at {part:.0f} % of the way; the task resume goes on"
+    return replace(state, phase=moving, reference=reference, reason=reason), moving
 
 
 def _limits(model: ArmModel, path: JointPath) -> ClockLimits:

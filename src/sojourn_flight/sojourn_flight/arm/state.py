@@ -1,19 +1,30 @@
 """What the arm node's laws take in, remember and give out: plain values, one of each per control period."""
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
 
 import numpy as np
 
+from sojourn_flight.arm.goal_events import GoalEvent
 from sojourn_flight.arm.goals import ArmGoal
-from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.phases import ArmStatus, Moving, Phase, Waiting, status_of
 from sojourn_flight.arm.relief import Ground
 from sojourn_flight.arm.tasks.tip_motion import TipMotion
 from sojourn_flight.arm.trajectory import JointReference, at_rest
 from sojourn_machine.params import FloatArray
 
-ArmStatus: TypeAlias = Literal["idle", "moving", "paused", "holding", "refused", "reached", "stopped"]
+
+@dataclass(frozen=True, slots=True)
+class Granted:
+    """What the power manager lets the arm draw."""
+
+    power: float | None = None
+    """[W], if that is less than its own limit."""
+    current: float = 1.0
+    """Share of its largest current that each motor may draw, and so of its torque."""
+
+
+EVERYTHING = Granted()
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,43 +38,66 @@ class ArmInput:
     allowed: bool = True
     not_allowed_reason: str = ""
     ground: Ground | None = None
-    granted_power: float | None = None  # what the arm may draw now [W], if that is less than its own limit
-    granted_current: float = 1.0  # share of its largest current that each motor may draw, and so of its torque
+    granted: Granted = EVERYTHING
     guide: TipMotion | None = None  # reference that a task gives for this period, in place of a planned motion
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """Where the present goal ends."""
+
+    joints: FloatArray
+    """Positions (n,) [rad or m]."""
+    tip: FloatArray
+    """Position in base_link (3,) [m]."""
+    retreat: FloatArray | None = None
+    """Joint positions (n,) by which it is left again."""
 
 
 @dataclass(frozen=True, slots=True)
 class ArmState:
     """All that the arm node remembers. Arrays are replaced, never written to."""
 
-    started: bool
+    phase: Phase
     reference: JointReference
-    target: FloatArray  # joint positions of the present goal (n,) [rad or m]
-    tip_target: FloatArray  # tip position of the present goal in base_link (3,) [m]
-    path: JointPath | None
-    path_time: float  # [s]
-    stopping: bool  # the path is a stop
-    settling: bool  # the path has ended, the joints have yet to arrive
-    settled_for: float  # [s]
-    settling_for: float  # [s]
-    trim: FloatArray  # (n,) [rad or m]
-    retreat: FloatArray | None  # joint positions (n,) by which the present target is left again
-    retreat_time: float  # from this time on the path [s]
-    leave: FloatArray | None  # joint positions (n,) that the path goes through first
-    leave_time: float  # when it is there [s]
-    part_done: float  # of the motion of the last goal when it was cut off, 0 to 1; 1 where it was not
-    status: ArmStatus
-    reason: str
-    was_allowed: bool
-    goals_accepted: int
-    goals_refused: int
-    rate: float = 1.0  # at which the path is run: 1 as planned, 0 at rest on it (path_clock.py)
-    rate_change: float = 0.0  # [1/s]
-    rate_fade: int = 0  # periods in which the change may fade (path_clock.py)
-    pace: float = 1.0  # the rate that the granted power allows
-    paused: bool = False  # the operator has asked for a pause
-    granted_power: float | None = None  # of the last period [W]
-    granted_current: float = 1.0  # of the last period [-]
+    target: Target
+    trim: FloatArray
+    """(n,) [rad or m]"""
+    part_done: float = 0.0
+    """Of the motion of the last goal when it was cut off, 0 to 1; 1 where it was not."""
+    reason: str = ""
+    was_allowed: bool = True
+    """In the last period."""
+    granted: Granted = EVERYTHING
+    """In the last period."""
+
+    @property
+    def started(self) -> bool:
+        """Whether it is known where the arm is."""
+        return not isinstance(self.phase, Waiting)
+
+    @property
+    def status(self) -> ArmStatus:
+        """In the words of the operator's status."""
+        return status_of(self.phase)
+
+    @property
+    def progress(self) -> float:
+        """Part of the motion of the last goal that is done, 0 to 1; a stop does not add to it."""
+        if not isinstance(self.phase, Moving):
+            return self.part_done
+        return min(self.phase.clock.time / max(self.phase.plan.path.duration, 1e-9), 1.0)
+
+    @property
+    def way_out(self) -> FloatArray | None:
+        """The posture (n,) by which it must leave: at its target, on its last stretch to it, or just leaving one."""
+        if isinstance(self.phase, Moving):
+            plan, time = self.phase.plan, self.phase.clock.time
+            if time < plan.leave_time:
+                return plan.leave
+            if time < plan.retreat_time:
+                return None
+        return self.target.retreat
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,33 +115,11 @@ class ArmOutput:
     tool_direction_in_base: FloatArray  # measured (3,)
     goal_error: float  # measured tip to the goal's tip position [m]
     joint_error: float  # largest difference of a measured joint from its target [rad or m]
-    goals_accepted: int
-    goals_refused: int
+    events: tuple[GoalEvent, ...] = ()
+    """What became of goals in this period."""
 
 
 def initial_state(params: ArmParams) -> ArmState:
     """State before the first step."""
     zero = np.zeros(params.joint_count)
-    return ArmState(
-        started=False,
-        reference=at_rest(zero),
-        target=zero,
-        tip_target=np.zeros(3),
-        path=None,
-        path_time=0.0,
-        stopping=False,
-        settling=False,
-        settled_for=0.0,
-        settling_for=0.0,
-        trim=zero,
-        retreat=None,
-        retreat_time=0.0,
-        leave=None,
-        leave_time=0.0,
-        part_done=0.0,
-        status="idle",
-        reason="",
-        was_allowed=True,
-        goals_accepted=0,
-        goals_refused=0,
-    )
+    return ArmState(Waiting(), at_rest(zero), Target(zero, np.zeros(3)), zero)

@@ -182,6 +182,8 @@ def dragging_sigma(table: FloatArray, state: MotorState) -> float:
 
 def shortcoming(table: FloatArray, state: MotorState, names: tuple[str, ...]) -> str:
     """Why a goal cannot be driven to with the motors that are left; empty where it can."""
+    if not (state.steer_failed.any() or state.drive_failed.any()):
+        return ""
     steered = table[:, WheelTableColumn.STEERED] > 0.5
     if steered.any() and state.steer_failed[steered].all():
         return f"no steering follows its command: {_list(names, state.steer_failed)}"

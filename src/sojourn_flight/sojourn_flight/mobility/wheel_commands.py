@@ -25,6 +25,7 @@ from sojourn_flight.mobility.kinematics import PlanarTwist, allowed_kernel, rate
 from sojourn_flight.mobility.rate_limiter import LimiterState, SteeringPace, limit_rates, limit_steering
 from sojourn_flight.mobility.wheel_table import SAME_PLACE, WheelTableColumn
 from sojourn_flight.supervision.params import MotionLimits, OdometryParams, SteeringTransitionParams
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
 CREEP = 0.25
@@ -48,10 +49,13 @@ class WheelCommands(NamedTuple):
     """Velocity across each wheel's heading that it cannot follow once the steering has arrived [m/s]."""
 
 
+@njit(cache=True)
 def is_articulated(table: FloatArray) -> bool:
     """Whether a joint of the machine turns wheels that are not on its axis: two bodies, articulated steering."""
-    steered = table[:, WheelTableColumn.STEERED] > 0.5
-    return bool((np.abs(table[steered, WheelTableColumn.ARM_X]) > SAME_PLACE).any())
+    for wheel in table:
+        if wheel[WheelTableColumn.STEERED] > 0.5 and abs(wheel[WheelTableColumn.ARM_X]) > SAME_PLACE:
+            return True
+    return False
 
 
 def expected_slip(params: OdometryParams, pitch: float, v_x: float) -> float:

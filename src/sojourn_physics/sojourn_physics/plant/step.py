@@ -22,17 +22,14 @@ from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 from sojourn_machine.power import battery, loads
 from sojourn_physics.actuators.joint_drive import (
-    ANGLE,
     ELECTRICAL,
     FRICTION_HEAT,
-    MOTOR_RATE,
-    SPRING_REST,
-    SPRING_STIFFNESS,
     STATE_ROWS,
     STOP_HEAT,
     WINDING_HEAT,
 )
 from sojourn_physics.contact.contact_law import STATE_COLUMNS, WheelColumn
+from sojourn_physics.plant.energy import mechanical_energy
 from sojourn_physics.plant.kernels import SOIL_WORK, advance
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import EnergyAccount, PlantCommand, PlantOutput, PlantState, zeros_command
@@ -80,7 +77,7 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     configuration, on_map = _sub_steps(model, state.configuration)
     steps, motion, sums = model.simulation.substeps, work.tables.motion, work.tables.sums
     velocity = motion.rates[-1].copy()
-    if not (np.isfinite(configuration).all() and np.isfinite(velocity).all()):
+    if not (_is_finite(configuration) and _is_finite(velocity)):
         raise InvalidValueError("state of the plant", f"infinite at tick {state.tick + 1}", "finite numbers")
     warmed = state.conditions
     if conditions is not None and warmed is not None:
@@ -130,8 +127,13 @@ def _check_command(model: PlantModel, command: PlantCommand) -> None:
         raise InvalidValueError("command of the tool", command.tool.tolist(), "3 finite numbers")
     if command.motor_health is not None and command.motor_health.shape != shape[1:]:
         raise InvalidValueError("shape of the motors' health", command.motor_health.shape, f"{shape[1:]}")
-    if not (np.isfinite(command.reference).all() and np.isfinite(command.load_fractions).all()):
+    if not (_is_finite(command.reference.ravel()) and _is_finite(command.load_fractions)):
         raise InvalidValueError("command", "NaN or infinity", "finite numbers")
+
+
+def _is_finite(values: FloatArray) -> bool:
+    """Whether none of the numbers, (n,), is NaN or infinite."""
+    return math.isfinite(np.add.reduce(values))
 
 
 def _close_period(
@@ -192,19 +194,6 @@ def _close_period(
         wrist_wrench=wrist,
     )
     return new, output
-
-
-def mechanical_energy(model: PlantModel, configuration: FloatArray, velocity: FloatArray, joints: FloatArray) -> float:
-    """Kinetic energy, turning rotors included, potential energy over z = 0, and what the springs hold [J]."""
-    multibody, data = model.multibody, model.data
-    kinetic = pin.computeKineticEnergy(multibody, data, configuration, velocity)
-    # add.reduce: as np.sum, without its wrapper
-    rotors = 0.5 * float(np.add.reduce(model.joints.armature * velocity**2))
-    rotors += 0.5 * float(np.add.reduce(model.joints.rotors * joints[MOTOR_RATE] ** 2))
-    table = model.joints.parameters
-    stretch = joints[ANGLE] - table[:, SPRING_REST]
-    springs = 0.5 * float(np.add.reduce(table[:, SPRING_STIFFNESS] * stretch**2))
-    return float(kinetic + rotors + springs + pin.computePotentialEnergy(multibody, data, configuration))
 
 
 def initial_state(

@@ -19,7 +19,7 @@ from typing import Self
 import numpy as np
 
 from sojourn_flight.arm.force_control import impedance_velocity, pressing
-from sojourn_flight.arm.tasks.task import Doing, TaskView, ToolCommand, ToolReading
+from sojourn_flight.arm.tasks.task import Doing, DoingState, TaskView, ToolCommand, ToolReading
 from sojourn_machine.params import FloatArray
 
 TOUCH = 4.0
@@ -141,7 +141,7 @@ class DigTask:
 
     def _told(self, velocity: FloatArray, force: float, progress: float) -> Doing:
         left = {"touch": self.depth + self.length, "sink": self.depth + self.length, "drag": self.length}
-        state = "failed" if self.failed else "reached" if self.phase == "done" else "moving"
+        state: DoingState = "failed" if self.failed else "reached" if self.phase == "done" else "moving"
         words = (
             f"dug {self.deepest * 1e3:.0f} mm deep over {self.length * 1e3:.0f} mm: at most {self.down:.1f} N down and "
             f"{self.across:.1f} N along, {self.work:.2f} J"

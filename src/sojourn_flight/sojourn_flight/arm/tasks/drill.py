@@ -19,7 +19,7 @@ from typing import Self
 import numpy as np
 
 from sojourn_flight.arm.force_control import hybrid_velocity, pressing
-from sojourn_flight.arm.tasks.task import Doing, TaskView, ToolCommand, ToolReading
+from sojourn_flight.arm.tasks.task import Doing, DoingState, TaskView, ToolCommand, ToolReading
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import DrillToolParams
 
@@ -168,7 +168,7 @@ class DrillTask:
 
     def _told(self, velocity: FloatArray, force: float, progress: float) -> Doing:
         done = self.phase == "done"
-        state = "failed" if self.failed or (done and self.why) else "reached" if done else "moving"
+        state: DoingState = "failed" if self.failed or (done and self.why) else "reached" if done else "moving"
         energy = self.energy / (np.pi * self.tool.bit.radius**2 * self.hole) if self.hole > 0.0 else 0.0
         words = f"drilled {self.hole * 1e3:.1f} mm: at most {self.torque:.2f} N m, {self.energy:.0f} J of the spindle, "
         words += f"{energy * 1e-6:.1f} J/cm3, bit at {self.temperature:.0f} K"

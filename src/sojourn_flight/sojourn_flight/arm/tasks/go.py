@@ -4,9 +4,15 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 from sojourn_flight.arm.goals import ArmGoal
-from sojourn_flight.arm.tasks.task import Doing, TaskView
+from sojourn_flight.arm.phases import ArmStatus
+from sojourn_flight.arm.tasks.task import Doing, DoingState, TaskView
 
-_STATES = {"holding": "failed", "stopped": "failed", "refused": "failed", "reached": "reached"}
+_STATES: dict[ArmStatus, DoingState] = {
+    "holding": "failed",
+    "stopped": "failed",
+    "refused": "failed",
+    "reached": "reached",
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from typing import Self
 import numpy as np
 
 from sojourn_flight.arm.force_control import hybrid_velocity, pressing
-from sojourn_flight.arm.tasks.task import Doing, TaskView
+from sojourn_flight.arm.tasks.task import Doing, DoingState, TaskView
 from sojourn_machine.params import FloatArray
 
 SETTLE = 0.4
@@ -102,7 +102,7 @@ class GuardedMoveTask:
             doing, velocity=-self.speed * self.direction, time_to_go=(self.retract - back) / self.speed
         )
 
-    def _doing(self, look: TaskView, force: float, state: str) -> Doing:
+    def _doing(self, look: TaskView, force: float, state: DoingState) -> Doing:
         """In touch: the force loop works."""
         velocity = hybrid_velocity(look.control, self.direction, self.threshold, look.force, ZERO)
         reason = self._words() if state == "reached" else ""
@@ -110,7 +110,7 @@ class GuardedMoveTask:
             reason += f"; in touch with {force:.1f} N instead of {self.threshold:g} N"
         return Doing(velocity=velocity, state=state, reason=reason, progress=1.0, figures=self._figures(force))
 
-    def _ended(self, state: str, reason: str, force: float) -> Doing:
+    def _ended(self, state: DoingState, reason: str, force: float) -> Doing:
         return Doing(velocity=ZERO, state=state, reason=reason, progress=1.0, figures=self._figures(force))
 
     def _words(self) -> str:

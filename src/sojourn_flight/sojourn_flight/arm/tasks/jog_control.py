@@ -1,25 +1,27 @@
 """A jog in the place of a task: taken or refused, and carried on a period at a time."""
 
-from dataclasses import replace
-
 import numpy as np
 
+from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent
 from sojourn_flight.arm.jogging import JogCommand, Surroundings, begin_jog, jog_on
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.pace import with_granted_power
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.phases import Holding
 from sojourn_flight.arm.refusal import GoalRefusedError
+from sojourn_flight.arm.state import Target
 from sojourn_flight.arm.tasks.relaxed import Relaxed
 from sojourn_flight.arm.tasks.task import Doing
 from sojourn_flight.arm.tasks.task_state import TaskInput, TaskState
 from sojourn_flight.arm.tasks.tip_motion import begin, begin_at
 from sojourn_flight.arm.trajectory import JointReference
+from sojourn_machine.evolution import replace
 
 
 def take_jog(
     params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, command: JogCommand
-) -> tuple[TaskState, str]:
-    """Begin a jog, or go on with it by a new command, in place of whatever is under way; else why it is refused.
+) -> tuple[TaskState, GoalEvent]:
+    """Begin a jog, or go on with it by a new command, in place of whatever is under way, if it is not refused.
 
     A command that is refused stops the jog. Where the tool has met something, commands are refused until they pause.
     """
@@ -34,14 +36,13 @@ def take_jog(
         jog = begin_jog(params, model, command, posture, inputs.arm.ground)
     except GoalRefusedError as error:
         still = None if state.jog is None else replace(state.jog, command=JogCommand((0.0,) * 3, (0.0,) * 3))
-        return replace(state, refused=state.refused + 1, jog=still), str(error)
+        return replace(state, jog=still), GoalEvent("refused", str(error))
     if state.jog is not None:
         jog = replace(jog, share=state.jog.share, near=jog.near and state.jog.near)
     motion = state.motion
     if motion is None:
         motion = begin(model, state.arm.reference) if state.arm.started else begin_at(model, inputs.arm.positions)
-    state = replace(state, name="jog", task=None, jog=jog, motion=motion, accepted=state.accepted + 1)
-    return replace(state, doing=Doing(), paused=False), ""
+    return replace(state, name="jog", task=None, jog=jog, motion=motion, doing=Doing(), paused=False), ACCEPTED
 
 
 def go_on_with_jog(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, dt: float) -> TaskState:
@@ -51,9 +52,9 @@ def go_on_with_jog(params: ArmParams, model: ArmModel, state: TaskState, inputs:
     hindrance = held_back(params, model, state, inputs)
     if not inputs.arm.allowed:
         hindrance = f"not allowed to move: {inputs.arm.not_allowed_reason}"
-    granted, limited = params, inputs.arm.granted_power is not None
+    granted, limited = params, inputs.arm.granted.power is not None
     if limited:
-        granted = with_granted_power(params, inputs.arm)
+        granted = with_granted_power(params, inputs.arm.granted)
     around = Surroundings(inputs.arm.ground, inputs.arm.gravity_in_base, hindrance, limited)
     jog, joints = jog_on(granted, model, state.jog, state.motion.joints, around, dt)
     doing = Doing(state="moving" if jog.moving else "failed" if hindrance else "stopped", reason=jog.reason)
@@ -63,9 +64,13 @@ def go_on_with_jog(params: ArmParams, model: ArmModel, state: TaskState, inputs:
 
 def _rested(state: TaskState, joints: JointReference) -> TaskState:
     """Not guided any more: the arm holds at `joints`."""
-    arm = replace(state.arm, reference=joints, target=joints.position, path=None, settling=False, status="stopped")
-    place = state.arm.tip_target if state.motion is None else state.motion.place
-    return replace(state, arm=replace(arm, tip_target=place, retreat=None), motion=None)
+    if not state.arm.started:
+        return replace(state, motion=None)
+    place = state.arm.target.tip if state.motion is None else state.motion.place
+    target = Target(joints.position, place)
+    return replace(
+        state, arm=replace(state.arm, phase=Holding("stopped"), reference=joints, target=target), motion=None
+    )
 
 
 def held_back(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 from sojourn_flight.arm.force_control import pressing
 from sojourn_flight.arm.goals import PoseGoal
 from sojourn_flight.arm.grasp import Finger, needed_force
-from sojourn_flight.arm.tasks.task import Doing, TaskView, ToolCommand, ToolReading
+from sojourn_flight.arm.tasks.task import Doing, DoingState, TaskView, ToolCommand, ToolReading
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import GripperToolParams
 
@@ -129,7 +129,7 @@ class PickTask:
         return task, task._told(tool, ZERO)
 
     def _told(self, tool: ToolReading, velocity: FloatArray) -> Doing:
-        state = "failed" if self.failed else "reached" if self.phase == "done" else "moving"
+        state: DoingState = "failed" if self.failed else "reached" if self.phase == "done" else "moving"
         words = f"holds an object {self.width * 1e3:.1f} mm wide with {tool.effort:.1f} N"
         shut = self.phase in ("close", "lift", "done") or self.failed
         return Doing(

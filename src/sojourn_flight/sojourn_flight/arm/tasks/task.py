@@ -1,13 +1,16 @@
 """What a task is: a value that looks at the arm at every period, and says what is to be done and how it stands."""
 
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol, Self
+from typing import Literal, NamedTuple, Protocol, Self, TypeAlias
 
 from sojourn_flight.arm.force_control import ForceControlParams
 from sojourn_flight.arm.goals import ArmGoal
 from sojourn_flight.arm.kinematics import TipPose
-from sojourn_flight.arm.state import ArmStatus
+from sojourn_flight.arm.phases import ArmStatus
 from sojourn_machine.params import FloatArray
+
+DoingState: TypeAlias = Literal["moving", "reached", "failed", "stopped"]
+"""How a task stands."""
 
 
 class ToolReading(NamedTuple):
@@ -62,8 +65,7 @@ class Doing:
     """To be given to the arm now."""
     velocity: FloatArray | None = None
     """Of the tip's reference in base_link (3,) [m/s]; None: the arm is not guided."""
-    state: str = "moving"
-    """moving, reached or failed."""
+    state: DoingState = "moving"
     reason: str = ""
     progress: float = 0.0
     """0 to 1."""

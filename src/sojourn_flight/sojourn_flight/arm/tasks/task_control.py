@@ -33,19 +33,22 @@ from sojourn_flight.arm.contact_guard import (
     yielding_rates,
 )
 from sojourn_flight.arm.deflection import joint_positions
+from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent, was
 from sojourn_flight.arm.goals import ArmGoal, PauseGoal, PoseGoal, ResumeGoal, StopGoal
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.pace import granted_velocity
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.phases import Moving, Paused, Pausing, Settling, is_busy
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput, ArmOutput
 from sojourn_flight.arm.tasks.contact_sense import check_wrench
 from sojourn_flight.arm.tasks.ended import Ended, Released
 from sojourn_flight.arm.tasks.guided_pace import GuidedPace, next_pace, pace_limits
 from sojourn_flight.arm.tasks.jog_control import go_on_with_jog, held_back, take_jog
+from sojourn_flight.arm.tasks.outcome import report_of, with_outcome
 from sojourn_flight.arm.tasks.relaxed import Relaxed
-from sojourn_flight.arm.tasks.requests import Pause, Resume
+from sojourn_flight.arm.tasks.requests import Pause, Resume, TaskRequest
 from sojourn_flight.arm.tasks.start import start_task
 from sojourn_flight.arm.tasks.task import Doing, TaskView
 from sojourn_flight.arm.tasks.task_state import TaskInput, TaskReport, TaskState, initial_state
@@ -62,10 +65,6 @@ from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 __all__ = ["TaskInput", "TaskReport", "TaskState", "initial_state", "step", "warm_up"]
-
-_STILL = 1.0e-9
-"""A joint that turns slower rests [rad/s or m/s]."""
-_PAUSED = "paused; the task resume goes on"
 
 
 def warm_up(params: ArmParams, model: ArmModel) -> None:
@@ -91,61 +90,58 @@ def step(
     check_wrench(inputs.wrench)
     state, felt = _feel(params, model, state, inputs, dt)
     state = _watch(params, model, state, inputs, felt)
-    goal, refusal = inputs.arm.goal, ""
     state = replace(state, since_jog=state.since_jog + dt)
-    if goal is None and inputs.jog is not None:
-        state, refusal = take_jog(params, model, state, inputs, inputs.jog)
-    elif goal is None and isinstance(inputs.task, Pause | Resume):
-        state, goal, refusal = _pause(state, isinstance(inputs.task, Pause))
-    elif goal is None:
-        state, refusal = _take_task(params, model, state, inputs)
+    state, goal, answer = _take(params, model, state, inputs)
     if state.jog is not None:
         state = go_on_with_jog(params, model, state, inputs, dt)
     elif goal is None:
         state, goal = _work(params, model, state, inputs, felt, dt)
-    asked = replace(inputs.arm, goal=goal, guide=state.motion)
-    arm, output = controller.step(params, model, state.arm, asked, dt)
-    taken = arm.goals_accepted - state.arm.goals_accepted
-    refused = arm.goals_refused - state.arm.goals_refused
+    is_of_task = goal is not None and inputs.arm.goal is None and not isinstance(goal, PauseGoal | ResumeGoal)
+    arm, output = controller.step(params, model, state.arm, replace(inputs.arm, goal=goal, guide=state.motion), dt)
     state = replace(state, arm=arm)
+    if is_of_task and was("refused", output.events):
+        state = _give_up(state, Ended(arm.reason))
+    elif inputs.arm.goal is not None and was("accepted", output.events):
+        state = replace(state, name="", task=None, motion=None, paused=False, jog=None)
+    state, output = with_outcome(state, output, answer, is_of_task)
+    return state, output, report_of(state)
+
+
+def _take(
+    params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput
+) -> tuple[TaskState, ArmGoal | None, GoalEvent | None]:
+    """Take what is asked for: a goal for the arm, which will answer it, or a task or a jog, with the answer."""
     if inputs.arm.goal is not None:
-        if taken:
-            state = replace(state, name="", task=None, motion=None, paused=False, jog=None)
-    elif goal is not None and not isinstance(goal, PauseGoal | ResumeGoal):  # of the task
-        state = replace(state, accepted=state.accepted - taken, refused=state.refused - refused)
-        if refused:
-            state = _give_up(state, Ended(arm.reason))
-    output = replace(
-        output,
-        goals_accepted=output.goals_accepted + state.accepted,
-        goals_refused=output.goals_refused + state.refused,
-        reason=refusal or output.reason,
-    )
-    if state.paused:
-        resting = float(np.max(np.abs(output.velocities))) < _STILL
-        output = replace(output, status="paused" if resting else "moving", reason=refusal or _PAUSED)
-    told = (state.task is not None or state.jog is not None) and not (state.paused or arm.paused)
-    return state, output, TaskReport(state.name, state.doing) if told else None
+        return state, inputs.arm.goal, None
+    if inputs.jog is not None:
+        state, answer = take_jog(params, model, state, inputs, inputs.jog)
+        return state, None, answer
+    if inputs.task is None:
+        return state, None, None
+    if isinstance(inputs.task, Pause | Resume):
+        return _pause(state, isinstance(inputs.task, Pause))
+    state, answer = _take_task(params, model, state, inputs, inputs.task)
+    replaces_pause = answer is ACCEPTED and isinstance(state.arm.phase, Pausing | Paused)
+    return state, StopGoal() if replaces_pause else None, answer
 
 
-def _pause(state: TaskState, begin: bool) -> tuple[TaskState, ArmGoal | None, str]:
-    """Pause or go on: a guided motion here, a planned one by a goal for the arm; else why not."""
+def _pause(state: TaskState, begin: bool) -> tuple[TaskState, ArmGoal | None, GoalEvent | None]:
+    """Pause or go on: a guided motion here, a planned one by a goal for the arm."""
     if state.jog is not None and state.motion is not None:
         why = f"{'pause' if begin else 'resume'}: the arm is jogged, and rests where the commands stop"
-        return replace(state, refused=state.refused + 1), None, why
+        return state, None, GoalEvent("refused", why)
     if state.motion is None:
-        return state, PauseGoal() if begin else ResumeGoal(), ""
+        return state, PauseGoal() if begin else ResumeGoal(), None
     if begin == state.paused:
         why = "pause: the motion is paused already" if begin else "resume: no motion is paused"
-        return replace(state, refused=state.refused + 1), None, why
-    return replace(state, paused=begin, accepted=state.accepted + 1), None, ""
+        return state, None, GoalEvent("refused", why)
+    return replace(state, paused=begin), None, ACCEPTED
 
 
-def _take_task(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> tuple[TaskState, str]:
-    """Start the task that has come, if one has; else why it is refused."""
-    request = inputs.task
-    if request is None:
-        return state, ""
+def _take_task(
+    params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, request: TaskRequest
+) -> tuple[TaskState, GoalEvent]:
+    """Start a task, if it is not refused."""
     try:
         if not inputs.arm.allowed:
             raise GoalRefusedError(f"not allowed to move: {inputs.arm.not_allowed_reason or 'no reason given'}")
@@ -157,18 +153,18 @@ def _take_task(params: ArmParams, model: ArmModel, state: TaskState, inputs: Tas
         gravity = float(np.linalg.norm(inputs.arm.gravity_in_base))
         task = start_task(params, model, request, posture, feels, ground, state.tool, gravity)
     except GoalRefusedError as error:
-        return replace(state, refused=state.refused + 1), str(error)
-    state = replace(state, name=request.task, task=task, doing=Doing(), accepted=state.accepted + 1, paused=False)
-    return replace(state, jog=None, pace=GuidedPace()), ""
+        return state, GoalEvent("refused", str(error))
+    state = replace(state, name=request.task, task=task, doing=Doing(), paused=False, jog=None, pace=GuidedPace())
+    return state, ACCEPTED
 
 
 def _under_way(state: TaskState) -> str:
     """What the arm is at, in words; empty where it is at nothing."""
     if state.jog is not None and state.motion is not None:
         return state.name
-    if state.task is not None and not state.arm.paused:
+    if state.task is not None and not isinstance(state.arm.phase, Pausing | Paused):
         return state.name if state.doing.state == "moving" else ""
-    return "another goal" if state.arm.path is not None or state.arm.settling else ""
+    return "another goal" if is_busy(state.arm.phase) else ""
 
 
 def _feel(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, dt: float) -> tuple[TaskState, Felt]:
@@ -186,7 +182,7 @@ def _feel(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInpu
 
 def _watch(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, felt: Felt) -> TaskState:
     """Give up a planned motion that meets something."""
-    moves = (state.arm.path is not None and not state.arm.stopping) or state.arm.settling
+    moves = isinstance(state.arm.phase, Moving | Settling)
     jogged = state.jog is not None and state.motion is not None
     if not jogged and (not moves or state.motion is not None):
         return state if state.known is None else replace(state, known=None)
@@ -219,7 +215,7 @@ def _work(
         motion = state.motion
         state, velocity = _at_pace(params, model, state, motion, velocity, 0.0, dt)
         return replace(state, motion=move(model, motion, velocity, params.force_control.tip_acceleration, dt)), None
-    if state.arm.paused:
+    if isinstance(state.arm.phase, Pausing | Paused):
         return state, None
     task, doing = state.task.advance(look, dt) if state.task is not None else (None, Doing())
     sense = state.sense if doing.bias is None else replace(state.sense, bias=state.sense.bias + doing.bias)

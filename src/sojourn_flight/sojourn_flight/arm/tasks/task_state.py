@@ -51,9 +51,8 @@ class TaskState:
     task: Task | None = None
     doing: Doing = field(default_factory=Doing)
     motion: TipMotion | None = None
-    accepted: int = 0
-    """Tasks taken, less the goals that tasks have given to the arm."""
-    refused: int = 0
+    under_way: bool = False
+    """The operator's last goal, be it a task or one of the arm: its end has not been told yet."""
     paused: bool = False
     """Of a guided motion; that of a planned one is in `arm`."""
     observer: MomentumObserver = field(default_factory=MomentumObserver)
