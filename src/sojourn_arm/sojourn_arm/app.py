@@ -89,10 +89,14 @@ class ArmApp(App[ArmAppState]):
         stamp, inputs, refusals = period.stamp, period.inputs, list[Refusal]()
         rover = self._rover.rover(inputs)
         ground = self._see(state.ground, inputs.get(CLOUD), rover, refusals)
-        state = replace(state, granted=_granted(inputs.get(SWITCHES), state.granted), ground=ground)
-        state = self._take_goals(state, period, rover, refusals)
         measured = self._measurements.read(inputs, refusals)
-        state = replace(state, usable_at=seen_usable(stamp, state.usable_at, measured is not None))
+        state = replace(
+            state,
+            granted=_granted(inputs.get(SWITCHES), state.granted),
+            ground=ground,
+            usable_at=seen_usable(stamp, state.usable_at, measured is not None),
+        )
+        state = self._take_goals(state, period, rover, refusals)
         if measured is not None:
             state = self._control(state, inputs[JOINTS], measured, rover)
         else:
@@ -129,7 +133,7 @@ class ArmApp(App[ArmAppState]):
         """Form the command of a period whose measurements can be used."""
         request, granted = state.pending, state.granted
         ground = state.ground if request is None else self._ground.look(state.ground, joints)
-        loads = self._stand.loads(state.loads, joints, measured)
+        loads = self._stand.loads(state.loads, joints, measured, state.tasks.moves or request is not None)
         why_not = rover.why_not_allowed if granted else "the power manager has switched the arm off"
         known = ArmInput(
             positions=measured.positions,

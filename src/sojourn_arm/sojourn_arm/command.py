@@ -44,9 +44,7 @@ def command_of(joints: Sequence[str], output: ArmOutput, tool: ToolCommand | Non
     """Command by the laws' output for the joints of the arm; `tool`: for its actuator, None where it has none."""
     if tool is None:
         return Command(tuple(joints), output.positions, output.velocities, output.efforts)
-    return Command(
-        (*joints, TOOL_JOINT),
-        np.append(output.positions, tool.position),
-        np.append(output.velocities, tool.rate),
-        np.append(output.efforts, tool.effort),
-    )
+    rows = np.empty((3, len(joints) + 1))
+    rows[0, :-1], rows[1, :-1], rows[2, :-1] = output.positions, output.velocities, output.efforts
+    rows[:, -1] = tool.position, tool.rate, tool.effort
+    return Command((*joints, TOOL_JOINT), rows[0], rows[1], rows[2])

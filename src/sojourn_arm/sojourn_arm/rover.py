@@ -62,13 +62,29 @@ class RoverWatch:
     def __init__(self, interlock: InterlockParams, drive_joints: Sequence[str]) -> None:
         self._interlock = interlock
         self._drive_joints = frozenset(drive_joints)
+        self._names: tuple[str, ...] = ()
+        self._places: list[int] = []
+        """Of these joints in a message with the names in `_names`."""
 
     def rover(self, inputs: Mapping[str, Any]) -> Rover:
         """By the inputs of a period: what the wheels are told, what they do, where the rover is."""
         why_not = ""
         if self._interlock.enabled:
-            why_not = _motion(inputs.get(WHEELS), inputs.get("/joint_states"), self._drive_joints)
+            why_not = _told(inputs.get(WHEELS)) or self._done(inputs.get("/joint_states"))
         return Rover(why_not, inputs.get(ODOMETRY))
+
+    def _done(self, joints: JointState | None) -> str:
+        """How the rover moves, in words; empty where it stands, or nothing is known of it."""
+        if joints is None:
+            return ""
+        if joints.names != self._names:
+            self._names = joints.names
+            self._places = [place for place, name in enumerate(joints.names) if name in self._drive_joints]
+        rates = joints.velocity.tolist()
+        for place in self._places:
+            if abs(rates[place]) > STILL_RATE:
+                return f"the rover drives: {joints.names[place]} turns at {rates[place]:.3f} rad/s"
+        return ""
 
 
 def in_base(goal: PoseGoal, base_in_frame: pin.SE3) -> PoseGoal:
@@ -81,14 +97,9 @@ def in_base(goal: PoseGoal, base_in_frame: pin.SE3) -> PoseGoal:
     return PoseGoal(tuple(position), orientation=tuple(turned.coeffs()))
 
 
-def _motion(command: JointState | None, joints: JointState | None, drive_joints: frozenset[str]) -> str:
-    """How the rover moves, in words; empty where it stands, or nothing is known of it."""
-    if command is not None:
-        for name, rate in zip(command.names, command.velocity, strict=False):
-            if rate:
-                return f"the rover drives: {name} is told {rate:.3f} rad/s"
-    if joints is not None:
-        for name, rate in zip(joints.names, joints.velocity, strict=False):
-            if name in drive_joints and abs(rate) > STILL_RATE:
-                return f"the rover drives: {name} turns at {rate:.3f} rad/s"
-    return ""
+def _told(command: JointState | None) -> str:
+    """How the rover is told to move, in words; empty where it is not."""
+    if command is None or not any(command.velocity.tolist()):
+        return ""
+    name, rate = next((name, rate) for name, rate in zip(command.names, command.velocity, strict=False) if rate)
+    return f"the rover drives: {name} is told {rate:.3f} rad/s"

@@ -23,6 +23,9 @@ class LastLoads:
     """Periods in which they have been used."""
 
 
+NOTHING_KNOWN = LastLoads()
+
+
 class Stand:
     """Finds the loads of the wheels; none for a machine that stands fast.
 
@@ -34,10 +37,12 @@ class Stand:
         joints, links = params.joint_names, (params.base_link, params.tip_link)
         self._footing = Footing(urdf_xml, machine, joints, *links) if machine.wheels else None
 
-    def loads(self, last: LastLoads, joints: JointState, measured: Measured) -> LastLoads:
-        """Loads for this period, from /joint_states and what the arm took from it."""
-        if self._footing is None:
-            return last
+    def loads(self, last: LastLoads, joints: JointState, measured: Measured, moves: bool) -> LastLoads:
+        """Loads for this period, from /joint_states and what the arm took from it; an arm that does not move needs
+        none.
+        """
+        if self._footing is None or not moves:
+            return NOTHING_KNOWN
         if last.loads is None or last.age >= PERIODS:
             suspension = dict(zip(joints.names, joints.position, strict=True))
             return LastLoads(self._footing.loads(suspension, measured.positions, measured.gravity), 1)

@@ -119,7 +119,6 @@ def test_friction_is_odd_and_bounded(small_values: dict[str, Any]) -> None:
 
 
 def test_feedforward_is_cut_to_the_urdf_limits(small: Any) -> None:
-    effort = feedforward_effort(
-        small.params, small.model, np.zeros(5), np.zeros(5), np.full(5, 1e4), np.array([0.0, 0.0, -9.81])
-    )
+    rigid = rigid_effort(small.model, np.zeros(5), np.zeros(5), np.full(5, 1e4), np.array([0.0, 0.0, -9.81]))
+    effort = feedforward_effort(small.params, small.model, np.zeros(5), rigid)
     assert float(np.max(np.abs(effort))) <= 80.0

@@ -27,7 +27,7 @@ from sojourn_flight.arm.ground_plane import GroundPlane
 from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.near_pairs import go_on
-from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.param_groups import ClearanceParams
 from sojourn_flight.arm.relief import Ground, GroundRelief, go_on_over, plane_row
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
@@ -58,12 +58,14 @@ class Collision:
         )
 
 
-def check_posture(params: ArmParams, model: ArmModel, positions: FloatArray, ground: Ground | None) -> Collision | None:
+def check_posture(
+    params: ClearanceParams, model: ArmModel, positions: FloatArray, ground: Ground | None
+) -> Collision | None:
     """The first pair nearer than its clearance at joint `positions` (n,), or None."""
     return check_samples(params, model, positions[None, :], ground, allow_start=False)
 
 
-def check_path(params: ArmParams, model: ArmModel, path: JointPath, ground: Ground | None) -> Collision | None:
+def check_path(params: ClearanceParams, model: ArmModel, path: JointPath, ground: Ground | None) -> Collision | None:
     """The first collision along `path`, or None."""
     return check_samples(params, model, path_samples(path, params.collision_step), ground, allow_start=True)
 
@@ -90,7 +92,7 @@ def refined(postures: FloatArray, step: float) -> FloatArray:
 
 
 def check_samples(
-    params: ArmParams, model: ArmModel, samples: FloatArray, ground: Ground | None, allow_start: bool
+    params: ClearanceParams, model: ArmModel, samples: FloatArray, ground: Ground | None, allow_start: bool
 ) -> Collision | None:
     """The first collision at the postures `samples` (m, n), or None.
 
@@ -106,7 +108,7 @@ def check_samples(
 
 
 def _check_relief(
-    params: ArmParams, model: ArmModel, samples: FloatArray, relief: GroundRelief, allow_start: bool, last: int
+    params: ClearanceParams, model: ArmModel, samples: FloatArray, relief: GroundRelief, allow_start: bool, last: int
 ) -> Collision | None:
     """The first of the postures at which a link comes too near to ground that was seen."""
     clearances = [(_ground_clearance(params, link), _seen_clearance(params, link)) for _, link in model.arm_shapes]
@@ -123,7 +125,7 @@ def _check_relief(
 
 
 def _check_links(
-    params: ArmParams, model: ArmModel, samples: FloatArray, ground: GroundPlane | None, allow_start: bool
+    params: ClearanceParams, model: ArmModel, samples: FloatArray, ground: GroundPlane | None, allow_start: bool
 ) -> Collision | None:
     """As `check_samples`, over a plane."""
     count = len(model.pairs)
@@ -167,11 +169,11 @@ def _check_links(
     return None
 
 
-def _ground_clearance(params: ArmParams, link: str) -> float:
+def _ground_clearance(params: ClearanceParams, link: str) -> float:
     return -params.ground_contact_depth if link in params.ground_contact_links else params.ground_clearance
 
 
-def _seen_clearance(params: ArmParams, link: str) -> float:
+def _seen_clearance(params: ClearanceParams, link: str) -> float:
     return -params.seen_ground_depth if link in params.ground_contact_links else params.ground_clearance
 
 

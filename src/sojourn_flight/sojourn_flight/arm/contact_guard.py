@@ -17,18 +17,18 @@ servos had run ahead is taken back at once.
 """
 
 from dataclasses import dataclass
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio
-from numpy.typing import NDArray
 
 from sojourn_flight.arm.contact_params import ContactParams
 from sojourn_flight.arm.footing import FootingLoads
 from sojourn_flight.arm.kinematics import TipPose
 from sojourn_flight.arm.model import ArmModel
+from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
+from sojourn_machine.vectors import length
 
 _LEAST_LEVER = 0.05
 """Of the tip about a joint, in shares of the arm's reach: nearer to the axis counts as this."""
@@ -85,11 +85,8 @@ def observe(
     """
     positions, velocities, efforts = joints
     rigid, data = model.pinocchio_model, model.data
-    upper, above = _triangles(len(positions))
-    mass = np.where(upper, pinocchio.crba(rigid, data, positions), 0.0)
-    mass = mass + np.where(above, mass, 0.0).T
-    if not rotors:
-        mass = mass - np.diag(rigid.armature)
+    mass = np.empty((len(positions), len(positions)))
+    _mass_from_upper(pinocchio.crba(rigid, data, positions), model.rotor_inertia, rotors, mass)
     momentum = mass @ velocities
     integral = momentum if observer.integral is None else observer.integral
     residual = rate * (momentum - integral)
@@ -100,16 +97,19 @@ def observe(
     return MomentumObserver(integral + dt * change, residual)
 
 
-@cache
-def _triangles(count: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Of a square matrix: with its diagonal, and what is above it."""
-    whole = np.ones((count, count), dtype=bool)
-    return np.triu(whole), np.triu(whole, 1)
+@njit(cache=True)
+def _mass_from_upper(upper: FloatArray, rotors: FloatArray, with_rotors: bool, mass: FloatArray) -> None:
+    """The mass matrix (n, n) of its upper triangle, with or without the inertia of the rotors (n,), into `mass`."""
+    for i in range(mass.shape[0]):
+        for j in range(i, mass.shape[0]):
+            mass[i, j] = mass[j, i] = upper[i, j]
+        if not with_rotors:
+            mass[i, i] -= rotors[i]
 
 
 def before(felt: Felt, count: int) -> Before:
     """What is felt now, for a motion of `count` joints that begins."""
-    force = 0.0 if felt.force is None else float(np.linalg.norm(felt.force))
+    force = 0.0 if felt.force is None else length(felt.force)
     return Before(force, np.zeros(count) if felt.torque is None else np.abs(felt.torque))
 
 
@@ -122,7 +122,7 @@ def faded(known: Before, felt: Felt) -> Before:
 def touched(params: ContactParams, model: ArmModel, tip: TipPose, known: Before, felt: Felt) -> str:
     """What is felt and may not be, in words; empty where nothing is."""
     if felt.force is not None:
-        force = float(np.linalg.norm(felt.force))
+        force = length(felt.force)
         if force > known.force + params.force:
             return f"the tool pressed with {force:.0f} N (at most {params.force:g} N is allowed)"
     if felt.torque is not None:
@@ -141,12 +141,12 @@ def yielding_rates(params: ContactParams, model: ArmModel, tip: TipPose, felt: F
     if felt.torque is not None:
         torque = _beyond(felt.torque, _unknown(params, model))
     if felt.force is not None:
-        size = float(np.linalg.norm(felt.force))
+        size = length(felt.force)
         share = max(1.0 - params.released_force / size, 0.0) if size > 0.0 else 0.0
         at_tip = tip.jacobian[:3].T @ (share * felt.force)
         torque = np.where(np.abs(at_tip) >= np.abs(torque), at_tip, torque)
     rates = torque / (count * params.damping * levers(model, tip) ** 2)
-    fastest = float(np.linalg.norm(tip.jacobian[:3] @ rates))
+    fastest = length(tip.jacobian[:3] @ rates)
     share = min(1.0, params.max_speed / max(fastest, 1e-12))
     share = min(share, float(np.min(model.max_velocity / np.maximum(np.abs(rates), 1e-12))))
     return np.asarray(share * rates)
@@ -164,7 +164,7 @@ def lifted(params: ContactParams, loads: FootingLoads, force: FloatArray) -> str
     if share >= params.least_wheel_load:
         return ""
     return (
-        f"the tool pressed with {float(np.linalg.norm(force)):.0f} N, which leaves wheel {loads.names[wheel]} "
+        f"the tool pressed with {length(force):.0f} N, which leaves wheel {loads.names[wheel]} "
         f"{100.0 * max(share, 0.0):.0f} % of its load (at least {100.0 * params.least_wheel_load:g} %)"
     )
 

@@ -24,10 +24,13 @@ follows the position and velocity given here and adds the effort.
 The state is a value: copy it, save it, go on from it; nothing is kept elsewhere.
 """
 
+import math
+
 import numpy as np
 
 from sojourn_flight.arm.collision import check_posture
 from sojourn_flight.arm.deflection import joint_positions, motor_positions
+from sojourn_flight.arm.dynamics import rigid_effort
 from sojourn_flight.arm.feedforward import feedforward_effort
 from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent, Outcome
 from sojourn_flight.arm.goals import ArmGoal, PauseGoal, PoseGoal, ResumeGoal, StopGoal
@@ -42,7 +45,8 @@ from sojourn_flight.arm.pace import (
     runs_as_planned,
     with_granted_power,
 )
-from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.param_groups import FollowingParams, SettlingParams
+from sojourn_flight.arm.params import ArmParams, TrimParams
 from sojourn_flight.arm.path_clock import PathClock
 from sojourn_flight.arm.phases import (
     ArmStatus,
@@ -94,7 +98,9 @@ def step(
         InvalidValueError: a measurement or the gravity vector of wrong length or not finite.
     """
     _check_input(model, inputs, dt)
-    inputs = replace(inputs, positions=joint_positions(params, model, inputs.positions, inputs.gravity_in_base))
+    positions = joint_positions(params, model, inputs.positions, inputs.gravity_in_base)
+    if positions is not inputs.positions:
+        inputs = replace(inputs, positions=positions)
     if isinstance(state.phase, Waiting):
         state = _hold(model, state, inputs.positions, "idle", "")
     before, state = state, _follow_permission(params, model, state, inputs)
@@ -130,7 +136,7 @@ def _check_input(model: ArmModel, inputs: ArmInput, dt: float) -> None:
         ("measured velocities", inputs.velocities, n),
         ("gravity_in_base", inputs.gravity_in_base, 3),
     ):
-        if array.shape != (length,) or not np.isfinite(array).all():
+        if array.shape != (length,) or not all(map(math.isfinite, array.tolist())):
             raise InvalidValueError(name, array.tolist(), f"{length} finite numbers")
     if not 0.0 < dt <= 1.0:
         raise InvalidValueError("dt", dt, "above 0, at most 1 s")
@@ -150,7 +156,7 @@ def _follow(model: ArmModel, state: ArmState, guide: TipMotion) -> ArmState:
     return replace(state, phase=Guided(), reference=guide.joints, target=target, reason="")
 
 
-def _follow_permission(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:
+def _follow_permission(params: FollowingParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:
     if not inputs.allowed:
         reason = f"not allowed to move: {inputs.not_allowed_reason or 'no reason given'}"
         if isinstance(state.phase, Moving):
@@ -214,7 +220,7 @@ def _advance(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInp
         return _go_on_stopping(state, phase, dt)
     error = state.reference.position - inputs.positions
     if inputs.allowed and params.trim.rate > 0.0:
-        trim = _trimmed(params, state.trim, error, dt)
+        trim = _trimmed(params.trim, state.trim, error, dt)
         state = state if trim is state.trim else replace(state, trim=trim)
     return _settle(params, model, state, phase, inputs, error, dt) if isinstance(phase, Settling) else state
 
@@ -248,7 +254,7 @@ def _go_on_stopping(state: ArmState, stopping: Stopping, dt: float) -> ArmState:
 
 
 def _yield(
-    params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput, joint: int, behind: float
+    params: FollowingParams, model: ArmModel, state: ArmState, inputs: ArmInput, joint: int, behind: float
 ) -> tuple[ArmState, Stopping]:
     """Give way: bring the reference back to the measured position. The state, and its phase."""
     reason = (
@@ -265,8 +271,7 @@ def _yield(
     return replace(stopped, phase=back, target=target), back
 
 
-def _trimmed(params: ArmParams, trim: FloatArray, error: FloatArray, dt: float) -> FloatArray:
-    settings = params.trim
+def _trimmed(settings: TrimParams, trim: FloatArray, error: FloatArray, dt: float) -> FloatArray:
     active = np.abs(error) > settings.deadband
     if not active.any():
         return trim
@@ -276,7 +281,7 @@ def _trimmed(params: ArmParams, trim: FloatArray, error: FloatArray, dt: float) 
 
 
 def _settle(
-    params: ArmParams,
+    params: SettlingParams,
     model: ArmModel,
     state: ArmState,
     settling: Settling,
@@ -320,20 +325,14 @@ def _time_to_go(state: ArmState) -> float:
 def _output(
     params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput, events: tuple[GoalEvent, ...]
 ) -> ArmOutput:
-    reference = state.reference
+    reference, gravity = state.reference, inputs.gravity_in_base
+    rigid = rigid_effort(model, reference.position, reference.velocity, reference.acceleration, gravity)
     tip = forward_kinematics(model, inputs.positions)
     offset = tip.position - state.target.tip
     return ArmOutput(
-        positions=_within_limits(model, motor_positions(params, model, reference, inputs.gravity_in_base), state.trim),
+        positions=_within_limits(model, motor_positions(params, reference.position, rigid), state.trim),
         velocities=reference.velocity.copy(),
-        efforts=feedforward_effort(
-            params,
-            model,
-            reference.position,
-            reference.velocity,
-            reference.acceleration,
-            inputs.gravity_in_base,
-        ),
+        efforts=feedforward_effort(params, model, reference.velocity, rigid),
         status=state.status,
         progress=state.progress,
         time_to_go=_time_to_go(state),

@@ -9,11 +9,13 @@ adds to the diagonal of M. Assumption: the base stands still or moves slowly (it
 fed forward).
 """
 
+import math
+from functools import lru_cache
+
 import numpy as np
 
-from sojourn_flight.arm.dynamics import rigid_effort
 from sojourn_flight.arm.model import ArmModel
-from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.param_groups import ArmDriveParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
@@ -29,38 +31,40 @@ def gravity_in_body(quaternion_xyzw: FloatArray, gravity: float) -> FloatArray:
         InvalidValueError: numbers not finite, quaternion not of unit length, gravity negative.
     """
     quaternion = np.asarray(quaternion_xyzw, dtype=np.float64)
-    if quaternion.shape != (4,) or not np.all(np.isfinite(quaternion)):
+    if quaternion.shape != (4,) or not all(map(math.isfinite, quaternion.tolist())):
         raise InvalidValueError("orientation", quaternion.tolist(), "four finite numbers x, y, z, w")
-    length = float(np.linalg.norm(quaternion))
+    length = math.sqrt(quaternion.dot(quaternion))
     if abs(length - 1.0) > 0.01:
         raise InvalidValueError("orientation", quaternion.tolist(), "a unit quaternion")
-    if not (np.isfinite(gravity) and gravity >= 0.0):
+    if not (math.isfinite(gravity) and gravity >= 0.0):
         raise InvalidValueError("gravity", gravity, "a finite number, zero or more [m/s2]")
-    x, y, z, w = quaternion / length
+    x, y, z, w = (quaternion / length).tolist()
     # Third row of the rotation base -> world is world's z axis seen in the body.
-    up_in_body = np.array([2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)])
-    return np.asarray(-gravity * up_in_body, dtype=np.float64)
+    up_in_body = (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y))
+    return np.array([-gravity * up for up in up_in_body])
 
 
-def friction_effort(params: ArmParams, velocities: FloatArray) -> FloatArray:
+@lru_cache(maxsize=32)
+def _array(values: tuple[float, ...]) -> FloatArray:
+    """Of a parameter, made once; never written to."""
+    return np.array(values)
+
+
+def friction_effort(params: ArmDriveParams, velocities: FloatArray) -> FloatArray:
     """Friction to be overcome at reference `velocities` (n,): efforts (n,) [N m or N]."""
     effort = np.zeros(velocities.shape[0])
     if params.coulomb_friction:
-        effort += np.array(params.coulomb_friction) * np.tanh(velocities / params.friction_velocity)
+        effort += _array(params.coulomb_friction) * np.tanh(velocities / params.friction_velocity)
     if params.viscous_friction:
-        effort += np.array(params.viscous_friction) * velocities
+        effort += _array(params.viscous_friction) * velocities
     return effort
 
 
 def feedforward_effort(
-    params: ArmParams,
-    model: ArmModel,
-    positions: FloatArray,
-    velocities: FloatArray,
-    accelerations: FloatArray,
-    gravity_vector: FloatArray,
+    params: ArmDriveParams, model: ArmModel, velocities: FloatArray, rigid_efforts: FloatArray
 ) -> FloatArray:
-    """Inverse dynamics and friction of the reference, cut to the URDF's effort limits: (n,) [N m or N]."""
-    effort = rigid_effort(model, positions, velocities, accelerations, gravity_vector)
-    effort += friction_effort(params, velocities)
+    """Inverse dynamics (`dynamics.rigid_effort`, (n,)) and friction of a reference with these velocities (n,), cut to
+    the URDF's effort limits: (n,) [N m or N].
+    """
+    effort = rigid_efforts + friction_effort(params, velocities)
     return np.minimum(np.maximum(effort, -model.max_effort), model.max_effort)

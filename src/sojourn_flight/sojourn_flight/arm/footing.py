@@ -63,7 +63,9 @@ class Footing:
         self._model = pin.buildModelFromXML(urdf_xml, pin.JointModelFreeFlyer())
         self._data = self._model.createData()
         self._free = free_motions(self._model, machine)
-        self._wheels = [(self._model.getJointId(wheel.joint), wheel.radius) for wheel in machine.wheels]
+        joints_and_radii = [(self._model.getJointId(wheel.joint), wheel.radius) for wheel in machine.wheels]
+        self._wheels = [(joint, np.array([0.0, 0.0, radius])) for joint, radius in joints_and_radii]
+        self._stiff = np.tile([_SOFTER_ALONG**-0.5, _SOFTER_ALONG**-0.5, 1.0], len(machine.wheels))
         self._arm = [self._model.joints[self._model.getJointId(name)].idx_q for name in joints]
         self._base, self._tip = self._model.getFrameId(base_link), self._model.getFrameId(tip_link)
         self._names = tuple(wheel.name for wheel in machine.wheels)
@@ -86,13 +88,13 @@ class Footing:
         model.gravity.linear = turned @ gravity
         weight = pin.computeGeneralizedGravity(model, data, q)
         columns = []
-        for joint, radius in self._wheels:
+        for joint, down in self._wheels:
             jacobian = pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)
-            below = jacobian[:3] + pin.skew(turned @ np.array([0.0, 0.0, radius])) @ jacobian[3:]
+            below = jacobian[:3] + pin.skew(turned @ down) @ jacobian[3:]
             columns.append(self._free.T @ (below.T @ turned))
         to_tip = pin.getFrameJacobian(model, data, self._tip, pin.LOCAL_WORLD_ALIGNED)[:3]
         asked = np.column_stack([weight, -to_tip.T @ turned])
-        stiff = np.tile([_SOFTER_ALONG**-0.5, _SOFTER_ALONG**-0.5, 1.0], len(self._wheels))
+        stiff = self._stiff
         found = stiff[:, None] * (np.linalg.pinv(np.hstack(columns) * stiff) @ (self._free.T @ asked))
         normal = found[2::3]
         return FootingLoads(normal[:, 0], normal[:, 1:], self._names)

@@ -15,7 +15,7 @@ import numpy as np
 from sojourn_flight.arm.kinematics import direction_from_quaternion
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.orientation import from_quaternion
-from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.param_groups import PoseGoalParams
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
@@ -91,7 +91,7 @@ class ResumeGoal:
 ArmGoal: TypeAlias = JointGoal | NamedGoal | PoseGoal | TrajectoryGoal | PathGoal | StopGoal | PauseGoal | ResumeGoal
 
 
-def pose_goal(params: ArmParams, position: Sequence[float], quaternion_xyzw: Sequence[float]) -> PoseGoal:
+def pose_goal(params: PoseGoalParams, position: Sequence[float], quaternion_xyzw: Sequence[float]) -> PoseGoal:
     """Goal from a pose of the tip frame in base_link; identity or all-zero orientation: pointing free. What the
     orientation asks for otherwise is `params.goal_orientation`.
 

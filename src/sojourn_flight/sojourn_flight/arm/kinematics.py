@@ -24,6 +24,7 @@ import numpy as np
 from sojourn_flight.arm.chain import ChainArm, tip_kinematics
 from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION, search, spread
 from sojourn_flight.arm.model import ArmModel
+from sojourn_flight.arm.param_groups import PoseGoalParams
 from sojourn_flight.arm.params import ArmParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
@@ -59,7 +60,7 @@ def forward_kinematics(model: ChainArm, positions: FloatArray) -> TipPose:
     return TipPose(position, rotation, rotation @ model.chain.tool_axis, jacobian)
 
 
-def direction_from_quaternion(params: ArmParams, quaternion_xyzw: FloatArray) -> FloatArray | None:
+def direction_from_quaternion(params: PoseGoalParams, quaternion_xyzw: FloatArray) -> FloatArray | None:
     """Tool direction (3,) in base_link that a tip orientation asks for; None (free) for identity or all zero.
 
     Args:

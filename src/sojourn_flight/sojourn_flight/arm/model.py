@@ -41,6 +41,8 @@ class ArmModel:
     max_acceleration: FloatArray  # (n,) [rad/s2]
     max_jerk: FloatArray  # (n,) [rad/s3]
     max_effort: FloatArray  # (n,) [N m or N]
+    reach: float  # length of the chain stretched out, without what lies before its first joint [m]; 1 where it has none
+    rotor_inertia: FloatArray  # (n,) at the joints [kg m2 or kg]
     pinocchio_model: Any
     data: Any
     geometry_model: Any
@@ -60,11 +62,6 @@ class ArmModel:
     def joint_count(self) -> int:
         """Number of joints [-]."""
         return len(self.joint_names)
-
-    @property
-    def reach(self) -> float:
-        """Length of the chain stretched out, without what lies before its first joint [m]; 1 where it has none."""
-        return stretched_length(self.chain, self.lower, self.upper)
 
     def unit(self, joint: int) -> str:
         """Of a joint's position, for texts."""
@@ -115,15 +112,19 @@ def build_arm_model(urdf_xml: str, params: ArmParams) -> ArmModel:
     objects = shapes.geometryObjects
     reach = _reach(model, shapes)
     moving = tuple((i, link_name(model, g.parentFrame)) for i, g in enumerate(objects) if g.parentJoint > 0)
+    chain = chain_of(model, params.tip_link, params.tool_axis)
+    lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
     arm = ArmModel(
         joint_names=params.joint_names,
-        chain=chain_of(model, params.tip_link, params.tool_axis),
-        lower=np.array(model.lowerPositionLimit),
-        upper=np.array(model.upperPositionLimit),
+        chain=chain,
+        lower=lower,
+        upper=upper,
         max_velocity=np.array(params.max_velocity),
         max_acceleration=np.array(params.max_acceleration),
         max_jerk=np.array(params.max_jerk),
         max_effort=np.array(model.upperEffortLimit),
+        reach=stretched_length(chain, lower, upper),
+        rotor_inertia=np.array(model.armature),
         pinocchio_model=model,
         data=model.createData(),
         geometry_model=shapes,

@@ -24,7 +24,7 @@ import numpy as np
 from sojourn_flight.arm.dynamics import rigid_effort
 from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.model import ArmModel
-from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.param_groups import ArmDriveParams
 from sojourn_flight.arm.trajectory import JointReference
 from sojourn_machine.params import FloatArray
 
@@ -45,7 +45,7 @@ class LoadPeak:
     text: str
 
 
-def motor_efforts(params: ArmParams, rigid: FloatArray, velocities: FloatArray) -> FloatArray:
+def motor_efforts(params: ArmDriveParams, rigid: FloatArray, velocities: FloatArray) -> FloatArray:
     """tau_m (k, n) [N m or N] for rigid-body efforts and velocities, (k, n) each."""
     sense = np.where(np.abs(velocities) > _AT_REST, np.sign(velocities), 0.0)
     asked = rigid.copy()
@@ -59,13 +59,13 @@ def motor_efforts(params: ArmParams, rigid: FloatArray, velocities: FloatArray) 
     return np.where(asked * sense > 0.0, asked / efficiency, np.where(sense == 0.0, asked, asked / (2.0 - efficiency)))
 
 
-def power_drawn(params: ArmParams, motor: FloatArray, velocities: FloatArray) -> FloatArray:
+def power_drawn(params: ArmDriveParams, motor: FloatArray, velocities: FloatArray) -> FloatArray:
     """P (k,) [W]."""
     loss = np.array(params.winding_loss) if params.winding_loss else 0.0
     return np.asarray(np.sum(np.maximum(motor * velocities + loss * motor**2, 0.0), axis=1))
 
 
-def peak(params: ArmParams, model: ArmModel, path: JointPath, gravity: FloatArray) -> LoadPeak:
+def peak(params: ArmDriveParams, model: ArmModel, path: JointPath, gravity: FloatArray) -> LoadPeak:
     """The sample of a motion that comes nearest to a limit, or goes beyond it.
 
     Args:
@@ -78,7 +78,7 @@ def peak(params: ArmParams, model: ArmModel, path: JointPath, gravity: FloatArra
     return _largest(params, model, rigid, qd)
 
 
-def _largest(params: ArmParams, model: ArmModel, rigid: FloatArray, velocities: FloatArray) -> LoadPeak:
+def _largest(params: ArmDriveParams, model: ArmModel, rigid: FloatArray, velocities: FloatArray) -> LoadPeak:
     """The largest share of a limit among samples of rigid-body efforts and velocities, (k, n) each."""
     motor = motor_efforts(params, rigid, velocities)
     joints = np.abs(rigid) / model.max_effort
@@ -99,7 +99,7 @@ def _largest(params: ArmParams, model: ArmModel, rigid: FloatArray, velocities: 
 
 
 def rate_within(
-    params: ArmParams, model: ArmModel, path: JointPath, start: float, gravity: FloatArray
+    params: ArmDriveParams, model: ArmModel, path: JointPath, start: float, gravity: FloatArray
 ) -> tuple[float, LoadPeak]:
     """How fast the rest of a path may be run within the motors' torques and the power that the parameters allow.
 
@@ -131,7 +131,7 @@ def rate_within(
 
 
 def share_within(
-    params: ArmParams,
+    params: ArmDriveParams,
     model: ArmModel,
     positions: FloatArray,
     rates: FloatArray,

@@ -42,6 +42,7 @@ from sojourn_flight.arm.kinematics import (
 )
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import peak, slower
+from sojourn_flight.arm.param_groups import ClearanceParams, PoseGoalParams
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.redundancy import Sphere, better_posture, measure_of
 from sojourn_flight.arm.refusal import GoalRefusedError
@@ -92,7 +93,7 @@ def solve_pose(
 
 
 def _with_spare_joints(
-    params: ArmParams, model: ArmModel, direction: FloatArray | None, solutions: tuple[FloatArray, ...]
+    params: PoseGoalParams, model: ArmModel, direction: FloatArray | None, solutions: tuple[FloatArray, ...]
 ) -> list[FloatArray]:
     """What the nearest solution becomes by the secondary task, if there is one."""
     if params.secondary_task == "none" or not solutions:
@@ -214,7 +215,7 @@ def _plan_pose(
     return any_way(params, model, reference, choices, retreat, detours)
 
 
-def _refuse_buried(params: ArmParams, position: FloatArray, ground: Ground) -> None:
+def _refuse_buried(params: ClearanceParams, position: FloatArray, ground: Ground) -> None:
     """Refuse a place below the ground, by more than a tool may go there."""
     depth, seen = depth_below(ground, position), False
     if isinstance(ground, GroundRelief):

@@ -17,6 +17,7 @@ from sojourn_flight.arm.joint_path import JointPath, join
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import slower
+from sojourn_flight.arm.param_groups import NamedPoseParams
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground
@@ -44,7 +45,7 @@ class Plan:
 
 
 def _ways(
-    params: ArmParams, target: FloatArray, approach: FloatArray | None, retreat: FloatArray | None
+    params: NamedPoseParams, target: FloatArray, approach: FloatArray | None, retreat: FloatArray | None
 ) -> Iterator[tuple[list[FloatArray], str]]:
     """Corner postures of each way to a target, the target last, and a note for the operator."""
     tail = [target] if approach is None else [approach, target]

@@ -6,6 +6,7 @@ with the mass m of all that hangs on the sensor, which is the arm's last link, f
 from the attitude of the IMU. What the tool's own acceleration adds is left in: 0.3 N for 2 kg at 0.15 m/s2.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,8 +28,7 @@ class ContactSense:
 
     def tool_load(self, model: ArmModel, tip: TipPose, gravity_in_base: FloatArray) -> FloatArray:
         """Wrench of the tool's own weight in the sensor's frame, (6,)."""
-        weight = self.mass * (sensor_rotation(model, tip).T @ gravity_in_base)
-        return np.concatenate([weight, cross(self.centre, weight)])
+        return self._load(sensor_rotation(model, tip), gravity_in_base)
 
     def contact(self, model: ArmModel, tip: TipPose, wrench: FloatArray, gravity_in_base: FloatArray) -> FloatArray:
         """Force of the ground on the tool in base_link, (3,) [N].
@@ -36,8 +36,13 @@ class ContactSense:
         Args:
             wrench: as measured, of the tool on the arm, (6,).
         """
-        rest = wrench - self.bias - self.tool_load(model, tip, gravity_in_base)
-        return np.asarray(sensor_rotation(model, tip) @ rest[:3])
+        turned = sensor_rotation(model, tip)
+        rest = wrench - self.bias - self._load(turned, gravity_in_base)
+        return np.asarray(turned @ rest[:3])
+
+    def _load(self, rotation: FloatArray, gravity_in_base: FloatArray) -> FloatArray:
+        weight = self.mass * (rotation.T @ gravity_in_base)
+        return np.concatenate([weight, cross(self.centre, weight)])
 
 
 def contact_sense(model: ArmModel) -> ContactSense:
@@ -53,5 +58,5 @@ def sensor_rotation(model: ArmModel, tip: TipPose) -> FloatArray:
 
 def check_wrench(wrench: FloatArray | None) -> None:
     """Raise InvalidValueError for a wrench that is not six finite numbers; None is no measurement."""
-    if wrench is not None and (wrench.shape != (6,) or not np.isfinite(wrench).all()):
+    if wrench is not None and (wrench.shape != (6,) or not all(map(math.isfinite, wrench.tolist()))):
         raise InvalidValueError("wrist wrench", wrench.tolist(), "6 finite numbers, or none")

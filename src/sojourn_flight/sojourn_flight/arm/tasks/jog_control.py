@@ -6,6 +6,7 @@ from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent
 from sojourn_flight.arm.jogging import JogCommand, Surroundings, begin_jog, jog_on
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.pace import with_granted_power
+from sojourn_flight.arm.param_groups import FollowingParams
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.phases import Holding
 from sojourn_flight.arm.refusal import GoalRefusedError
@@ -73,7 +74,7 @@ def _rested(state: TaskState, joints: JointReference) -> TaskState:
     )
 
 
-def held_back(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> str:
+def held_back(params: FollowingParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> str:
     """Which joint is too far from its reference, in words; empty where none is."""
     if not state.arm.started:
         return ""
@@ -82,4 +83,4 @@ def held_back(params: ArmParams, model: ArmModel, state: TaskState, inputs: Task
     if behind[worst] <= params.following_error_limit:
         return ""
     off = f"{behind[worst]:.3f} {model.unit(worst)}"
-    return f"{params.joint_names[worst]} is {off} from its reference: something holds it"
+    return f"{model.joint_names[worst]} is {off} from its reference: something holds it"

@@ -32,13 +32,16 @@ def with_outcome(
         output: of the arm. answer: to a task or a jog that was asked for in this period.
         is_of_task: the arm's goal of this period is one that a task gave.
     """
-    report, rests = report_of(state), float(np.max(np.abs(output.velocities))) < _STILL
+    if answer is None and not output.events and state.task is None and state.jog is None:
+        return state, output
+    report = report_of(state)
     answers: tuple[GoalEvent, ...] = () if answer is None else (answer,)
     if not is_of_task:
         answers += tuple(event for event in output.events if event.is_answer)
     refusal = answer.reason if answer is not None else ""
     ends: tuple[GoalEvent, ...] = ()
     if state.paused:
+        rests = float(np.max(np.abs(output.velocities))) < _STILL
         output = replace(output, status="paused" if rests else "moving", reason=refusal or _PAUSED)
         ends = (GoalEvent("paused", output.reason),) if rests else ()
     elif report is None:

@@ -35,7 +35,7 @@ from sojourn_flight.arm.contact_guard import (
 from sojourn_flight.arm.deflection import joint_positions
 from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent, was
 from sojourn_flight.arm.goals import ArmGoal, PauseGoal, PoseGoal, ResumeGoal, StopGoal
-from sojourn_flight.arm.kinematics import forward_kinematics
+from sojourn_flight.arm.kinematics import TipPose, forward_kinematics
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.pace import granted_velocity
 from sojourn_flight.arm.params import ArmParams
@@ -75,7 +75,8 @@ def warm_up(params: ArmParams, model: ArmModel) -> None:
     rest, level = np.zeros(model.joint_count), np.array([0.0, 0.0, -1.0])
     state = initial_state(params, model)
     for request in (goal, StopGoal(), None):
-        state, _, _ = step(params, model, state, TaskInput(ArmInput(start, rest, level, goal=request)), 0.02)
+        known = ArmInput(start, rest, level, goal=request)
+        state, _, _ = step(params, model, state, TaskInput(known, wrench=np.zeros(6), efforts=rest), 0.02)
     controller.warm_up(params, model)
 
 
@@ -88,17 +89,23 @@ def step(
         InvalidValueError: a measurement of wrong length or not finite.
     """
     check_wrench(inputs.wrench)
-    state, felt = _feel(params, model, state, inputs, dt)
-    state = _watch(params, model, state, inputs, felt)
-    state = replace(state, since_jog=state.since_jog + dt)
+    observer = _observe(params, model, state.observer, inputs, dt)
+    state = replace(state, observer=observer, since_jog=state.since_jog + dt)
+    if _is_watched(state):
+        state = _watch(params, model, state, inputs)
+    elif state.known is not None:
+        state = replace(state, known=None)
     state, goal, answer = _take(params, model, state, inputs)
     if state.jog is not None:
         state = go_on_with_jog(params, model, state, inputs, dt)
     elif goal is None:
-        state, goal = _work(params, model, state, inputs, felt, dt)
+        state, goal = _work(params, model, state, inputs, dt)
     is_of_task = goal is not None and inputs.arm.goal is None and not isinstance(goal, PauseGoal | ResumeGoal)
-    arm, output = controller.step(params, model, state.arm, replace(inputs.arm, goal=goal, guide=state.motion), dt)
-    state = replace(state, arm=arm)
+    asked = inputs.arm
+    if goal is not asked.goal or state.motion is not asked.guide:
+        asked = replace(asked, goal=goal, guide=state.motion)
+    arm, output = controller.step(params, model, state.arm, asked, dt)
+    state = state if arm is state.arm else replace(state, arm=arm)
     if is_of_task and was("refused", output.events):
         state = _give_up(state, Ended(arm.reason))
     elif inputs.arm.goal is not None and was("accepted", output.events):
@@ -167,27 +174,38 @@ def _under_way(state: TaskState) -> str:
     return "another goal" if is_busy(state.arm.phase) else ""
 
 
-def _feel(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, dt: float) -> tuple[TaskState, Felt]:
-    """What acts on the arm from outside."""
-    arm, force, observer = inputs.arm, None, MomentumObserver()
+def _observe(
+    params: ArmParams, model: ArmModel, observer: MomentumObserver, inputs: TaskInput, dt: float
+) -> MomentumObserver:
+    """The observer of torques from outside; anew where nobody tells those of the joints."""
+    arm = inputs.arm
+    if inputs.efforts is None:
+        return MomentumObserver()
+    reading = JointReading(arm.positions, arm.velocities, inputs.efforts)
+    rotors, rate = not params.gear_compliance, params.contact.observer_rate
+    return observe(model, observer, rotors, reading, arm.gravity_in_base, rate, dt)
+
+
+def _feel(model: ArmModel, state: TaskState, inputs: TaskInput, tip: TipPose) -> Felt:
+    """What acts on the arm from outside; `tip`: as measured."""
+    force = None
     if inputs.wrench is not None:
-        tip = forward_kinematics(model, arm.positions)
-        force = state.sense.contact(model, tip, inputs.wrench, arm.gravity_in_base)
-    if inputs.efforts is not None:
-        reading = JointReading(arm.positions, arm.velocities, inputs.efforts)
-        rotors, rate = not params.gear_compliance, params.contact.observer_rate
-        observer = observe(model, state.observer, rotors, reading, arm.gravity_in_base, rate, dt)
-    return replace(state, observer=observer), Felt(force, observer.residual)
+        force = state.sense.contact(model, tip, inputs.wrench, inputs.arm.gravity_in_base)
+    return Felt(force, state.observer.residual)
 
 
-def _watch(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, felt: Felt) -> TaskState:
-    """Give up a planned motion that meets something."""
-    moves = isinstance(state.arm.phase, Moving | Settling)
-    jogged = state.jog is not None and state.motion is not None
-    if not jogged and (not moves or state.motion is not None):
-        return state if state.known is None else replace(state, known=None)
-    known = faded(state.known or before(felt, model.joint_count), felt)
+def _is_watched(state: TaskState) -> bool:
+    """Whether a motion is under way that is to touch nothing."""
+    if state.motion is None:
+        return isinstance(state.arm.phase, Moving | Settling)
+    return state.jog is not None
+
+
+def _watch(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> TaskState:
+    """Give up a motion that meets something."""
     tip = forward_kinematics(model, inputs.arm.positions)
+    felt = _feel(model, state, inputs, tip)
+    known = faded(state.known or before(felt, model.joint_count), felt)
     reason = touched(params.contact, model, tip, known, felt)
     if not reason and inputs.loads is not None and felt.force is not None:
         reason = lifted(params.contact, inputs.loads, felt.force)
@@ -202,7 +220,7 @@ def _watch(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInp
 
 
 def _work(
-    params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, felt: Felt, dt: float
+    params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, dt: float
 ) -> tuple[TaskState, ArmGoal | None]:
     """Let the task look; the reference of the tip that it guides, or the goal that it gives to the arm."""
     if state.task is None or not state.arm.started:
@@ -221,7 +239,7 @@ def _work(
     sense = state.sense if doing.bias is None else replace(state.sense, bias=state.sense.bias + doing.bias)
     state = replace(state, task=task, sense=sense, doing=doing, tool_command=doing.tool or state.tool_command)
     if doing.gives_way and state.motion is not None:
-        rates = yielding_rates(params.contact, model, look.tip, felt)
+        rates = yielding_rates(params.contact, model, look.tip, _feel(model, state, inputs, look.tip))
         return replace(state, motion=turn_joints(model, state.motion, rates, dt)), None
     if doing.velocity is None:
         stop = StopGoal() if state.motion is not None and doing.goal is None else None

@@ -9,6 +9,7 @@ from sojourn_flight.arm.footing import FootingLoads
 from sojourn_flight.arm.jogging import JogCommand, Jogging
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.phases import Holding, Waiting
 from sojourn_flight.arm.state import ArmInput, ArmState
 from sojourn_flight.arm.tasks.contact_sense import ContactSense, contact_sense
 from sojourn_flight.arm.tasks.guided_pace import GuidedPace
@@ -65,6 +66,11 @@ class TaskState:
     """None where the last goal was no jog."""
     since_jog: float = math.inf
     """Since the last jog's command [s]."""
+
+    @property
+    def moves(self) -> bool:
+        """Whether the arm is told to move, or a task may tell it so at any time."""
+        return not isinstance(self.arm.phase, Waiting | Holding) or self.task is not None or self.jog is not None
 
 
 @dataclass(frozen=True, slots=True)
