@@ -6,10 +6,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sojourn_config.scenario import load_scenario
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_operator.actions import (
     Action,
     ArmAlong,
+    ArmJog,
     ArmJoints,
     ArmTask,
     ArmTo,
@@ -20,6 +22,7 @@ from sojourn_operator.actions import (
     receiver_of,
 )
 from sojourn_operator.goal_messages import goal_message
+from sojourn_operator.scenario_steps import script_steps
 from sojourn_operator.script import (
     FINAL_STATES,
     LEAD_NS,
@@ -86,11 +89,19 @@ def test_goals_go_out_one_after_another_five_periods_ahead() -> None:
 
 def test_each_kind_of_goal_has_its_topic() -> None:
     topics = []
-    for action in (DRIVE, DriveAlong(((1.0, 0.0), (2.0, 0.0))), ArmTo(1.0, 0.0, 0.0), ARM, ALONG, ArmTask("tare")):
+    for action in (DRIVE, DriveAlong(((1.0, 0.0), (2.0, 0.0))), ArmTo(1.0, 0.0, 0.0), ARM, ALONG, JOG, ArmTask("tare")):
         goal = script(action).look(LOOK, {})
         assert goal is not None
         topics.append(goal.topic)
-    assert topics == ["/goal_pose", "/waypoints", "/arm/goal_pose", "/arm/joint_goal", "/arm/path", "/arm/task"]
+    assert topics == [
+        "/goal_pose",
+        "/waypoints",
+        "/arm/goal_pose",
+        "/arm/joint_goal",
+        "/arm/path",
+        "/arm/cmd_vel",
+        "/arm/task",
+    ]
 
 
 def test_a_path_of_the_tip_as_a_message_has_its_arcs_marked() -> None:
@@ -99,6 +110,44 @@ def test_a_path_of_the_tip_as_a_message_has_its_arcs_marked() -> None:
     assert [pose.frame for pose in path.poses] == ["arc", "map"]
     assert [tuple(pose.position[:2]) for pose in path.poses] == [(1.0, 0.2), (1.0, 0.0)]
     assert (path.poses[0].orientation[3], path.poses[1].orientation[1]) == (1.0, 1.0)
+
+
+JOG = ArmJog((0.02, 0.0, 0.0), (0.0, 0.0, 0.1), 0.5, "map")
+
+
+def test_a_jog_is_kept_up_until_its_end_and_then_zero_until_the_arm_rests() -> None:
+    operator = script(JOG, ARM)
+    sent = [operator.look(k * LOOK, {"arm": GoalReport("moving", k * LOOK)}) for k in range(1, 9)]
+    assert [goal.stamp for goal in sent if goal] == [k * LOOK + LEAD_NS for k in range(1, 9)]
+    assert [goal.action for goal in sent if goal] == 5 * [JOG] + 3 * [JOG.over]
+    twists = [goal_message(goal.action, goal.stamp) for goal in sent if goal]
+    assert [(t.frame, *t.linear, *t.angular) for t in twists[4:6]] == [
+        ("map", 0.02, 0.0, 0.0, 0.0, 0.0, 0.1),
+        ("map", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    ]
+    early = {"arm": GoalReport("stopped", 5 * LOOK + LEAD_NS)}  # of a command before the end
+    assert operator.look(9 * LOOK, early) is not None and not operator.results
+    following = operator.look(10 * LOOK, answer(sent[-1], "stopped"))
+    assert following is not None and following.action == ARM
+    assert (operator.results[0].outcome, operator.results[0].end_s) == ("jogged", pytest.approx(1.0))
+    assert operator.results[0].good
+
+
+def test_a_scenario_may_jog() -> None:
+    step = "{arm_jog: {linear: [0.02, 0.0, 0.0], frame: arm_tip_link, seconds: 3.0}, timeout_s: 9.0}"
+    ((action, limit),) = script_steps(load_scenario("lunar_sample", [f"steps=[{step}]"]))
+    assert action == ArmJog((0.02, 0.0, 0.0), (0.0, 0.0, 0.0), 3.0, "arm_tip_link") and limit == 9.0
+
+
+@pytest.mark.parametrize("state", ["refused", "failed"])
+def test_a_jog_that_is_refused_or_meets_something_ends_the_script(state: str) -> None:
+    operator = script(JOG, ARM)
+    operator.look(LOOK, {"arm": GoalReport(state, LOOK)})  # of an earlier goal
+    second = operator.look(2 * LOOK, {"arm": GoalReport(state, LOOK)})
+    assert second is not None and not operator.results
+    assert operator.look(3 * LOOK, answer(second, state, "in words")) is None
+    assert operator.finished and not operator.succeeded
+    assert (operator.results[0].outcome, operator.results[0].reason) == (state, "in words")
 
 
 def test_an_answer_about_another_goal_ends_nothing() -> None:

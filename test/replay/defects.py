@@ -339,7 +339,7 @@ def rates_are_taken_over_a_period_that_drifts(sensors: Any) -> None:
 
 @defect("sensors", replay="/imu/data.linear_acceleration.z")
 def gravity_is_left_out(sensors: Any) -> None:
-    sensors.app._motion._gravity = np.zeros(3)
+    sensors.app._motion._gravity = 0.0
 
 
 @defect("sensors", replay="/imu/data.orientation", judge="/imu/data.orientation")

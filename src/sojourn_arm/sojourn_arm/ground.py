@@ -60,15 +60,15 @@ class GroundWatch:
             self._fixed = GroundPlane(params.ground_height)
         elif params.avoid_ground and wheels:
             self._under = GroundUnderWheels(scenario.urdf_xml, wheels, params.base_link)
-        self._eye = hazard_camera_of(scenario) if self._under is not None else None
-        known = scenario.drive.obstacles if self._eye is not None else None
+        self._camera = hazard_camera_of(scenario) if self._under is not None else None
+        known = scenario.drive.obstacles if self._camera is not None else None
         self._settings = known
         if known is not None:
             near = known.map.model_copy(update={"cell": CELL, "size": 2.0 * reach + 2.0})
             self._settings = known.model_copy(update={"map": near})
-        if self._settings is not None and self._eye is not None:  # load its compiled kernels now
+        if self._settings is not None and self._camera is not None:  # load its compiled kernels now
             nothing = empty_map(self._settings, 0.0, 0.0)
-            with_cloud(self._settings, nothing, np.ones((1, 3)), self._eye, np.zeros(3), np.eye(3), 0.0)
+            with_cloud(self._settings, nothing, np.ones((1, 3)), self._camera, np.zeros(3), np.eye(3), 0.0)
 
     def initial_state(self) -> KnownGround:
         """Before anything has been seen."""
@@ -80,7 +80,7 @@ class GroundWatch:
         Raises:
             RefusedMessageError: a cloud, or an odometry, that cannot be used.
         """
-        if self._settings is None or self._eye is None:
+        if self._settings is None or self._camera is None:
             return seen
         points, place = points_of(TOPIC, cloud), rover.place()
         if place is None:
@@ -90,7 +90,7 @@ class GroundWatch:
             known = empty_map(self._settings, float(position[0]), float(position[1]))
         else:
             known, driven = seen.map, seen.driven + float(np.linalg.norm(position - seen.position))
-        known = with_cloud(self._settings, known, points, self._eye, position, rotation, driven)
+        known = with_cloud(self._settings, known, points, self._camera, position, rotation, driven)
         return SeenGround(known, position, rotation, driven)
 
     def look(self, known: KnownGround, joints: JointState) -> KnownGround:

@@ -109,6 +109,17 @@ class ArmPathStep(Params):
         return self
 
 
+class ArmJogStep(Params):
+    """A velocity that the operator keeps sending for a while, then zero: /arm/cmd_vel."""
+
+    linear: tuple[float, float, float] = Field(default=(0.0, 0.0, 0.0), description="velocity of the tip [m/s]")
+    angular: tuple[float, float, float] = Field(default=(0.0, 0.0, 0.0), description="rate of its turn [rad/s]")
+    frame: str = Field(
+        default="base_link", description="frame of the numbers: base_link, map, odom or the link of the arm's tip"
+    )
+    seconds: float = Field(gt=0.0, le=LONGEST, description="how long [s]")
+
+
 class ArmTaskStep(Params):
     """A task of the arm with its numbers: /arm/task."""
 
@@ -136,9 +147,27 @@ def _text(value: bool | float | tuple[float, ...]) -> str:
 
 
 StepAction: TypeAlias = (
-    DriveGoalStep | DriveRouteStep | ArmPoseStep | ArmGroundStep | ArmJointsStep | ArmPathStep | ArmTaskStep | float
+    DriveGoalStep
+    | DriveRouteStep
+    | ArmPoseStep
+    | ArmGroundStep
+    | ArmJointsStep
+    | ArmPathStep
+    | ArmJogStep
+    | ArmTaskStep
+    | float
 )
-ACTIONS = ("drive_to", "drive_route", "arm_to", "arm_to_ground", "arm_joints", "arm_path", "arm_task", "wait_s")
+ACTIONS = (
+    "drive_to",
+    "drive_route",
+    "arm_to",
+    "arm_to_ground",
+    "arm_joints",
+    "arm_path",
+    "arm_jog",
+    "arm_task",
+    "wait_s",
+)
 
 
 class StepConfig(Params):
@@ -150,6 +179,7 @@ class StepConfig(Params):
     arm_to_ground: ArmGroundStep | None = Field(default=None, description="tip of the arm to the ground")
     arm_joints: ArmJointsStep | None = Field(default=None, description="arm to positions or a named pose")
     arm_path: ArmPathStep | None = Field(default=None, description="tip of the arm along lines and arcs")
+    arm_jog: ArmJogStep | None = Field(default=None, description="tip of the arm with a velocity, for a while")
     arm_task: ArmTaskStep | None = Field(default=None, description="task of the arm")
     wait_s: float | None = Field(default=None, ge=0.0, le=LONGEST, description="time to wait [s]")
     timeout_s: float | None = Field(

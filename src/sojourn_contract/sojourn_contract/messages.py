@@ -44,7 +44,7 @@ def wrench_stamped(stamp: int, frame: str, wrench: FloatArray | None) -> WrenchS
 def wrench_of(message: WrenchStamped) -> FloatArray | None:
     """Force and moment of a message, (6,), or None where it is not measured."""
     wrench = np.concatenate([message.force, message.torque])
-    return None if np.isnan(wrench).any() else wrench
+    return None if any(map(math.isnan, wrench.tolist())) else wrench
 
 
 def _single(value: float) -> float:

@@ -1,6 +1,7 @@
 """What a step of a script may ask for: goals of drive and arm, and waits."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,21 @@ class ArmAlong:
 
 
 @dataclass(frozen=True)
+class ArmJog:
+    """Move the arm's tip with a velocity [m/s] and a rate of turn [rad/s] for a while [s]."""
+
+    linear: tuple[float, float, float]
+    angular: tuple[float, float, float]
+    seconds: float
+    frame: str = "base_link"
+
+    @property
+    def over(self) -> "ArmJog":
+        """What is asked for at its end: to rest."""
+        return replace(self, linear=(0.0, 0.0, 0.0), angular=(0.0, 0.0, 0.0))
+
+
+@dataclass(frozen=True)
 class ArmTask:
     """Carry out a task of the arm with its numbers, as texts by key."""
 
@@ -86,7 +102,7 @@ class Wait:
     seconds: float
 
 
-Action = DriveTo | DriveAlong | ArmTo | ArmGround | ArmJoints | ArmAlong | ArmTask | Wait
+Action = DriveTo | DriveAlong | ArmTo | ArmGround | ArmJoints | ArmAlong | ArmJog | ArmTask | Wait
 
 TOPICS: dict[type, tuple[str, str]] = {
     DriveTo: ("/goal_pose", "drive"),
@@ -95,6 +111,7 @@ TOPICS: dict[type, tuple[str, str]] = {
     ArmGround: ("/arm/goal_pose", "arm"),
     ArmJoints: ("/arm/joint_goal", "arm"),
     ArmAlong: ("/arm/path", "arm"),
+    ArmJog: ("/arm/cmd_vel", "arm"),
     ArmTask: ("/arm/task", "arm"),
 }
 """Topic of each kind of goal, and the role that carries it out."""
@@ -115,6 +132,8 @@ def describe(action: Action) -> str:
             return f"arm: {name}" if name else f"arm to {len(positions)} joint positions"
         case ArmAlong(points):
             return f"arm along {len(points)} points"
+        case ArmJog(linear, angular, seconds):
+            return f"jog the arm at {math.hypot(*linear):g} m/s, {math.hypot(*angular):g} rad/s for {seconds:g} s"
         case ArmTask(name, values):
             return " ".join((f"arm: {name}", *(f"{key}={value}" for key, value in values)))
         case Wait(seconds):

@@ -7,7 +7,7 @@ import numpy as np
 
 from sojourn_contract.heartbeat import is_count, status_message, status_values
 from sojourn_contract.values import DiagnosticArray, Header, JointState, Message, Path, PoseStamped, TwistStamped
-from sojourn_operator.actions import Action, ArmAlong, ArmJoints, ArmTask, ArmTo, DriveAlong, DriveTo
+from sojourn_operator.actions import Action, ArmAlong, ArmJog, ArmJoints, ArmTask, ArmTo, DriveAlong, DriveTo
 from sojourn_operator.script import GoalReport
 
 ANY = (0.0, 0.0, 0.0, 0.0)
@@ -38,6 +38,8 @@ def goal_message(action: Action, stamp: int) -> Message:
                 for point in action.points
             ]
             return Path(stamp, action.frame, tuple(poses))
+        case ArmJog():
+            return TwistStamped(stamp, action.frame, np.array(action.linear), np.array(action.angular))
         case ArmTask():
             return status_message(stamp, action.name, dict(action.values))
     raise TypeError(f"{action!r} is no goal")

@@ -8,6 +8,7 @@ from sojourn_config.paths import available, resolve
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.steps import (
     ArmGroundStep,
+    ArmJogStep,
     ArmJointsStep,
     ArmPathStep,
     ArmPoseStep,
@@ -20,6 +21,7 @@ from sojourn_operator.actions import (
     Action,
     ArmAlong,
     ArmGround,
+    ArmJog,
     ArmJoints,
     ArmTask,
     ArmTo,
@@ -96,6 +98,8 @@ def _action(step: StepAction, joints: Sequence[str]) -> Action:
         case ArmPathStep():
             points = (TipPoint(p.x, p.y, p.z, p.orientation, p.on_arc) for p in step.points)
             return ArmAlong(tuple(points), step.frame)
+        case ArmJogStep():
+            return ArmJog(step.linear, step.angular, step.seconds, step.frame)
         case ArmTaskStep():
             return ArmTask(step.name, tuple(step.texts.items()))
     return Wait(step)

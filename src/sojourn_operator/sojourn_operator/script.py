@@ -2,6 +2,7 @@
 
 At each look it is given the simulation time and what drive and arm report; it answers with the goal to send, if any. A
 step is over when the report whose goal_stamp is that of its goal is final; the first step that fails ends the script.
+A jog is sent again at each look, and zero from its end on until the arm says that it rests.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,13 +10,14 @@ from dataclasses import asdict, dataclass, replace
 
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_contract.topics import OPERATOR_LAG
-from sojourn_operator.actions import TOPICS, Action, Wait, describe
+from sojourn_operator.actions import TOPICS, Action, ArmJog, Wait, describe
 
 REACHED = "reached"
 WAITED = "waited"
+JOGGED = "jogged"
 TIMED_OUT = "timed out"
 FINAL_STATES = (REACHED, "refused", "stopped", "failed")
-GOOD_OUTCOMES = (REACHED, WAITED)
+GOOD_OUTCOMES = (REACHED, WAITED, JOGGED)
 LEAD_NS = OPERATOR_LAG * CONTROL_PERIOD_NS
 """A goal takes effect so much after the look that led to it [ns]."""
 
@@ -109,7 +111,7 @@ class OperatorScript:
         if state.since is not None:
             outcome = self._judge(state, now, reports)
             if outcome is None:
-                return state, None
+                return state, self._kept_up(state.since, now, self.steps[len(state.results)][0])
             state = self._record(state, now, *outcome)
         if state.finished or len(state.results) == len(self.steps):
             return replace(state, finished=True), None
@@ -128,6 +130,10 @@ class OperatorScript:
         if isinstance(action, Wait):
             if now >= since + round(action.seconds * NANOSECONDS):
                 return WAITED, ""
+        elif isinstance(action, ArmJog):
+            outcome = _judge_jog(action, since, reports.get(TOPICS[ArmJog][1]))
+            if outcome is not None:
+                return outcome
         else:
             report = reports.get(TOPICS[type(action)][1])
             if report is not None and report.goal_stamp == since + LEAD_NS and report.state in FINAL_STATES:
@@ -138,6 +144,14 @@ class OperatorScript:
             return TIMED_OUT, f"not done within {limit:g} s"
         return None
 
+    @staticmethod
+    def _kept_up(since: int, now: int, action: Action) -> GoalToSend | None:
+        """What is sent again while a step goes on."""
+        if not isinstance(action, ArmJog):
+            return None
+        over = now >= since + round(action.seconds * NANOSECONDS)
+        return GoalToSend(TOPICS[ArmJog][0], now + LEAD_NS, action.over if over else action)
+
     def _limit_text(self) -> str:
         return f"the run's limit of {self.limit_s:g} s is over"
 
@@ -146,6 +160,16 @@ class OperatorScript:
         start = now if state.since is None else state.since
         result = StepResult(step, outcome, reason, start / NANOSECONDS, now / NANOSECONDS)
         return ScriptState((*state.results, result), None, finished=not result.good)
+
+
+def _judge_jog(jog: ArmJog, since: int, report: GoalReport | None) -> tuple[str, str] | None:
+    """Outcome and reason of a jog that began at `since` [ns]; None while it goes on. It ends at rest, or refused."""
+    if report is None or report.goal_stamp < since + LEAD_NS or report.state not in FINAL_STATES:
+        return None
+    if report.state != "stopped":
+        return report.state, report.reason
+    over = report.goal_stamp >= since + round(jog.seconds * NANOSECONDS) + LEAD_NS
+    return (JOGGED, report.reason) if over else None
 
 
 def results_as_data(results: Sequence[StepResult]) -> list[dict[str, object]]:

@@ -97,7 +97,9 @@ class SensorsApp(App[SensorsState]):
     def step(self, state: SensorsState, period: Period) -> tuple[SensorsState, Answer]:
         """Measure the truth of this period."""
         stamp, inputs = period.stamp, period.inputs
-        state = replace(state, dead=without_power(self.params.powered_by, state.dead, inputs.get(LOADS)))
+        loads = inputs.get(LOADS)
+        if loads is not None:
+            state = replace(state, dead=without_power(self.params.powered_by, state.dead, loads))
         state, refusals = self._measure(state, stamp, inputs)
         odometry = inputs["/truth/odom"]
         if odometry is not None and state.measured is not None:

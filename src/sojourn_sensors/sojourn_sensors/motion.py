@@ -4,6 +4,7 @@ lever arm.
 
 from dataclasses import dataclass
 from math import atan2, sqrt
+from typing import TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -11,7 +12,9 @@ import pinocchio as pin
 from sojourn_contract.values import Odometry
 from sojourn_machine.mounting import IMU_LINK, mounting
 from sojourn_machine.params import FloatArray
-from sojourn_machine.vectors import cross
+
+Vector: TypeAlias = tuple[float, float, float]
+"""Three numbers: of so few numpy would take most of the time to be called."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +49,10 @@ class ImuMotion:
     """
 
     def __init__(self, urdf_xml: str, gravity: float) -> None:
-        self._rotation_imu_to_base, self._lever = mounting(urdf_xml, IMU_LINK)
-        self._gravity = np.array([0.0, 0.0, -gravity])
+        self._rotation_imu_to_base, lever = mounting(urdf_xml, IMU_LINK)
+        self._into_imu = self._rotation_imu_to_base.T.tolist()
+        self._lever: Vector = tuple(lever.tolist())
+        self._gravity = gravity
 
     def orientation_imu_in_map(self, orientation_base_in_map: FloatArray) -> FloatArray:
         """Quaternion x y z w of the IMU from that of the base."""
@@ -59,17 +64,27 @@ class ImuMotion:
         """Motion at the end of a period of `dt` [s], from the base's true odometry; `before` None in the first."""
         orientation = odometry.orientation
         rotation = rotation_matrix(orientation)
-        angular = odometry.angular
-        velocity = rotation @ (odometry.linear + cross(angular, self._lever))
-        change = np.zeros(3) if before is None else velocity - before.velocity
-        specific = rotation.T @ (change / dt - self._gravity)
-        mean = angular if before is None else rotation_vector(before.orientation, orientation) / dt
-        motion = InertialMotion(self._rotation_imu_to_base.T @ mean, self._rotation_imu_to_base.T @ specific)
+        (vx, vy, vz), (wx, wy, wz), (x, y, z) = odometry.linear.tolist(), odometry.angular.tolist(), self._lever
+        velocity = rotation @ np.array((vx + (wy * z - wz * y), vy + (wz * x - wx * z), vz + (wx * y - wy * x)))
+        if before is None:
+            ax, ay, az, mean = 0.0, 0.0, 0.0, (wx, wy, wz)
+        else:
+            ax, ay, az = ((velocity - before.velocity) / dt).tolist()
+            rx, ry, rz = rotation_vector(before.orientation, orientation)
+            mean = (rx / dt, ry / dt, rz / dt)
+        specific = _turned(rotation.T.tolist(), (ax, ay, az + self._gravity))
+        motion = InertialMotion(np.array(_turned(self._into_imu, mean)), np.array(_turned(self._into_imu, specific)))
         return MotionBefore(velocity, orientation), motion
 
 
-def rotation_vector(before: FloatArray, now: FloatArray) -> FloatArray:
-    """Of the turn between two unit quaternions x y z w, in the body, the shorter way: shape (3,) [rad]."""
+def _turned(rotation: list[list[float]], vector: Vector) -> Vector:
+    x, y, z = vector
+    (a, b, c), (d, e, f), (g, h, i) = rotation
+    return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
+
+
+def rotation_vector(before: FloatArray, now: FloatArray) -> Vector:
+    """Of the turn between two unit quaternions x y z w, in the body, the shorter way [rad]."""
     a, b, c, d = before.tolist()
     e, f, g, h = now.tolist()
     x, y, z = d * e - a * h - b * g + c * f, d * f + a * g - b * h - c * e, d * g - a * f + b * e - c * h
@@ -77,12 +92,12 @@ def rotation_vector(before: FloatArray, now: FloatArray) -> FloatArray:
     sine = sqrt(x * x + y * y + z * z)
     angle_over_sine = 2.0 * atan2(sine, abs(w)) / sine if sine > 1e-12 else 2.0
     scale = angle_over_sine if w >= 0.0 else -angle_over_sine
-    return np.array((scale * x, scale * y, scale * z))
+    return scale * x, scale * y, scale * z
 
 
 def rotation_matrix(orientation: FloatArray) -> FloatArray:
     """Of a unit quaternion x y z w: shape (3, 3)."""
-    x, y, z, w = orientation
+    x, y, z, w = orientation.tolist()
     return np.array(
         (
             (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),

@@ -6,6 +6,7 @@ import numpy as np
 
 from sojourn_contract.messages import battery_state
 from sojourn_contract.values import NOT_MEASURED, BatteryState, Imu, JointState
+from sojourn_machine.params import FloatArray
 from sojourn_physics.sensors.imu import ImuReading
 from sojourn_physics.sensors.suite import SensorMeasurements
 
@@ -23,10 +24,17 @@ def imu_message(stamp: int, reading: ImuReading) -> Imu:
         reading.orientation,
         reading.angular_velocity,
         reading.specific_force,
-        np.diag(reading.orientation_variance).ravel(),
-        np.diag(reading.angular_velocity_variance).ravel(),
-        np.diag(reading.specific_force_variance).ravel(),
+        _covariance(reading.orientation_variance),
+        _covariance(reading.angular_velocity_variance),
+        _covariance(reading.specific_force_variance),
     )
+
+
+def _covariance(variance: FloatArray) -> FloatArray:
+    """Row by row, (9,), of three variances that have nothing to do with each other."""
+    covariance = np.zeros(9)
+    covariance[::4] = variance
+    return covariance
 
 
 def dead_imu(reading: ImuReading) -> ImuReading:

@@ -51,6 +51,18 @@ def test_the_arm_gives_way_to_a_rock_that_nobody_saw(
         assert np.min(rover.output.contacts[:6, 8] / before) > 0.9
 
 
+@pytest.mark.parametrize("depth", [0.03, 0.1], ids=["at the approach's speed", "at full speed"])
+def test_the_arm_gives_way_to_loose_soil(rover_arm: Callable[..., Any], depth: float) -> None:
+    """More slowly than to rock: soil that was pressed down comes back up under the tool."""
+    rover = rover_arm("soil=lunar_nominal")
+    force = pressed(rover, under_the_ground(rover, depth), 12.0)
+    touch = int(np.argmax(force > 0.5))
+    assert 0 < touch < len(force) - 200
+    assert force.max() < 20.0
+    assert force[touch + 100 :].max() < 12.0 and force[touch + 200 :].max() < 10.0
+    assert rover.report.doing.state == "failed" and "gives way" in rover.report.doing.reason
+
+
 def test_after_it_gave_way_the_arm_goes_where_it_is_told(rover_arm: Callable[..., Any]) -> None:
     rover = rover_arm("soil=rigid_rock")
     pressed(rover, under_the_ground(rover, 0.03), 12.0)

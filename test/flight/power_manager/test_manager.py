@@ -315,3 +315,12 @@ def test_bad_requests_are_refused_with_the_names_that_are_right() -> None:
 def test_bad_law_is_refused_by_name(changes: dict[str, float]) -> None:
     with pytest.raises(ValidationError, match=next(iter(changes))):
         PowerLawParams(**(LAW.model_dump() | changes))
+
+
+def test_a_changed_copy_works_out_its_own_levels_and_limits() -> None:
+    assert len(PARAMS.shed_thresholds) == len(PARAMS.shed_priorities) and len(PARAMS.granted) == len(PARAMS.loads)
+    poor = PARAMS.law.model_copy(update={"drive_power_limit": 1e-3, "shed_soc_first": 0.5})
+    changed = PARAMS.model_copy(update={"law": poor})
+    assert changed.shed_thresholds[0] == 0.5 != PARAMS.shed_thresholds[0]
+    limited = {load.name for load, (fraction, _) in zip(PARAMS.loads, changed.granted, strict=True) if fraction < 1e-3}
+    assert limited == {load.name for load in PARAMS.loads if load.group == "drive"} != set()

@@ -148,14 +148,21 @@ def test_balance_error_is_relative_to_the_largest_term() -> None:
 
 @pytest.mark.parametrize("soil", ["lunar_nominal", "mars", "ding_2011"])
 def test_an_abrupt_stop_swings_out(machine: Machines, soil: str) -> None:
-    """Wheels that are stopped at once from 0.1 m/s: below 1 mm/s after 1.9 s, which took 4.8 s without hysteresis."""
+    """Wheels that are stopped at once from 0.1 m/s: below 1 mm/s after 1.8 to 2.1 s, without hysteresis after 4.8 s.
+    The swings fade with the damping ratio of sand, 0.19 to 0.25; for rest after 1.5 s it would have to be 0.28 to 0.34.
+    """
     rover = machine("flat_drive", f"soil={soil}")
     rate = 0.1 / rover.model.machine.wheels[0].radius
-    speeds: list[float] = []
+    seen: list[np.ndarray] = []
     rolling = rover.run(5.0, rover.hold(rate))
-    rest = rover.run(4.0, rover.hold(), rolling, lambda now, _: speeds.append(float(np.linalg.norm(now.velocity[:3]))))
-    moving = [0.02 * (k + 1) for k, speed in enumerate(speeds) if speed > 1e-3]
-    assert max(moving) < 2.2
+    rest = rover.run(4.0, rover.hold(), rolling, lambda now, _: seen.append(now.velocity[:3].copy()))
+    velocities = np.array(seen)
+    moving = np.flatnonzero(np.linalg.norm(velocities, axis=1) > 1e-3)
+    assert 0.02 * (moving[-1] + 1) < 2.2
+    swings = np.split(velocities[:, 0], np.flatnonzero(np.diff(np.sign(velocities[:, 0]))) + 1)
+    peaks = np.array([np.abs(swing).max() for swing in swings[1:]])
+    decrement = -np.diff(np.log(peaks[peaks > 5e-4])).mean()
+    assert 0.15 < decrement / math.hypot(math.pi, decrement) < 0.30
     parked = rover.run(1.0, rover.hold(), rest)
     assert np.linalg.norm(parked.configuration[:3] - rest.configuration[:3]) < 2e-5
 

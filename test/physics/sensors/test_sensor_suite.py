@@ -161,6 +161,16 @@ def test_a_stream_is_the_numpy_sequence_of_its_seed_and_name() -> None:
     assert np.array_equal(rows, expected)
 
 
+def test_streams_side_by_side_are_each_its_own() -> None:
+    widths = {"imu": 6, "wrist": 1, "effort.arm": 3}
+    together, alone = noise.initial_streams(42, widths), [noise.initial_stream(42, *one) for one in widths.items()]
+    for _ in range(2 * noise.ROWS + 10):
+        together, row = noise.draw(together)
+        drawn = [noise.draw(stream) for stream in alone]
+        alone = [stream for stream, _ in drawn]
+        assert row.tolist() == [number for _, part in drawn for number in part.tolist()]
+
+
 @pytest.mark.parametrize("bad", [nan, inf, -inf])
 @pytest.mark.parametrize(
     "name",

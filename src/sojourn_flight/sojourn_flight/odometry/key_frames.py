@@ -85,7 +85,7 @@ class TerrainMatcher:
     """What matching needs to know of a machine."""
 
     params: TerrainMatchParams
-    eye: StereoCamera
+    camera: StereoCamera
 
 
 def match_ground(
@@ -147,9 +147,11 @@ def match_ground(
 
 def warm_up(matcher: TerrainMatcher, odometry: OdometryState) -> None:
     """Have every kernel compiled: looks at a wavy ground from two places; `odometry` is left as it is."""
-    params, eye = matcher.params, matcher.eye
+    params, camera = matcher.params, matcher.camera
     ahead, left = np.meshgrid(np.linspace(0.5, 2.0, 31), np.linspace(-0.8, 0.8, 33))
-    ground = np.stack([ahead, left, 0.05 * np.sin(4.0 * ahead) * np.cos(4.0 * left) - eye.position[2] - 0.5], axis=-1)
+    ground = np.stack(
+        [ahead, left, 0.05 * np.sin(4.0 * ahead) * np.cos(4.0 * left) - camera.position[2] - 0.5], axis=-1
+    )
     first, state = match_ground(matcher, odometry, TerrainMatchState(), ground.reshape(-1, 3))
     second = replace(first, x=first.x + params.least_step, y=first.y + params.least_step)
     match_ground(matcher, second, state, ground.reshape(-1, 3))
@@ -173,7 +175,7 @@ def match_status(state: TerrainMatchState | None, odometry: OdometryState) -> di
 
 def _look_of(matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState, cloud: FloatArray) -> KeyFrame:
     """The near points of a cloud in level axes."""
-    rays = cloud - matcher.eye.position
+    rays = cloud - matcher.camera.position
     near = (rays * rays).sum(axis=1) <= matcher.params.range**2
     level = rotation_of(odometry.roll, odometry.pitch)
     height = odometry.z
@@ -181,7 +183,7 @@ def _look_of(matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMat
         height = state.looks[-1].place[2] + odometry.z - state.at[2]
     return KeyFrame(
         np.ascontiguousarray(cloud[near] @ level.T),
-        np.ascontiguousarray(along_rays(matcher.eye, cloud[near]) @ level.T),
+        np.ascontiguousarray(along_rays(matcher.camera, cloud[near]) @ level.T),
         (odometry.x, odometry.y, height, odometry.yaw),
     )
 
@@ -233,7 +235,7 @@ def _with_key_frame(
     matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState
 ) -> tuple[OdometryState, TerrainMatchState]:
     """A key frame at the newest look, through the last ones."""
-    params, eye = matcher.params, matcher.eye
+    params, camera = matcher.params, matcher.camera
     x, y, level, yaw = state.looks[-1].place
     points, variances = [], []
     for look in state.looks:
@@ -242,7 +244,7 @@ def _with_key_frame(
         points.append(look.points @ turned.T + np.array((ahead, left, look.place[2] - level)))
         length = np.sqrt((look.errors * look.errors).sum(axis=1))
         variances.append((np.abs(look.errors[:, 2]) + LEAST_STEEPNESS * length) ** 2 + LEAST_VARIANCE)
-    reach = params.range + math.hypot(eye.position[0], eye.position[1])
+    reach = params.range + math.hypot(camera.position[0], camera.position[1])
     surface = surface_through(np.concatenate(points), np.concatenate(variances), params.cell, params.radius, reach)
     odometry = replace(
         odometry,

@@ -31,7 +31,7 @@ of the battery.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import exp, isfinite
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from sojourn_flight.power_manager.params import PowerLawParams, PowerManagerParams
 from sojourn_machine.errors import InvalidValueError
@@ -143,11 +143,14 @@ def step(
             essential one. The state is a value: the caller may step again without the request.
     """
     _require_telemetry(inputs, dt)
-    wanted = _apply_requests(params, state.wanted, inputs.requests)
-    state = _filter(params, replace(state, wanted=wanted), inputs, dt)
+    state = _filter(params, state, inputs, dt)
     state, correcting = _estimate_charge(params, state, inputs, dt)
-    state = _shed(params, state, dt)
-    state = replace(state, drive_fraction=_drive_fraction(params.law, state.drive_fraction, inputs.voltage, dt))
+    state = replace(
+        state,
+        wanted=_apply_requests(params, state.wanted, inputs.requests),
+        drive_fraction=_drive_fraction(params.law, state.drive_fraction, inputs.voltage, dt),
+        **_levels(params, state, dt),
+    )
     return state, _output(params, state, inputs, correcting)
 
 
@@ -200,7 +203,8 @@ def _estimate_charge(
     return replace(state, soc=min(max(soc, 0.0), 1.0), rest_elapsed=rest_elapsed), correcting
 
 
-def _shed(params: PowerManagerParams, state: PowerManagerState, dt: float) -> PowerManagerState:
+def _levels(params: PowerManagerParams, state: PowerManagerState, dt: float) -> dict[str, Any]:
+    """What is remembered of the levels that are shed, for low charge and for low voltage."""
     law, thresholds = params.law, params.shed_thresholds
     soc = 0.0 if state.soc is None else state.soc
     by_charge = state.level_by_charge
@@ -218,7 +222,7 @@ def _shed(params: PowerManagerParams, state: PowerManagerState, dt: float) -> Po
         by_voltage, low = max(by_voltage, min(by_charge, len(thresholds) - 1)) + 1, 0.0
     if high > law.restore_interval and by_voltage > 0:
         by_voltage, high = by_voltage - 1, 0.0
-    return replace(state, level_by_charge=by_charge, level_by_voltage=by_voltage, low_elapsed=low, high_elapsed=high)
+    return {"level_by_charge": by_charge, "level_by_voltage": by_voltage, "low_elapsed": low, "high_elapsed": high}
 
 
 def _output(
@@ -242,7 +246,8 @@ def _output(
         shed_level=level,
         drive_fraction=state.drive_fraction,
         switches=tuple(
-            _switch(params, state, load, wanted, shed) for load, wanted in zip(params.loads, state.wanted, strict=True)
+            _switch(params, state, load, granted, shed) if wanted or load.essential else _switched_off(load)
+            for load, wanted, granted in zip(params.loads, state.wanted, params.granted, strict=True)
         ),
         warnings=tuple(warnings),
     )
@@ -252,29 +257,26 @@ def _switch(
     params: PowerManagerParams,
     state: PowerManagerState,
     load: LoadParams,
-    wanted: bool,
+    granted: tuple[float, str],
     shed: tuple[int, ...],
 ) -> LoadSwitch:
     if load.essential:
         return LoadSwitch(load.name, "on", 1.0, "essential")
-    if not wanted:
-        return LoadSwitch(load.name, "off", 0.0, "switched off by the operator")
     if load.priority in shed:
         rank = shed.index(load.priority)
         if rank < state.level_by_charge:
             threshold = params.shed_thresholds[rank]
             return LoadSwitch(load.name, "off", 0.0, f"shed: charge was below {threshold:.1%}")
         return LoadSwitch(load.name, "off", 0.0, f"shed: bus was below {params.law.shed_voltage:.1f} V")
-    fraction, reason = 1.0, "wanted"
-    if load.group in ("drive", "arm"):
-        limit = params.law.drive_power_limit if load.group == "drive" else params.law.arm_power_limit
-        rated = sum(other.power_w for other in params.loads if other.group == load.group)
-        if limit < rated:
-            fraction, reason = limit / rated, f"{load.group} limited to {limit:.0f} W"
+    fraction, reason = granted
     if load.group == "drive" and state.drive_fraction < 1.0:
         fraction, reason = fraction * state.drive_fraction, "bus voltage is low"
     mode: SwitchMode = "on" if fraction >= 1.0 else "limit" if fraction > 0.0 else "off"
     return LoadSwitch(load.name, mode, fraction, reason)
+
+
+def _switched_off(load: LoadParams) -> LoadSwitch:
+    return LoadSwitch(load.name, "off", 0.0, "switched off by the operator")
 
 
 def _battery_warnings(pack: BatteryParams, inputs: PowerManagerInput) -> tuple[str, ...]:

@@ -1,7 +1,9 @@
 """Parameters of the power manager: its belief about battery and loads, and its law (`manager`)."""
 
-from collections.abc import Collection
-from typing import Self
+from collections.abc import Collection, Mapping
+from functools import cached_property
+from math import inf
+from typing import Any, Self
 
 from pydantic import Field, model_validator
 
@@ -70,14 +72,34 @@ class PowerManagerParams(Params):
         loads = (load for load in self.loads if load.name in names and not load.essential)
         return max((thresholds[load.priority] for load in loads), default=0.0)
 
-    @property
+    @cached_property
     def shed_priorities(self) -> tuple[int, ...]:
         """Priorities of the loads that may be shed, the first to be shed first; one level each."""
         return tuple(sorted({load.priority for load in self.loads if not load.essential}))
 
-    @property
+    @cached_property
     def shed_thresholds(self) -> tuple[float, ...]:
         """Charge below which each level is shed, falling [1]."""
         levels = len(self.shed_priorities)
         span = self.law.shed_soc_first - self.law.shed_soc_last
         return tuple(self.law.shed_soc_first - span * k / max(levels - 1, 1) for k in range(levels))
+
+    @cached_property
+    def granted(self) -> tuple[tuple[float, str], ...]:
+        """Of each load that is wanted: the fraction of its power that the limit of its group allows, and why."""
+        limits = {"drive": self.law.drive_power_limit, "arm": self.law.arm_power_limit}
+        granted = []
+        for load in self.loads:
+            rated = sum(other.power_w for other in self.loads if other.group == load.group)
+            limit = limits.get(load.group, inf)
+            granted.append(
+                (limit / rated, f"{load.group} limited to {limit:.0f} W") if limit < rated else (1.0, "wanted")
+            )
+        return tuple(granted)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """As pydantic's, but a changed copy works out its own levels and limits."""
+        copied = super().model_copy(update=update, deep=deep)
+        for name in ("shed_priorities", "shed_thresholds", "granted"):
+            copied.__dict__.pop(name, None)
+        return copied

@@ -292,7 +292,8 @@ def from_loose_ground(
     here = Pose(odometry.x, odometry.y, odometry.yaw)
     ahead = avoidance.params.outline.front + policy.loose_radius
     place = (here.x + ahead * math.cos(here.heading), here.y + ahead * math.sin(here.heading))
-    if math.dist(place, state.route.goal.points[-1]) < policy.loose_radius + avoidance.straight:
+    closes = policy.loose_radius + avoidance.straight + (0.5 + math.sqrt(0.5)) * state.room.cell  # to the cells' edges
+    if math.dist(place, state.route.goal.points[-1]) < closes:
         return state
     map_ = with_slip(state.map, place, policy.loose_radius, slip, odometry.distance)
     state = judged_anew(avoidance, replace(state, map=map_), odometry)

@@ -14,8 +14,9 @@ from typing import Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray, Params
-from sojourn_physics.sensors.noise import NoiseStream, draw, initial_stream, quantise
+from sojourn_physics.sensors.noise import NoiseStream, draw, initial_streams, quantise_within
 
 CHANNELS = ("voltage", "current", "temperature")
 
@@ -46,51 +47,40 @@ class BusTelemetryParams(Params):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class BusSensorState:
-    """Offsets and random streams of the stores, and the channels' columns."""
+    """Offsets, random streams and ranges of the stores' channels: each (stores * 3,), store by store, as CHANNELS."""
 
     offset: FloatArray
-    """Shape (stores, 3), columns as CHANNELS."""
     noise: FloatArray
-    """Standard deviations, shape (3,)."""
+    """Standard deviations."""
     resolution: FloatArray
-    """Shape (3,)."""
     minimum: FloatArray
-    """Shape (3,)."""
     maximum: FloatArray
-    """Shape (3,)."""
-    streams: tuple[NoiseStream, ...]
-    """One for each store."""
+    stream: NoiseStream
+    """Of all stores, one after another."""
 
 
 def initial_state(params: BusTelemetryParams, seed: int, stores: tuple[str, ...]) -> BusSensorState:
     """Telemetry of the named stores, offsets drawn. A store's numbers depend on its own name only."""
-    channels = tuple(getattr(params, name) for name in CHANNELS)
-    streams: list[NoiseStream] = []
-    offset = np.zeros((len(stores), len(CHANNELS)))
-    for place, store in enumerate(stores):
-        stream, row = draw(initial_stream(seed, f"bus.{store}", len(CHANNELS)))
-        streams.append(stream)
-        offset[place] = row * np.array([channel.offset for channel in channels])
+    channels = [getattr(params, name) for name in CHANNELS] * len(stores)
+
+    def column(name: str) -> FloatArray:
+        return np.array([getattr(channel, name) for channel in channels], dtype=np.float64)
+
+    stream, row = draw(initial_streams(seed, {f"bus.{store}": len(CHANNELS) for store in stores}))
     return BusSensorState(
-        offset=offset,
-        noise=np.array([channel.noise for channel in channels], dtype=np.float64),
-        resolution=np.array([channel.resolution for channel in channels], dtype=np.float64),
-        minimum=np.array([channel.minimum for channel in channels], dtype=np.float64),
-        maximum=np.array([channel.maximum for channel in channels], dtype=np.float64),
-        streams=tuple(streams),
+        offset=row * column("offset"),
+        noise=column("noise"),
+        resolution=column("resolution"),
+        minimum=column("minimum"),
+        maximum=column("maximum"),
+        stream=stream,
     )
 
 
 def step(state: BusSensorState, truth: FloatArray) -> tuple[BusSensorState, FloatArray]:
     """Measure `truth`, shape (stores, 3), columns as CHANNELS; returns the state and the readings, alike."""
-    streams: list[NoiseStream] = []
-    reading = np.empty_like(truth)
-    for store, stream in enumerate(state.streams):
-        after, noise = draw(stream)
-        streams.append(after)
-        reading[store] = quantise(truth[store], state.offset[store], state.noise, noise, state.resolution)
-    reading = np.minimum(np.maximum(reading, state.minimum), state.maximum)
-    after_state = BusSensorState(
-        state.offset, state.noise, state.resolution, state.minimum, state.maximum, tuple(streams)
+    stream, noise = draw(state.stream)
+    reading = quantise_within(
+        truth.ravel(), state.offset, state.noise, noise, state.resolution, state.minimum, state.maximum
     )
-    return after_state, reading
+    return replace(state, stream=stream), reading.reshape(truth.shape)

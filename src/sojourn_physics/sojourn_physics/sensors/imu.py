@@ -31,6 +31,7 @@ import numpy as np
 from pydantic import Field
 
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray, Params
 from sojourn_physics.sensors.imu_kernels import attitude_from_specific_force, attitude_step, measure
 from sojourn_physics.sensors.noise import NoiseStream, draw, initial_stream
@@ -164,10 +165,7 @@ def step(
     gyro_sigma = params.gyro_random_walk / root
     force_sigma = params.accelerometer_random_walk / root
     # Fresh arrays: a read-only or strided one would make the compiler start in the middle of a run.
-    true_rate, true_force = (
-        np.array(angular_velocity, dtype=np.float64),
-        np.array(specific_force, dtype=np.float64),
-    )
+    true_rate, true_force = angular_velocity.astype(np.float64), specific_force.astype(np.float64)
     rate = measure(state.gyro_matrix, true_rate, state.gyro_bias, gyro_sigma, noise[:3])
     force = measure(state.accelerometer_matrix, true_force, state.accelerometer_bias, force_sigma, noise[3:])
     if state.orientation is None:
@@ -187,17 +185,7 @@ def step(
             state.gravity,
         )
     elapsed = state.elapsed + dt
-    after = ImuState(
-        state.gyro_matrix,
-        state.gyro_bias,
-        state.accelerometer_matrix,
-        state.accelerometer_bias,
-        stream,
-        state.gravity,
-        state.heading,
-        orientation,
-        elapsed,
-    )
+    after = replace(state, stream=stream, orientation=orientation, elapsed=elapsed)
     tilt, heading = _attitude_variance(params, state.gravity, elapsed)
     return after, ImuReading(
         angular_velocity=rate,
@@ -216,13 +204,13 @@ def _gain(params: ImuParams, elapsed: float) -> float:
 
 def _attitude_variance(params: ImuParams, gravity: float, elapsed: float) -> tuple[float, float]:
     """Variances of tilt and of heading [rad^2]: a first-order filter of gain k, white inputs and biases."""
-    gain = _gain(params, elapsed)
+    gain, gyro_random_walk, gyro_bias = _gain(params, elapsed), params.gyro_random_walk, params.gyro_bias
     turned_for = elapsed - params.alignment_time
-    drift = params.gyro_random_walk**2 * turned_for + (params.gyro_bias * turned_for) ** 2
+    drift = gyro_random_walk**2 * turned_for + (gyro_bias * turned_for) ** 2
     if gravity == 0.0:
         return drift, drift
-    tilt = (params.accelerometer_bias / gravity) ** 2 + (params.gyro_bias / gain) ** 2
-    tilt += params.gyro_random_walk**2 / (2.0 * gain)
+    tilt = (params.accelerometer_bias / gravity) ** 2 + (gyro_bias / gain) ** 2
+    tilt += gyro_random_walk**2 / (2.0 * gain)
     tilt += (params.accelerometer_random_walk / gravity) ** 2 * gain
     return tilt, drift
 

@@ -6,6 +6,7 @@ state as plain integers and a block of standard normal numbers; a draw returns t
 stream, and never changes the old one. Blocks make a draw cheap: numpy is entered once for `ROWS` rows.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from zlib import crc32
 
@@ -30,49 +31,95 @@ def quantise(
     return reading
 
 
+@njit(cache=True)
+def quantise_within(
+    truth: FloatArray,
+    offset: FloatArray,
+    sigma: FloatArray,
+    noise: FloatArray,
+    resolution: FloatArray,
+    least: FloatArray,
+    most: FloatArray,
+) -> FloatArray:
+    """As `quantise`, kept within the range from `least` to `most`."""
+    reading: FloatArray = quantise(truth, offset, sigma, noise, resolution)
+    for i in range(truth.shape[0]):
+        reading[i] = min(max(reading[i], least[i]), most[i])
+    return reading
+
+
+@dataclass(frozen=True, slots=True)
+class GeneratorPlace:
+    """Where a generator stands, and how many numbers of a row are its."""
+
+    state: int
+    """Of PCG64."""
+    increment: int
+    """Of PCG64: the stream."""
+    width: int
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class NoiseStream:
-    """Where a sensor is in its sequence of random rows. `block` is never written to after it was drawn."""
+    """Where sensors that are read together are in their sequences of random numbers. `block` is never written to after
+    it was drawn.
+    """
 
-    generator_state: int
-    """PCG64 state after `block` was drawn."""
-    generator_increment: int
-    """PCG64 increment: the stream."""
+    generators: tuple[GeneratorPlace, ...]
+    """One for each sensor, after `block` was drawn."""
     block: FloatArray
-    """Standard normal numbers, shape (ROWS, width)."""
+    """Standard normal numbers, shape (ROWS, width of all)."""
     row: int
     """The next row of `block` to hand out."""
 
 
 def initial_stream(seed: int, name: str, width: int) -> NoiseStream:
-    """The stream of the sensor `name`: rows of `width` standard normal numbers.
+    """The stream of the sensor `name`: rows of `width` standard normal numbers. Raises as `initial_streams`."""
+    return initial_streams(seed, {name: width})
+
+
+def initial_streams(seed: int, widths: Mapping[str, int]) -> NoiseStream:
+    """The streams of sensors that are read together, side by side: so many standard normal numbers by sensor's name.
 
     Raises:
         InvalidValueError: a negative seed.
     """
     if seed < 0:
         raise InvalidValueError("seed", seed, "a whole number, 0 or above")
-    generator = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, crc32(name.encode())])))
-    return _next_block(generator, width)
+    return _next_block(
+        [
+            (np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, crc32(name.encode())]))), width)
+            for name, width in widths.items()
+        ]
+    )
 
 
 def draw(stream: NoiseStream) -> tuple[NoiseStream, FloatArray]:
     """The stream after the draw, and a row of standard normal numbers, shape (width,), read-only."""
     if stream.row == stream.block.shape[0]:
-        bits = np.random.PCG64(0)
-        bits.state = {
-            "bit_generator": "PCG64",
-            "state": {"state": stream.generator_state, "inc": stream.generator_increment},
-            "has_uint32": 0,
-            "uinteger": 0,
-        }
-        stream = _next_block(np.random.Generator(bits), stream.block.shape[1])
-    after = NoiseStream(stream.generator_state, stream.generator_increment, stream.block, stream.row + 1)
-    return after, stream.block[stream.row]
+        stream = _next_block([(_generator_at(place), place.width) for place in stream.generators])
+    return NoiseStream(stream.generators, stream.block, stream.row + 1), stream.block[stream.row]
 
 
-def _next_block(generator: np.random.Generator, width: int) -> NoiseStream:
-    block = generator.standard_normal((ROWS, width))
+def _generator_at(place: GeneratorPlace) -> np.random.Generator:
+    bits = np.random.PCG64(0)
+    bits.state = {
+        "bit_generator": "PCG64",
+        "state": {"state": place.state, "inc": place.increment},
+        "has_uint32": 0,
+        "uinteger": 0,
+    }
+    return np.random.Generator(bits)
+
+
+def _next_block(generators: Sequence[tuple[np.random.Generator, int]]) -> NoiseStream:
+    """Of generators and their widths: their next rows, side by side."""
+    blocks = [generator.standard_normal((ROWS, width)) for generator, width in generators]
+    block = np.concatenate([np.zeros((ROWS, 0)), *blocks], axis=1)  # there may be none
     block.flags.writeable = False
+    return NoiseStream(tuple(_place(generator, width) for generator, width in generators), block, 0)
+
+
+def _place(generator: np.random.Generator, width: int) -> GeneratorPlace:
     words = generator.bit_generator.state["state"]
-    return NoiseStream(int(words["state"]), int(words["inc"]), block, 0)
+    return GeneratorPlace(int(words["state"]), int(words["inc"]), width)

@@ -7,13 +7,14 @@ leaves the numbers of the others alone.
 """
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.sensors import bus, encoder, imu, wrench
-from sojourn_physics.sensors.noise import NoiseStream, draw, initial_stream, quantise
+from sojourn_physics.sensors.noise import NoiseStream, draw, initial_streams, quantise
 from sojourn_physics.sensors.params import SensorSuiteParams
 
 
@@ -60,8 +61,8 @@ class Layout:
     """Shape (k,) [N m]."""
     effort_offset: FloatArray
     """Zeros, shape (k,) [N m]."""
-    effort_places: tuple[IntArray, ...]
-    """For each group, the places of its joints among the measured ones."""
+    effort_noise_places: IntArray
+    """Where in a row of the groups' noise that of each measured joint stands, shape (k,)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -70,7 +71,8 @@ class SensorSuiteState:
 
     layout: Layout
     encoders: encoder.EncoderState
-    effort_streams: tuple[NoiseStream, ...]
+    effort_noise: NoiseStream
+    """Of all groups, one after another."""
     imu: imu.ImuState
     bus: bus.BusSensorState
     wrist: wrench.WrenchSensorState | None
@@ -140,14 +142,12 @@ def initial_state(
         effort_resolution=np.array([group_of[name].effort_resolution for name in names], dtype=np.float64),
         effort_noise=np.array([group_of[name].effort_noise for name in names], dtype=np.float64),
         effort_offset=np.zeros(len(names)),
-        effort_places=tuple(
-            np.array([names.index(joint) for joint in group.joints], dtype=np.int64) for _, group in groups
-        ),
+        effort_noise_places=np.array([list(group_of).index(name) for name in names], dtype=np.int64),
     )
     return SensorSuiteState(
         layout=layout,
         encoders=encoder.initial_state(layout.encoders, _seen(layout, joint_position, motor_position)),
-        effort_streams=tuple(initial_stream(seed, f"effort.{name}", len(group.joints)) for name, group in groups),
+        effort_noise=initial_streams(seed, {f"effort.{name}": len(group.joints) for name, group in groups}),
         imu=imu.initial_state(params.imu, seed, imu.heading_of(orientation_imu_in_world), gravity),
         bus=bus.initial_state(params.bus, seed, tuple(stores)),
         wrist=None if params.wrist is None else wrench.initial_state(params.wrist, seed),
@@ -175,21 +175,17 @@ def step(
     """
     layout = state.layout
     _require_truth(layout, truth)
-    if not (np.isfinite(dt) and dt > 0.0):
+    if not (isfinite(dt) and dt > 0.0):
         raise InvalidValueError("dt [s]", dt, "a finite number above 0")
 
     seen = _seen(layout, truth.joint_position, truth.motor_position)
     encoders, position, velocity = encoder.step(layout.encoders, state.encoders, seen, dt)
-    noise = np.empty_like(position)
-    streams: list[NoiseStream] = []
-    for stream, places in zip(state.effort_streams, layout.effort_places, strict=True):
-        after, noise[places] = draw(stream)
-        streams.append(after)
+    effort_noise, noise = draw(state.effort_noise)
     effort = quantise(
         truth.joint_effort[layout.measured],
         layout.effort_offset,
         layout.effort_noise,
-        noise,
+        noise[layout.effort_noise_places],
         layout.effort_resolution,
     )
 
@@ -203,7 +199,7 @@ def step(
     wrist_state, wrist_reading = state.wrist, None
     if state.wrist is not None and truth.wrist_wrench is not None:
         wrist_state, wrist_reading = wrench.step(state.wrist, truth.wrist_wrench)
-    after_state = SensorSuiteState(layout, encoders, tuple(streams), imu_state, bus_state, wrist_state)
+    after_state = SensorSuiteState(layout, encoders, effort_noise, imu_state, bus_state, wrist_state)
     return after_state, SensorMeasurements(
         joint_position=position,
         joint_velocity=velocity,
@@ -227,27 +223,20 @@ def _seen(layout: Layout, joints: FloatArray, motors: FloatArray | None) -> Floa
 
 def _require_truth(layout: Layout, truth: SensorTruth) -> None:
     joints, stores = (layout.joint_count,), (len(layout.stores),)
-    values: tuple[tuple[str, FloatArray, tuple[int, ...]], ...] = (
-        ("joint_position", truth.joint_position, joints),
-        ("joint_effort", truth.joint_effort, joints),
-        ("angular_velocity_imu_in_imu", truth.angular_velocity_imu_in_imu, (3,)),
-        ("specific_force_imu_in_imu", truth.specific_force_imu_in_imu, (3,)),
-        ("bus_voltage", truth.bus_voltage, stores),
-        ("bus_current", truth.bus_current, stores),
-        ("bus_temperature", truth.bus_temperature, stores),
-    )
+    _require_shape("truth joint_position", truth.joint_position, joints)
+    _require_shape("truth joint_effort", truth.joint_effort, joints)
+    _require_shape("truth angular_velocity_imu_in_imu", truth.angular_velocity_imu_in_imu, (3,))
+    _require_shape("truth specific_force_imu_in_imu", truth.specific_force_imu_in_imu, (3,))
+    _require_shape("truth bus_voltage", truth.bus_voltage, stores)
+    _require_shape("truth bus_current", truth.bus_current, stores)
+    _require_shape("truth bus_temperature", truth.bus_temperature, stores)
     if truth.wrist_wrench is not None:
-        values += (("wrist_wrench", truth.wrist_wrench, (wrench.AXES,)),)
-    right_shape = all(value.shape == shape for _, value, shape in values)
-    # One look at all of them at once: the usual case must be cheap.
-    if right_shape and bool(np.isfinite(np.concatenate([value for _, value, _ in values])).all()):
-        return
-    for name, value, shape in values:
-        _require_shape(f"truth {name}", value, shape)
+        _require_shape("truth wrist_wrench", truth.wrist_wrench, (wrench.AXES,))
 
 
 def _require_shape(name: str, value: FloatArray, shape: tuple[int, ...]) -> None:
     if value.shape != shape:
         raise InvalidValueError(f"shape of {name}", value.shape, str(shape))
-    if not np.isfinite(value).all():
+    # A sum is not finite where one of its numbers is not, and may be too large where all are.
+    if not isfinite(sum(value.tolist())) and not np.isfinite(value).all():
         raise InvalidValueError(name, value.tolist(), "finite numbers")

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import Field
 
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray, Params
-from sojourn_physics.sensors.noise import NoiseStream, draw, initial_stream, quantise
+from sojourn_physics.sensors.noise import NoiseStream, draw, initial_stream, quantise_within
 
 AXES = 6
 
@@ -43,6 +44,7 @@ class WrenchSensorState:
     bias: FloatArray
     noise: FloatArray
     resolution: FloatArray
+    smallest: FloatArray
     largest: FloatArray
     stream: NoiseStream
 
@@ -54,12 +56,12 @@ def initial_state(params: WrenchSensorParams, seed: int) -> WrenchSensorState:
         return np.repeat([getattr(params.force, name), getattr(params.moment, name)], AXES // 2).astype(np.float64)
 
     stream, row = draw(initial_stream(seed, "wrist", AXES))
-    return WrenchSensorState(row * axes("bias"), axes("noise"), axes("resolution"), axes("largest"), stream)
+    largest = axes("largest")
+    return WrenchSensorState(row * axes("bias"), axes("noise"), axes("resolution"), -largest, largest, stream)
 
 
 def step(state: WrenchSensorState, truth: FloatArray) -> tuple[WrenchSensorState, FloatArray]:
     """Measure `truth`, (6,) [N], [N m]; returns the state and the reading, alike."""
     stream, noise = draw(state.stream)
-    reading = quantise(truth, state.bias, state.noise, noise, state.resolution)
-    reading = np.minimum(np.maximum(reading, -state.largest), state.largest)
-    return WrenchSensorState(state.bias, state.noise, state.resolution, state.largest, stream), reading
+    reading = quantise_within(truth, state.bias, state.noise, noise, state.resolution, state.smallest, state.largest)
+    return replace(state, stream=stream), reading

@@ -63,16 +63,16 @@ class DigTask:
     work: float = 0.0
     failed: str = ""
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
-        tip, force = look.tip.position, pressing(self.direction, look.force)
-        if not look.feels:
+        tip, force = view.tip.position, pressing(self.direction, view.force)
+        if not view.feels:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing")
-        task = self._account(tip, look.force, force)
+        task = self._account(tip, view.force, force)
         if task.failed or task.phase == "done":
             return task, task._told(np.zeros(3), force, 1.0)
         if task.phase in ("open", "shut"):
-            return task._wait_for_lid(look.tool, force, dt)
+            return task._wait_for_lid(view.tool, force, dt)
         if task.phase == "touch":
             return task._touch(tip, force)
         if task.phase == "sink":

@@ -79,31 +79,31 @@ class DrillTask:
     """It has ended early."""
     failed: str = ""
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
-        if not look.feels:
+        if not view.feels:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing", tool=ToolCommand())
-        if look.tool is None:
+        if view.tool is None:
             return self, Doing(state="failed", reason="the spindle says nothing", tool=ToolCommand())
-        force = pressing(self.direction, look.force)
+        force = pressing(self.direction, view.force)
         if self.failed or self.phase == "done":
             return self, self._told(ZERO, force, 1.0)
-        task = self._account(look, look.tool, dt)
+        task = self._account(view, view.tool, dt)
         if task.phase == "touch":
-            return task._touch(look.tip.position, force)
+            return task._touch(view.tip.position, force)
         if task.phase == "spin":
-            return task._spin(look.tool, force)
+            return task._spin(view.tool, force)
         if task.phase == "drill":
-            return task._drill(look, look.tool, force, dt)
+            return task._drill(view, view.tool, force, dt)
         if task.phase == "check":
-            return task._check(look, force)
-        if -float(task.direction @ (look.tip.position - task.first)) >= -1e-3:
+            return task._check(view, force)
+        if -float(task.direction @ (view.tip.position - task.first)) >= -1e-3:
             task = replace(task, phase="done")
         return task, task._told(-2.0 * task.speed * task.direction, force, 0.9)
 
-    def _account(self, look: TaskView, tool: ToolReading, dt: float) -> Self:
+    def _account(self, view: TaskView, tool: ToolReading, dt: float) -> Self:
         power = max(tool.effort * tool.rate, 0.0)
-        gone = float(self.direction @ (look.tip.position - self.touched)) if self.phase != "touch" else 0.0
+        gone = float(self.direction @ (view.tip.position - self.touched)) if self.phase != "touch" else 0.0
         return replace(
             self,
             elapsed=self.elapsed + dt,
@@ -131,7 +131,7 @@ class DrillTask:
             return task, task._told(ZERO, force, 0.1)
         return self, self._told(ZERO, force, 0.05)
 
-    def _drill(self, look: TaskView, tool: ToolReading, force: float, dt: float) -> tuple[Self, Doing]:
+    def _drill(self, view: TaskView, tool: ToolReading, force: float, dt: float) -> tuple[Self, Doing]:
         task = replace(self, slow=self.slow + dt if tool.rate < STALLED * self.rate else 0.0)
         if task.deepest - task.mark[1] >= LITTLE:
             task = replace(task, mark=(task.elapsed, task.deepest))
@@ -146,17 +146,17 @@ class DrillTask:
         if why or task.deepest >= task.depth + task.given:
             task = replace(task, phase="check", why=why, feed=0.0)
             return task, task._told(ZERO, force, 0.9)
-        gain = dt / (look.control.damping * FEED_TIME) if force > FEED_FROM * task.force else 0.0
+        gain = dt / (view.control.damping * FEED_TIME) if force > FEED_FROM * task.force else 0.0
         feed = min(max(task.feed + gain * (task.force - force), 0.0), FASTEST_FEED)
         task = replace(task, feed=feed)
-        velocity = hybrid_velocity(look.control, task.direction, task.force, look.force, ZERO)
+        velocity = hybrid_velocity(view.control, task.direction, task.force, view.force, ZERO)
         progress = max(task.deepest, 0.0) / (task.depth + task.given)
         return task, task._told(velocity + feed * task.direction, force, 0.1 + 0.8 * min(progress, 1.0))
 
-    def _check(self, look: TaskView, force: float) -> tuple[Self, Doing]:
+    def _check(self, view: TaskView, force: float) -> tuple[Self, Doing]:
         if force > TOUCH:
             return self, self._told(-0.2 * self.speed * self.direction, force, 0.9)
-        hole = max(float(self.direction @ (look.tip.position - self.touched)), 0.0)
+        hole = max(float(self.direction @ (view.tip.position - self.touched)), 0.0)
         task = replace(self, hole=hole)
         short = task.depth - hole
         if task.why or short <= EXACT:

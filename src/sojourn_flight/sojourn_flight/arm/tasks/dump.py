@@ -23,15 +23,15 @@ class DumpTask:
     held: float = 0.0
     """For which it has been open [s]."""
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         if self.phase == "done":
             return self, Doing(state="reached", progress=1.0)
-        force = float(look.force @ look.force) ** 0.5
+        force = float(view.force @ view.force) ** 0.5
         if self.phase == "open" and self.held == 0.0 and force > TOUCH:
             return self, Doing(state="failed", reason=f"the scoop touches the ground with {force:.1f} N: lift it first")
         wanted = self.lid if self.phase == "open" else 0.0
-        there = look.tool is not None and abs(look.tool.position - wanted) < LID_TOLERANCE
+        there = view.tool is not None and abs(view.tool.position - wanted) < LID_TOLERANCE
         task = replace(self, waited=self.waited + dt)
         command = ToolCommand(wanted)
         if there and self.phase == "open":

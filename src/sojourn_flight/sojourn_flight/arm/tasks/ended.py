@@ -16,7 +16,7 @@ class Ended:
 
     reason: str
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         return self, Doing(state="failed", reason=self.reason)
 
@@ -28,7 +28,7 @@ class Released:
     reason: str
     direction: FloatArray
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
-        velocity = hybrid_velocity(look.control, self.direction, 0.0, look.force, np.zeros(3))
+        velocity = hybrid_velocity(view.control, self.direction, 0.0, view.force, np.zeros(3))
         return self, Doing(velocity=velocity, state="failed", reason=self.reason)

@@ -22,8 +22,8 @@ class Go:
     goal: ArmGoal
     sent: bool = False
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         if not self.sent:
             return replace(self, sent=True), Doing(goal=self.goal)
-        return self, Doing(state=_STATES.get(look.status, "moving"), reason=look.reason)
+        return self, Doing(state=_STATES.get(view.status, "moving"), reason=view.reason)

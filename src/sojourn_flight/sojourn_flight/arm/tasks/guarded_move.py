@@ -49,27 +49,27 @@ class GuardedMoveTask:
     peak: float = 0.0
     went_on: float = 0.0
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
-        if not look.feels:
+        if not view.feels:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing: no contact would be felt")
-        force = pressing(self.direction, look.force)
+        force = pressing(self.direction, view.force)
         task = replace(self, elapsed=self.elapsed + dt)
         if task.contact is None:
-            return task._advance(look, force)
+            return task._advance(view, force)
         if task.phase == "retract":
-            return task._retract(look, force)
-        went_on = float(task.direction @ (look.tip.position - task.contact))
+            return task._retract(view, force)
+        went_on = float(task.direction @ (view.tip.position - task.contact))
         task = replace(task, peak=max(task.peak, force), went_on=max(task.went_on, went_on))
-        return task._touch(look, force, dt)
+        return task._touch(view, force, dt)
 
-    def _advance(self, look: TaskView, force: float) -> tuple[Self, Doing]:
-        gone = float(self.direction @ (look.tip.position - self.start))
+    def _advance(self, view: TaskView, force: float) -> tuple[Self, Doing]:
+        gone = float(self.direction @ (view.tip.position - self.start))
         if force >= self.threshold:
             if gone < 1e-3 and self.elapsed <= BLIND:
                 return self, self._ended("failed", "the tool presses already before it has moved", force)
-            touched = replace(self, phase="touch", contact=look.tip.position, elapsed=0.0, peak=force)
-            return touched, touched._doing(look, force, "moving")
+            touched = replace(self, phase="touch", contact=view.tip.position, elapsed=0.0, peak=force)
+            return touched, touched._doing(view, force, "moving")
         if gone >= self.distance:
             reason = f"no contact of {self.threshold:g} N within {self.distance * 1e3:.0f} mm"
             return self, self._ended("failed", reason, force)
@@ -81,30 +81,30 @@ class GuardedMoveTask:
             figures={"contact_force_n": force},
         )
 
-    def _touch(self, look: TaskView, force: float, dt: float) -> tuple[Self, Doing]:
+    def _touch(self, view: TaskView, force: float, dt: float) -> tuple[Self, Doing]:
         near = abs(force - self.threshold) <= TOLERANCE
         task = replace(self, settled=self.settled + dt if near else 0.0)
         if task.phase == "hold":
-            return task, task._doing(look, force, "reached")
+            return task, task._doing(view, force, "reached")
         if task.settled < SETTLE and task.elapsed < LONGEST:
-            return task, task._doing(look, force, "moving")
+            return task, task._doing(view, force, "moving")
         if task.retract > 0.0:
-            return replace(task, phase="retract", start=look.tip.position), task._doing(look, force, "moving")
+            return replace(task, phase="retract", start=view.tip.position), task._doing(view, force, "moving")
         task = replace(task, phase="hold")
-        return task, task._doing(look, force, "reached")
+        return task, task._doing(view, force, "reached")
 
-    def _retract(self, look: TaskView, force: float) -> tuple[Self, Doing]:
-        back = -float(self.direction @ (look.tip.position - self.start))
+    def _retract(self, view: TaskView, force: float) -> tuple[Self, Doing]:
+        back = -float(self.direction @ (view.tip.position - self.start))
         if back >= self.retract:
             return self, self._ended("reached", self._words(), force)
-        doing = self._doing(look, force, "moving")
+        doing = self._doing(view, force, "moving")
         return self, replace(
             doing, velocity=-self.speed * self.direction, time_to_go=(self.retract - back) / self.speed
         )
 
-    def _doing(self, look: TaskView, force: float, state: DoingState) -> Doing:
+    def _doing(self, view: TaskView, force: float, state: DoingState) -> Doing:
         """In touch: the force loop works."""
-        velocity = hybrid_velocity(look.control, self.direction, self.threshold, look.force, ZERO)
+        velocity = hybrid_velocity(view.control, self.direction, self.threshold, view.force, ZERO)
         reason = self._words() if state == "reached" else ""
         if state == "reached" and self.settled < SETTLE:
             reason += f"; in touch with {force:.1f} N instead of {self.threshold:g} N"

@@ -38,20 +38,20 @@ class HoldForceTask:
     watched: float = 0.0
     failed: str = ""
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
-        if not look.feels:
+        if not view.feels:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing")
         if self.failed:
             return self, Doing(velocity=ZERO, state="failed", reason=self.failed)
-        present = pressing(self.direction, look.force)
+        present = pressing(self.direction, view.force)
         error = present - self.force
         within = abs(error) <= self.tolerance
         task = replace(self, held=self.held + dt if within else self.held, off=0.0 if within else self.off + dt)
         if task.held > 0.0:
             square, worst = task.square + error * error * dt, max(task.worst, abs(error))
             task = replace(task, square=square, worst=worst, watched=task.watched + dt)
-        gone = float(task.direction @ (look.tip.position - task.start))
+        gone = float(task.direction @ (view.tip.position - task.start))
         if abs(gone) > task.distance:
             task = replace(task, failed=f"no force of {task.force:g} N within {task.distance * 1e3:.0f} mm")
         elif task.off > PATIENCE:
@@ -66,7 +66,7 @@ class HoldForceTask:
         left = max(task.seconds - task.held, 0.0)
         done = left == 0.0 and task.held > 0.0
         return task, Doing(
-            velocity=hybrid_velocity(look.control, task.direction, task.force, look.force, ZERO),
+            velocity=hybrid_velocity(view.control, task.direction, task.force, view.force, ZERO),
             state="reached" if done else "moving",
             progress=1.0 if done or task.seconds == 0.0 else task.held / task.seconds,
             time_to_go=left,

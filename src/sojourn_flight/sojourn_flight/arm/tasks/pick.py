@@ -64,38 +64,38 @@ class PickTask:
     """Between the fingers then [m]."""
     failed: str = ""
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
-        tool = look.tool
+        tool = view.tool
         if tool is None:
             return self, Doing(state="failed", reason="the gripper says nothing")
         if self.failed or self.phase == "done":
             return self, self._told(tool, ZERO)
         if self.phase == "over":
-            return self._over(look, tool, dt)
+            return self._over(view, tool, dt)
         if self.phase == "down":
-            return self._down(look, tool)
+            return self._down(view, tool)
         if self.phase == "close":
-            return self._close(look, tool, dt)
+            return self._close(view, tool, dt)
         begun = self.position if self.grasped is None else self.grasped
-        if float(self.direction @ (begun - look.tip.position)) < self.lift:
+        if float(self.direction @ (begun - view.tip.position)) < self.lift:
             return self, self._told(tool, -self.speed * self.direction)
         if not self._holds(tool):
             return self._fail(f"it has slipped out: the fingers are {tool.position * 1e3:.1f} mm apart", tool)
         task = replace(self, phase="done")
         return task, task._told(tool, ZERO)
 
-    def _over(self, look: TaskView, tool: ToolReading, dt: float) -> tuple[Self, Doing]:
+    def _over(self, view: TaskView, tool: ToolReading, dt: float) -> tuple[Self, Doing]:
         start = self.position - CLEAR * self.direction
         opened = ToolCommand(self.tool.stroke)
         if not self.sent:
             x, y, z = (float(value) for value in start)
             along = (float(self.direction[0]), float(self.direction[1]), float(self.direction[2]))
             return replace(self, sent=True), Doing(goal=PoseGoal((x, y, z), along), tool=opened)
-        if look.status == "moving":
+        if view.status == "moving":
             return self, Doing(tool=opened)
-        if look.status != "reached":
-            return self, Doing(state="failed", reason=look.reason, tool=opened)
+        if view.status != "reached":
+            return self, Doing(state="failed", reason=view.reason, tool=opened)
         if tool.position < self.tool.stroke - 2.0 * SHUT:
             task = replace(self, waited=self.waited + dt)
             if task.waited > PATIENCE:
@@ -103,15 +103,15 @@ class PickTask:
             return task, Doing(tool=opened)
         return replace(self, phase="down", waited=0.0), Doing(velocity=ZERO, tool=opened)
 
-    def _down(self, look: TaskView, tool: ToolReading) -> tuple[Self, Doing]:
-        left = float(self.direction @ (self.position - look.tip.position)) + self.tool.load_distance
-        bumped = look.feels and pressing(self.direction, look.force) > BUMP
+    def _down(self, view: TaskView, tool: ToolReading) -> tuple[Self, Doing]:
+        left = float(self.direction @ (self.position - view.tip.position)) + self.tool.load_distance
+        bumped = view.feels and pressing(self.direction, view.force) > BUMP
         if left <= 0.0 or bumped:
-            task = replace(self, phase="close", grasped=look.tip.position)
+            task = replace(self, phase="close", grasped=view.tip.position)
             return task, task._told(tool, ZERO)
         return self, self._told(tool, self.speed * self.direction)
 
-    def _close(self, look: TaskView, tool: ToolReading, dt: float) -> tuple[Self, Doing]:
+    def _close(self, view: TaskView, tool: ToolReading, dt: float) -> tuple[Self, Doing]:
         task = replace(self, waited=self.waited + dt, width=tool.position)
         if task._holds(tool):
             task = replace(task, phase="lift")
@@ -151,13 +151,13 @@ class ReleaseTask:
     waited: float = 0.0
     done: bool = False
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         command = ToolCommand(self.opening)
         if self.done:
             return self, Doing(state="reached", progress=1.0, tool=command)
         task = replace(self, waited=self.waited + dt)
-        if look.tool is not None and look.tool.position >= self.opening - 2.0 * SHUT:
+        if view.tool is not None and view.tool.position >= self.opening - 2.0 * SHUT:
             return replace(task, done=True), Doing(state="reached", progress=1.0, tool=command)
         if task.waited > PATIENCE:
             return task, Doing(state="failed", reason=f"the fingers do not open in {PATIENCE:g} s", tool=command)

@@ -12,6 +12,6 @@ class Relaxed:
 
     reason: str
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         return self, Doing(gives_way=True, state="failed", reason=self.reason)

@@ -23,13 +23,13 @@ class TareTask:
     elapsed: float = 0.0
     done: bool = False
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         if self.done:
             return self, Doing(state="reached", progress=1.0)
-        if not look.feels:
+        if not view.feels:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing")
-        after = replace(self, total=self.total + look.wrench, readings=self.readings + 1, elapsed=self.elapsed + dt)
+        after = replace(self, total=self.total + view.wrench, readings=self.readings + 1, elapsed=self.elapsed + dt)
         left = self.seconds - after.elapsed
         if left > 1e-9:
             return after, Doing(progress=after.elapsed / self.seconds, time_to_go=left)

@@ -84,5 +84,5 @@ class Doing:
 class Task(Protocol):
     """A task under way. It is called on after it has ended, to hold what it has reached."""
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """One period of `dt` [s]."""

@@ -225,9 +225,9 @@ def _work(
     """Let the task look; the reference of the tip that it guides, or the goal that it gives to the arm."""
     if state.task is None or not state.arm.started:
         return state, None
-    look = _look(params, model, state, inputs)
+    view = _view(params, model, state, inputs)
     if state.doing.state == "moving":
-        state = _guard(params, model, state, inputs, look)
+        state = _guard(params, model, state, inputs, view)
     if state.paused and state.motion is not None and not isinstance(state.task, Ended | Released):
         velocity = np.zeros(3) if state.doing.velocity is None else state.doing.velocity
         motion = state.motion
@@ -235,11 +235,11 @@ def _work(
         return replace(state, motion=move(model, motion, velocity, params.force_control.tip_acceleration, dt)), None
     if isinstance(state.arm.phase, Pausing | Paused):
         return state, None
-    task, doing = state.task.advance(look, dt) if state.task is not None else (None, Doing())
+    task, doing = state.task.advance(view, dt) if state.task is not None else (None, Doing())
     sense = state.sense if doing.bias is None else replace(state.sense, bias=state.sense.bias + doing.bias)
     state = replace(state, task=task, sense=sense, doing=doing, tool_command=doing.tool or state.tool_command)
     if doing.gives_way and state.motion is not None:
-        rates = yielding_rates(params.contact, model, look.tip, _feel(model, state, inputs, look.tip))
+        rates = yielding_rates(params.contact, model, view.tip, _feel(model, state, inputs, view.tip))
         return replace(state, motion=turn_joints(model, state.motion, rates, dt)), None
     if doing.velocity is None:
         stop = StopGoal() if state.motion is not None and doing.goal is None else None
@@ -249,7 +249,7 @@ def _work(
     if doing.state != "moving":
         state = replace(state, pace=GuidedPace())
     else:
-        share, slowed = granted_velocity(params, model, inputs.arm, motion, doing.velocity, look.force)
+        share, slowed = granted_velocity(params, model, inputs.arm, motion, doing.velocity, view.force)
         if slowed:
             to_go = doing.time_to_go / max(share, 1e-3)
             state = replace(state, doing=replace(doing, reason=slowed, time_to_go=to_go))
@@ -279,19 +279,19 @@ def _at_pace(
     return replace(state, pace=pace), pace.share * velocity
 
 
-def _guard(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, look: TaskView) -> TaskState:
+def _guard(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, view: TaskView) -> TaskState:
     """Give up a task under way where the arm may not go on."""
     if not inputs.arm.allowed:
         return replace(state, task=Ended(f"not allowed to move: {inputs.arm.not_allowed_reason}"))
     if state.motion is None:
         return state
-    force = float(np.linalg.norm(look.force))
+    force = float(np.linalg.norm(view.force))
     if force > params.force_control.max_force:
         reason = f"contact force {force:.0f} N: at most {params.force_control.max_force:g} N is allowed"
-        return replace(state, task=Released(reason, -look.force / force))
-    tips = "" if inputs.loads is None else lifted(params.contact, inputs.loads, look.force)
+        return replace(state, task=Released(reason, -view.force / force))
+    tips = "" if inputs.loads is None else lifted(params.contact, inputs.loads, view.force)
     if tips:
-        return replace(state, task=Released(tips, -look.force / force))
+        return replace(state, task=Released(tips, -view.force / force))
     held = held_back(params, model, state, inputs)
     return replace(state, task=Ended(held)) if held else state
 
@@ -300,7 +300,7 @@ def _give_up(state: TaskState, ended: Ended) -> TaskState:
     return replace(state, task=ended, motion=None, paused=False, doing=Doing(state="failed", reason=ended.reason))
 
 
-def _look(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> TaskView:
+def _view(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> TaskView:
     arm = inputs.arm
     tip = forward_kinematics(model, arm.positions)
     force, rest = np.zeros(3), np.zeros(6)

@@ -43,43 +43,43 @@ class WeighTask:
     """Of the joints, in the present posture."""
     result: Doing | None = None
 
-    def advance(self, look: TaskView, dt: float) -> tuple[Self, Doing]:
+    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
         """See `Task`."""
         if self.result is not None:
             return self, self.result
-        if look.efforts is None:
+        if view.efforts is None:
             return self, Doing(state="failed", reason="the joints do not tell their torques")
         share = len(self.seen) / len(self.postures)
         if not self.sent:
             goal = JointGoal(self.model.joint_names, tuple(float(q) for q in self.postures[len(self.seen)]))
             return replace(self, sent=True, waited=0.0, counted=0, total=None), Doing(goal=goal, progress=share)
-        if look.status == "moving":
+        if view.status == "moving":
             return self, Doing(progress=share)
-        if look.status != "reached":
-            return self, Doing(state="failed", reason=look.reason)
+        if view.status != "reached":
+            return self, Doing(state="failed", reason=view.reason)
         task = replace(self, waited=self.waited + dt)
         if task.waited <= REST:
             return task, Doing(progress=share)
-        total = look.efforts if task.total is None else task.total + look.efforts
-        weight = float(np.linalg.norm(look.gravity))
-        felt = float(look.force @ look.gravity) / weight**2 if look.feels and weight > 0.0 else 0.0
+        total = view.efforts if task.total is None else task.total + view.efforts
+        weight = float(np.linalg.norm(view.gravity))
+        felt = float(view.force @ view.gravity) / weight**2 if view.feels and weight > 0.0 else 0.0
         task = replace(
             task, total=total, by_wrist=task.by_wrist + felt, readings=task.readings + 1, counted=task.counted + 1
         )
         if task.waited < REST + task.seconds:
             return task, Doing(progress=share)
-        seen = (*task.seen, StillPosture(look.positions, total / task.counted, look.gravity))
+        seen = (*task.seen, StillPosture(view.positions, total / task.counted, view.gravity))
         task = replace(task, seen=seen, sent=False)
         if len(seen) < len(task.postures):
             return task, Doing(progress=len(seen) / len(task.postures))
-        result = task._weighed(look)
+        result = task._weighed(view)
         return replace(task, result=result), result
 
-    def _weighed(self, look: TaskView) -> Doing:
+    def _weighed(self, view: TaskView) -> Doing:
         payload = identify_payload(self.model, self.seen)
         figures = {"payload_kg": payload.mass, "payload_deviation_kg": payload.mass_deviation}
         words = f"payload {payload.mass:.3f} kg ± {payload.mass_deviation:.3f} kg by the joints' torques"
-        if look.feels:
+        if view.feels:
             figures["payload_by_wrist_kg"] = self.by_wrist / self.readings
             words += f", {figures['payload_by_wrist_kg']:.3f} kg by the wrist"
         if payload.residual > MISFIT:
