@@ -41,22 +41,23 @@ process.run(Mortal)
 
 CARELESS = """
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from sojourn_contract import node, process
+from sojourn_contract import process
+from sojourn_contract.types import message_class
 from sojourn_drive.node import DriveNode
 
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 class Careless(DriveNode):
-    def _create_output(self, row):
-        if row.name != "/odom":
-            return super()._create_output(row)
-        return self.create_publisher(node.message_class("{type}"), "odom", {profile})
+    def create_publisher(self, kind, name, profile, **named):
+        if name == "odom":
+            kind, profile = message_class("{type}"), {profile}
+        return super().create_publisher(kind, name, profile, **named)
 
-    def _create_input(self, row):
-        if row.name != "/imu/data":
-            return super()._create_input(row)
-        return self.create_subscription(node.message_class(row.type), "imu/data", print, {imu})
+    def create_subscription(self, kind, name, take, profile, **named):
+        if name == "imu/data":
+            take, profile, named = print, {imu}, {{}}
+        return super().create_subscription(kind, name, take, profile, **named)
 
 process.run(Careless)
 """
