@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from sojourn_config.scenario import load_scenario
@@ -93,6 +93,7 @@ def test_turning_keeps_the_tip_in_its_place() -> None:
 
 
 @given(ways=st.lists(velocity, min_size=1, max_size=4), low=st.booleans())
+@example(ways=[(0.0, 0.0, -0.6645388992247998), (0.0, 0.0, -0.3713514259784282), (-1.0, 0.0, 0.0)], low=True)  # braking
 @settings(max_examples=12, deadline=None)
 def test_whatever_is_told_limits_hold_and_nothing_is_touched(ways: Any, low: bool) -> None:
     around = Surroundings(GroundPlane(-0.35) if low else GROUND, MOON)

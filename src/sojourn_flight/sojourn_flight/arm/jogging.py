@@ -13,11 +13,12 @@ itself or the ground, and not nearer to a singular posture than where the smalle
 the way, and can be jogged away from it. The tip is held to no line: what it drifts, the operator sees.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sojourn_flight.arm.collision import check_posture, check_samples, path_samples
+from sojourn_flight.arm.collision import check_posture, check_samples
 from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION
 from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.kinematics import forward_kinematics
@@ -199,7 +200,9 @@ def _as_is_safe(
     share, why = min(jogging.share + _FASTER, 1.0), ""
     while share >= _LEAST:
         there = _after(towards_rates(model, here, share * rates), share * rates, dt)
-        found = _hindrance(params, model, jogging, here, stop(model, there), ground)
+        brake = stop(model, there)
+        postures = np.vstack([here.position, brake.samples(_instants(brake, params.collision_step, dt))])
+        found = _hindrance(params, model, jogging, brake, postures, ground)
         if not found:
             return there, share, why or (jogging.held if share < 1.0 else "")
         why, share = why or found, share * _SLOWER
@@ -210,22 +213,32 @@ def _hindrance(
     params: ArmParams,
     model: ArmModel,
     jogging: Jogging,
-    here: JointReference,
     brake: JointPath,
+    postures: FloatArray,
     ground: Ground | None,
 ) -> str:
-    """What is met before the arm has come to rest, in words; empty where nothing is."""
+    """What is met before the arm has come to rest, in words; empty where nothing is. Postures (m, n): now, and then
+    along the brake.
+    """
     low, high = brake.extremes()[:2]
-    out = (low < np.minimum(model.lower, here.position)) | (high > np.maximum(model.upper, here.position))
+    out = (low < np.minimum(model.lower, postures[0])) | (high > np.maximum(model.upper, postures[0]))
     if out.any():
         return f"the limit of {model.joint_names[int(np.argmax(out))]}"
     end = _least_singular_value(params, model, jogging.command, brake.sample(brake.duration)[0])
     least = params.jog.singular_stop * params.inverse_kinematics.characteristic_length
-    if end < least and end < _least_singular_value(params, model, jogging.command, here.position):
+    if end < least and end < _least_singular_value(params, model, jogging.command, postures[0]):
         return "a singular posture"
-    samples = np.vstack([here.position, path_samples(brake, params.collision_step)])
-    collision = check_samples(params, model, samples if jogging.near else samples[1:], ground, jogging.near)
+    collision = check_samples(params, model, postures if jogging.near else postures[1:], ground, jogging.near)
     return "" if collision is None else f"a collision of {collision.first} and {collision.second}"
+
+
+def _instants(brake: JointPath, step: float, dt: float) -> FloatArray:
+    """Times on a way to rest [s], its ends included, no joint more than `step` between two. Those of the periods of
+    `dt` are among them, as where the arm stands then must be clear by itself.
+    """
+    fastest = float(np.max(brake.extremes()[2]))
+    spacing = dt / max(1, math.ceil(fastest * dt / step))
+    return np.append(np.arange(0.0, brake.duration, spacing), brake.duration)
 
 
 def _after(path: JointPath, rates: FloatArray, dt: float) -> JointReference:
