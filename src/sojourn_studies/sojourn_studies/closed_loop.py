@@ -64,7 +64,7 @@ class ClosedLoop:
         """What the plant tells of the last period."""
         self.period = 0
         self._wheels = WheelMeasurements(scenario.machine, scenario.urdf_xml)
-        self._view, self._eye = HazardView(scenario), self.drive.eye
+        self._view, self._camera = HazardView(scenario), self.drive.camera
         self._seen = self._view.initial_state()
         self._sightings, self._sun = SunSightings(scenario), SunReadings(scenario)
         self._sun_state, self._sighted = self._sun.initial_state(), 0
@@ -156,7 +156,7 @@ class ClosedLoop:
             self._sun_state, reading = self._sun.reading(self._sun_state, stamp, self.truth.configuration[3:7])
             sun, self._sighted = self._sightings.sighting(stamp, self._sun.message(stamp, reading), self._sighted)
         measured = self._wheels.drive_input(joints, imu_message(stamp, read.imu), twist, goal, 1.0, sun)
-        if self._eye is not None and is_due(topic("/hazcam/points"), self.period):
+        if self._camera is not None and is_due(topic("/hazcam/points"), self.period):
             position, orientation = self.truth.configuration[:3], self.truth.configuration[3:7]
             self._seen, cloud = self._view.look(self._seen, position, orientation)
             measured = replace(measured, cloud=cloud.astype(np.float64))

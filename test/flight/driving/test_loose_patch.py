@@ -42,8 +42,8 @@ class SlippingRover(RollingRover):
     def __post_init__(self) -> None:
         super().__post_init__()
         params = self.model.params.model_copy(update={"slip": self.scenario.drive.slip})
-        eye = self.model.eye if self.sees else None
-        self.model = DriveModel(params, self.scenario.steering, eye, self.scenario.wheel_loads())
+        camera = self.model.camera if self.sees else None
+        self.model = DriveModel(params, self.scenario.steering, camera, self.scenario.wheel_loads())
         self.state = self.model.initial_state()
 
     def on_patch(self) -> float:

@@ -119,10 +119,10 @@ def test_without_a_camera_and_without_the_parameters_it_drives_as_ever() -> None
 def test_a_blind_rover_waits() -> None:
     """Without clouds for longer than blind_timeout it stands, and goes on with the next cloud."""
     made = loop()
-    eye, made.camera = made.camera, None
+    camera, made.camera = made.camera, None
     made.run(8.0, Goal.at(6.0, 0.0))
     assert made.output is not None and made.output.wheel_rates.max() == 0.0
     assert made.output.status["text"] == "waiting for the hazard camera, nothing seen for 5 s"
-    made.camera = eye
+    made.camera = camera
     made.run(3.0)
     assert made.output.wheel_rates.min() > 0.0

@@ -41,7 +41,7 @@ class HiddenStrips(NamedTuple):
     """Where it begins, shape (SECTORS,) [m]; infinite where nothing is hidden, NaN where nothing can be said."""
     ends: FloatArray
     """Where it ends, shape (SECTORS,) [m]; where nothing is hidden, how far edges count."""
-    eye: FloatArray
+    camera: FloatArray
     """The camera in base_link, shape (3,) [m]."""
     view_deg: float
     """All sectors together, evenly to both sides."""
@@ -49,21 +49,21 @@ class HiddenStrips(NamedTuple):
 
 @njit(cache=True)
 def hidden_strips(
-    points: FloatArray, eye: FloatArray, ride_height: float, view_deg: float, near: float, step: float
+    points: FloatArray, camera: FloatArray, ride_height: float, view_deg: float, near: float, step: float
 ) -> HiddenStrips:
     """First hidden strip of each sector.
 
     Args:
-        points: in base_link, shape (n, 3) [m]. eye: the camera there, shape (3,) [m].
+        points: in base_link, shape (n, 3) [m]. camera: its place there, shape (3,) [m].
         view_deg: all sectors together, evenly to both sides. near: only edges within this distance count [m].
     """
     edges, ends = np.full(SECTORS, np.nan), np.full(SECTORS, np.inf)
     half = math.radians(0.5 * view_deg)
-    height = eye[2] + ride_height
+    height = camera[2] + ride_height
     count = points.shape[0]
     sectors, distances = np.empty(count, np.int64), np.empty(count)
     for i in range(count):
-        ahead, left = points[i, 0] - eye[0], points[i, 1] - eye[1]
+        ahead, left = points[i, 0] - camera[0], points[i, 1] - camera[1]
         sector = math.floor((math.atan2(left, ahead) + half) / (2.0 * half) * SECTORS)
         sectors[i] = sector
         distances[i] = math.sqrt(ahead * ahead + left * left)
@@ -95,7 +95,7 @@ def hidden_strips(
                 continue
         last[sector] = distance
         top[sector] = above
-    return HiddenStrips(edges, ends, eye, view_deg)
+    return HiddenStrips(edges, ends, camera, view_deg)
 
 
 @njit(cache=True)

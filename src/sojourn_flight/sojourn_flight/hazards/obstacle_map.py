@@ -1,7 +1,7 @@
 """Map of the ground round the rover, from the points of its hazard camera: a square grid in odom that rolls along.
 
 Each cell keeps the lowest, highest and mean height of its points (odom), their number, how noisy they are (see
-`stereo_eye`), from how far they were seen, and at which distance driven. Rules:
+`stereo_camera`), from how far they were seen, and at which distance driven. Rules:
 
 - a look from much nearer (NEARER) than the first that is kept replaces what was known, since the error of stereo grows
   with the square of the distance; one from about as far is merged; one from farther is dropped;
@@ -110,7 +110,7 @@ def with_cloud(
     params: ObstacleParams,
     map_: ObstacleMap,
     points: FloatArray,
-    eye: StereoCamera,
+    camera: StereoCamera,
     position: FloatArray,
     rotation: FloatArray,
     driven: float,
@@ -118,7 +118,7 @@ def with_cloud(
     """The map after one look.
 
     Args:
-        points: in base_link, shape (n, 3) [m]. eye: the camera.
+        points: in base_link, shape (n, 3) [m]. camera: that saw them.
         position, rotation: of base_link in odom, shapes (3,) [m] and (3, 3).
         driven: odometer [m].
     """
@@ -128,9 +128,9 @@ def with_cloud(
     in_odom = points @ rotation.T + position
     lift = _lift(rolled, layers, in_odom)
     in_odom[:, 2] += lift
-    seat, view = eye.position, params.map.view_deg
+    seat, view = camera.position, params.map.view_deg
     distances = np.sqrt(((points - seat) ** 2).sum(axis=1))
-    noise = height_variances(eye, points, rotation[2])
+    noise = height_variances(camera, points, rotation[2])
     add_points(layers, rolled.grid, in_odom, distances, noise, driven)
     outline, limits = params.outline, params.passable
     strips = hidden_strips(points, seat, outline.ride_height, view, params.map.near, limits.max_step)
@@ -227,7 +227,7 @@ def mark_hidden(
     layers: FloatArray, grid: CellGrid, position: FloatArray, rotation: FloatArray, strips: HiddenStrips
 ) -> None:
     """Set the layer HIDDEN of the unknown cells in the camera's sector."""
-    size, eye = layers.shape[1], strips.eye
+    size, camera = layers.shape[1], strips.camera
     for row in range(size):
         for column in range(size):
             if layers[COUNT, row, column] > 0.0:
@@ -235,8 +235,8 @@ def mark_hidden(
             east = grid.x0 + (column + 0.5) * grid.cell - position[0]
             north = grid.y0 + (row + 0.5) * grid.cell - position[1]
             # in the plane of the body; the height of a cell that nobody has seen is not known
-            ahead = rotation[0, 0] * east + rotation[1, 0] * north - eye[0]
-            left = rotation[0, 1] * east + rotation[1, 1] * north - eye[1]
+            ahead = rotation[0, 0] * east + rotation[1, 0] * north - camera[0]
+            left = rotation[0, 1] * east + rotation[1, 1] * north - camera[1]
             found = is_hidden(ahead, left, strips)
             if found >= 0:
                 layers[HIDDEN, row, column] = float(found)

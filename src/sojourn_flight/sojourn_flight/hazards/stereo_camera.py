@@ -35,16 +35,16 @@ class StereoCamera:
     """Standard deviation of a depth over its square, sigma_d / (f b) [1/m]."""
 
 
-def height_variances(eye: StereoCamera, points: FloatArray, up: FloatArray) -> FloatArray:
+def height_variances(camera: StereoCamera, points: FloatArray, up: FloatArray) -> FloatArray:
     """Variance of the height of each point [m^2], shape (n,).
 
     Args:
         points: in base_link, shape (n, 3) [m]. up: the vertical in base_link, a unit vector of shape (3,).
     """
-    return np.asarray((along_rays(eye, points) @ up) ** 2)
+    return np.asarray((along_rays(camera, points) @ up) ** 2)
 
 
-def along_rays(eye: StereoCamera, points: FloatArray) -> FloatArray:
+def along_rays(camera: StereoCamera, points: FloatArray) -> FloatArray:
     """By which each point is off for one standard deviation of its match, in base_link, shape (n, 3) [m]."""
-    rays = points - eye.position
-    return np.asarray(eye.depth_noise * (rays @ eye.axis)[:, np.newaxis] * rays)
+    rays = points - camera.position
+    return np.asarray(camera.depth_noise * (rays @ camera.axis)[:, np.newaxis] * rays)

@@ -93,7 +93,7 @@ def see(
         return replace(state, track=track, since_cloud=state.since_cloud + dt, fresh=False)
     position = np.array([odometry.x, odometry.y, odometry.z])
     rotation = rotation_of(odometry.roll, odometry.pitch, odometry.yaw)
-    map_ = with_cloud(avoidance.params, state.map, points, avoidance.eye, position, rotation, odometry.distance)
+    map_ = with_cloud(avoidance.params, state.map, points, avoidance.camera, position, rotation, odometry.distance)
     level = odometry.z + map_.lift - avoidance.params.outline.ride_height
     state = judged_anew(avoidance, replace(state, map=map_, track=track, level=level), odometry)
     return replace(state, since_cloud=0.0, fresh=True)

@@ -30,7 +30,7 @@ class Avoidance:
     params: ObstacleParams
     follower: GoalFollowerParams
     turning_limits: TurningLimits
-    eye: StereoCamera
+    camera: StereoCamera
     wheels: FloatArray
     """Their places in base_link, shape (wheels, 2) [m]."""
     circles: Circles = field(init=False)

@@ -21,7 +21,7 @@ class DrivenMachine:
 
     params: DriveParams
     geometry: SteeringGeometryParams
-    eye: StereoCamera | None = None
+    camera: StereoCamera | None = None
     """The hazard camera; without one there is no obstacle handling."""
     loads: FloatArray | None = None
     """Of the wheels, from `wheel_load_map`, shape (wheels, 3) [N]; None: slip is not estimated."""
@@ -48,9 +48,11 @@ class DrivenMachine:
         object.__setattr__(self, "turning", turning)
         object.__setattr__(self, "mobility", Mobility(self.table, self.geometry.names))
         avoidance = None
-        if self.params.obstacles is not None and self.eye is not None:
+        if self.params.obstacles is not None and self.camera is not None:
             wheels = np.array([(wheel.x, wheel.y) for wheel in self.geometry.wheels])
-            avoidance = Avoidance(self.params.obstacles, self.params.follower, turning, self.eye, wheels)
+            avoidance = Avoidance(self.params.obstacles, self.params.follower, turning, self.camera, wheels)
         object.__setattr__(self, "avoidance", avoidance)
-        matched, eye = self.params.terrain_match, self.eye
-        object.__setattr__(self, "terrain", None if matched is None or eye is None else TerrainMatcher(matched, eye))
+        matched, camera = self.params.terrain_match, self.camera
+        object.__setattr__(
+            self, "terrain", None if matched is None or camera is None else TerrainMatcher(matched, camera)
+        )
