@@ -64,8 +64,9 @@ class App(Generic[State]):
         raise NotImplementedError
 
     def warm_up(self) -> None:
-        """Have every compiled kernel loaded, so that no period waits for one; changes nothing. A node does it before it
-        says that it is ready; a run that nobody waits for loads each kernel when it is first used, if ever."""
+        """Have every compiled kernel loaded, so that no period waits for one; changes nothing. It is called before the
+        first period.
+        """
 
     def initial_state(self) -> State:
         """Before the first period."""

@@ -55,7 +55,10 @@ def run(spec: RunSpec, goes_on: Callable[[StackState], bool] = lambda state: Tru
         WaitingError: a role waits for what nobody sends.
     """
     scenario = spec.loaded or load_scenario(spec.scenario, spec.overrides)
-    stack = Stack(make_apps(scenario, spec.participants), spec.participants)
+    apps = make_apps(scenario, spec.participants)
+    for app in apps.values():
+        app.warm_up()
+    stack = Stack(apps, spec.participants)
     recorder = None
     if spec.bag is not None:
         recorded = RecordedRun(spec.scenario, spec.overrides, spec.participants, loaded=scenario)

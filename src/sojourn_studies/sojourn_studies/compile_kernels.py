@@ -8,21 +8,19 @@ from sojourn_analysis.wheels.wheel_bench import measure
 from sojourn_config.arms import load_arm
 from sojourn_config.load import load_params
 from sojourn_config.scenario import LoadedScenario, load_scenario
-from sojourn_contract.hazcam import hazard_camera_of
-from sojourn_flight.arm import controller
+from sojourn_contract.topics import ROLES
 from sojourn_flight.arm.inverse import pose_goal
-from sojourn_flight.arm.model import build_arm_model
 from sojourn_flight.arm.spline_path import spline_through
 from sojourn_flight.arm.time_optimal import JointLimits, fastest_timing
-from sojourn_flight.power_manager import law as manager
-from sojourn_flight.supervision.drive import DriveModel
+from sojourn_flight.mobility.kinematics import PlanarTwist, allowed_twist
 from sojourn_physics.contact.wheel_shape import WheelShape
 from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import step
-from sojourn_physics.sensors import hazcam, suite
+from sojourn_physics.sensors import hazcam
 from sojourn_physics.soil.params import SoilParams
 from sojourn_physics.terrain import earthwork
 from sojourn_plant.start import build_plant
+from sojourn_stack.apps import make_apps
 
 SCENARIO = "lunar_sample"
 """Has all kinds of ground in it."""
@@ -32,14 +30,14 @@ def main() -> None:
     """Compile; prints nothing, takes about a minute the first time and some seconds after."""
     scenario = load_scenario(SCENARIO)
     _step_plant(scenario)
-    suite.warm_up(scenario.sensors, scenario.gravity)
-    _look_and_drive(scenario)
+    _look(scenario)
+    for app in make_apps(scenario, ROLES).values():
+        app.warm_up()
+    table = scenario.steering.table()
+    allowed_twist(table, PlanarTwist(0.1, 0.0, 0.1), *np.zeros((2, len(table))))
     wheel = load_params("wheels", "explorer", WheelShape)
     measure(wheel, load_params("soils", "cmu_sand", SoilParams), load=50.0, slips_of_carriage=[0.2])
     LawWheel(scenario.machine.wheels[0], scenario.soil, scenario.gravity, greatest=0.005).forces(50.0, 0.1)
-    arm = scenario.carried_arm()
-    controller.warm_up(arm, build_arm_model(scenario.urdf_xml, arm))
-    manager.warm_up(scenario.power_manager)
     _use_arm()
 
 
@@ -52,13 +50,12 @@ def _use_arm() -> None:
     fastest_timing(arm, path, limits, np.zeros(3), intervals=10)
 
 
-def _look_and_drive(scenario: LoadedScenario) -> None:
+def _look(scenario: LoadedScenario) -> None:
     params = scenario.sensors.hazcam
     if params is not None:
         camera = hazcam.hazcam_on(params, scenario.urdf_xml)
         state = hazcam.initial_state(camera, scenario.config.seed)
         hazcam.step(camera, state, scenario.height_field(), np.zeros(3), np.eye(3))
-    DriveModel(scenario.drive, scenario.steering, hazard_camera_of(scenario), loads=scenario.wheel_loads()).warm_up()
 
 
 def _step_plant(scenario: LoadedScenario) -> None:

@@ -86,6 +86,8 @@ def warm_up(params: ArmParams, model: ArmModel) -> None:
     state = initial_state(params)
     for request in (goal, StopGoal(), None):
         state, _ = step(params, model, state, ArmInput(start, rest, level, goal=request), 0.02)
+        if isinstance(state.phase, Moving):
+            state.phase.plan.path.states(np.zeros(1))  # that a pause asks
     check_posture(params, model, start, flat_relief(GroundPlane(-100.0)))
 
 

@@ -134,7 +134,7 @@ def with_cloud(
     add_points(layers, rolled.grid, in_odom, distances, noise, driven)
     outline, limits = params.outline, params.passable
     strips = hidden_strips(points, seat, outline.ride_height, view, params.map.near, limits.max_step)
-    mark_hidden(layers, rolled.grid, position, rotation, strips)
+    mark_hidden(layers, rolled.grid, position, np.ascontiguousarray(rotation), strips)
     return replace(rolled, layers=layers, lift=lift)
 
 

@@ -84,6 +84,12 @@ def initial_avoidance(avoidance: Avoidance, x: float, y: float) -> AvoidanceStat
     return AvoidanceState(map_, ground, room_in(map_, ground.kinds), wide)
 
 
+def warm_up_guard(avoidance: Avoidance, state: AvoidanceState) -> None:
+    """Have the kernel ready that only a motion near an obstacle asks."""
+    pose, twist = (0.0, 0.0, 0.0), (0.1, 0.0, 0.0)
+    room_of_motion(state.room.grid, avoidance.circles, pose, twist, avoidance.params.outline.turn_radius, STEPS)
+
+
 def see(
     avoidance: Avoidance, state: AvoidanceState, points: FloatArray | None, odometry: OdometryState, dt: float
 ) -> AvoidanceState:

@@ -49,7 +49,14 @@ from sojourn_flight.planning.goal import Goal
 from sojourn_flight.planning.goal_follower import FollowerLimits, Phase, follow, stop
 from sojourn_flight.supervision.arbiter import NO_MOTION, Arbiter
 from sojourn_flight.supervision.astern import choose_sense, is_answered
-from sojourn_flight.supervision.avoidance import EXAMPLE_CLOUD, from_loose_ground, guide, initial_avoidance, see
+from sojourn_flight.supervision.avoidance import (
+    EXAMPLE_CLOUD,
+    from_loose_ground,
+    guide,
+    initial_avoidance,
+    see,
+    warm_up_guard,
+)
 from sojourn_flight.supervision.drive_status import drive_status
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, DriveState, Pace
 from sojourn_flight.supervision.driven_machine import DrivenMachine
@@ -103,6 +110,8 @@ class DriveModel(DrivenMachine):
         state = self.initial_state()
         if self.terrain is not None:
             key_frames.warm_up(self.terrain, state.odometry)
+        if self.avoidance is not None and state.avoidance is not None:
+            warm_up_guard(self.avoidance, state.avoidance)
         for goal in (Goal.at(1.0, 1.0), None):
             turning = DriveInput(
                 wheels, wheels + 1.0, wheels, wheels, (0.0, 0.0, 0.1), (0.0, 0.0, 1.0), (0.0, 0.0), goal=goal
