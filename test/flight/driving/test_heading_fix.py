@@ -149,6 +149,8 @@ def test_the_covariance_is_right_over_seeds(
         heading.append(error[0] ** 2 / block[0, 0])
         all_of_them.append(error @ np.linalg.solve(block, error))
         assert np.linalg.eigvalsh(state.covariance).min() > 0.0
+    assert 0.7 < np.mean(heading[:40]) < 1.3, "over the forty seeds that the drive's figure is asked for"
+    assert max(heading) < 3.5**2, "sigma squared"
     for values, freedom in ((heading, 1), (all_of_them, 8)):
         low, high = chi2.ppf((0.0005, 0.9995), freedom * runs) / runs
         assert low < np.mean(values) < high
