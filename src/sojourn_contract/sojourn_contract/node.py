@@ -150,13 +150,16 @@ class ContractNode(Node):
     def publish(self, topic: str, message: Message) -> None:
         """Publish on a topic of the role and count it."""
         self.counters.count_published(topic)
-        self._send(topic, message)
+        self.endpoints.send(topic, message)
 
     # What the loop around the node calls
 
     def hear(self, row: Topic, message: Message) -> None:
-        """Take what a neighbour says."""
-        self._receive(row, message)
+        """Take what a neighbour says at a rate, in lock-step."""
+        try:
+            self._receive_periodic(row, message.stamp, message)
+        except RefusedMessageError as refusal:
+            self.refuse(row.name, refusal)
 
     def poll(self) -> None:
         """Wall-clock chores, called some times a second: readiness before the run, a word when stalled."""
@@ -209,10 +212,8 @@ class ContractNode(Node):
         self.received += 1
         self._receive(row, data)
 
-    def _receive(self, row: Topic, data: bytes | Message) -> None:
-        """Take one message, serialised as it comes over the middleware or as it is: refuse it, queue it as a goal, or
-        give it to the barrier.
-        """
+    def _receive(self, row: Topic, data: bytes) -> None:
+        """Take one message: refuse it, queue it as a goal, or give it to the barrier."""
         try:
             if row.is_event:
                 self._receive_event(row, data)
@@ -221,9 +222,9 @@ class ContractNode(Node):
                 with refusing(row.name, f"a {row.type} that can be read"):
                     self.on_heartbeat(message)
             elif self.lockstep:
-                self._receive_periodic(row, _stamp_of(row, data), data)
+                self._receive_periodic(row, stamp_of(row.name, data), data)
             else:
-                self._receive_realtime(row, _stamp_of(row, data), data)
+                self._receive_realtime(row, stamp_of(row.name, data), data)
         except RefusedMessageError as refusal:
             self.refuse(row.name, refusal)
 
@@ -251,10 +252,10 @@ class ContractNode(Node):
             self._warned[topic] = now
             self.get_logger().warning(f"refused: {refusal}")
 
-    def _receive_event(self, row: Topic, data: bytes | Message) -> None:
+    def _receive_event(self, row: Topic, data: bytes) -> None:
         self.events = self.events.counted(row)
         try:
-            stamp, goal = _stamp_of(row, data), self._content(row, data)
+            stamp, goal = stamp_of(row.name, data), self._content(row, data)
             self.events = self.events.offered(row, stamp, self.now, goal)
         except RefusedMessageError as refusal:
             self.refuse(row.name, refusal)
@@ -276,7 +277,7 @@ class ContractNode(Node):
             self.refuse(row.name, refusal)
             return None
 
-    def _receive_realtime(self, row: Topic, stamp: int, data: bytes | Message) -> None:
+    def _receive_realtime(self, row: Topic, stamp: int, data: bytes) -> None:
         message = self._message(row, data)  # or nothing of it is believed: its stamp neither
         allowed = self._refusal_realtime(row, stamp)
         if allowed is not None:
@@ -359,12 +360,4 @@ class ContractNode(Node):
         if state == RUNNING:  # the others depend on wall time, and are no part of the record
             self.counters.count_published("/diagnostics")
         message = heartbeat_message(self.role, state, stamp, self.counters, detail, values)
-        self._send("/diagnostics", message)
-
-    def _send(self, topic: str, message: Message) -> None:
-        self.endpoints.send(topic, message)
-
-
-def _stamp_of(row: Topic, data: bytes | Message) -> int:
-    """Stamp [ns] of a message. Raises RefusedMessageError for bytes that are too few to hold one."""
-    return stamp_of(row.name, data) if isinstance(data, bytes) else data.stamp
+        self.endpoints.send("/diagnostics", message)
