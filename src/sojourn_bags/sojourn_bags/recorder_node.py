@@ -47,7 +47,7 @@ class RecorderNode(ContractNode):
         namespace: str | None = None,
     ) -> None:
         self._recording: Recording | None = None
-        super().__init__("recorder", context=context, overrides=overrides, namespace=namespace, raw=True)
+        super().__init__("recorder", context=context, overrides=overrides, namespace=namespace)
         folder = str(self.declare_parameter("bag", "").value)
         try:
             self.recording = self._recording = self._open(folder)

@@ -61,7 +61,7 @@ class ContractNode(Node):
         role: row of the process table; also the node's name.
         context: rclpy context. overrides: parameter values, as the composed start gives them.
         namespace: ROS namespace, None for the one given on the command line.
-        raw: take messages as serialised bytes (the recorder). every_period: act at every period (the plant).
+        every_period: act at every period (the plant).
     """
 
     def __init__(
@@ -71,7 +71,6 @@ class ContractNode(Node):
         context: Context | None = None,
         overrides: Mapping[str, Any] | None = None,
         namespace: str | None = None,
-        raw: bool = False,
         every_period: bool = False,
     ) -> None:
         super().__init__(
@@ -107,7 +106,6 @@ class ContractNode(Node):
         self._last_progress = self._heard_trigger = time.monotonic()
         self._last_ready = self._complained = 0.0
         self._advancing = False
-        self._raw = raw
         self.received = 0
         """Messages that have come over the middleware."""
         self.endpoints = Endpoints(self, self._take)
@@ -229,13 +227,13 @@ class ContractNode(Node):
             self.refuse(row.name, refusal)
 
     def _content(self, row: Topic, data: bytes | Message) -> Any:
-        """What the bytes hold, checked; the bytes where the node reads them itself. Raises RefusedMessageError."""
+        """What the message holds, checked. Raises RefusedMessageError."""
         message = self._message(row, data)
         self._check(row, message)
         return message
 
     def _message(self, row: Topic, data: bytes | Message) -> Any:
-        return data if self._raw or not isinstance(data, bytes) else decode(row, data)
+        return decode(row, data) if isinstance(data, bytes) else data
 
     def _check(self, row: Topic, message: Any) -> None:
         with refusing(row.name, f"a {row.type} that can be read"):
