@@ -16,13 +16,12 @@ from sojourn_physics.contact.contact_law import (
     MOTION_COLUMNS,
     OUT_COLUMNS,
     STATE_COLUMNS,
-    ContactModel,
     MotionColumn,
     OutColumn,
     WheelColumn,
 )
-from sojourn_physics.contact.dispatch import apply_law
 from sojourn_physics.contact.firm_wheel import FirmColumn
+from sojourn_physics.contact.law_call import apply_law
 from sojourn_physics.soil.params import SoilParams, kernel_row
 
 ROCK = kernel_row(
@@ -59,14 +58,14 @@ def side_force(wheel: FloatArray, load: float, angle_deg: float) -> tuple[float,
 
 @pytest.mark.parametrize(("angle_deg", "force"), [(2.0, 1911.1), (5.0, 3389.6), (10.0, 3688.4)])
 def test_magic_formula(angle_deg: float, force: float) -> None:
-    load, found = side_force(example_row(ContactModel.MAGIC_FORMULA), 4000.0, angle_deg)
+    load, found = side_force(example_row("magic_formula"), 4000.0, angle_deg)
     assert load == pytest.approx(4000.0, rel=1e-6)
     assert found == pytest.approx(force, rel=1e-3)
 
 
 @pytest.mark.parametrize(("angle_deg", "force"), [(1.0, 131.67), (2.0, 248.11), (10.0, 743.95), (16.71, 800.0)])
 def test_brush(angle_deg: float, force: float) -> None:
-    wheel = example_row(ContactModel.BRUSH)
+    wheel = example_row("brush")
     wheel[[BrushColumn.CORNERING_STIFFNESS, BrushColumn.LONGITUDINAL_STIFFNESS]] = 8000.0
     wheel[FirmColumn.FRICTION] = 0.8
     load, found = side_force(wheel, 1000.0, angle_deg)

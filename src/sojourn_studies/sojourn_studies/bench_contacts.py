@@ -5,11 +5,11 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from sojourn_analysis.wheels.examples import example_row
+from sojourn_analysis.wheels.examples import LAWS, example_row
 from sojourn_analysis.wheels.survey import STEPS, count_not_finite, random_motions, survey
 from sojourn_config.load import load_params
 from sojourn_config.paths import available
-from sojourn_physics.contact.contact_law import STATE_COLUMNS, ContactModel, MotionColumn
+from sojourn_physics.contact.contact_law import STATE_COLUMNS, MotionColumn
 from sojourn_physics.soil.params import SoilParams, kernel_table
 
 NOT_FINITE = "contact laws, cases that are not finite"
@@ -19,12 +19,11 @@ TIMED_CASES = 2000
 def bench_contacts(cases: int) -> dict[str, float]:
     """So many random cases of all laws on all soils that are not finite, and microseconds of a call of each law."""
     soils = kernel_table([load_params("soils", name, SoilParams) for name in available("soils")])
-    laws = list(ContactModel)
-    shares = np.full(len(laws), cases // len(laws))
-    shares[: cases % len(laws)] += 1
+    shares = np.full(len(LAWS), cases // len(LAWS))
+    shares[: cases % len(LAWS)] += 1
     not_finite = 0
     costs: dict[str, float] = {}
-    for number, (model, share) in enumerate(zip(laws, shares, strict=True)):
+    for number, (model, share) in enumerate(zip(LAWS, shares, strict=True)):
         row = example_row(model)
         not_finite += survey(row, soils, int(share), seed=number)
         motions = _driving(TIMED_CASES)
@@ -33,7 +32,7 @@ def bench_contacts(cases: int) -> dict[str, float]:
         begin = time.perf_counter()
         count_not_finite(row, soils, motions, steps, states)
         cost = (time.perf_counter() - begin) / (STEPS * TIMED_CASES) * 1e6
-        costs[f"  {model.name.lower()} [us]"] = cost
+        costs[f"  {model} [us]"] = cost
     return {"contact laws, cases": float(cases), NOT_FINITE: float(not_finite), **costs}
 
 

@@ -17,13 +17,13 @@ from sojourn_physics.contact.contact_law import (
     OUT_COLUMNS,
     STATE_COLUMNS,
     WHEEL_COLUMNS,
-    ContactModel,
     MotionColumn,
     OutColumn,
     WheelColumn,
 )
 from sojourn_physics.contact.contact_set import contact_forces
-from sojourn_physics.contact.dispatch import apply_law
+from sojourn_physics.contact.law_call import apply_law, row_entry
+from sojourn_physics.contact.rigid_wheel_on_soil import rigid_wheel_on_soil
 from sojourn_physics.contact.tables import Contacts, Ground, Kinematics, Touch, make_workspace
 from sojourn_physics.soil.params import SoilColumn, SoilParams, kernel_table
 from sojourn_physics.terrain.height_field import SoilArray
@@ -77,7 +77,7 @@ class Rig:
         self.row[WheelColumn.RADIUS] = self.radius
         self.row[WheelColumn.SHEAR_RADIUS] = self.shear_radius
         self.row[WheelColumn.WIDTH] = self.width
-        self.row[WheelColumn.MODEL] = ContactModel.RIGID_WHEEL_ON_SOIL
+        self.row[WheelColumn.LAW] = row_entry(rigid_wheel_on_soil)
 
     @property
     def normal(self) -> FloatArray:
@@ -193,10 +193,10 @@ class LawRig:
 
 @pytest.fixture(scope="session")
 def law() -> Callable[..., LawRig]:
-    """Maker of rigs of one law: `law(ContactModel.BRUSH, "rigid_rock")`, or with a row of one's own."""
+    """Maker of rigs of one law: `law("brush", "rigid_rock")`, or with a row of one's own."""
 
-    def make(wheel: ContactModel | FloatArray, soil: str | FloatArray, dt: float = 0.001) -> LawRig:
-        row = example_row(wheel) if isinstance(wheel, ContactModel) else wheel
+    def make(wheel: str | FloatArray, soil: str | FloatArray, dt: float = 0.001) -> LawRig:
+        row = example_row(wheel) if isinstance(wheel, str) else wheel
         return LawRig(row, soil_table(soil)[0] if isinstance(soil, str) else soil, dt)
 
     return make

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from sojourn_analysis.wheels.examples import example_row
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bekker_wheel import mean_shear, wheel_load
-from sojourn_physics.contact.contact_law import ContactModel, WheelColumn
+from sojourn_physics.contact.contact_law import WheelColumn
 from sojourn_physics.contact.passive_pressure import terzaghi_factors, wall_resistance, wheel_bulldozing
 from sojourn_physics.soil.bearing import bearing_factors, bulldozing_resistance
 from sojourn_physics.soil.params import SoilColumn, SoilParams, kernel_row
@@ -33,7 +33,7 @@ def published_soil() -> FloatArray:
 
 
 def published(law: Maker) -> tuple[Any, float]:
-    row = example_row(ContactModel.BEKKER_WHEEL_ON_SOIL)
+    row = example_row("bekker_wheel_on_soil")
     row[WheelColumn.GRAVITY] = GRAVITY
     one = law(row, published_soil())
     return one, one.penetration_for(LOAD)

@@ -11,7 +11,6 @@ from scipy.integrate import quad
 from sojourn_analysis.wheels.examples import example_row
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.brush import BrushColumn, pneumatic_trail
-from sojourn_physics.contact.contact_law import ContactModel
 from sojourn_physics.contact.firm_wheel import FirmColumn
 
 Maker = Callable[..., Any]
@@ -21,7 +20,7 @@ SPEED = 1.0
 
 def published(law: Maker, relaxation: float = 0.05, **changes: float) -> tuple[Any, float]:
     """The wheel of the published values at its load: the rig and the penetration."""
-    row = example_row(ContactModel.BRUSH)
+    row = example_row("brush")
     row[BrushColumn.CORNERING_STIFFNESS] = row[BrushColumn.LONGITUDINAL_STIFFNESS] = STIFFNESS
     row[BrushColumn.RELAXATION_LENGTH] = relaxation
     row[FirmColumn.FRICTION] = FRICTION

@@ -13,7 +13,7 @@ from scipy.integrate import quad
 from sojourn_analysis.wheels.examples import example_row
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.compliant_wheel_on_soil import CompliantOnSoilColumn, flattening, soft_rim_forces
-from sojourn_physics.contact.contact_law import ContactModel, WheelColumn
+from sojourn_physics.contact.contact_law import WheelColumn
 from sojourn_physics.contact.passive_pressure import wheel_bulldozing
 from sojourn_physics.contact.rigid_rim import RimContact
 from sojourn_physics.contact.wheel_on_soil import QUADRATURE, pressure_modulus, rim_forces
@@ -24,7 +24,7 @@ R, B = 0.4065, 0.229
 
 
 def wheel(pressure: float, slope: float = 0.0, tread: float = 1.0) -> FloatArray:
-    row = example_row(ContactModel.COMPLIANT_WHEEL_ON_SOIL)
+    row = example_row("compliant_wheel_on_soil")
     row[CompliantOnSoilColumn.CARCASS_PRESSURE] = pressure
     row[CompliantOnSoilColumn.CARCASS_PRESSURE_SLOPE] = slope
     row[CompliantOnSoilColumn.TREAD_STRENGTH] = tread
@@ -103,7 +103,7 @@ def test_forces_are_the_integrals_of_the_stresses(
     rolling: float,
     tread: float,
 ) -> None:
-    row, soil = wheel(pressure, slope, tread), law(ContactModel.COMPLIANT_WHEEL_ON_SOIL, soil_name).soil
+    row, soil = wheel(pressure, slope, tread), law("compliant_wheel_on_soil", soil_name).soil
     expected = integrated(row, soil, h, slip, side, rolling)
     found = soft_rim_forces(row, soil, RimContact(h, slip, side, rolling), QUADRATURE)
     scale = math.hypot(*expected[:3])
@@ -111,7 +111,7 @@ def test_forces_are_the_integrals_of_the_stresses(
 
 
 def test_a_hard_carcass_rolls_as_a_rigid_wheel_without_soil_behind_it(law: Maker) -> None:
-    soil = law(ContactModel.COMPLIANT_WHEEL_ON_SOIL, "lunar_nominal").soil.copy()
+    soil = law("compliant_wheel_on_soil", "lunar_nominal").soil.copy()
     soil[[SoilColumn.THETA_M_C1, SoilColumn.THETA_M_C2]] = 0.0
     soil[SoilColumn.EXIT_LAMBDA] = 0.0
     for slip in (-0.5, 0.0, 0.3):
@@ -123,7 +123,7 @@ def test_a_hard_carcass_rolls_as_a_rigid_wheel_without_soil_behind_it(law: Maker
 
 
 def test_it_flattens_from_where_the_ground_pressure_reaches_the_carcass_pressure(law: Maker) -> None:
-    soil = law(ContactModel.COMPLIANT_WHEEL_ON_SOIL, "lunar_nominal").soil
+    soil = law("compliant_wheel_on_soil", "lunar_nominal").soil
     row = wheel(8e3)
     critical = 8e3 / pressure_modulus(soil, B)  # n = 1
     below, above = flattening(row, soil, 0.999 * critical), flattening(row, soil, 1.5 * critical)
@@ -155,7 +155,7 @@ def test_a_soft_wheel_sinks_less_and_pulls_more(law: Maker) -> None:
 
 
 def test_on_rock_it_carries_its_carcass_pressure_over_its_footprint(law: Maker) -> None:
-    one = law(ContactModel.COMPLIANT_WHEEL_ON_SOIL, "rigid_rock")
+    one = law("compliant_wheel_on_soil", "rigid_rock")
     found = one.step(penetration=0.04)
     d = found["deflection"]
     assert d == pytest.approx(0.04, rel=2e-3)
@@ -168,7 +168,7 @@ def test_on_rock_it_carries_its_carcass_pressure_over_its_footprint(law: Maker) 
 
 
 def test_compaction_is_the_work_of_the_rut(law: Maker) -> None:
-    one = law(ContactModel.COMPLIANT_WHEEL_ON_SOIL, "dry_sand")
+    one = law("compliant_wheel_on_soil", "dry_sand")
     found = one.step(8000, penetration=0.03, v_along=0.5, rim_speed=0.5)
     k, n = pressure_modulus(one.soil, B), one.soil[SoilColumn.N]
     work = B * quad(lambda z: k * z**n, 0.0, found["sinkage"])[0]
@@ -178,7 +178,7 @@ def test_compaction_is_the_work_of_the_rut(law: Maker) -> None:
 
 @given(depth=st.floats(0.085, 0.2), stiffness=st.floats(1e4, 1e7))
 def test_a_bump_stop_bears_from_its_deflection_on(law: Maker, depth: float, stiffness: float) -> None:
-    row, soil = wheel(2700.0), law(ContactModel.COMPLIANT_WHEEL_ON_SOIL, "lunar_nominal").soil
+    row, soil = wheel(2700.0), law("compliant_wheel_on_soil", "lunar_nominal").soil
     row[CompliantOnSoilColumn.BUMP_STOP] = 0.08
     before = flattening(row, soil, depth)
     row[CompliantOnSoilColumn.BUMP_STOP_SLOPE] = stiffness

@@ -13,7 +13,6 @@ from scipy.optimize import brentq
 
 from sojourn_analysis.wheels.examples import LRV_MESH, ROVER_SIZE, example_row
 from sojourn_machine.supports import WheelParams
-from sojourn_physics.contact.contact_law import ContactModel
 from sojourn_physics.contact.firm_wheel import FirmColumn
 from sojourn_physics.contact.resistance_memory import advance_headway
 from sojourn_physics.contact.rows import kernel_rows
@@ -22,8 +21,8 @@ from sojourn_physics.soil.params import SoilColumn
 
 Maker = Callable[..., Any]
 RADIUS, WIDTH = 0.125, 0.16
-RIGID = ContactModel.RIGID_WHEEL_ON_RIGID_GROUND
-MESH = ContactModel.COMPLIANT_WHEEL_ON_RIGID_GROUND
+RIGID = "rigid_wheel_on_rigid_ground"
+MESH = "compliant_wheel_on_rigid_ground"
 
 
 @settings(max_examples=200, deadline=None)
@@ -71,7 +70,7 @@ def test_load_of_a_rigid_rim_is_that_of_the_strips_under_it(law: Maker, n: float
 
 
 def test_wheel_and_ground_share_the_penetration(law: Maker) -> None:
-    one = law(ContactModel.WHEEL_AND_GROUND_IN_SERIES, "rigid_rock")
+    one = law("wheel_and_ground_in_series", "rigid_rock")
     found = one.step(penetration=0.004)
     assert found["sinkage"] + found["deflection"] == pytest.approx(0.004)
     assert found["force_z"] == pytest.approx(40e3 * found["deflection"])

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import dblquad
 
 from sojourn_analysis.wheels.examples import FOOT_RADIUS, example_row
-from sojourn_physics.contact.contact_law import ContactModel, WheelColumn
+from sojourn_physics.contact.contact_law import WheelColumn
 from sojourn_physics.contact.foot_pad import FRICTION_ARM, pad_pressure
 from sojourn_physics.contact.passive_pressure import round_bearing_capacity, wall_resistance
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus
@@ -16,7 +16,7 @@ from sojourn_physics.soil.bearing import bearing_factors
 from sojourn_physics.soil.params import SoilColumn
 
 Maker = Callable[..., Any]
-FOOT = ContactModel.FOOT_PAD
+FOOT = "foot_pad"
 AREA = math.pi * FOOT_RADIUS**2
 
 

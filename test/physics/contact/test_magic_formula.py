@@ -10,12 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sojourn_analysis.wheels.examples import example_row
-from sojourn_physics.contact.contact_law import ContactModel
 from sojourn_physics.contact.firm_wheel import FirmColumn
 from sojourn_physics.contact.magic_formula import magic_forces
 
 Maker = Callable[..., Any]
-ROW = example_row(ContactModel.MAGIC_FORMULA)
+ROW = example_row("magic_formula")
 LATERAL = (1.30, -22.1, 1011, 1078, 1.82, 0.208, 0.0, -0.354, 0.707, 0.028, 0.0, 14.8, 0.022, 0.0)
 MOMENT = (2.40, -2.72, -2.28, -1.86, -2.73, 0.110, -0.070, 0.643, -4.04, 0.015, -0.066, 0.945, 0.030, 0.070)
 ALONG = (1.65, -21.3, 1144, 49.6, 226, 0.069, -0.006, 0.056, 0.486, 0.0, 0.0, 0.0, 0.0, 0.0)

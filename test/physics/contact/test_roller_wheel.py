@@ -12,7 +12,6 @@ from sojourn_analysis.wheels.examples import ROVER_SIZE, example_row
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.supports import WheelParams
-from sojourn_physics.contact.contact_law import ContactModel
 from sojourn_physics.contact.roller_wheel import RollerColumn, kinematic_matrix
 from sojourn_physics.contact.rows import kernel_rows
 from sojourn_physics.soil.params import SoilColumn
@@ -81,6 +80,6 @@ def test_rollers_along_the_axle_are_refused() -> None:
 
 
 def test_the_row_holds_the_direction_of_the_axis() -> None:
-    row = example_row(ContactModel.ROLLER_WHEEL)
+    row = example_row("roller_wheel")
     assert row[RollerColumn.SIN_ANGLE] == pytest.approx(math.sqrt(0.5))
     assert row[RollerColumn.COS_ANGLE] == pytest.approx(math.sqrt(0.5))

@@ -9,7 +9,6 @@ from scipy.integrate import quad
 
 from sojourn_analysis.wheels.examples import TRACK, TRACK_SIZE, example_row
 from sojourn_machine.params import FloatArray
-from sojourn_physics.contact.contact_law import ContactModel
 from sojourn_physics.contact.passive_pressure import wall_resistance
 from sojourn_physics.contact.track import TrackColumn, track_shear
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus
@@ -20,7 +19,7 @@ LENGTH, WIDTH = TRACK.length, TRACK_SIZE["width"]
 
 
 def even() -> FloatArray:
-    row = example_row(ContactModel.TRACK)
+    row = example_row("track")
     row[TrackColumn.PEAKEDNESS] = 0.0
     return row
 
@@ -63,7 +62,7 @@ def test_a_turn_on_the_spot_meets_the_friction_of_its_length(law: Maker) -> None
 
 
 def test_a_turning_track_pushes_against_its_turn(law: Maker) -> None:
-    one = law(ContactModel.TRACK, "sandy_loam")
+    one = law("track", "sandy_loam")
     left = one.step(20000, penetration=0.01, v_along=0.4, rim_speed=0.45, yaw_rate=0.2)
     one.state[:] = 0.0
     right = one.step(20000, penetration=0.01, v_along=0.4, rim_speed=0.45, yaw_rate=-0.2)
@@ -76,14 +75,14 @@ def test_road_wheels_sink_deeper_and_leave_the_load_as_it_is(law: Maker) -> None
     """Pressure with peaks: the same load needs the sinkage of its greatest pressure."""
     load = 300.0
     depths = []
-    for row in (even(), example_row(ContactModel.TRACK)):
+    for row in (even(), example_row("track")):
         depths.append(law(row, "lunar_nominal").penetration_for(load))
     assert depths[1] == pytest.approx(depths[0] * (1.0 + TRACK.peakedness), rel=1e-6)  # n = 1
 
 
 @pytest.mark.parametrize("wheels", [1, 5, 8])
 def test_shear_with_peaks_is_the_integral_along_the_track(law: Maker, wheels: int) -> None:
-    row = example_row(ContactModel.TRACK)
+    row = example_row("track")
     row[TrackColumn.ROAD_WHEELS] = wheels
     soil = law(row, "dry_sand").soil
     k_x, k_y = soil[SoilColumn.SHEAR_MODULUS], soil[SoilColumn.SHEAR_MODULUS_LATERAL]

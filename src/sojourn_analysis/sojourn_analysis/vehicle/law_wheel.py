@@ -29,8 +29,8 @@ from sojourn_physics.contact.contact_law import (
     MotionColumn,
     OutColumn,
 )
-from sojourn_physics.contact.dispatch import apply_law
 from sojourn_physics.contact.ground_memory import GREATEST, PAST_COLUMNS, RUT, settle_soil
+from sojourn_physics.contact.law_call import apply_law
 from sojourn_physics.contact.rows import kernel_rows
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus
 from sojourn_physics.soil.params import SoilColumn, SoilParams, kernel_row

@@ -12,8 +12,9 @@ import numpy as np
 
 from sojourn_machine.params import FloatArray
 from sojourn_machine.supports import WheelParams
-from sojourn_physics.contact.contact_law import WHEEL_COLUMNS, ContactModel, WheelColumn
+from sojourn_physics.contact.contact_law import WHEEL_COLUMNS, WheelColumn
 from sojourn_physics.contact.foot_pad import FootPadParams
+from sojourn_physics.contact.law_call import row_entry
 from sojourn_physics.contact.law_params import ContactLawParams
 from sojourn_physics.contact.rows import kernel_rows
 from sojourn_physics.contact.track import TrackParams
@@ -30,22 +31,22 @@ LRV_CARCASS = {"carcass_pressure": 2.0e3, "carcass_pressure_slope": 25e3}
 ROVER_SIZE = {"radius": 0.125, "width": 0.16, "grouser_height": 0.006, "grouser_count": 30}
 ROAD_TYRE = {"radius": 0.31, "width": 0.195}
 
-WHEELS: dict[ContactModel, dict[str, Any]] = {
-    ContactModel.RIGID_WHEEL_ON_RIGID_GROUND: {**ROVER_SIZE, "contact": {"model": "rigid_wheel_on_rigid_ground"}},
-    ContactModel.WHEEL_AND_GROUND_IN_SERIES: {
+WHEELS: dict[str, dict[str, Any]] = {
+    "rigid_wheel_on_rigid_ground": {**ROVER_SIZE, "contact": {"model": "rigid_wheel_on_rigid_ground"}},
+    "wheel_and_ground_in_series": {
         **ROVER_SIZE,
         "contact": {"model": "wheel_and_ground_in_series", "stiffness": 40e3},
     },
-    ContactModel.RIGID_WHEEL_ON_SOIL: {**ROVER_SIZE, "contact": {"model": "rigid_wheel_on_soil"}},
-    ContactModel.COMPLIANT_WHEEL_ON_RIGID_GROUND: {
+    "rigid_wheel_on_soil": {**ROVER_SIZE, "contact": {"model": "rigid_wheel_on_soil"}},
+    "compliant_wheel_on_rigid_ground": {
         **LRV_SIZE,
         "contact": {"model": "compliant_wheel_on_rigid_ground", **LRV_MESH},
     },
-    ContactModel.COMPLIANT_WHEEL_ON_SOIL: {
+    "compliant_wheel_on_soil": {
         **LRV_SIZE,
         "contact": {"model": "compliant_wheel_on_soil", **LRV_CARCASS},
     },
-    ContactModel.BRUSH: {
+    "brush": {
         **ROVER_SIZE,
         "contact": {
             "model": "brush",
@@ -54,27 +55,29 @@ WHEELS: dict[ContactModel, dict[str, Any]] = {
             "cornering_stiffness": 1200.0,
         },
     },
-    ContactModel.BEKKER_WHEEL_ON_SOIL: {**LRV_SIZE, "contact": {"model": "bekker_wheel_on_soil"}},
-    ContactModel.MAGIC_FORMULA: {**ROAD_TYRE, "contact": {"model": "magic_formula", "stiffness": 200e3}},
-    ContactModel.ROLLER_WHEEL: {**ROVER_SIZE, "contact": {"model": "roller_wheel", "roller_angle_deg": 45.0}},
+    "bekker_wheel_on_soil": {**LRV_SIZE, "contact": {"model": "bekker_wheel_on_soil"}},
+    "magic_formula": {**ROAD_TYRE, "contact": {"model": "magic_formula", "stiffness": 200e3}},
+    "roller_wheel": {**ROVER_SIZE, "contact": {"model": "roller_wheel", "roller_angle_deg": 45.0}},
 }
 TRACK_SIZE = {"radius": 0.1, "width": 0.2}
 TRACK = TrackParams(model="track", length=0.9, road_wheels=5, peakedness=0.6)
 FOOT_RADIUS = 0.12
+LAWS = (*WHEELS, "track", "foot_pad")
+"""All that there are examples of."""
 
 
-def example_row(model: ContactModel, gravity: float = 1.62) -> FloatArray:
+def example_row(model: str, gravity: float = 1.62) -> FloatArray:
     """Row of the example of a law: (WHEEL_COLUMNS,)."""
     if model in WHEELS:
         wheel = WheelParams.model_validate({"name": "example", "joint": "joint", **WHEELS[model]})
         rows = kernel_rows([wheel], [], gravity)
         return rows.reshape(-1)
     row = np.zeros(WHEEL_COLUMNS)
-    law: ContactLawParams = TRACK if model is ContactModel.TRACK else FootPadParams(model="foot_pad")
-    row[WheelColumn.RADIUS] = FOOT_RADIUS if model is ContactModel.FOOT_PAD else TRACK_SIZE["radius"]
+    law: ContactLawParams = TRACK if model == "track" else FootPadParams(model="foot_pad")
+    row[WheelColumn.RADIUS] = FOOT_RADIUS if model == "foot_pad" else TRACK_SIZE["radius"]
     row[WheelColumn.SHEAR_RADIUS] = row[WheelColumn.RADIUS]
-    row[WheelColumn.WIDTH] = 0.0 if model is ContactModel.FOOT_PAD else TRACK_SIZE["width"]
+    row[WheelColumn.WIDTH] = 0.0 if model == "foot_pad" else TRACK_SIZE["width"]
     row[WheelColumn.GRAVITY] = gravity
-    row[WheelColumn.MODEL] = model
+    row[WheelColumn.LAW] = row_entry(law.law())
     law.fill(row)
     return row

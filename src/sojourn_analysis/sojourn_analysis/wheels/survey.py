@@ -16,7 +16,7 @@ from sojourn_physics.contact.contact_law import (
     STATE_COLUMNS,
     MotionColumn,
 )
-from sojourn_physics.contact.dispatch import apply_law
+from sojourn_physics.contact.law_call import apply_law
 
 STEPS = 3
 CHUNK = 20_000

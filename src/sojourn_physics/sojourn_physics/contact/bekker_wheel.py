@@ -16,14 +16,13 @@ over an even pressure. Range: z below D/6, n up to 1.3, wheels larger than 0.5 m
 """
 
 import math
-from typing import ClassVar, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
-    ContactModel,
     MotionColumn,
     OutColumn,
     StateColumn,
@@ -46,8 +45,12 @@ MIN_LOAD_FACTOR = 0.05
 class BekkerWheelParams(ContactLawParams):
     """Law 7: nothing beside the wheel's shape and the soil."""
 
-    number: ClassVar[ContactModel] = ContactModel.BEKKER_WHEEL_ON_SOIL
     model: Literal["bekker_wheel_on_soil"] = Field(description="contact model")
+
+    @classmethod
+    def law(cls) -> Any:
+        """See `ContactLawParams`."""
+        return bekker_wheel
 
 
 @kernel

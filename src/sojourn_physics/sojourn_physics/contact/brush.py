@@ -16,14 +16,14 @@ change with the load here.
 """
 
 from enum import IntEnum
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bristle_friction import Bristles, Sliding, bristle_forces
-from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, StateColumn, WheelColumn
+from sojourn_physics.contact.contact_law import MotionColumn, StateColumn, WheelColumn
 from sojourn_physics.contact.firm_wheel import (
     CompliantWheelParams,
     FirmColumn,
@@ -48,7 +48,6 @@ class BrushColumn(IntEnum):
 class BrushParams(CompliantWheelParams):
     """Law 6."""
 
-    number: ClassVar[ContactModel] = ContactModel.BRUSH
     columns: ClassVar[type[IntEnum]] = BrushColumn
     model: Literal["brush"] = Field(description="contact model")
     longitudinal_stiffness: float = Field(gt=0.0, le=1e7, description="C_kappa, force over slip [N]")
@@ -56,6 +55,11 @@ class BrushParams(CompliantWheelParams):
     relaxation_length: float = Field(
         default=0.0, ge=0.0, le=5.0, description="lambda; 0: half the length of the contact [m]"
     )
+
+    @classmethod
+    def law(cls) -> Any:
+        """See `ContactLawParams`."""
+        return brush
 
 
 @kernel

@@ -31,14 +31,13 @@ ground over its footprint there.
 
 import math
 from enum import IntEnum
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
-    ContactModel,
     MotionColumn,
     OutColumn,
     StateColumn,
@@ -71,7 +70,6 @@ class CompliantOnSoilColumn(IntEnum):
 class CompliantWheelOnSoilParams(ContactLawParams):
     """Laws 5 and 8."""
 
-    number: ClassVar[ContactModel] = ContactModel.COMPLIANT_WHEEL_ON_SOIL
     columns: ClassVar[type[IntEnum]] = CompliantOnSoilColumn
     model: Literal["compliant_wheel_on_soil"] = Field(description="contact model")
     carcass_pressure: float = Field(
@@ -95,6 +93,11 @@ class CompliantWheelOnSoilParams(ContactLawParams):
     bump_stop_slope: float = Field(
         default=0.0, ge=0.0, le=1e9, description="growth of the pressure with the deflection beyond it [Pa/m]"
     )
+
+    @classmethod
+    def law(cls) -> Any:
+        """See `ContactLawParams`."""
+        return compliant_wheel_on_soil
 
 
 @kernel

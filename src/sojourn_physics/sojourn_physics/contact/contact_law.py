@@ -31,22 +31,6 @@ from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 
 
-class ContactModel(IntEnum):
-    """Number of a law in the wheel's row."""
-
-    RIGID_WHEEL_ON_RIGID_GROUND = 1
-    WHEEL_AND_GROUND_IN_SERIES = 2
-    RIGID_WHEEL_ON_SOIL = 3
-    COMPLIANT_WHEEL_ON_RIGID_GROUND = 4
-    COMPLIANT_WHEEL_ON_SOIL = 5
-    BRUSH = 6
-    BEKKER_WHEEL_ON_SOIL = 7
-    MAGIC_FORMULA = 9
-    ROLLER_WHEEL = 11
-    TRACK = 12
-    FOOT_PAD = 13
-
-
 class WheelColumn(IntEnum):
     """Columns of a wheel's row that every law knows. A law's own parameters start at OWN."""
 
@@ -59,8 +43,8 @@ class WheelColumn(IntEnum):
     GROUSER_COUNT = 4
     GRAVITY = 5
     """Where the wheel is: weight of the soil that it pushes [m/s^2]."""
-    MODEL = 6
-    """A `ContactModel`."""
+    LAW = 6
+    """Which law: see `law_call`."""
     OWN = 7
 
 

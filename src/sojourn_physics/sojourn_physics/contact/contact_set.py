@@ -13,8 +13,8 @@ from sojourn_physics.contact.contact_law import (
     StateColumn,
     WheelColumn,
 )
-from sojourn_physics.contact.dispatch import apply_law
 from sojourn_physics.contact.ground_memory import leave_rut
+from sojourn_physics.contact.law_call import apply_law
 from sojourn_physics.contact.pad_on_soil import is_clear, pad_forces
 from sojourn_physics.contact.tables import Body, Contacts, Ground, Kinematics, Touch
 from sojourn_physics.contact.wheel_contact import find_contact

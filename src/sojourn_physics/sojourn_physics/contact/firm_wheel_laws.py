@@ -11,14 +11,14 @@ its resistance to a turn on the spot is μ N b/4 (a line of even pressure).
 Range of validity: hard, dry, clean contact; no hydrodynamics, no wear; speeds of rovers.
 """
 
-from typing import ClassVar, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bristle_friction import Bristles, Sliding, bristle_forces
-from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, WheelColumn
+from sojourn_physics.contact.contact_law import MotionColumn, WheelColumn
 from sojourn_physics.contact.firm_wheel import (
     CompliantWheelParams,
     FirmColumn,
@@ -38,27 +38,39 @@ ARM_PER_WIDTH = 0.25
 class RigidWheelOnRigidGroundParams(FirmWheelParams):
     """Law 1."""
 
-    number: ClassVar[ContactModel] = ContactModel.RIGID_WHEEL_ON_RIGID_GROUND
     model: Literal["rigid_wheel_on_rigid_ground"] = Field(description="contact model")
     break_away: float = Field(default=1e-3, ge=1e-5, le=0.1, description="displacement before full sliding [m]")
+
+    @classmethod
+    def law(cls) -> Any:
+        """See `ContactLawParams`."""
+        return coulomb_wheel
 
 
 class WheelAndGroundInSeriesParams(FirmWheelParams):
     """Law 2."""
 
-    number: ClassVar[ContactModel] = ContactModel.WHEEL_AND_GROUND_IN_SERIES
     model: Literal["wheel_and_ground_in_series"] = Field(description="contact model")
     stiffness: float = Field(gt=0.0, le=1e8, description="of the wheel [N/m]")
     damping: float = Field(default=1.0, ge=0.0, le=100.0, description="Hunt-Crossley damping of the wheel [s/m]")
     break_away: float = Field(default=1e-3, ge=1e-5, le=0.1, description="displacement before full sliding [m]")
 
+    @classmethod
+    def law(cls) -> Any:
+        """See `ContactLawParams`."""
+        return coulomb_wheel
+
 
 class CompliantWheelOnRigidGroundParams(CompliantWheelParams):
     """Law 4."""
 
-    number: ClassVar[ContactModel] = ContactModel.COMPLIANT_WHEEL_ON_RIGID_GROUND
     model: Literal["compliant_wheel_on_rigid_ground"] = Field(description="contact model")
     break_away: float = Field(default=5e-3, ge=1e-5, le=0.1, description="displacement before full sliding [m]")
+
+    @classmethod
+    def law(cls) -> Any:
+        """See `ContactLawParams`."""
+        return coulomb_wheel
 
 
 @kernel

@@ -15,13 +15,13 @@ Range of validity: flat round pads, z up to their radius.
 """
 
 import math
-from typing import ClassVar, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, OutColumn, StateColumn, WheelColumn
+from sojourn_physics.contact.contact_law import MotionColumn, OutColumn, StateColumn, WheelColumn
 from sojourn_physics.contact.hysteresis import effective_shear
 from sojourn_physics.contact.law_params import ContactLawParams
 from sojourn_physics.contact.passive_pressure import round_bearing_capacity, wall_resistance
@@ -40,8 +40,12 @@ SHARPNESS = 4.0
 class FootPadParams(ContactLawParams):
     """Law 13: nothing beside the pad's radius and the soil."""
 
-    number: ClassVar[ContactModel] = ContactModel.FOOT_PAD
     model: Literal["foot_pad"] = Field(description="contact model")
+
+    @classmethod
+    def law(cls) -> Any:
+        """See `ContactLawParams`."""
+        return foot_pad
 
 
 @kernel

@@ -28,14 +28,14 @@ which D is greatest the force goes on with that D; E is held to 1 at most (beyon
 
 import math
 from enum import IntEnum
-from typing import ClassVar, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bristle_friction import bristle_lead
-from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, OutColumn, StateColumn, WheelColumn
+from sojourn_physics.contact.contact_law import MotionColumn, OutColumn, StateColumn, WheelColumn
 from sojourn_physics.contact.firm_wheel import (
     CompliantWheelParams,
     FirmColumn,
@@ -82,7 +82,6 @@ class MagicColumn(IntEnum):
 class MagicFormulaParams(CompliantWheelParams):
     """Laws 9 and 10. The coefficients that are the default are those of the tyre of Bakker et al. 1987."""
 
-    number: ClassVar[ContactModel] = ContactModel.MAGIC_FORMULA
     model: Literal["magic_formula"] = Field(description="contact model")
     relaxation_longitudinal: float = Field(default=0.1, gt=0.0, le=5.0, description="relaxation length along [m]")
     relaxation_lateral: float = Field(default=0.3, gt=0.0, le=5.0, description="relaxation length across [m]")
@@ -105,6 +104,11 @@ class MagicFormulaParams(CompliantWheelParams):
         ):
             row[start] = c
             row[start + 1 : start + 1 + len(coefficients)] = coefficients
+
+    @classmethod
+    def law(cls) -> Any:
+        """See `ContactLawParams`."""
+        return magic_formula
 
 
 @kernel

@@ -8,14 +8,13 @@ Assumptions and range of validity: those of `wheel_on_soil` and `shear_memory`.
 """
 
 import math
-from typing import ClassVar, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
-    ContactModel,
     MotionColumn,
     OutColumn,
     StateColumn,
@@ -35,8 +34,12 @@ MIN_CONTACT_LENGTH = 0.04
 class RigidWheelOnSoilParams(ContactLawParams):
     """Rigid wheel on soil: nothing beside the wheel's shape and the soil."""
 
-    number: ClassVar[ContactModel] = ContactModel.RIGID_WHEEL_ON_SOIL
     model: Literal["rigid_wheel_on_soil"] = Field(default="rigid_wheel_on_soil", description="contact model")
+
+    @classmethod
+    def law(cls) -> Any:
+        """See `ContactLawParams`."""
+        return rigid_wheel_on_soil
 
 
 @kernel

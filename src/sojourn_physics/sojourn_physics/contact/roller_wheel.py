@@ -19,7 +19,7 @@ inertia. Range: firm ground, where rollers turn.
 import math
 from collections.abc import Sequence
 from enum import IntEnum
-from typing import ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field, field_validator
@@ -28,7 +28,7 @@ from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.bristle_friction import Bristles, Sliding, bristle_forces
-from sojourn_physics.contact.contact_law import ContactModel, MotionColumn, StateColumn, WheelColumn
+from sojourn_physics.contact.contact_law import MotionColumn, StateColumn, WheelColumn
 from sojourn_physics.contact.firm_wheel import (
     CompliantWheelParams,
     FirmColumn,
@@ -54,7 +54,6 @@ class RollerColumn(IntEnum):
 class RollerWheelParams(CompliantWheelParams):
     """Law 11."""
 
-    number: ClassVar[ContactModel] = ContactModel.ROLLER_WHEEL
     model: Literal["roller_wheel"] = Field(description="contact model")
     stiffness: float = Field(default=1e6, gt=0.0, le=1e8, description="of the wheel and its rollers [N/m]")
     break_away: float = Field(default=1e-3, ge=1e-5, le=0.1, description="displacement before full sliding [m]")
@@ -78,6 +77,11 @@ class RollerWheelParams(CompliantWheelParams):
         row[RollerColumn.SIN_ANGLE] = math.sin(angle)
         row[RollerColumn.COS_ANGLE] = math.cos(angle)
         row[RollerColumn.ROLLER_FRICTION] = self.roller_friction
+
+    @classmethod
+    def law(cls) -> Any:
+        """See `ContactLawParams`."""
+        return roller_wheel
 
 
 def kinematic_matrix(

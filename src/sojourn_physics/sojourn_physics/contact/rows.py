@@ -10,6 +10,7 @@ from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.supports import PadParams, ScoopParams, WheelParams
 from sojourn_physics.contact.contact_law import WHEEL_COLUMNS, WheelColumn
+from sojourn_physics.contact.law_call import row_entry
 from sojourn_physics.contact.law_params import ContactLawParams
 from sojourn_physics.contact.pad_on_soil import CUT_COLUMNS, FIRST_CUT, IS_TOOL
 from sojourn_physics.soil.digging import CutCoefficients, DiggingSoil, cut_coefficients
@@ -48,7 +49,7 @@ def kernel_rows(wheels: Sequence[WheelParams], pads: Sequence[PadParams], gravit
         row[WheelColumn.GROUSER_HEIGHT] = wheel.grouser_height if wheel.grouser_count else 0.0
         row[WheelColumn.GROUSER_COUNT] = wheel.grouser_count
         law = law_of(wheel.contact)
-        row[WheelColumn.MODEL] = law.number
+        row[WheelColumn.LAW] = row_entry(law.law())
         law.fill(row)
     for row, pad in zip(rows[len(wheels) :], pads, strict=True):
         row[WheelColumn.RADIUS] = pad.radius

@@ -22,14 +22,13 @@ Assumptions: rigid, level track, evenly loaded left to right; no grousers. Range
 
 import math
 from enum import IntEnum
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
 from sojourn_machine.kernels import kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import (
-    ContactModel,
     MotionColumn,
     OutColumn,
     StateColumn,
@@ -61,12 +60,16 @@ class TrackColumn(IntEnum):
 class TrackParams(ContactLawParams):
     """Law 12."""
 
-    number: ClassVar[ContactModel] = ContactModel.TRACK
     columns: ClassVar[type[IntEnum]] = TrackColumn
     model: Literal["track"] = Field(description="contact model")
     length: float = Field(gt=0.0, le=10.0, description="of the track on the ground [m]")
     road_wheels: int = Field(default=1, ge=1, le=8, description="number of road wheels [-]")
     peakedness: float = Field(default=0.0, ge=0.0, le=1.0, description="a: pressure between 1 - a and 1 + a [-]")
+
+    @classmethod
+    def law(cls) -> Any:
+        """See `ContactLawParams`."""
+        return track
 
 
 @kernel
