@@ -47,7 +47,7 @@ def driven() -> str:
     assert np.hypot(*(state.configuration[:2] - begin)) > 1e-3, "it stands"
     digest = hashlib.sha256()
     energy = np.array(dataclasses.astuple(state.energy))
-    for numbers in (state.configuration, state.velocity, state.contacts, state.joints, energy):
+    for numbers in (state.configuration, state.velocity, *state.supports, state.joints, energy):
         digest.update(np.ascontiguousarray(numbers).tobytes())
     return digest.hexdigest()
 

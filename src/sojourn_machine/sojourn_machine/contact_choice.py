@@ -13,11 +13,11 @@ from sojourn_machine.params import Params
 from sojourn_machine.registry import Registry
 
 CONTACT_LAWS: "Registry[type[ContactChoice]]" = Registry("sojourn.contact_laws", "contact model")
-"""Parameter sets of the laws that a wheel may have, by their names."""
+"""Parameter sets of the laws that a wheel or a foot may have, by their names."""
 
 
 class ContactChoice(Params):
-    """A contact law by its name, the table `contact` of a wheel. Each law has a subclass with its parameters."""
+    """A contact law by its name: `contact` of a wheel or a foot. Each law has a subclass with its parameters."""
 
     model: str = Field(description="contact model")
 
@@ -45,3 +45,5 @@ def _chosen(value: Any) -> Any:
 Contact = Annotated[SerializeAsAny[ContactChoice], BeforeValidator(_chosen)]
 DEFAULT_CONTACT: Any = {"model": "rigid_wheel_on_soil"}
 """What a wheel has where its file says nothing; read like a file's."""
+DEFAULT_FOOT_CONTACT: Any = {"model": "foot_pad"}
+"""Likewise of a foot."""

@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from sojourn_machine.drives import JointDriveParams, JointFrictionParams
 from sojourn_machine.params import Params
-from sojourn_machine.supports import PadParams, WheelParams
+from sojourn_machine.supports import FootParams, PadParams, SupportParams, TrackParams, WheelParams
 
 
 class DifferentialBarParams(Params):
@@ -48,16 +48,16 @@ class SuspensionParams(Params):
 
 
 class MachineParams(Params):
-    """A rover: wheels, pads, drives and couplings; or an arm on a base that is fixed. Kinematics, masses, inertias
-    and joint limits are in its URDF.
+    """A machine: what it stands on, drives and couplings; or an arm on a base that is fixed. Kinematics, masses,
+    inertias and joint limits are in its URDF.
 
     Joints that no drive names are passive: they have `passive_joint` friction.
     """
 
     fixed_base: bool = Field(default=False, description="base_link stands fast: a stand, the wall of a station")
-    wheels: tuple[WheelParams, ...] = Field(
-        default=(), description="wheels, in the order of all reports; a fixed base has none, all others at least one"
-    )
+    wheels: tuple[WheelParams, ...] = Field(default=(), description="wheels")
+    tracks: tuple[TrackParams, ...] = Field(default=(), description="tracks")
+    feet: tuple[FootParams, ...] = Field(default=(), description="feet of legs")
     pads: tuple[PadParams, ...] = Field(default=(), description="other points that may touch the ground")
     drives: tuple[JointDriveParams, ...] = Field(default=(), description="motor, gear and servo of groups of joints")
     passive_joint: JointFrictionParams
@@ -76,10 +76,11 @@ class MachineParams(Params):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.fixed_base and self.wheels:
-            raise ValueError(f"fixed_base with {len(self.wheels)} wheels: allowed is one or the other")
-        if not (self.fixed_base or self.wheels):
-            raise ValueError("wheels: allowed is one at least, or fixed_base = true")
+        stands_on = [support.name for support in self.stands_on]
+        if self.fixed_base and stands_on:
+            raise ValueError(f"fixed_base with {', '.join(stands_on)}: allowed is one or the other")
+        if not (self.fixed_base or stands_on):
+            raise ValueError("wheels, tracks, feet: allowed is one at least, or fixed_base = true")
         joints = [joint for drive in self.drives for joint in drive.joints]
         for joint in joints:
             if joints.count(joint) > 1:
@@ -93,11 +94,24 @@ class MachineParams(Params):
         for wheel in self.wheels:
             if wheel.steer_joint is not None and wheel.steer_joint not in joints:
                 raise ValueError(f"wheels: steer_joint {wheel.steer_joint} of wheel {wheel.name} has no drive")
-        names = [wheel.name for wheel in self.wheels] + [pad.name for pad in self.pads]
+        for track in self.tracks:
+            if track.joint not in joints:
+                raise ValueError(f"tracks: joint {track.joint} of track {track.name} has no drive")
+        names = [support.name for support in self.supports]
         for name in names:
             if names.count(name) > 1:
-                raise ValueError(f"wheels, pads: name {name} is used {names.count(name)} times, allowed is once")
+                raise ValueError(f"supports: name {name} is used {names.count(name)} times, allowed is once")
         return self
+
+    @property
+    def stands_on(self) -> tuple[WheelParams | TrackParams | FootParams, ...]:
+        """What it stands on when it is as it should be."""
+        return (*self.wheels, *self.tracks, *self.feet)
+
+    @property
+    def supports(self) -> tuple[SupportParams, ...]:
+        """All that may meet the ground, in the order of all reports."""
+        return (*self.stands_on, *self.pads)
 
     @property
     def steer_joints(self) -> tuple[str, ...]:

@@ -1,15 +1,20 @@
-"""What touches the ground: wheels, and pads on bodies."""
+"""What meets the ground: wheels, tracks, feet of legs, and pads on bodies."""
 
 from pydantic import Field
 
-from sojourn_machine.contact_choice import DEFAULT_CONTACT, Contact
+from sojourn_machine.contact_choice import DEFAULT_CONTACT, DEFAULT_FOOT_CONTACT, Contact
 from sojourn_machine.params import Params
 
 
-class WheelParams(Params):
+class SupportParams(Params):
+    """One thing that meets the ground."""
+
+    name: str = Field(min_length=1, description="its name")
+
+
+class WheelParams(SupportParams):
     """One wheel."""
 
-    name: str = Field(min_length=1, description="name of the wheel")
     joint: str = Field(min_length=1, description="drive joint, about the wheel's axle")
     steer_joint: str | None = Field(default=None, description="steering joint, or none")
     radius: float = Field(gt=0.0, le=5.0, description="radius of the rim, without grousers [m]")
@@ -24,6 +29,43 @@ class WheelParams(Params):
         return self.radius + (self.grouser_height if self.grouser_count else 0.0)
 
 
+class TrackEndParams(Params):
+    """How a track rises at one of its ends: straight up an incline, then about the wheel at its end."""
+
+    angle_deg: float = Field(ge=5.0, le=85.0, description="of the incline [degree]")
+    length: float = Field(ge=0.0, le=5.0, description="of the incline [m]")
+    radius: float = Field(gt=0.0, le=2.0, description="of the wheel about which the track turns up [m]")
+
+
+class TrackParams(SupportParams):
+    """One track on a body of the machine."""
+
+    joint: str = Field(min_length=1, description="joint of the sprocket, about its axle; forwards is positive")
+    link: str = Field(min_length=1, description="link of the URDF that carries it; its x axis is ahead, z is up")
+    position: tuple[float, float, float] = Field(
+        description="middle of the flat run, on the outside of the links, in the link's frame, shape (3,) [m]"
+    )
+    radius: float = Field(gt=0.0, le=2.0, description="of the sprocket, to the outside of the links [m]")
+    length: float = Field(gt=0.0, le=10.0, description="of the flat run [m]")
+    width: float = Field(gt=0.0, le=3.0, description="[m]")
+    front: TrackEndParams
+    rear: TrackEndParams
+    road_wheels: int = Field(default=1, ge=1, le=8, description="number of road wheels on the flat run [-]")
+    peakedness: float = Field(
+        default=0.0, ge=0.0, lt=1.0, description="a: the pressure along the flat run is between 1 - a and 1 + a [-]"
+    )
+    plates: int = Field(default=12, ge=2, le=200, description="in which the flat run meets the ground [-]")
+
+
+class FootParams(SupportParams):
+    """The foot of a leg: a flat round pad."""
+
+    link: str = Field(min_length=1, description="link of the URDF that carries it; it stands on the link's z axis")
+    position: tuple[float, float, float] = Field(description="middle of its sole in the link's frame, shape (3,) [m]")
+    radius: float = Field(gt=0.0, le=2.0, description="of its sole [m]")
+    contact: Contact = Field(default=DEFAULT_FOOT_CONTACT, description="contact model and its own parameters")
+
+
 class ScoopParams(Params):
     """A tool whose end is a pad, and whose flank cuts the soil like a blade: see `sojourn_physics.soil.digging`."""
 
@@ -32,10 +74,9 @@ class ScoopParams(Params):
     tool_friction_deg: float = Field(default=15.0, ge=0.0, le=45.0, description="of soil on the tool [degree]")
 
 
-class PadParams(Params):
+class PadParams(SupportParams):
     """A round pad on a body: where the chassis, the mast or the arm's tip would touch the ground."""
 
-    name: str = Field(min_length=1, description="name of the pad")
     link: str = Field(min_length=1, description="link of the URDF that carries it")
     position: tuple[float, float, float] = Field(description="centre of the pad in the link's frame, shape (3,) [m]")
     radius: float = Field(gt=0.0, le=2.0, description="radius of the pad [m]")

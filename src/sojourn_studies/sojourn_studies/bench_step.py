@@ -60,7 +60,7 @@ def bench_step() -> dict[str, float]:
     medians = {name: statistics.median(values) for name, values in samples.items()}
     floor = sum(medians[name] for name in calls)
     unit = sum(medians[name] for name in YARDSTICK)
-    per_wheel = medians["contact kernel"] / model.contacts.wheel_count
+    per_wheel = medians["contact kernel"] / len(model.machine.wheels)
     return {
         "Y = aba + forwardKinematics + computeJointJacobians [us]": unit,
         "plant step [us]": medians["step"],
@@ -95,7 +95,7 @@ def _floor_calls(model: PlantModel, state: PlantState) -> dict[str, Callable[[],
         multibody=tables.multibody._replace(
             placements=model.placements.copy(), jacobian=np.asfortranarray(model.jacobian.copy())
         ),
-        motion=tables.motion._replace(rates=rates, contacts=state.contacts.copy()),
+        motion=tables.motion._replace(rates=rates, supports=state.supports.copy()),
         report=tables.report.copy(),
     )
     period = open_period(own)

@@ -59,7 +59,7 @@ class RoverArm:
 
     @property
     def pad(self) -> int:
-        return self.model.contacts.names.index(TIP)
+        return self.model.supports.names.index(TIP)
 
     def rotation(self) -> FloatArray:
         """base_link to map, (3, 3)."""
@@ -161,7 +161,8 @@ class RoverArm:
         assert self.output is not None
         data = self.model.data
         pin.forwardKinematics(self.model.multibody, data, self.plant.configuration)
-        body, offset = self.model.contacts.bodies[self.pad], self.model.contacts.offsets[self.pad]
+        pads = self.model.supports.tables.pads.carried
+        body, offset = pads.bodies[self.pad - pads.first], pads.offsets[self.pad - pads.first]
         place = np.array(data.oMi[int(body)].act(offset))
         row = {"force": self.output.contacts[self.pad, 6:9].copy(), "tip": place}
         row["efforts"] = self.output.efforts[self.model.reference_rows(list(self.scenario.arm.joint_names))]

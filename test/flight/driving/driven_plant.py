@@ -37,7 +37,7 @@ class DrivenPlant:
         self.faults = MotorFaults(self.plant, loaded.config.faults)
         self.locked: HeldAngles = {}
         self.efforts = np.zeros(len(self.plant.joints.names))
-        self.contacts = np.zeros((len(self.plant.contacts.names), 0))
+        self.contacts = np.zeros((len(self.plant.supports.names), 0))
         self.time = 0.0
 
     @property

@@ -52,7 +52,7 @@ class Loop:
         self._steers = self.plant.reference_rows([wheel.steer_joint for wheel in wheels if wheel.steer_joint])
         self.command = zeros_command(len(self.plant.joints.names), len(self.plant.bus.loads))
         self.command.reference[0] = self.state.joints[0]
-        self._names = self.plant.contacts.names
+        self._names = self.plant.supports.names
         self._rates = np.zeros(len(self.plant.joints.names))
 
     @property
@@ -106,5 +106,5 @@ class Loop:
 
     def _note(self, contacts: NDArray[np.float64]) -> None:
         forces = np.abs(contacts[:, 6:9]).sum(axis=1)
-        first = self.plant.contacts.wheel_count
+        first = len(self.plant.wheel_names)
         self.touched |= {name for name, force in zip(self._names[first:], forces[first:], strict=True) if force > 0.0}

@@ -23,8 +23,22 @@ from sojourn_physics.contact.contact_law import (
 )
 from sojourn_physics.contact.contact_set import contact_forces
 from sojourn_physics.contact.law_call import apply_law, row_entry
+from sojourn_physics.contact.pad_on_soil import CUT_COLUMNS, TOOL_COLUMNS
 from sojourn_physics.contact.rigid_wheel_on_soil import rigid_wheel_on_soil
-from sojourn_physics.contact.tables import Contacts, Ground, Kinematics, Touch, make_workspace
+from sojourn_physics.contact.tables import (
+    Carried,
+    FootTable,
+    Ground,
+    Kinematics,
+    PadTable,
+    Supports,
+    SupportStates,
+    Touch,
+    TrackTable,
+    WheelTable,
+    make_workspace,
+)
+from sojourn_physics.contact.track_on_soil import PLATE_COLUMNS, TRACK_COLUMNS
 from sojourn_physics.soil.params import SoilColumn, SoilParams, kernel_table
 from sojourn_physics.terrain.height_field import SoilArray
 from sojourn_physics.terrain.memory import GroundMemory, MemoryBoard
@@ -39,6 +53,40 @@ def soil_table(*names: str, damping: float | None = None) -> FloatArray:
     if damping is not None:
         table[:, SoilColumn.CONTACT_DAMPING] = damping
     return table
+
+
+def carried(count: int) -> Carried:
+    """So many supports on one body that is moved by six coordinates."""
+    bodies = np.zeros(count, dtype=np.int64)
+    return Carried(bodies, np.tile([0, 1, 2, 3, 4, 5, -1], (count, 1)), np.zeros((count, 3)), 0)
+
+
+def supports(
+    wheels: FloatArray | None = None,
+    radius: float | None = None,
+    cuts: FloatArray | None = None,
+    tracks: TrackTable | None = None,
+) -> Supports:
+    """One wheel, by its row, or one pad, by its radius and its cuts, or tracks; nothing else."""
+    rows = np.zeros((0, WHEEL_COLUMNS))
+    wheel_rows = rows if wheels is None else wheels
+    radii = np.zeros(0) if radius is None else np.array([radius])
+    given = np.zeros((len(radii), 1, CUT_COLUMNS)) if cuts is None else cuts
+    belts = np.zeros((0, 3), np.int64)
+    none = TrackTable(np.zeros((0, TRACK_COLUMNS)), belts, np.zeros((0, PLATE_COLUMNS)), carried(0))
+    return Supports(
+        WheelTable(wheel_rows, carried(len(wheel_rows))),
+        none if tracks is None else tracks,
+        FootTable(rows, np.zeros((0, 3, 3)), carried(0)),
+        PadTable(radii, given, np.zeros((len(radii), TOOL_COLUMNS)), carried(len(radii))),
+    )
+
+
+def one_state(one: Supports, state: FloatArray) -> SupportStates:
+    """The states of these supports, of which one kind alone is there."""
+    none = np.zeros((0, STATE_COLUMNS))
+    wheels, pads = (state if len(table) else none for table in (one.wheels.rows, one.pads.radii))
+    return SupportStates(wheels, state if len(one.tracks.rows) else none, none, pads)
 
 
 @dataclass
@@ -78,6 +126,7 @@ class Rig:
         self.row[WheelColumn.SHEAR_RADIUS] = self.shear_radius
         self.row[WheelColumn.WIDTH] = self.width
         self.row[WheelColumn.LAW] = row_entry(rigid_wheel_on_soil)
+        self.cuts: FloatArray = np.zeros((1, len(self.soils), CUT_COLUMNS))
 
     @property
     def normal(self) -> FloatArray:
@@ -95,17 +144,12 @@ class Rig:
         placement = np.concatenate([rotation.T.reshape(-1), centre])[np.newaxis, :]
         twist = np.concatenate([velocity - np.cross(angular, centre), angular])
         force = np.zeros(6)
-        contacts = Contacts(
-            rows=self.row[np.newaxis, :],
-            bodies=np.zeros(1, dtype=np.int64),
-            supports=np.array([[0, 1, 2, 3, 4, 5, -1]]),
-            offsets=np.zeros((1, 3)),
-            wheel_count=1 if self.wheel else 0,
-        )
+        one = supports(wheels=self.row[np.newaxis, :]) if self.wheel else supports(radius=self.radius, cuts=self.cuts)
         ground = Ground(self.heights, self.soil_index, self.grid, self.soils, self.memory.tables)
         machine = Kinematics(np.ascontiguousarray(placement), np.eye(6), twist)
-        touch = Touch(self.state, self.report, force, make_workspace(self.soils))
-        self.on_map = contact_forces(contacts, ground, machine, self.dt, touch)
+        states = one_state(one, self.state)
+        touch = Touch(states, self.report, force, make_workspace(self.soils))
+        self.on_map = contact_forces(one, ground, machine, self.dt, touch)
         return force[:3], force[3:] - np.cross(centre, force[:3])
 
     def hold(

@@ -15,7 +15,7 @@ from sojourn_analysis.wheels.examples import LRV_MESH, ROVER_SIZE, example_row
 from sojourn_machine.supports import WheelParams
 from sojourn_physics.contact.firm_wheel import FirmColumn
 from sojourn_physics.contact.resistance_memory import advance_headway
-from sojourn_physics.contact.rows import kernel_rows
+from sojourn_physics.contact.rows import wheel_rows
 from sojourn_physics.contact.series_compliance import Carcass, sinkage_in_series
 from sojourn_physics.soil.params import SoilColumn
 
@@ -179,7 +179,7 @@ def test_rows_hold_what_the_parameters_say() -> None:
         "name": "a", "joint": "b", **ROVER_SIZE,
         "contact": {"model": "wheel_and_ground_in_series", "stiffness": 5e4, "break_away": 2e-3, "friction": 0.4},
     })  # fmt: skip
-    row = kernel_rows([wheel], [], 3.7)[0]
+    row = wheel_rows([wheel], 3.7)[0]
     assert row[FirmColumn.STIFFNESS] == 5e4
     assert row[FirmColumn.BREAK_AWAY] == 2e-3
     assert row[FirmColumn.FRICTION] == 0.4

@@ -12,8 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sojourn_machine.supports import PadParams, ScoopParams
-from sojourn_physics.contact.contact_law import WheelColumn
-from sojourn_physics.contact.rows import add_cuts
+from sojourn_physics.contact.rows import pad_cuts
 from sojourn_physics.soil.digging import DiggingSoil, mckyes
 from sojourn_physics.soil.params import SoilColumn, SoilParams
 from sojourn_physics.terrain.memory_tiles import DUG, RUT, TILE, new_page
@@ -115,8 +114,7 @@ def test_a_scoop_that_is_dragged_meets_mckyes_cut(rig: Maker, name: str, depth: 
     plain, scoop = rig(name, wheel=False, radius=0.02), rig(name, wheel=False, radius=0.02)
     tool, soil = ScoopParams(width=0.04), soil_of(name)
     pads = (PadParams(name="tip", link="tip", position=(0.0, 0.0, 0.0), radius=0.02, scoop=tool),)
-    add_cuts(scoop.row[np.newaxis, :], pads, (soil,), 1.62)
-    plain.row[WheelColumn.WIDTH] = 0.0
+    scoop.cuts = pad_cuts(pads, (soil,), 1.62)
     centre, velocity = np.array([0.0, 0.0, -depth]), np.array([0.02, 0.0, 0.0])
     without, _ = plain.hold(centre, np.eye(3), velocity, ZERO, 20000)
     force, _ = scoop.hold(centre, np.eye(3), velocity, ZERO, 20000)
@@ -137,7 +135,7 @@ def test_a_scoop_takes_energy_on_any_closed_way(rig: Maker, depth: float, headin
     """There and back at one depth: it never gives more than it took."""
     scoop = rig("lunar_nominal", wheel=False, radius=0.02)
     pads = (PadParams(name="tip", link="tip", position=(0.0, 0.0, 0.0), radius=0.02, scoop=ScoopParams(width=0.04)),)
-    add_cuts(scoop.row[np.newaxis, :], pads, (soil_of("lunar_nominal"),), 1.62)
+    scoop.cuts = pad_cuts(pads, (soil_of("lunar_nominal"),), 1.62)
     centre = np.array([0.0, 0.0, -depth])
     way = speed * np.array([math.cos(heading), math.sin(heading), 0.0])
     work = 0.0

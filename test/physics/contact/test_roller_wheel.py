@@ -13,7 +13,7 @@ from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.supports import WheelParams
 from sojourn_physics.contact.roller_wheel import RollerColumn, kinematic_matrix
-from sojourn_physics.contact.rows import kernel_rows
+from sojourn_physics.contact.rows import wheel_rows
 from sojourn_physics.soil.params import SoilColumn
 
 Maker = Callable[..., Any]
@@ -27,7 +27,7 @@ ANGLES = [math.radians(angle) for angle in (-45.0, 45.0, 45.0, -45.0)]
 def roller(angle_deg: float, friction: float = 0.01) -> FloatArray:
     contact = {"model": "roller_wheel", "roller_angle_deg": angle_deg, "roller_friction": friction}
     wheel = WheelParams.model_validate({"name": "a", "joint": "b", **ROVER_SIZE, "contact": contact})
-    return kernel_rows([wheel], [], 1.62)[0]
+    return wheel_rows([wheel], 1.62)[0]
 
 
 def test_the_matrix_of_four_mecanum_wheels_is_the_known_one() -> None:

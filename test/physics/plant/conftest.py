@@ -26,7 +26,7 @@ class Machine:
 
     @property
     def wheels(self) -> slice:
-        return slice(0, self.model.contacts.wheel_count)
+        return slice(0, len(self.model.machine.wheels))
 
     @property
     def weight(self) -> float:
@@ -67,7 +67,7 @@ class Machine:
             self.start.copy(),
             configuration=configuration,
             velocity=np.zeros_like(self.start.velocity),
-            contacts=np.zeros_like(self.start.contacts),
+            supports=self.model.supports.first_states(),
         )
 
 
@@ -80,7 +80,7 @@ def tilt(state: PlantState) -> float:
 def values(state: PlantState) -> FloatArray:
     """Every number of a state, in one array."""
     return np.concatenate([
-        state.configuration, state.velocity, state.joints.ravel(), state.contacts.ravel(),
+        state.configuration, state.velocity, state.joints.ravel(), *(states.ravel() for states in state.supports),
         [state.bus_voltage, state.served, state.energy.electrical, state.energy.soil_work, state.battery.soc],
     ])  # fmt: skip
 

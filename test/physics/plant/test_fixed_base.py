@@ -78,7 +78,7 @@ def test_it_stands_square_on_a_slope_and_where_it_was_asked_for() -> None:
     assert math.degrees(math.acos(up[2])) == pytest.approx(10.0, abs=1e-6)
     np.testing.assert_allclose(state.configuration[:2], 0.0, atol=1e-9)
     assert state.configuration[2] == pytest.approx(model.terrain.height(0.0, 0.0), abs=1e-12)
-    assert not model.contacts.names and model.wheel_names == ()
+    assert not model.supports.names and model.wheel_names == ()
 
 
 def test_its_energy_account_is_balanced_while_motors_move_it() -> None:

@@ -192,7 +192,7 @@ def test_the_plant_swings_out_as_the_linear_one(explorer: tuple[PlantModel, Plan
     """
     model, start, command = explorer
     start = start.copy()
-    start.contacts[: model.contacts.wheel_count, StateColumn.LARGEST_SHEAR] = ON_BACKBONE
+    start.supports.wheels[:, StateColumn.LARGEST_SHEAR] = ON_BACKBONE
     linear = linearise(model, start, command)
     count = linear.size
     change = np.zeros(len(linear.a))

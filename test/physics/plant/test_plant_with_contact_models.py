@@ -166,7 +166,7 @@ def test_ground_that_lacks_what_a_wheel_needs_is_refused() -> None:
         site = Site(ground, soils, loaded.gravity)
         return PlantModel(loaded.urdf_xml, machine, site, loaded.battery, loaded.bus, loaded.simulation)
 
-    assert build([BRUSH, DRY, MESH, MECANUM_LEFT, MAGIC, SERIES]).contacts.wheel_count == 6
+    assert len(build([BRUSH, DRY, MESH, MECANUM_LEFT, MAGIC, SERIES]).wheel_names) == 6
     with pytest.raises(InvalidValueError, match=r"rear_left.*cohesion, shear_modulus, shear_modulus_lateral") as caught:
         build([BRUSH, DRY, MESH, MECANUM_LEFT, SOFT, SERIES])
     assert "compliant_wheel_on_soil" in str(caught.value)

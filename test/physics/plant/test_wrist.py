@@ -43,7 +43,7 @@ def test_in_free_fall_it_feels_nothing(flat: Any) -> None:
 def test_a_contact_acts_at_its_place(flat: Any) -> None:
     rover = flat
     load = rover.model.wrist
-    names = rover.model.contacts.names
+    names = rover.model.supports.names
     assert [names[i] for i in load.contacts] == ["arm_tip"]
     report = np.zeros_like(rover.model.report)
     free = load.at_rest(rover.start.configuration, report)
@@ -79,7 +79,7 @@ def test_an_accelerated_turret_pushes_back(flat: Any) -> None:
 
 def test_a_machine_without_the_sensor_tells_nothing(flat: Any) -> None:
     rover = flat
-    multibody, bodies = rover.model.multibody, rover.model.contacts.bodies
+    multibody, bodies = rover.model.multibody, rover.model.supports.bodies
     for link in ("nothing_link", "base_link", "arm_tip_link"):
         with pytest.raises(InvalidValueError, match="wrench_sensor_link"):
             WristLoad(multibody, link, bodies)

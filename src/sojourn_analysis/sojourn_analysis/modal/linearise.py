@@ -164,7 +164,7 @@ class _Tangent:
         simulation = SimulationParams(physics_step=time_step, control_period=time_step)
         self.model = model.variant(simulation=simulation, memory_cell=0.0)
         self.state = replace(state.copy(), ground=self.model.untouched_ground)
-        self.state.contacts[: model.contacts.wheel_count, StateColumn.LARGEST_SHEAR] = ON_BACKBONE
+        self.state.supports.wheels[:, StateColumn.LARGEST_SHEAR] = ON_BACKBONE
         self.command = command
         joints = model.joints
         driven = {model.joint_index[coupling.second] for coupling in model.machine.couplings}
@@ -230,7 +230,7 @@ class _Tangent:
         """Centres of the wheels in base_link, (wheels, 3) [m]."""
         pin.forwardKinematics(self.model.multibody, self.model.data, self.state.configuration)
         base = self.model.data.oMi[1]
-        wheels = self.model.contacts.bodies[: self.model.contacts.wheel_count]
+        wheels = self.model.supports.tables.wheels.carried.bodies
         return np.array([base.actInv(self.model.data.oMi[int(wheel)].translation) for wheel in wheels])
 
     def _step(self, state: PlantState, command: PlantCommand) -> PlantState:
@@ -243,8 +243,7 @@ class _Tangent:
         state.joints[0] += motion[joints.columns]
         of_joints, of_contacts = np.split(change[2 * count :], [len(self.joint_memory[0])])
         state.joints[self.joint_memory] += of_joints
-        wheels = self.model.contacts.wheel_count
-        state.contacts[:wheels] += of_contacts.reshape(wheels, STATE_COLUMNS)
+        state.supports.wheels[:] += of_contacts.reshape(-1, STATE_COLUMNS)
         return replace(
             state,
             configuration=pin.integrate(self.model.multibody, state.configuration, motion),
@@ -254,22 +253,21 @@ class _Tangent:
     def _change(self, state: PlantState) -> FloatArray:
         """From the equilibrium's own next state to this one."""
         motion = pin.difference(self.model.multibody, self.after.configuration, state.configuration)
-        wheels = self.model.contacts.wheel_count
         return np.concatenate([
             motion[self.columns], (state.velocity - self.after.velocity)[self.columns],
             (state.joints - self.after.joints)[self.joint_memory],
-            (state.contacts[:wheels] - self.after.contacts[:wheels]).ravel(),
+            (state.supports.wheels - self.after.supports.wheels).ravel(),
         ])  # fmt: skip
 
     def _ground_under(self, wheel: int, kind: str, amount: float) -> HeightField:
         """The terrain with the part that is nearest to one wheel lifted, or turned about the axle, a little."""
         terrain = self.model.terrain
         pin.forwardKinematics(self.model.multibody, self.model.data, self.state.configuration)
-        wheels = self.model.contacts.bodies[: self.model.contacts.wheel_count]
+        wheels = self.model.supports.tables.wheels.carried.bodies
         centres = np.array([self.model.data.oMi[int(body)].translation[:2] for body in wheels])
         base = self.model.data.oMi[1].rotation[:2, 0]
         ahead = base / np.linalg.norm(base)
-        radius = float(self.model.contacts.wheels[wheel, WheelColumn.RADIUS])
+        radius = float(self.model.supports.tables.wheels.rows[wheel, WheelColumn.RADIUS])
         rows, columns = terrain.heights.shape
         x = terrain.origin_x + terrain.resolution * np.arange(columns)
         y = terrain.origin_y + terrain.resolution * np.arange(rows)

@@ -31,7 +31,7 @@ from sojourn_physics.contact.contact_law import (
 )
 from sojourn_physics.contact.ground_memory import GREATEST, PAST_COLUMNS, RUT, settle_soil
 from sojourn_physics.contact.law_call import apply_law
-from sojourn_physics.contact.rows import kernel_rows
+from sojourn_physics.contact.rows import wheel_rows
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus
 from sojourn_physics.soil.params import SoilColumn, SoilParams, kernel_row
 from sojourn_physics.soil.repeated_loading import rut_depth
@@ -135,7 +135,7 @@ class LawWheel:
 
     @cached_property
     def _row(self) -> FloatArray:
-        return kernel_rows([self.wheel], [], self.gravity).reshape(-1)
+        return wheel_rows([self.wheel], self.gravity).reshape(-1)
 
     @cached_property
     def _ground(self) -> FloatArray:

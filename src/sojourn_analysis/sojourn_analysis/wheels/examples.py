@@ -16,7 +16,7 @@ from sojourn_physics.contact.contact_law import WHEEL_COLUMNS, WheelColumn
 from sojourn_physics.contact.foot_pad import FootPadParams
 from sojourn_physics.contact.law_call import row_entry
 from sojourn_physics.contact.law_params import ContactLawParams
-from sojourn_physics.contact.rows import kernel_rows
+from sojourn_physics.contact.rows import wheel_rows
 from sojourn_physics.contact.track import TrackParams
 
 LRV_SIZE = {"radius": 0.4065, "width": 0.229}
@@ -70,7 +70,7 @@ def example_row(model: str, gravity: float = 1.62) -> FloatArray:
     """Row of the example of a law: (WHEEL_COLUMNS,)."""
     if model in WHEELS:
         wheel = WheelParams.model_validate({"name": "example", "joint": "joint", **WHEELS[model]})
-        rows = kernel_rows([wheel], [], gravity)
+        rows = wheel_rows([wheel], gravity)
         return rows.reshape(-1)
     row = np.zeros(WHEEL_COLUMNS)
     law: ContactLawParams = TRACK if model == "track" else FootPadParams(model="foot_pad")

@@ -16,15 +16,17 @@ ground, and reads the ground's memory (`terrain/memory.py`) a lead of (a + 1.5 c
 
 Every pad meets the ground as ruts, holes and heaps have left it, under its centre, with the slope of the ground as it
 was. Only the end of a tool carries a moment that the tool itself makes (a drill's); the bottom of the
-hole that a drill has made lies `TAKEN` below the ground. The tool writes these into the pad's row before each period.
+hole that a drill has made lies `TAKEN` below the ground. The tool writes these into its row (`ToolColumn`) before each
+period.
 """
 
 import math
+from enum import IntEnum
+from typing import NamedTuple
 
 from sojourn_machine.contact_report import ReportColumn
 from sojourn_machine.kernels import kernel, small_kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.contact.contact_law import WheelColumn
 from sojourn_physics.contact.hysteresis import effective_shear
 from sojourn_physics.contact.shear_memory import MAX_DAMPING_GAIN, clip, shear_lead
 from sojourn_physics.contact.tables import Ground, Workspace
@@ -33,11 +35,26 @@ from sojourn_physics.soil.params import SoilColumn
 from sojourn_physics.terrain.height_field import sample_ground, sample_soil
 from sojourn_physics.terrain.memory_access import read_lowered
 
-IS_TOOL, TAKEN, PILE, MOMENT, FIRST_CUT = (int(WheelColumn.OWN) + place for place in (0, 1, 2, 3, 6))
-"""Columns of a tool's pad: 1 for a tool; depth of the hole below it [m]; weight of the soil that it pushes ahead [N];
-moment that it makes on the body, (3,) in map [N m]; the cut in each soil."""
+
+class ToolColumn(IntEnum):
+    """What a tool on a pad does; all zero for a pad without one."""
+
+    IS_TOOL = 0
+    """1 for a tool."""
+    TAKEN = 1
+    """Depth of the hole below it [m]."""
+    PILE = 2
+    """Weight of the soil that it pushes ahead [N]."""
+    MOMENT_X = 3
+    """That it makes on the body, in map [N m]."""
+    MOMENT_Y = 4
+    MOMENT_Z = 5
+
+
+TOOL_COLUMNS = len(ToolColumn)
+TOOL_MOMENT = slice(ToolColumn.MOMENT_X, ToolColumn.MOMENT_Z + 1)
 CUT_COLUMNS = 5
-"""Numbers for each soil in the row of a pad that cuts: the force is linear d + quadratic d² + cubic d³, and a weight W
+"""Numbers for each soil of a pad that cuts: the force is linear d + quadratic d² + cubic d³, and a weight W
 pushed ahead adds W (of_pile + of_pile_by_depth d)."""
 DRAG_X, DRAG_Y = 3, 4
 """Columns of a tool's state: D, along the map."""
@@ -51,6 +68,17 @@ PAD_MEMORY = 4.0
 """Distance after which a sliding pad forgets where it stood, in shear moduli."""
 
 
+class Pad(NamedTuple):
+    """One pad, as `PadTable` has it."""
+
+    radius: float
+    """[m]"""
+    cuts: FloatArray
+    """(soils, CUT_COLUMNS)"""
+    tool: FloatArray
+    """(TOOL_COLUMNS,)"""
+
+
 @kernel
 def lead_length(radius: float, cell: float) -> float:
     """How far ahead of a tool that is dragged the ground is read [m]: beyond what its cut has taken away."""
@@ -58,22 +86,20 @@ def lead_length(radius: float, cell: float) -> float:
 
 
 @small_kernel
-def is_clear(pad: FloatArray, centre: FloatArray, ground: Ground) -> bool:
+def is_clear(pad: Pad, centre: FloatArray, ground: Ground) -> bool:
     """Whether a pad is above the ground and does nothing there; a tool, which may do more, never is."""
     height, _, _, _ = sample_ground(ground.heights, ground.grid, centre[0], centre[1])
     highest = HIGHEST_HEAP if ground.memory.place[2] > 0.0 else 0.0
-    clear: bool = pad[IS_TOOL] <= 0.0 and height + highest <= centre[2]
+    clear: bool = pad.tool[ToolColumn.IS_TOOL] <= 0.0 and height + highest <= centre[2]
     return clear
 
 
 @kernel
-def pad_forces(
-    pad: FloatArray, ground: Ground, dt: float, state: FloatArray, report: FloatArray, work: Workspace
-) -> bool:
+def pad_forces(pad: Pad, ground: Ground, dt: float, state: FloatArray, report: FloatArray, work: Workspace) -> bool:
     """One pad: advances `state`, writes its wrench and `report`. Returns False where it is off the map.
 
     Args:
-        pad: its row, (WHEEL_COLUMNS,): radius, and the coefficients of its cut in each soil. dt: [s].
+        dt: [s].
         state: (STATE_COLUMNS,); its first three are the displacement against the ground in map [m], then a tool's D.
         report: row of `ReportColumn`. work: its body is given, its wrench written: force and moment at the centre.
     """
@@ -85,12 +111,12 @@ def pad_forces(
         report[ReportColumn.X + k] = centre[k]
     height, slope_x, slope_y, inside = sample_ground(ground.heights, grid, centre[0], centre[1])
     norm = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
-    radius = float(pad[WheelColumn.RADIUS])
-    is_tool = pad[IS_TOOL] > 0.0
+    radius, tool = pad.radius, pad.tool
+    is_tool = tool[ToolColumn.IS_TOOL] > 0.0
     if is_tool:
         for k in range(3):
-            wrench[3 + k] = pad[MOMENT + k]
-        height -= pad[TAKEN]
+            wrench[3 + k] = tool[ToolColumn.MOMENT_X + k]
+        height -= tool[ToolColumn.TAKEN]
     place = ground.memory.place
     if place[2] > 0.0 and centre[2] < height + (HIGHEST_HEAP_OF_TOOL if is_tool else HIGHEST_HEAP):
         lead = lead_length(radius, place[2]) if is_tool else 0.0
@@ -133,11 +159,9 @@ def pad_forces(
     for k in range(3):
         towards[k] -= out_of_plane * normal[k] + lead_time * slide[k]
     shear = math.sqrt(towards[0] ** 2 + towards[1] ** 2 + towards[2] ** 2)
-    cut = 0.0
-    if pad[WheelColumn.WIDTH] > 0.0:
-        first = FIRST_CUT + CUT_COLUMNS * soil_number
-        cut = sinkage * (pad[first] + sinkage * (pad[first + 1] + sinkage * pad[first + 2]))
-        cut += pad[PILE] * (pad[first + 3] + pad[first + 4] * sinkage)
+    by_depth = pad.cuts[soil_number]
+    cut = sinkage * (by_depth[0] + sinkage * (by_depth[1] + sinkage * by_depth[2]))
+    cut += tool[ToolColumn.PILE] * (by_depth[3] + by_depth[4] * sinkage)
     gain = -math.expm1(-shear / modulus)
     friction = (soil[SoilColumn.COHESION] * area + load * soil[SoilColumn.TAN_PHI] + cut) * gain
     for k in range(3):

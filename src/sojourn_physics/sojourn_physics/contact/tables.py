@@ -1,4 +1,4 @@
-"""What the kernels of the contacts are given, as a few values with names."""
+"""What the kernels of the supports are given, as a few values with names: a table for each kind of support."""
 
 from typing import NamedTuple
 
@@ -13,19 +13,86 @@ from sojourn_physics.terrain.memory_tiles import MemoryTables
 FRAME_VECTORS = 6
 
 
-class Contacts(NamedTuple):
-    """All that can touch the ground: wheels first, then pads."""
+class Carried(NamedTuple):
+    """Where the supports of one kind hang on a machine."""
+
+    bodies: IntArray
+    """(n,): index of the joint that carries each."""
+    chains: IntArray
+    """(n, depth): columns of the Jacobian that move it, filled with -1."""
+    offsets: FloatArray
+    """(n, 3): its point in the joint's frame [m]."""
+    first: int
+    """Row of the first of them in the report."""
+
+
+class WheelTable(NamedTuple):
+    """Wheels: their axle is the y axis of their joint."""
 
     rows: FloatArray
-    """(contacts, WHEEL_COLUMNS), see `contact_law` and `pad_on_soil`."""
-    bodies: IntArray
-    """(contacts,): index of the joint that carries the contact."""
-    supports: IntArray
-    """(contacts, depth): columns of the Jacobian that move it, filled with -1."""
-    offsets: FloatArray
-    """(contacts, 3): point in the joint's frame [m]."""
-    wheel_count: int
-    """The first so many are wheels, whose axle is the y axis of their joint."""
+    """(wheels, WHEEL_COLUMNS), see `contact_law`."""
+    carried: Carried
+
+
+class TrackTable(NamedTuple):
+    """Tracks in plates, from the front of the first track to its rear, then the next; see `track_on_soil`."""
+
+    rows: FloatArray
+    """(tracks, TRACK_COLUMNS)"""
+    belts: IntArray
+    """(tracks, 3): velocity column of the sprocket, first plate, number of plates."""
+    plates: FloatArray
+    """(plates, PLATE_COLUMNS)"""
+    carried: Carried
+    """Its offsets are the middles of the flat runs."""
+
+
+class FootTable(NamedTuple):
+    """Feet of legs: they stand on the z axis of their frame, ahead is its x axis."""
+
+    rows: FloatArray
+    """(feet, WHEEL_COLUMNS), see `contact_law`."""
+    frames: FloatArray
+    """(feet, 3, 3): x, y, z axes of a foot in the frame of the joint that carries it."""
+    carried: Carried
+
+
+class PadTable(NamedTuple):
+    """Pads on bodies; see `pad_on_soil`."""
+
+    radii: FloatArray
+    """(pads,) [m]"""
+    cuts: FloatArray
+    """(pads, soils, CUT_COLUMNS): how a scoop cuts each soil; zero where it does not."""
+    tools: FloatArray
+    """(pads, TOOL_COLUMNS): what a tool on the pad does; the tool writes it before each period."""
+    carried: Carried
+
+
+class Supports(NamedTuple):
+    """All that meets the ground, a table for each kind."""
+
+    wheels: WheelTable
+    tracks: TrackTable
+    feet: FootTable
+    pads: PadTable
+
+
+class SupportStates(NamedTuple):
+    """What the supports of each kind remember."""
+
+    wheels: FloatArray
+    """(wheels, STATE_COLUMNS), see `contact_law`."""
+    tracks: FloatArray
+    """(plates of all tracks, STATE_COLUMNS), see `track_on_soil`."""
+    feet: FloatArray
+    """(feet, STATE_COLUMNS)"""
+    pads: FloatArray
+    """(pads, STATE_COLUMNS), see `pad_on_soil`."""
+
+    def copy(self) -> "SupportStates":
+        """One that shares no array with this."""
+        return SupportStates(*(states.copy() for states in self))
 
 
 class Ground(NamedTuple):
@@ -53,7 +120,7 @@ class Kinematics(NamedTuple):
 
 
 class Body(NamedTuple):
-    """A wheel or a pad in map, each (3,)."""
+    """A support in map, each (3,)."""
 
     centre: FloatArray
     """[m]"""
@@ -66,7 +133,7 @@ class Body(NamedTuple):
 
 
 class Meeting(NamedTuple):
-    """How a wheel meets the ground, written by `wheel_contact`."""
+    """How a wheel, or another support with a law, meets the ground."""
 
     frame: FloatArray
     """(FRAME_VECTORS, 3): forward, up, in-plane (from the lowest point of the rim to the centre), and the contact
@@ -83,7 +150,7 @@ class Meeting(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """What the kernels write while they go from contact to contact."""
+    """What the kernels write while they go from support to support."""
 
     body: Body
     meeting: Meeting
@@ -98,12 +165,12 @@ class Workspace(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """What the kernels of the contacts write."""
+    """What the kernels of the supports write."""
 
-    states: FloatArray
-    """(contacts, STATE_COLUMNS), advanced in place."""
+    states: SupportStates
+    """Advanced in place."""
     report: FloatArray
-    """(contacts, REPORT_COLUMNS)"""
+    """(supports, REPORT_COLUMNS)"""
     force: FloatArray
     """(nv,): generalised force, added to."""
     workspace: Workspace

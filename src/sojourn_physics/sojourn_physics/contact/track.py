@@ -61,6 +61,7 @@ class TrackParams(ContactLawParams):
     """Law 12."""
 
     columns: ClassVar[type[IntEnum]] = TrackColumn
+    support: ClassVar[str] = "track"
     model: Literal["track"] = Field(description="contact model")
     length: float = Field(gt=0.0, le=10.0, description="of the track on the ground [m]")
     road_wheels: int = Field(default=1, ge=1, le=8, description="number of road wheels [-]")

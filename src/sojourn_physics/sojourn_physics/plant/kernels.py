@@ -17,7 +17,7 @@ from sojourn_physics.actuators.joint_drive import (
     settle_joints,
 )
 from sojourn_physics.contact.contact_set import contact_forces
-from sojourn_physics.contact.tables import Contacts, Ground, Kinematics, Touch, Workspace
+from sojourn_physics.contact.tables import Ground, Kinematics, Supports, SupportStates, Touch, Workspace
 from sojourn_physics.plant.inertia import Factors, factorise, solve
 
 COUPLING_DRIFT_GAIN = 0.1
@@ -58,8 +58,8 @@ class Motion(NamedTuple):
     """(nv,): of the last step, on the group [m], [rad]."""
     joints: FloatArray
     """(STATE_ROWS, joints), see `joint_drive`."""
-    contacts: FloatArray
-    """(contacts, STATE_COLUMNS), see `contact_law`."""
+    supports: SupportStates
+    """Of all supports."""
 
 
 class Forces(NamedTuple):
@@ -74,7 +74,7 @@ class Sums(NamedTuple):
     """Over the steps of a period."""
 
     contact_force: FloatArray
-    """(contacts, 3): in map [N]."""
+    """(supports, 3): in map [N]."""
     current_squares: FloatArray
     """(joints,) [A²]"""
     load_energy: FloatArray
@@ -85,7 +85,7 @@ class PlantTables(NamedTuple):
     """All that the kernels of a step work on."""
 
     joints: Joints
-    contacts: Contacts
+    supports: Supports
     ground: Ground
     multibody: Multibody
     command: JointCommand
@@ -94,7 +94,7 @@ class PlantTables(NamedTuple):
     work: JointWork
     readings: JointReadings
     report: FloatArray
-    """(contacts, REPORT_COLUMNS)"""
+    """(supports, REPORT_COLUMNS)"""
     workspace: Workspace
     sums: Sums
     dt: float
@@ -128,8 +128,8 @@ def _touch_ground(tables: PlantTables, step: int) -> bool:
     multibody, motion, forces = tables.multibody, tables.motion, tables.forces
     forces.contacts[:] = 0.0
     machine = Kinematics(multibody.placements, multibody.jacobian, motion.rates[step])
-    touch = Touch(motion.contacts, tables.report, forces.contacts, tables.workspace)
-    on_map: bool = contact_forces(tables.contacts, tables.ground, machine, tables.dt, touch)
+    touch = Touch(motion.supports, tables.report, forces.contacts, tables.workspace)
+    on_map: bool = contact_forces(tables.supports, tables.ground, machine, tables.dt, touch)
     return on_map
 
 

@@ -15,7 +15,7 @@ the foundation, and the state of every machine has one form.
 """
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -31,8 +31,9 @@ from sojourn_machine.power.battery import BatteryParams
 from sojourn_machine.power.loads import BusParams
 from sojourn_machine.tools import ObjectParams, ToolParams
 from sojourn_physics.actuators import drive_condition, joint_drive
-from sojourn_physics.contact.rows import add_cuts, kernel_rows, law_of
-from sojourn_physics.contact.tables import Contacts
+from sojourn_physics.contact.law_params import YIELDING_SOIL
+from sojourn_physics.contact.rows import law_of
+from sojourn_physics.contact.support_tables import support_tables
 from sojourn_physics.plant.params import SimulationParams
 from sojourn_physics.plant.tools.mounted_tool import MountedTool, with_tool
 from sojourn_physics.plant.working_memory import WorkingMemory
@@ -64,24 +65,6 @@ class JointTables:
     def tables(self, parameters: FloatArray) -> joint_drive.Joints:
         """For the kernels, with the parameters as they are now."""
         return joint_drive.Joints(parameters, self.kinds, self.columns, self.loads)
-
-
-@dataclass(frozen=True, slots=True)
-class ContactTables:
-    """Contacts as arrays for the kernels; wheels first."""
-
-    names: tuple[str, ...]
-    wheel_count: int
-    wheels: FloatArray
-    """Rows of wheels and of pads, see `contact_law`."""
-    bodies: IntArray
-    supports: IntArray
-    offsets: FloatArray
-
-    @property
-    def tables(self) -> Contacts:
-        """For the kernels."""
-        return Contacts(self.wheels, self.bodies, self.supports, self.offsets, self.wheel_count)
 
 
 class Site(NamedTuple):
@@ -137,11 +120,7 @@ class PlantModel:
         self.mass = float(sum(inertia.mass for inertia in self.multibody.inertias))
         self.joints = self._joint_tables(machine, bus)
         self.joint_index = {name: index for index, name in enumerate(self.joints.names)}
-        self.contacts = self._contact_tables(machine)
         self.coupling = self._coupling_rows(machine)
-        self.wrist: WristLoad | None = None
-        if machine.wrench_sensor_link is not None:
-            self.wrist = WristLoad(self.multibody, machine.wrench_sensor_link, self.contacts.bodies)
         by_name = {soil.name: soil for soil in site.soils}
         for name in terrain.soil_names:
             if name not in by_name:
@@ -149,7 +128,10 @@ class PlantModel:
         ground = [by_name[name] for name in terrain.soil_names]
         _check_ground(machine, ground)
         self.soils = kernel_table(ground)
-        add_cuts(self.contacts.wheels, machine.pads, ground, gravity)
+        self.supports = support_tables(self.multibody, machine, ground, gravity)
+        self.wrist: WristLoad | None = None
+        if machine.wrench_sensor_link is not None:
+            self.wrist = WristLoad(self.multibody, machine.wrench_sensor_link, self.supports.bodies)
         self.grid = terrain.grid
         self.untouched_ground = GroundMemory(site.memory_cell, terrain.origin_x, terrain.origin_y)
         self.memory = MemoryBoard(self.untouched_ground)
@@ -180,8 +162,8 @@ class PlantModel:
 
     @property
     def wheel_names(self) -> tuple[str, ...]:
-        """Names of the wheels, in the order of the contacts."""
-        return self.contacts.names[: self.contacts.wheel_count]
+        """Names of the wheels, in the order of the report."""
+        return tuple(wheel.name for wheel in self.machine.wheels)
 
     def reference_rows(self, names: Sequence[str]) -> IntArray:
         """Columns of a command's reference for joints by name.
@@ -286,44 +268,6 @@ class PlantModel:
                 allowed = f"at most {largest:.3g} for this physics_step and what hangs on the joint"
                 raise InvalidValueError(f"stiffness of the spring of {name}", stiffness, allowed)
 
-    def _contact_tables(self, machine: MachineParams) -> ContactTables:
-        model = self.multibody
-        bodies: list[int] = []
-        offsets: list[FloatArray] = []
-        for wheel in machine.wheels:
-            for joint in filter(None, (wheel.joint, wheel.steer_joint)):
-                self._index_of(joint)
-            bodies.append(model.getJointId(wheel.joint))
-            offsets.append(np.zeros(3))
-        for pad in machine.pads:
-            if not model.existFrame(pad.link):
-                raise InvalidValueError(f"link of pad {pad.name}", pad.link, "a link of the URDF")
-            frame = model.frames[model.getFrameId(pad.link)]
-            bodies.append(frame.parentJoint)
-            offsets.append(frame.placement.act(np.array(pad.position)))
-        chains = [self._support(body) for body in bodies]
-        supports = np.full((len(bodies), max(map(len, chains), default=0) + 1), -1, dtype=np.int64)
-        for i, chain in enumerate(chains):
-            supports[i, : len(chain)] = chain
-        names = (*(wheel.name for wheel in machine.wheels), *(pad.name for pad in machine.pads))
-        return ContactTables(
-            names,
-            len(machine.wheels),
-            kernel_rows(machine.wheels, machine.pads, self.gravity),
-            np.array(bodies, dtype=np.int64),
-            supports,
-            np.ascontiguousarray(np.reshape(offsets, (-1, 3))),
-        )
-
-    def _support(self, joint: int) -> list[int]:
-        """Velocity columns that move a joint, base first."""
-        chain: list[int] = []
-        while joint > 0:
-            start = self.multibody.joints[joint].idx_v
-            chain = list(range(start, start + self.multibody.joints[joint].nv)) + chain
-            joint = self.multibody.parents[joint]
-        return chain
-
     def _coupling_rows(self, machine: MachineParams) -> FloatArray:
         """A of the constraint A q̇ = 0, shape (couplings, nv); of a fixed base (couplings + 6, nv)."""
         rows = np.zeros((len(machine.couplings) + BASE_RATES * machine.fixed_base, self.multibody.nv))
@@ -350,7 +294,7 @@ class PlantModel:
         self.placements: FloatArray = np.lib.stride_tricks.as_strided(
             self.data.oMi[0].rotation.T.reshape(-1), (model.njoints, PLACEMENT_SIZE), (PLACEMENT_SIZE * 8, 8)
         )
-        self.report = np.zeros((len(self.contacts.names), REPORT_COLUMNS))
+        self.report = np.zeros((len(self.supports.names), REPORT_COLUMNS))
         self.efforts = np.zeros(len(self.joints.names))
         self.currents = np.zeros(len(self.joints.names))
         self.load_power = np.zeros(len(self.bus.loads))
@@ -358,10 +302,19 @@ class PlantModel:
 
 
 def _check_ground(machine: MachineParams, ground: Sequence[SoilParams]) -> None:
-    """Every wheel finds in every soil what its contact model needs."""
+    """Every support finds in every soil what its law needs."""
     for soil in ground:
-        for wheel in machine.wheels:
-            missing = law_of(wheel.contact).missing_in(soil)
+        for support, law, missing in _needs(machine, soil):
             if missing:
-                allowed = f"a soil with what {wheel.contact.model} of wheel {wheel.name} needs; missing: "
+                allowed = f"a soil with what {law} of {support} needs; missing: "
                 raise InvalidValueError("soil", soil.name, allowed + ", ".join(missing))
+
+
+def _needs(machine: MachineParams, soil: SoilParams) -> Iterator[tuple[str, str, tuple[str, ...]]]:
+    """Name of each support, of its law, and what that needs of a soil which does not give it."""
+    for wheel in machine.wheels:
+        yield f"wheel {wheel.name}", wheel.contact.model, law_of(wheel.contact).missing_in(soil)
+    for track in machine.tracks:
+        yield f"track {track.name}", "track", soil.missing(YIELDING_SOIL)
+    for foot in machine.feet:
+        yield f"foot {foot.name}", foot.contact.model, law_of(foot.contact, "foot").missing_in(soil)

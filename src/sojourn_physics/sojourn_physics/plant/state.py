@@ -12,6 +12,7 @@ from sojourn_machine.params import FloatArray
 from sojourn_machine.power.battery import PackState
 from sojourn_machine.power.loads import BusState
 from sojourn_physics.actuators.joint_drive import ANGLE, TWIST
+from sojourn_physics.contact.tables import SupportStates
 from sojourn_physics.plant.tools.tool_state import ToolState
 from sojourn_physics.terrain.memory import GroundMemory
 
@@ -46,8 +47,7 @@ class EnergyAccount:
 class PlantState:
     """Everything that changes.
 
-    Shapes: nq, nv of the multibody; joints are those with one degree of freedom, in the model's order;
-    contacts are the wheels, then the pads.
+    Shapes: nq, nv of the multibody; joints are those with one degree of freedom, in the model's order.
     """
 
     tick: int
@@ -58,8 +58,8 @@ class PlantState:
     """(nv,): base velocity in base_link [m/s], [rad/s], joint rates [rad/s]."""
     joints: FloatArray
     """(STATE_ROWS, joints): angle, not wrapped [rad]; servo integral; friction deflection [rad]; see `joint_drive`."""
-    contacts: FloatArray
-    """(contacts, STATE_COLUMNS): memory of each contact, see `contact_law`."""
+    supports: SupportStates
+    """What each kind of support remembers of its contact with the ground."""
     ground: GroundMemory
     """Ruts, see `terrain/memory`."""
     battery: PackState
@@ -92,7 +92,7 @@ class PlantState:
             configuration=self.configuration.copy(),
             velocity=self.velocity.copy(),
             joints=self.joints.copy(),
-            contacts=self.contacts.copy(),
+            supports=self.supports.copy(),
         )
 
 
@@ -118,7 +118,7 @@ class PlantOutput:
     """What can be seen of the period that has passed, beyond the state."""
 
     contacts: FloatArray
-    """(contacts, REPORT_COLUMNS): columns of `ReportColumn`."""
+    """(supports, REPORT_COLUMNS): columns of `ReportColumn`, in the order of the machine's supports."""
     efforts: FloatArray
     """(joints,) torque at each joint, gear friction included [N m]."""
     currents: FloatArray

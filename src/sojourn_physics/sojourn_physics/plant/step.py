@@ -28,7 +28,6 @@ from sojourn_physics.actuators.joint_drive import (
     STOP_HEAT,
     WINDING_HEAT,
 )
-from sojourn_physics.contact.contact_law import STATE_COLUMNS, WheelColumn
 from sojourn_physics.plant.energy import mechanical_energy
 from sojourn_physics.plant.kernels import SOIL_WORK, advance
 from sojourn_physics.plant.model import PlantModel
@@ -88,7 +87,7 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
         configuration=configuration,
         velocity=velocity,
         joints=motion.joints.copy(),
-        contacts=motion.contacts.copy(),
+        supports=motion.supports.copy(),
         off_terrain=state.off_terrain or not on_map,
         conditions=warmed,
     )
@@ -146,7 +145,7 @@ def _close_period(
     tool, drawn, gained = state.tool, NO_ENERGY, 0.0
     if model.tool is not None and tool is not None:
         supplied = float(command.load_fractions[model.tool.load] * state.served)
-        tool, drawn = model.tool.advance(model, tool, state.contacts, command.tool, supplied, state.bus_voltage)
+        tool, drawn = model.tool.advance(model, tool, state.supports.pads, command.tool, supplied, state.bus_voltage)
         load_energy[model.tool.load] += drawn.electrical
         if state.tool is not None and tool.payload != state.tool.payload:
             model.tool.prepare(tool)
@@ -172,7 +171,7 @@ def _close_period(
         configuration=configuration,
         velocity=velocity,
         joints=state.joints,
-        contacts=state.contacts,
+        supports=state.supports,
         ground=model.memory.store(),
         battery=new_battery,
         bus=bus,
@@ -230,7 +229,7 @@ def initial_state(
         offset[2] = np.remainder(offset[2] + np.pi, 2.0 * np.pi) - np.pi
         if np.abs(offset).max() < PLACEMENT_TOLERANCE:
             return state
-        moved = replace(start, configuration=_moved(model, state, offset), joints=state.joints, contacts=state.contacts)
+        moved = replace(start, configuration=_moved(model, state, offset), joints=state.joints, supports=state.supports)
         state = _settled(model, moved, command, LOWERED_PERIODS)
     raise InvalidValueError(
         f"start at x {x:g} m, y {y:g} m, yaw {yaw:g} rad",
@@ -247,15 +246,14 @@ def _place(state: PlantState) -> FloatArray:
 
 def _moved(model: PlantModel, state: PlantState, offset: FloatArray) -> FloatArray:
     """Configuration of a standing machine moved by x, y [m] and yaw [rad], shape (3,), and raised and tilted as the
-    ground under its wheels is, in the mean of the least squares.
+    ground under what it stands on is, in the mean of the least squares.
     """
     configuration = state.configuration.copy()
     pin.forwardKinematics(model.multibody, model.data, configuration)
-    tables, base = model.contacts, configuration[:2]
-    wheels = np.array([model.data.oMi[int(tables.bodies[i])].translation[:2] for i in range(tables.wheel_count)])
+    base, points = configuration[:2], _standing_points(model)[:, :2]
     turn = pin.utils.rotate("z", float(offset[2]))
-    there = base + offset[:2] + (wheels - base) @ turn[:2, :2].T
-    rises = [model.terrain.height(*b) - model.terrain.height(*a) for a, b in zip(wheels, there, strict=True)]
+    there = base + offset[:2] + (points - base) @ turn[:2, :2].T
+    rises = [model.terrain.height(*b) - model.terrain.height(*a) for a, b in zip(points, there, strict=True)]
     rise, slope_x, slope_y = _plane_through(there - base - offset[:2], np.array(rises))
     tilt = pin.exp3(np.array([slope_y, -slope_x, 0.0]))
     rotation = tilt @ turn @ pin.Quaternion(configuration[3:7]).toRotationMatrix()
@@ -281,7 +279,7 @@ def _plane_through(places: FloatArray, heights: FloatArray) -> tuple[float, floa
 
 
 def _put_down(model: PlantModel, posture: FloatArray, command: PlantCommand, aim: FloatArray, soc: float) -> PlantState:
-    """Over the ground at aim = (x, y, yaw) in this posture, square on it, its lowest wheel touching."""
+    """Over the ground at aim = (x, y, yaw) in this posture, square on it, its lowest support touching."""
     x, y, yaw = aim
     height, slope_x, slope_y = _ground(model, x, y)
     normal = np.array([-slope_x, -slope_y, 1.0]) / np.sqrt(1.0 + slope_x**2 + slope_y**2)
@@ -301,7 +299,7 @@ def _put_down(model: PlantModel, posture: FloatArray, command: PlantCommand, aim
         configuration=configuration,
         velocity=np.zeros(model.multibody.nv),
         joints=joints,
-        contacts=np.zeros((len(model.contacts.names), STATE_COLUMNS)),
+        supports=model.supports.first_states(),
         ground=model.untouched_ground,
         battery=supply,
         bus=loads.BusState(),
@@ -348,16 +346,21 @@ def _ground(model: PlantModel, x: float, y: float) -> tuple[float, float, float]
     return height, -float(normal[0] / normal[2]), -float(normal[1] / normal[2])
 
 
+def _standing_points(model: PlantModel) -> FloatArray:
+    """Points of the machine's footing in map, as Pinocchio's data have it placed: (n, 3) [m]."""
+    footing, placements = model.supports.footing, model.data.oMi
+    return np.array(
+        [placements[body].act(offset) for body, offset in zip(footing.bodies, footing.offsets, strict=True)]
+    )
+
+
 def _standing_height(model: PlantModel, configuration: FloatArray) -> float:
-    """Height of the base over the plane that its lowest wheel touches, base level [m]; 0 of one without wheels."""
+    """Height of the base over the plane that its lowest support touches, base level [m]; 0 of one without any."""
     level = configuration.copy()
     level[:7] = 0.0
     level[6] = 1.0
     pin.forwardKinematics(model.multibody, model.data, level)
-    tables = model.contacts
-    wheels = range(tables.wheel_count)
-    heights = (
-        float(tables.wheels[i, WheelColumn.RADIUS] - model.data.oMi[int(tables.bodies[i])].translation[2])
-        for i in wheels
-    )
-    return max(heights, default=0.0)
+    below = model.supports.footing.below
+    if not below:
+        return 0.0
+    return float(max(np.array(below) - _standing_points(model)[:, 2]))

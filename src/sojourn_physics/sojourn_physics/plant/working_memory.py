@@ -11,7 +11,6 @@ import pinocchio as pin
 
 from sojourn_machine.params import FloatArray
 from sojourn_physics.actuators.joint_drive import STATE_ROWS, WORK_ROWS, JointCommand, JointReadings, JointWork
-from sojourn_physics.contact.contact_law import STATE_COLUMNS
 from sojourn_physics.contact.tables import Ground, make_workspace
 from sojourn_physics.plant.inertia import Factors
 from sojourn_physics.plant.kernels import (
@@ -39,13 +38,13 @@ class WorkingMemory:
     def __init__(self, model: "PlantModel") -> None:
         self._board = model.memory
         loops, nv, joints = len(model.coupling), model.multibody.nv, len(model.joints.names)
-        contacts, loads = len(model.contacts.names), len(model.bus.loads)
+        supports, loads = len(model.supports.names), len(model.bus.loads)
         # with conditions the parameters change from period to period
         parameters = model.joints.parameters if model.conditions is None else model.joints.parameters.copy()
         terrain = model.terrain
         self.tables = PlantTables(
             joints=model.joints.tables(parameters),
-            contacts=model.contacts.tables,
+            supports=model.supports.tables,
             ground=Ground(terrain.heights, terrain.soil_index, model.grid, model.soils, self._board.tables),
             multibody=Multibody(
                 model.placements,
@@ -63,14 +62,14 @@ class WorkingMemory:
                 np.zeros((model.simulation.substeps + 1, nv)),
                 np.zeros(nv),
                 np.zeros((STATE_ROWS, joints)),
-                np.zeros((contacts, STATE_COLUMNS)),
+                model.supports.first_states(),
             ),
             forces=Forces(np.zeros(nv), np.zeros(nv)),
             work=JointWork(np.zeros((WORK_ROWS, joints)), np.zeros(nv), np.zeros(nv)),
             readings=JointReadings(model.efforts, model.currents, model.load_power, np.zeros(ENERGY_SUMS)),
             report=model.report,
             workspace=make_workspace(model.soils),
-            sums=Sums(np.zeros((contacts, 3)), np.zeros(joints), np.zeros(loads)),
+            sums=Sums(np.zeros((supports, 3)), np.zeros(joints), np.zeros(loads)),
             dt=model.simulation.physics_step,
         )
         self.period = open_period(self.tables)
@@ -86,7 +85,8 @@ class WorkingMemory:
         motion, command, sums = tables.motion, tables.command, tables.sums
         motion.rates[0] = state.velocity
         motion.joints[:] = state.joints
-        motion.contacts[:] = state.contacts
+        for own, given in zip(motion.supports, state.supports, strict=True):
+            own[:] = given
         command.reference[:] = reference
         command.limits[:] = limits
         command.bus_voltage[0] = state.bus_voltage

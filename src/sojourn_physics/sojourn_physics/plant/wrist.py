@@ -23,7 +23,7 @@ class WristLoad:
 
     Args:
         multibody: the machine. link: that hangs on the sensor, at the joint that carries it.
-        bodies: (contacts,) index of the joint that carries each contact.
+        bodies: (supports,) index of the joint that carries each.
 
     Raises:
         InvalidValueError: no such link, or one that no joint of an arm carries.
@@ -40,7 +40,7 @@ class WristLoad:
         self._data = multibody.createData()
         beyond = set(multibody.subtrees[self._joint])
         self.contacts: IntArray = np.array([i for i, body in enumerate(bodies) if int(body) in beyond], dtype=np.int64)
-        """Contacts with the ground that act beyond the sensor."""
+        """Supports that meet the ground beyond the sensor."""
 
     def at_rest(self, configuration: FloatArray, report: FloatArray) -> FloatArray:
         """As `wrench`, of a machine that stands still."""
@@ -54,7 +54,7 @@ class WristLoad:
 
         Args:
             configuration, velocity, acceleration: of the machine, (nq,), (nv,), (nv,).
-            report: (contacts, REPORT_COLUMNS), forces as means over the period.
+            report: (supports, REPORT_COLUMNS), forces as means over the period.
         """
         pin.rnea(self._multibody, self._data, configuration, velocity, acceleration)
         load = -np.array(self._data.f[self._joint].vector)

@@ -22,7 +22,7 @@ from sojourn_machine.tools import (
     ScoopToolParams,
     ToolParams,
 )
-from sojourn_physics.contact.pad_on_soil import DRAG_X, DRAG_Y, MOMENT, PILE, TAKEN
+from sojourn_physics.contact.pad_on_soil import DRAG_X, DRAG_Y, TOOL_MOMENT, ToolColumn
 from sojourn_physics.plant.tools.drill import DrillLaw
 from sojourn_physics.plant.tools.gripper import Gripper
 from sojourn_physics.plant.tools.scoop import Scoop
@@ -55,7 +55,7 @@ class MountedTool:
     """A tool on a plant's model, whose working memory it writes.
 
     Args:
-        model: the plant, with its contacts. soils: of the ground, in the order of the kernels.
+        model: the plant, with its supports. soils: of the ground, in the order of the kernels.
         objects: that may be picked.
 
     Raises:
@@ -73,12 +73,14 @@ class MountedTool:
         if params.load not in loads:
             raise InvalidValueError("load of the tool", params.load, "one of " + ", ".join(loads))
         self.params = params
-        self.pad = model.contacts.names.index(params.pad)
+        pads = model.supports.tables.pads
+        self._pad = [pad.name for pad in model.machine.pads].index(params.pad)
+        self._contact = model.supports.names.index(params.pad)
         self.load = loads.index(params.load)
         self._law = _law_of(params, soils, objects, model.terrain)
-        self._row = model.contacts.wheels[self.pad]
+        self._row = pads.tools[self._pad]
         self._multibody = model.multibody
-        self._joint = int(model.contacts.bodies[self.pad])
+        self._joint = int(pads.carried.bodies[self._pad])
         self._bare = model.multibody.inertias[self._joint].copy()
         pad = next(pad for pad in model.machine.pads if pad.name == params.pad)
         frame = model.multibody.frames[model.multibody.getFrameId(pad.link)]
@@ -86,7 +88,7 @@ class MountedTool:
         """Out of the tool, in the frame of the joint that carries it."""
         self._across = np.array(frame.placement.rotation[:, 1])
         """From finger to finger of a gripper."""
-        self._centre: FloatArray = model.contacts.offsets[self.pad] - params.load_distance * self._axis
+        self._centre: FloatArray = pads.carried.offsets[self._pad] - params.load_distance * self._axis
         self._hangs = 0.0
 
     def first(self) -> ToolState:
@@ -96,9 +98,9 @@ class MountedTool:
     def prepare(self, state: ToolState) -> None:
         """Before a period: the model as this state has it."""
         row = self._row
-        row[TAKEN] = state.hole
-        row[PILE] = state.pile
-        row[MOMENT : MOMENT + 3] = state.moment
+        row[ToolColumn.TAKEN] = state.hole
+        row[ToolColumn.PILE] = state.pile
+        row[TOOL_MOMENT] = state.moment
         if state.payload != self._hangs:
             self._hang(state.payload)
 
@@ -106,7 +108,7 @@ class MountedTool:
         self,
         model: "PlantModel",
         state: ToolState,
-        contacts: FloatArray,
+        pads: FloatArray,
         reference: FloatArray | None,
         supply: float,
         voltage: float,
@@ -114,10 +116,10 @@ class MountedTool:
         """After a period: what the tool has done in it.
 
         Args:
-            contacts: states of all contacts. reference: of the actuator (3,), None: it stays where it is.
+            pads: states of the pads. reference: of the actuator (3,), None: it stays where it is.
             supply: part of its power that it can have. voltage: of the bus [V].
         """
-        report = model.report[self.pad]
+        report = model.report[self._contact]
         wanted = np.array([state.position, 0.0, 0.0]) if reference is None else reference
         if self._law.idle(state, wanted, bool(report[ReportColumn.SINKAGE] > 0.0)):
             return state, NO_ENERGY
@@ -132,7 +134,7 @@ class MountedTool:
             reference=wanted,
             supply=supply,
             report=report,
-            drag=contacts[self.pad, DRAG_X : DRAG_Y + 1],
+            drag=pads[self._pad, DRAG_X : DRAG_Y + 1],
             axis=self._axis @ to_map,
             across=self._across @ to_map,
             voltage=voltage,
