@@ -22,7 +22,7 @@ def watched_run(machine: Any, state: Any, seconds: float, tilt_of: Callable[[Any
         beyond = beyond or tilt_of(now) > ROLL_OVER
         forces = max(forces, float(np.abs(output.contacts[:, 6:9]).max()))
         assert now.rolled_over == beyond
-        assert all(np.isfinite(part).all() for part in (now.joints, now.contacts, output.contacts, output.efforts))
+        assert all(np.isfinite(part).all() for part in (now.joints, *now.supports, output.contacts, output.efforts))
 
     end = machine.run(seconds, machine.hold(rate), state, watch)
     assert forces < 100.0 * machine.weight

@@ -13,9 +13,9 @@ The shear displacement u lies on the links and goes with them, from the plate th
     ∂u/∂t + |V| ∂u/∂x' = (V - v_x, -v_y),   V the speed of the belt, x' from where the links come down
 
 (Wong 2008, Theory of Ground Vehicles, sec. 6.3; plates as in his NTVPM: the shear of a point grows from where it
-enters; sideways and in turns Wong & Chiang 2001, Proc. IMechE D 215:343). Upwind differences with the first plate's
-centre half a plate from the entry give j = σ x' at every centre in steady rolling, exactly. e is u by the hysteresis of
-`hysteresis`; a link that is dragged gives u up over MEMORY shear moduli.
+enters; sideways and in turns Wong & Chiang 2001, Proc. IMechE D 215:343). Finite
+volumes of the plates' length carry it, exact in steady rolling, j = σ x'. e is u by the hysteresis of
+`hysteresis`; no link remembers more than MEMORY shear moduli.
 
 The force on a link of the inclined runs acts along the normal of the ground, as under the flat one; the belt takes the
 shear, the hull what is normal to the ground and the resistances. Ground that others have rolled over: the depth of the
@@ -42,7 +42,10 @@ from sojourn_physics.soil.params import SoilColumn
 from sojourn_physics.soil.repeated_loading import equivalent_law
 
 MEMORY = 8.0
-"""Displacement that a dragged link keeps, in shear moduli: e^-8 short of full shear."""
+"""Largest displacement that a link remembers, in shear moduli: e^-8 short of full shear."""
+
+LARGEST_SHIFT = 0.5
+"""In a step, over the pitch of the plates: a belt that runs faster is taken to run so fast."""
 
 
 class TrackColumn(IntEnum):
@@ -124,6 +127,27 @@ class PlateForce(NamedTuple):
 
 
 @small_kernel
+def _carry(states: FloatArray, column: int, backwards: bool, part: float) -> None:
+    """One quantity that lies on the links goes on by a part of a pitch, from the end where they come down with none.
+
+    Finite volumes with van Leer's slopes (1974, J. Comput. Phys. 14:361): exact where it grows evenly along the track.
+    """
+    count = states.shape[0]
+    before = inflow = 0.0
+    for step in range(count):
+        i = count - 1 - step if backwards else step
+        here = states[i, column]
+        rise = here - before if before != 0.0 else 2.0 * here  # none where the links come down
+        last = step == count - 1
+        further = rise if last else states[i - 1 if backwards else i + 1, column] - here
+        product = rise * further
+        slope = 2.0 * product / (rise + further) if product > 0.0 else 0.0
+        outflow = here + 0.5 * slope
+        states[i, column] = here - part * (outflow - inflow)
+        before, inflow = here, outflow
+
+
+@small_kernel
 def shift(states: FloatArray, belt: float, pitch: float, dt: float) -> None:
     """What lies on the links goes on with the belt, over dt [s].
 
@@ -131,20 +155,12 @@ def shift(states: FloatArray, belt: float, pitch: float, dt: float) -> None:
         states: (plates, STATE_COLUMNS) of one track, from its front to its rear; zero where a plate is off the ground.
         belt: speed of the belt, positive drives ahead [m/s]. pitch: of the plates [m].
     """
-    count = states.shape[0]
-    part = dt * abs(belt) / pitch
+    part = min(dt * abs(belt) / pitch, LARGEST_SHIFT)
     if part == 0.0:
         return
-    for step in range(count):
-        i = step if belt > 0.0 else count - 1 - step
-        before = i - 1 if belt > 0.0 else i + 1
-        state = states[i]
-        enters = before < 0 or before >= count or states[before, StateColumn.LARGEST_SHEAR] == 0.0
-        gain = 2.0 * part if enters else part
-        for k in range(STATE_COLUMNS):
-            if k != GREATEST and k != RUT and k != StateColumn.HEADWAY:
-                come = 0.0 if enters else states[before, k]
-                state[k] = (state[k] + gain * come) / (1.0 + gain)
+    for column in range(STATE_COLUMNS):
+        if column != GREATEST and column != RUT and column != StateColumn.HEADWAY:
+            _carry(states, column, belt < 0.0, part)
 
 
 @small_kernel
@@ -186,13 +202,15 @@ def plate_force(
     area = width * pitch
     normal = area * pressure * clip(1.0 - soil[SoilColumn.CONTACT_DAMPING] * sliding.normal, 0.0, MAX_DAMPING_GAIN)
 
-    speed = math.sqrt(sliding.along * sliding.along + sliding.side * sliding.side)
-    kept = 1.0 / (1.0 + dt * speed / (MEMORY * soil[SoilColumn.SHEAR_MODULUS]))
-    u_x = (state[StateColumn.SHEAR_ALONG] + dt * sliding.along) * kept
-    u_y = (state[StateColumn.SHEAR_SIDE] + dt * sliding.side) * kept
-    state[StateColumn.SHEAR_ALONG], state[StateColumn.SHEAR_SIDE] = u_x, u_y
+    u_x = state[StateColumn.SHEAR_ALONG] + dt * sliding.along
+    u_y = state[StateColumn.SHEAR_SIDE] + dt * sliding.side
     displacement = math.sqrt(u_x * u_x + u_y * u_y)
+    largest = MEMORY * soil[SoilColumn.SHEAR_MODULUS]
+    kept = largest / displacement if displacement > largest else 1.0
+    displacement *= kept
+    state[StateColumn.SHEAR_ALONG], state[StateColumn.SHEAR_SIDE] = u_x * kept, u_y * kept
     e_x, e_y, _ = effective_shear(dt * sliding.along, dt * sliding.side, 0.0, kept, displacement, state)
+    speed = math.sqrt(sliding.along * sliding.along + sliding.side * sliding.side)
     lead = shear_lead(max(abs(sliding.hull), speed))
     j_x = (e_x + lead * sliding.along) / soil[SoilColumn.SHEAR_MODULUS]
     j_y = (e_y + lead * sliding.side) / soil[SoilColumn.SHEAR_MODULUS_LATERAL]
