@@ -107,7 +107,7 @@ def test_it_drives_astern_over_what_it_has_seen_and_turns_to_look(heading: float
             cosine, sine = math.cos(odometry.yaw), math.sin(odometry.yaw)
             for y in (0.53, -0.53):  # the ground under the rear wheels
                 x, y = odometry.x - 0.7 * cosine - y * sine, odometry.y - 0.7 * sine + y * cosine
-                row, column = seen.room.cell_of(x, y)
+                row, column = seen.clearance.cell_of(x, y)
                 unseen += not seen.map.known[row - 1 : row + 2, column - 1 : column + 2].any()
         ahead += max(odometry.v_x, 0.0) * DT
         nearest = min(nearest, math.hypot(odometry.x - 4.2, odometry.y - 0.1))

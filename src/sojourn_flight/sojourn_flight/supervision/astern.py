@@ -94,11 +94,11 @@ def choose_sense(
     length = _seen_length(machine.avoidance, seen, way)
     if way.astern:
         position = (odometry.x, odometry.y)
-        route = None if seen.route is None else advanced(seen.route, position, 0.5 * seen.room.cell)
+        route = None if seen.route is None else advanced(seen.route, position, 0.5 * seen.clearance.cell)
         seen = replace(seen, route=route)
         return Sense(way if length >= LEFT and not seen.blocked else turned_about(way, astern=False), seen)
-    room = seen.room.at(odometry.x, odometry.y) >= machine.avoidance.turning
-    if _is_looking(way) and way.phase_elapsed > 0.5 * LOOK_TIME and room and length >= WORTH_A_TURN:
+    can_turn = seen.clearance.at(odometry.x, odometry.y) >= machine.avoidance.turning
+    if _is_looking(way) and way.phase_elapsed > 0.5 * LOOK_TIME and can_turn and length >= WORTH_A_TURN:
         return Sense(turned_about(way, astern=True), seen)
     return Sense(way, seen, looking=_is_looking(way))
 
