@@ -93,7 +93,7 @@ class GroundWatch:
         known = with_cloud(self._settings, known, points, self._camera, position, rotation, driven)
         return SeenGround(known, position, rotation, driven)
 
-    def look(self, known: KnownGround, joints: JointState) -> KnownGround:
+    def observe(self, known: KnownGround, joints: JointState) -> KnownGround:
         """The ground found anew, with the suspension as /joint_states tells it."""
         if self._under is None:
             return known

@@ -107,7 +107,7 @@ class SensorsApp(App[SensorsState]):
         if state.measured is None or state.pose is None:  # nothing has been measured yet
             return state, Answer(refusals=refusals) if refusals else NOTHING
         measured, supplied = state.measured, inputs.get("/truth/electrical") is not None
-        state, seldom = self._look(state, state.pose, stamp)
+        state, seldom = self._observe(state, state.pose, stamp)
         return state, Answer(self._messages(state, measured, seldom, stamp, supplied), refusals)
 
     def _measure(
@@ -138,7 +138,7 @@ class SensorsApp(App[SensorsState]):
             truth.motor_position,
         )
 
-    def _look(self, state: SensorsState, pose: BasePose, stamp: int) -> tuple[SensorsState, _Seldom]:
+    def _observe(self, state: SensorsState, pose: BasePose, stamp: int) -> tuple[SensorsState, _Seldom]:
         """The Sun and the ground ahead, where they are due."""
         period, sun, cloud = stamp // stamps.CONTROL_PERIOD_NS, None, None
         if is_due(SUN, period):
@@ -147,7 +147,7 @@ class SensorsApp(App[SensorsState]):
         if is_due(CLOUD, period):
             cloud = NO_POINTS
             if "hazcam" not in state.dead:
-                camera, cloud = self._view.look(state.camera, pose.position, pose.orientation)
+                camera, cloud = self._view.observe(state.camera, pose.position, pose.orientation)
                 state = replace(state, camera=camera)
         return state, _Seldom(sun, cloud)
 

@@ -32,7 +32,7 @@ class HazardView:
         """Drawn by the scenario's seed; None of a rover without a camera."""
         return None if self._camera is None else hazcam.initial_state(self._camera, self._seed)
 
-    def look(
+    def observe(
         self, state: NoiseStream | None, position: FloatArray, orientation: FloatArray
     ) -> tuple[NoiseStream | None, NDArray[np.float32]]:
         """Points in base_link, shape (n, 3) [m], from the base's true position [m] and attitude (x y z w)."""
