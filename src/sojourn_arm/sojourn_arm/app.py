@@ -75,8 +75,9 @@ class ArmApp(App[ArmAppState]):
         self._goals = GoalReader(self.params)
 
     def warm_up(self) -> None:
-        """Those of the tasks and the control."""
+        """Those of the tasks, the control, and the ground."""
         task_control.warm_up(self.params, self.model)
+        self._ground.warm_up()
 
     def initial_state(self) -> ArmAppState:
         """Before the first measurement, which says where the arm is."""

@@ -83,8 +83,9 @@ class SensorsApp(App[SensorsState]):
         self._wrist_frame = scenario.machine.wrench_sensor_link or ""
 
     def warm_up(self) -> None:
-        """Those of the suite."""
+        """Those of the suite and of the camera."""
         suite.warm_up(self.params, self._gravity)
+        self._view.warm_up()
 
     def initial_state(self) -> SensorsState:
         """Before the first truth."""

@@ -25,8 +25,10 @@ class HazardView:
         self._seed = scenario.config.seed
         if self._camera is not None:
             self._ground = scenario.height_field()
-            state = hazcam.initial_state(self._camera, self._seed)
-            hazcam.step(self._camera, state, self._ground, np.zeros(3), np.eye(3))  # the compiler is through
+
+    def warm_up(self) -> None:
+        """Have its compiled kernels loaded."""
+        self.observe(self.initial_state(), np.zeros(3), np.array((0.0, 0.0, 0.0, 1.0)))
 
     def initial_state(self) -> NoiseStream | None:
         """Drawn by the scenario's seed; None of a rover without a camera."""
