@@ -40,10 +40,10 @@ from sojourn_flight.arm.kinematics import (
     inverse_kinematics,
     nearby_solution,
 )
+from sojourn_flight.arm.law_params import PlanningParams
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import peak, slower
 from sojourn_flight.arm.param_groups import ClearanceParams, PoseGoalParams
-from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.redundancy import Sphere, better_posture, measure_of
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground, GroundRelief, depth_below
@@ -65,7 +65,7 @@ _SLOWEST_STEP = 0.4
 
 
 def solve_pose(
-    params: ArmParams,
+    params: PlanningParams,
     model: ArmModel,
     position: FloatArray,
     direction: FloatArray | None,
@@ -105,7 +105,7 @@ def _with_spare_joints(
 
 
 def plan_goal(
-    params: ArmParams,
+    params: PlanningParams,
     model: ArmModel,
     goal: ArmGoal,
     reference: JointReference,
@@ -159,7 +159,7 @@ def plan_goal(
 
 
 def _plan(
-    params: ArmParams,
+    params: PlanningParams,
     model: ArmModel,
     goal: ArmGoal,
     reference: JointReference,
@@ -186,7 +186,7 @@ def _plan(
 
 
 def _plan_pose(
-    params: ArmParams,
+    params: PlanningParams,
     model: ArmModel,
     goal: PoseGoal,
     reference: JointReference,
@@ -230,7 +230,7 @@ def _refuse_buried(params: ClearanceParams, position: FloatArray, ground: Ground
 
 
 def _approach(
-    params: ArmParams,
+    params: PlanningParams,
     model: ArmModel,
     position: FloatArray,
     direction: FloatArray | None,
@@ -252,7 +252,7 @@ def _approach(
 
 
 def _plan_trajectory(
-    params: ArmParams,
+    params: PlanningParams,
     model: ArmModel,
     goal: TrajectoryGoal,
     reference: JointReference,

@@ -15,10 +15,10 @@ import numpy as np
 from sojourn_flight.arm.collision import check_path, check_samples, refined
 from sojourn_flight.arm.joint_path import JointPath, join
 from sojourn_flight.arm.kinematics import forward_kinematics
+from sojourn_flight.arm.law_params import WayParams
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import slower
 from sojourn_flight.arm.param_groups import NamedPoseParams
-from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground
 from sojourn_flight.arm.sampling_planner import MARGINS, Detours
@@ -60,7 +60,7 @@ def _ways(
 
 
 def any_way(
-    params: ArmParams,
+    params: WayParams,
     model: ArmModel,
     reference: JointReference,
     choices: list[list[End]],
@@ -82,7 +82,7 @@ def any_way(
 
 
 def _detour(
-    params: ArmParams,
+    params: WayParams,
     model: ArmModel,
     reference: JointReference,
     ends: list[End],
@@ -111,7 +111,7 @@ def _detour(
     return None
 
 
-def _tail(params: ArmParams, model: ArmModel, end: End, ground: Ground | None) -> list[FloatArray]:
+def _tail(params: WayParams, model: ArmModel, end: End, ground: Ground | None) -> list[FloatArray]:
     """Approach and target, or the target alone where the approach is not free."""
     target, approach = end
     if approach is None:
@@ -145,7 +145,7 @@ def _plan_of(
 
 
 def _first_way(
-    params: ArmParams,
+    params: WayParams,
     model: ArmModel,
     reference: JointReference,
     ends: list[End],
@@ -171,7 +171,7 @@ def _first_way(
 
 
 def _pieces(
-    params: ArmParams, model: ArmModel, reference: JointReference, corners: list[FloatArray], approaches: bool
+    params: WayParams, model: ArmModel, reference: JointReference, corners: list[FloatArray], approaches: bool
 ) -> list[JointPath]:
     """Motions from corner to corner; `approaches`: the last one runs at the approach's speed."""
     pieces = [point_to_point(model, reference, corners[0])]

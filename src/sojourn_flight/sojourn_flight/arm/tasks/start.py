@@ -6,8 +6,10 @@ from typing import TypeVar, get_args
 import numpy as np
 
 from sojourn_flight.arm.collision import check_samples, refined
+from sojourn_flight.arm.force_control import ForceControlParams
 from sojourn_flight.arm.goals import NamedGoal, PoseGoal
 from sojourn_flight.arm.kinematics import forward_kinematics, nearby_solution
+from sojourn_flight.arm.law_params import LineParams
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.refusal import GoalRefusedError
@@ -81,7 +83,7 @@ def start_task(
         case Release():
             return ReleaseTask(_tool(request, tool, GripperToolParams).stroke)
         case Pick():
-            return _pick(request, _tool(request, tool, GripperToolParams), params, gravity)
+            return _pick(request, _tool(request, tool, GripperToolParams), params.force_control, gravity)
     if not feels:
         raise GoalRefusedError(f"{request.task}: this arm feels no forces: its wrist's sensor says nothing")
     start = forward_kinematics(model, posture).position
@@ -156,12 +158,12 @@ def _tool(request: TaskRequest, tool: ToolParams | None, needed: type[Tool]) -> 
     raise GoalRefusedError(f"{request.task}: this arm {has}: allowed is a {' or '.join(get_args(kind))}")
 
 
-def _pick(request: Pick, gripper: GripperToolParams, params: ArmParams, gravity: float) -> PickTask:
+def _pick(request: Pick, gripper: GripperToolParams, params: ForceControlParams, gravity: float) -> PickTask:
     """The task, if the grasp force is one that the gripper has, and that holds the object."""
     if request.force > gripper.force:
         raise GoalRefusedError(f"pick: force = {request.force:g} N: allowed is at most {gripper.force:g} N")
     if request.mass is not None and request.friction is not None:
-        acceleration = gravity + params.force_control.tip_acceleration
+        acceleration = gravity + params.tip_acceleration
         needed = grasp_needed(0.5 * gripper.stroke, request.mass, request.friction, acceleration)
         if needed > request.force:
             holds = f"{request.mass:g} kg with a friction of {request.friction:g}"
@@ -202,7 +204,7 @@ def _direction(model: ArmModel, asked: tuple[float, float, float] | None, postur
 
 
 def check_line(
-    params: ArmParams,
+    params: LineParams,
     model: ArmModel,
     posture: FloatArray,
     direction: FloatArray,
