@@ -1,6 +1,7 @@
 """From a request to a task under way: the directions and lines that it asks for, checked before anything moves."""
 
 import math
+from dataclasses import dataclass
 from typing import TypeVar, get_args
 
 import numpy as np
@@ -47,26 +48,34 @@ _STEP = 0.01
 """Distance of the places of a line that are looked at [m]."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Beginning:
+    """What a task begins with."""
+
+    posture: FloatArray
+    """Joint positions (n,) [rad or m]."""
+    feels: bool
+    """Whether the wrist's sensor gives its wrench."""
+    ground: Ground | None
+    """That all but the tool keeps above; None for none."""
+    tool: ToolParams | None
+    """At the arm's end."""
+    gravity: float
+    """Where the arm is [m/s2]."""
+
+
 def start_task(
     params: ArmParams,
     model: ArmModel,
     request: TaskRequest,
-    posture: FloatArray,
-    feels: bool,
-    ground: Ground | None = None,
-    tool: ToolParams | None = None,
-    gravity: float = 0.0,
+    beginning: Beginning,
 ) -> Task:
     """The task that a request asks for.
-
-    Args:
-        posture: joint positions (n,) from which it starts. feels: whether the wrist's sensor tells its wrench.
-        ground: plane in base_link that all but the tool keeps above, or None.
-        tool: at the arm's end. gravity: where the arm is [m/s2].
 
     Raises:
         GoalRefusedError: a task that needs what this arm has not, or a line that it cannot follow.
     """
+    posture, ground, tool = beginning.posture, beginning.ground, beginning.tool
     match request:
         case Unfold() | Stow():
             return Go(NamedGoal(request.task))
@@ -83,8 +92,8 @@ def start_task(
         case Release():
             return ReleaseTask(_tool(request, tool, GripperToolParams).stroke)
         case Pick():
-            return _pick(request, _tool(request, tool, GripperToolParams), params.force_control, gravity)
-    if not feels:
+            return _pick(request, _tool(request, tool, GripperToolParams), params.force_control, beginning.gravity)
+    if not beginning.feels:
         raise GoalRefusedError(f"{request.task}: this arm feels no forces: its wrist's sensor says nothing")
     start = forward_kinematics(model, posture).position
     match request:
