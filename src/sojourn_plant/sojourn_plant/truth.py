@@ -94,7 +94,7 @@ class TruthMessages:
         for name in state.energy.__dataclass_fields__:
             values[f"energy {name}"] = f"{getattr(state.energy, name):.9g}"
         if state.tool is not None and state.tool.has_worked:
-            values |= {name: f"{value:.9g}" for name, value in state.tool.told().items()}
+            values |= {name: f"{value:.9g}" for name, value in state.tool.report().items()}
         return status_message(stamp, "loads", values)
 
 

@@ -28,7 +28,7 @@ WAY_POINTS = 5
 PLAN_MS = 20.0
 STEP = 2e-3
 """Of the differences [s]."""
-LOOKS = 24
+SAMPLES = 24
 """Samples of a motion."""
 KEPT = 1.0 + 1e-3
 """Differences over a change of jerk are off by less than this."""
@@ -126,7 +126,7 @@ def _shares(
     generator: np.random.Generator,
 ) -> FloatArray:
     """Share of each of LIMITS that a motion takes at random moments of it."""
-    middle = generator.uniform(STEP, max(path.duration - STEP, STEP), LOOKS)
+    middle = generator.uniform(STEP, max(path.duration - STEP, STEP), SAMPLES)
     before, here, after = (path.samples(middle + shift) for shift in (-STEP, 0.0, STEP))
     speed, acceleration = (after - before) / (2.0 * STEP), (after - 2.0 * here + before) / STEP**2
     rigid = np.array([rigid_effort(arm, *row, gravity) for row in zip(here, speed, acceleration, strict=True)])

@@ -108,7 +108,7 @@ def test_without_a_way_it_ends_within_what_it_may_spend(explorer: Any, monkeypat
     high = GroundPlane(float(forward_kinematics(arm.model, start).position[2]) + 0.4)
     shut = SamplingPlanner(arm.params, arm.model, high)
     assert shut.way(start, [end]) is None
-    assert shut.looked_at < limit + 100 < MOST_POSTURES
+    assert shut.checked < limit + 100 < MOST_POSTURES
 
 
 def test_a_detour_is_looked_for_once(explorer: Any, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -186,6 +186,24 @@ def test_a_task_replaces_a_motion_that_is_paused(arm: IdealArm) -> None:
     assert arm.outcomes[3:] == ["accepted", "failed"], "nothing is met on 5 cm"
 
 
+@pytest.mark.parametrize(("name", "ends"), [("tare", "reached"), ("weigh", "failed")])
+def test_a_task_that_moves_nothing_stops_the_motion_that_it_replaces(arm: IdealArm, name: str, ends: str) -> None:
+    """The arm used to go on to the old goal. Nobody tells the joints' torques here, so that weighing fails at once."""
+    arm.period(goal=NamedGoal("stow"))
+    arm.run(1.0)
+    arm.start(name, preempt=True)
+    for _ in range(100):
+        arm.force = np.full(3, 2.0 if arm.rates.any() else 0.0)  # as the tool's inertia, which is no bias
+        arm.period()
+    assert not arm.rates.any() and arm.said.status in ("holding", "stopped")
+    here = arm.joints
+    arm.run(5.0)
+    np.testing.assert_array_equal(arm.joints, here)
+    assert arm.report is not None and arm.report.doing.state == ends
+    assert arm.outcomes == ["accepted", "accepted", ends]
+    np.testing.assert_allclose(arm.state.sense.bias, 0.0, atol=1e-9)
+
+
 def test_a_goal_that_is_refused_during_a_task_says_why(arm: IdealArm) -> None:
     """The reason used to be lost, as the task went on in the same period."""
     arm.start("guarded_move", distance=0.08, speed=0.01)

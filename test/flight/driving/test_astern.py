@@ -79,16 +79,16 @@ def test_wheels_that_slip_make_it_look_and_then_turn_about() -> None:
     front = dead(model, made.state, "front_right").motors
     assert choose_sense(model, seen, way, front, False, odometry).way == way
     assert not choose_sense(model, seen, way, dead(model, made.state, "rear_left").motors, True, odometry).way.trails
-    looks = choose_sense(model, seen, way, front, True, odometry)
-    assert looks.looking and looks.way.trails and not looks.way.astern
-    assert is_answered(model, way, front) and is_answered(model, looks.way, front)
-    looked = replace(looks.way, phase_elapsed=2.0)
-    turns = choose_sense(model, seen, looked, front, False, odometry).way
+    observes = choose_sense(model, seen, way, front, True, odometry)
+    assert observes.observing and observes.way.trails and not observes.way.astern
+    assert is_answered(model, way, front) and is_answered(model, observes.way, front)
+    observed = replace(observes.way, phase_elapsed=2.0)
+    turns = choose_sense(model, seen, observed, front, False, odometry).way
     assert turns.astern and turns.phase is Phase.ALIGN and is_answered(model, turns, front)
     blind = replace(seen, map=replace(seen.map, layers=np.zeros_like(seen.map.layers)))
-    assert choose_sense(model, blind, looked, front, True, odometry).way == looked, "nothing has been seen"
-    given_up = replace(looked, phase_elapsed=3.0)
-    assert not choose_sense(model, blind, given_up, front, True, odometry).looking
+    assert choose_sense(model, blind, observed, front, True, odometry).way == observed, "nothing has been seen"
+    given_up = replace(observed, phase_elapsed=3.0)
+    assert not choose_sense(model, blind, given_up, front, True, odometry).observing
     assert not is_answered(model, given_up, front), "then wheels that spin end the goal as ever"
     well = model.initial_state().motors
     assert not choose_sense(model, seen, turns, well, False, odometry).way.astern, "the motor is back"

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from obstacle_examples import EYE, PARAMS, dense
+from obstacle_examples import PARAMS, STEREO, dense
 
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.mobility.kinematics import PlanarTwist
@@ -29,7 +29,7 @@ SCENARIO = load_scenario("flat_drive")
 DRIVE = SCENARIO.drive
 TURNING = turning_limits(SCENARIO.steering.table(DRIVE.track_ratio), DRIVE.limits, DRIVE.follower.max_curvature)
 WHEELS = np.array([(wheel.x, wheel.y) for wheel in SCENARIO.steering.wheels])
-AVOIDANCE = Avoidance(PARAMS, DRIVE.follower, TURNING, EYE, WHEELS)
+AVOIDANCE = Avoidance(PARAMS, DRIVE.follower, TURNING, STEREO, WHEELS)
 
 
 def at(x: float, y: float, yaw: float = 0.0, driven: float = 0.0) -> OdometryState:
@@ -160,7 +160,7 @@ def test_a_refused_goal_leaves_what_is_under_way_alone() -> None:
 @pytest.mark.parametrize("guarded_by_hand", [True, False])
 def test_the_guard_lets_go_what_leads_away(guarded_by_hand: bool) -> None:
     params = PARAMS.model_copy(update={"guard_cmd_vel": guarded_by_hand})
-    avoidance = Avoidance(params, DRIVE.follower, TURNING, EYE, WHEELS)
+    avoidance = Avoidance(params, DRIVE.follower, TURNING, STEREO, WHEELS)
     state = facing_a_block(1.02, 1.5, 1.2, avoidance)
     for twist, free in (((0.1, 0.0, 0.0), False), ((-0.1, 0.0, 0.0), True), ((0.0, 0.0, 0.0), True)):
         after, found = guarded(avoidance, state, PlanarTwist(*twist), at(0.0, 0.0), by_hand=True)

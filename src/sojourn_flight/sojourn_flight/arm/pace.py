@@ -125,8 +125,11 @@ def go_on_at_rate(model: ArmModel, state: ArmState, moving: Moving, dt: float) -
 
 
 def _limits(model: ArmModel, path: JointPath) -> ClockLimits:
-    """The arm's limits, or the same share of them for all joints that the motion uses of one of them at most."""
+    """The arm's limits, or the same share of them for all joints that the motion uses of one of them at most.
+
+    A motion that stands for all of its time uses nothing of them: its clock may change as the arm itself may.
+    """
     acceleration, jerk = path.extremes()[3:]
     share = float(np.max(acceleration / model.max_acceleration)) * _ROUNDING
     sharp = float(np.max(jerk / model.max_jerk)) * _ROUNDING
-    return ClockLimits(share * model.max_acceleration, sharp * model.max_jerk)
+    return ClockLimits((share or 1.0) * model.max_acceleration, (sharp or 1.0) * model.max_jerk)

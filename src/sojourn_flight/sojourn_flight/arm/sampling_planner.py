@@ -76,7 +76,7 @@ class SamplingPlanner:
         self._generator = np.random.default_rng(SEED)
         self._tight = False
         """The arm is nearer to something than it may come: it may go away from it."""
-        self.looked_at = 0
+        self.checked = 0
         """Postures so far."""
 
     def way(self, start: FloatArray, ends: list[FloatArray]) -> list[FloatArray] | None:
@@ -98,7 +98,7 @@ class SamplingPlanner:
             for tree in trees:
                 self._connect(tree, np.array(self._params.named_poses[name]))
         span = model.upper - model.lower
-        while self.looked_at < MOST_POSTURES:
+        while self.checked < MOST_POSTURES:
             drawn = model.lower + self._generator.random(model.joint_count) * span
             new = self._extend(trees[0], drawn)
             if new is not None:
@@ -133,7 +133,7 @@ class SamplingPlanner:
         """Whether the straight line between a node and one further from the root is free."""
         ends = (inner, outer) if forward else (outer, inner)
         samples = refined(np.array(ends), self._params.collision_step)
-        self.looked_at += len(samples)
+        self.checked += len(samples)
         allow = self._tight and forward
         return check_samples(self._params, self._model, samples, self._ground, allow_start=allow) is None
 

@@ -27,7 +27,7 @@ from sojourn_machine.params import FloatArray
 
 End: TypeAlias = tuple[FloatArray, FloatArray | None]
 """Joint positions (n,) of a target, and those by which it is approached, or None."""
-_APPROACH_LOOKS = 24
+_APPROACH_SAMPLES = 24
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,7 +180,7 @@ def _pieces(
     speed = params.contact.approach_speed
     if approaches and speed is not None and len(corners) > 1:
         last = pieces[-1]
-        times = np.linspace(0.0, last.duration, _APPROACH_LOOKS)
+        times = np.linspace(0.0, last.duration, _APPROACH_SAMPLES)
         tips = np.array([forward_kinematics(model, q).position for q in last.samples(times)])
         fastest = float(np.max(np.linalg.norm(np.diff(tips, axis=0), axis=1))) / max(times[1], 1e-9)
         if fastest > speed:

@@ -12,7 +12,7 @@
   no cell: what it means depends on the direction driven, see `detour_search` (plans) and `settling` (poses).
 
 What was closed by a step or a bump stays so until it is below its limit by the part `hysteresis`: noise about a limit
-does not open and close the way with every look.
+does not open and close the way with every observation.
 
 Sources: Goldberg, Maimone & Matthies (2002), IEEE Aerospace Conf. 5:2025 (step, tilt and roughness of planes fitted
 to patches of the rover's size); Biesiadecki & Maimone (2006), IEEE Aerospace Conf. (their use on Mars); Canny (1986),
@@ -100,7 +100,7 @@ def judged(params: ObstacleParams, map_: ObstacleMap, before: Passability | None
     """What each cell is. `reach` is half the outline's width: a patch as wide as the rover.
 
     Args:
-        before: what was thought of the map before its last look, None at first.
+        before: what was thought of the map before its last observation, None at first.
     """
     limits = params.passable
     tilts = limits.tilts

@@ -212,7 +212,7 @@ def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going:
     slips = policy is not None and slip > policy.another_way
     sense = choose_sense(model, arbiter.avoidance, way, going.motors, going.spinning or slips, odometry)
     way, arbiter.follower, arbiter.avoidance = sense.way, sense.way, sense.seen
-    if model.avoidance is not None and arbiter.avoidance is not None and not (way.astern or sense.looking):
+    if model.avoidance is not None and arbiter.avoidance is not None and not (way.astern or sense.observing):
         if policy is not None and slips:
             arbiter.avoidance = from_loose_ground(model.avoidance, arbiter.avoidance, odometry, policy, slip)
         guidance = guide(model.avoidance, arbiter.avoidance, way, odometry)
@@ -244,7 +244,7 @@ def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going:
     if outcome is not None:
         arbiter.end_goal(outcome)
         return NO_MOTION
-    if sense.looking:
+    if sense.observing:
         arbiter.text = f"looks where to drive astern, {way.distance_to_go:.2f} m to go"
         return NO_MOTION
     astern = " astern" if way.astern else ""
@@ -273,7 +273,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     slipping = step_slip(model.slip, state, inputs, measured, dt)
     if np.count_nonzero(motors.drive_failed):
         measured = replace(measured, turn_sigma=dragging_sigma(model.table, motors))
-    if slipping is not None and slipping.told:
+    if slipping is not None and slipping.observable:
         measured = replace(measured, slip=slipping.shared, slip_sigma=slipping.sigma)
     spin = state.spin
     if params.spin is not None and inputs.specific_force is not None and inputs.roll_pitch is not None:

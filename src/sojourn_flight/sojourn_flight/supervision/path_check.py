@@ -13,8 +13,8 @@ from sojourn_flight.planning.goal_follower import FollowerState, Phase
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, ClosedPlace
 from sojourn_machine.params import FloatArray
 
-LOOK = 3.0
-"""The path is looked at so far ahead [m]."""
+LOOKAHEAD = 3.0
+"""The path is checked so far ahead [m]."""
 ESCAPE = 0.8
 """For so long a path may be as narrow and as steep as the rover's own place [m]."""
 
@@ -47,7 +47,7 @@ def clearances_of(avoidance: Avoidance, clearance: ClearanceMap, poses: FloatArr
 
 
 def path_ahead(way: FollowerState) -> tuple[FloatArray, FloatArray]:
-    """The next LOOK of a path: distances from the rover, shape (n,) [m], and poses x, y, heading in odom, (n, 3).
+    """The next LOOKAHEAD of a path: distances from the rover, shape (n,) [m], and poses x, y, heading in odom, (n, 3).
 
     Headings are those of the body: where it slides downhill, it is turned off the path by the angle of the slide.
     """
@@ -57,7 +57,7 @@ def path_ahead(way: FollowerState) -> tuple[FloatArray, FloatArray]:
     rest[0] = rest[0][np.searchsorted(rest[0][:, 0], way.on_leg) :]
     before = np.cumsum([-way.on_leg] + [leg.length for leg in way.path.legs[way.leg : -1]])
     distances = np.concatenate([part[:, 0] + start for part, start in zip(rest, before, strict=True)])
-    near = distances <= LOOK
+    near = distances <= LOOKAHEAD
     poses = np.ascontiguousarray(np.concatenate(rest)[near, 1:4])
     poses[:, 2] -= way.drift
     return distances[near], poses

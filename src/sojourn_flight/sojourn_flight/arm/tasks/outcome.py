@@ -19,8 +19,8 @@ _PAUSED = "paused; the task resume goes on"
 def report_of(state: TaskState) -> TaskReport | None:
     """How the task, or the jog, stands; None where the last goal was neither, and in a pause."""
     paused = state.paused or isinstance(state.arm.phase, Pausing | Paused)
-    told = (state.task is not None or state.jog is not None) and not paused
-    return TaskReport(state.name, state.doing) if told else None
+    is_reported = (state.task is not None or state.jog is not None) and not paused
+    return TaskReport(state.name, state.doing) if is_reported else None
 
 
 def with_outcome(

@@ -100,6 +100,8 @@ def step(
         state = go_on_with_jog(params, model, state, inputs, dt)
     elif goal is None:
         state, goal = _work(params, model, state, inputs, dt)
+        if answer is ACCEPTED and goal is None and state.motion is None and isinstance(state.arm.phase, Moving):
+            goal = StopGoal()  # a task that moves nothing has replaced what was under way
     is_of_task = goal is not None and inputs.arm.goal is None and not isinstance(goal, PauseGoal | ResumeGoal)
     asked = inputs.arm
     if goal is not asked.goal or state.motion is not asked.guide:
@@ -128,8 +130,7 @@ def _take(
     if isinstance(inputs.task, Pause | Resume):
         return _pause(state, isinstance(inputs.task, Pause))
     state, answer = _take_task(params, model, state, inputs, inputs.task)
-    replaces_pause = answer is ACCEPTED and isinstance(state.arm.phase, Pausing | Paused)
-    return state, StopGoal() if replaces_pause else None, answer
+    return state, None, answer
 
 
 def _pause(state: TaskState, begin: bool) -> tuple[TaskState, ArmGoal | None, GoalEvent | None]:
