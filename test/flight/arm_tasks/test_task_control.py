@@ -172,6 +172,21 @@ def test_a_pause_rests_in_the_middle_of_a_task_and_resuming_goes_on(arm: IdealAr
     assert "no motion is paused" in arm.said.reason
 
 
+def test_a_task_that_is_given_up_in_its_pause_has_failed(arm: IdealArm) -> None:
+    """It was called paused for ever, and a resume was accepted that moved nothing."""
+    arm.start("guarded_move", distance=0.08, speed=0.01)
+    arm.run(1.0)
+    arm.start("pause")
+    arm.run(1.0)
+    arm.allowed = False
+    arm.run(1.0)
+    assert arm.said.status == "stopped" and arm.outcomes == ["accepted", "accepted", "paused"]
+    assert arm.report is not None and "not allowed to move: a test" in arm.report.doing.reason
+    arm.allowed = True
+    arm.start("resume")
+    assert arm.events[-1].outcome == "refused" and "no motion is paused" in arm.events[-1].reason
+
+
 def test_a_task_replaces_a_motion_that_is_paused(arm: IdealArm) -> None:
     """The arm used to stay in its pause, and the task was called reached."""
     arm.period(goal=NamedGoal("stow"))
