@@ -87,7 +87,7 @@ class TruthMessages:
     def _motor_message(self, stamp: int, state: PlantState, output: PlantOutput) -> JointState:
         joints, places = state.joints, self._with_play
         angles = state.motor_angles[places]
-        return JointState(stamp, self._motors, angles, joints[MOTOR_RATE, places], output.efforts[places])
+        return JointState(stamp, self._motors, angles, joints[MOTOR_RATE][places], output.efforts[places])
 
     def _load_message(self, stamp: int, state: PlantState, output: PlantOutput) -> DiagnosticArray:
         values = {f"power {name}": f"{power:.6g}" for name, power in zip(self._loads, output.load_power, strict=True)}

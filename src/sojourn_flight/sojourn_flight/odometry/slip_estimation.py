@@ -204,7 +204,7 @@ class SlipModel:
 
 def estimate_slip(model: SlipModel, state: SlipState, measured: SlipInput, dt: float) -> SlipState:
     """State after one period of `dt` [s]; `measured` has been checked by the drive."""
-    if not state.gravity.any():
+    if not np.count_nonzero(state.gravity):
         roll_angle, pitch = measured.roll_pitch
         size = float(np.linalg.norm(measured.specific_force))
         level = math.cos(pitch)
@@ -231,7 +231,7 @@ def trouble(params: SlipParams, state: SlipState, names: tuple[str, ...]) -> str
 
 def is_stuck(params: SlipParams, state: SlipState) -> bool:
     """Whether a wheel spins without headway."""
-    return bool((state.stuck_for >= params.stuck_time).any())
+    return bool(np.count_nonzero(state.stuck_for >= params.stuck_time))
 
 
 def further_slip(slip: float, error: float) -> float:

@@ -171,7 +171,7 @@ def _measured(model: DriveModel, state: DriveState, inputs: DriveInput, dt: floa
         _measured_array(model, "steer angle", inputs.steer_angles),
         inputs.gyro,
         inputs.roll_pitch,
-        commanded_still=limiter is None or not limiter.wheel_rates.any(),
+        commanded_still=limiter is None or not np.count_nonzero(limiter.wheel_rates),
     )
 
 
@@ -271,7 +271,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         motors = motors.steering_on_trial()
     table = commandable(model.table, motors)
     slipping = step_slip(model.slip, state, inputs, measured, dt)
-    if motors.drive_failed.any():
+    if np.count_nonzero(motors.drive_failed):
         measured = replace(measured, turn_sigma=dragging_sigma(model.table, motors))
     if slipping is not None and slipping.observable:
         measured = replace(measured, slip=slipping.shared, slip_sigma=slipping.sigma)
@@ -308,8 +308,8 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         arbiter.take_goal(model, inputs.goal, published, inputs.supply)
     arbiter.watch_energy(model, inputs.supply, dt)
     wanted = arbiter.take_twist(model, inputs.twist, dt)
-    reason = shortcoming(model.table, motors, model.geometry.names)
-    lost = no_headway(model.slip, slipping, odometry, model.geometry.names)
+    reason = shortcoming(model.table, motors, model.names)
+    lost = no_headway(model.slip, slipping, odometry, model.names)
     if arbiter.follower is not None and not is_answered(model, arbiter.follower, motors):
         reason = reason or lost
     reason = reason or endless_spin(params.spin, spin)
