@@ -60,7 +60,7 @@ class Reference:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Measured:
+class MeasuredJoints:
     """Position and velocity (n,) each that the joints have, and the integral of the position's error over time (n,)."""
 
     position: FloatArray
@@ -89,7 +89,7 @@ def effort_of(
     model: SerialArm,
     gains: Gains,
     reference: Reference,
-    measured: Measured,
+    measured: MeasuredJoints,
     gravity: FloatArray,
 ) -> FloatArray:
     """Efforts (n,) that a law asks for, before they are cut to what the motors can give."""
