@@ -69,14 +69,14 @@ def test_it_stands_level_on_all_of_its_wheels_and_drives_ahead(rover: str) -> No
     command.reference[0] = state.joints[0]
     standing, output = step(model, state, command)
     loads = output.contacts[:, FORCE_Z]
-    wheels = len(model.wheel_names)
+    wheels = len(model.machine.stands_on)
     assert loads.sum() == pytest.approx(model.mass * G_MOON, rel=2e-3)
     assert loads[:wheels].min() > 0.5 * model.mass * G_MOON / wheels
     assert not loads[wheels:].any(), "a pad touches the ground"
-    radii = [wheel.shear_radius for wheel in model.machine.wheels]
+    radii = [wheel.shear_radius for wheel in model.machine.rolling]
     scenario = load_scenario("flat_drive", [f"machine={rover}"])
     speed = 0.5 * scenario.drive.limits.max_speed
-    command.reference[1, model.reference_rows([wheel.joint for wheel in model.machine.wheels])] = speed / np.array(
+    command.reference[1, model.reference_rows([wheel.joint for wheel in model.machine.rolling])] = speed / np.array(
         radii
     )
     state = standing

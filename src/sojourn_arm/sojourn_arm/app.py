@@ -69,7 +69,7 @@ class ArmApp(App[ArmAppState]):
         self._tool = scenario.tool
         self._rated_power = next((load.power_w for load in scenario.bus.loads if load.name == ARM_LOAD), 0.0)
         self._measurements = Measurements(self.params.joint_names, scenario.urdf_xml, scenario.gravity)
-        self._rover = RoverWatch(self.params.interlock, [wheel.joint for wheel in scenario.machine.wheels])
+        self._rover = RoverWatch(self.params.interlock, [wheel.joint for wheel in scenario.machine.rolling])
         self._ground = GroundWatch(self.params, scenario, reach_from_base(self.model))
         self._stand = Stand(self.params, scenario.urdf_xml, scenario.machine)
         self._goals = GoalReader(self.params)

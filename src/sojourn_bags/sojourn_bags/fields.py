@@ -231,7 +231,7 @@ def _contact_names(bag: Bag) -> list[str]:
         machine = Run.of_bag(bag).machine
     except IncompleteConfigError:
         return []
-    return [wheel.name for wheel in machine.wheels] + [pad.name for pad in machine.pads]
+    return [support.name for support in machine.supports]
 
 
 def _stamps(messages: Messages) -> FloatArray:

@@ -101,10 +101,10 @@ def _title(summary: dict[str, Any]) -> str:
 
 
 def _draw_wheels(panels: Sequence[Axes], bag: Bag, run: Run) -> None:
-    """Four panels of a machine with wheels."""
+    """Four panels of a machine with wheels or tracks."""
     _draw_contacts(panels[0], bag, run, "sinkage", 1000.0, "Sinkage of each wheel", "sinkage [mm]")
     _draw_slip(panels[1], bag, run)
-    _draw_joints(panels[2], bag, [wheel.joint for wheel in run.machine.wheels], "Torque of the wheel drives")
+    _draw_joints(panels[2], bag, [wheel.joint for wheel in run.machine.rolling], "Torque of the drives")
     if run.machine.steer_joints:
         _draw_joints(panels[3], bag, list(run.machine.steer_joints), "Torque of the steering joints")
     else:
@@ -112,10 +112,10 @@ def _draw_wheels(panels: Sequence[Axes], bag: Bag, run: Run) -> None:
 
 
 def _draw_contacts(axes: Axes, bag: Bag, run: Run, field: str, scale: float, title: str, label: str) -> None:
-    """One curve a wheel from the true contacts, whose first points are the wheels."""
+    """One curve a support from the true contacts, whose first points are those that the machine stands on."""
     contacts = bag["/truth/contacts"]
     values = scale * contacts.points()[field]
-    names = [wheel.name.replace("_", " ") for wheel in run.machine.wheels]
+    names = [support.name.replace("_", " ") for support in run.machine.stands_on]
     _draw_curves(axes, contacts.times, values[:, : len(names)], names)
     axes.set(title=title, ylabel=label)
 
@@ -126,13 +126,13 @@ def _draw_slip(axes: Axes, bag: Bag, run: Run) -> None:
     velocity = truth.columns(*(f"twist.twist.linear.{axis}" for axis in "xyz"))
     speed = np.interp(contacts.times, truth.times, np.linalg.norm(velocity, axis=1))
     joints = states.joints()
-    slip = contacts.points()["slip_ratio"][:, : len(run.machine.wheels)].copy()
-    for number, wheel in enumerate(run.machine.wheels):
+    slip = contacts.points()["slip_ratio"][:, : len(run.machine.rolling)].copy()
+    for number, wheel in enumerate(run.machine.rolling):
         rim = np.interp(
             contacts.times, states.times, wheel.radius * np.abs(joints.velocity[:, joints.index(wheel.joint)])
         )
         slip[np.maximum(rim, speed) < STANDING, number] = 0.0
-    _draw_curves(axes, contacts.times, slip, [wheel.name.replace("_", " ") for wheel in run.machine.wheels])
+    _draw_curves(axes, contacts.times, slip, [wheel.name.replace("_", " ") for wheel in run.machine.rolling])
     axes.set(title="Slip of each wheel (0 where it stands)", ylabel="slip ratio [-]")
 
 

@@ -75,7 +75,7 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
         "energy_wh": energy_used(bag),
         "soc_start": float(charge[0]) if charge.size else None,
         "soc_end": float(charge[-1]) if charge.size else None,
-        "max_sinkage_m": max_sinkage(bag, len(run.machine.wheels)),
+        "max_sinkage_m": max_sinkage(bag, len(run.machine.stands_on)),
         "max_tilt_deg": max_tilt_deg,
         "rolled_over": rolled_over,
         "goals": [result.as_data() for result in results],
@@ -132,11 +132,11 @@ def charges(bag: Bag) -> FloatArray:
     return bag["/truth/electrical"].column("percentage") if "/truth/electrical" in bag else np.empty(0)
 
 
-def max_sinkage(bag: Bag, wheels: int) -> float | None:
-    """Deepest that a wheel has sunk [m]; the wheels are the first contacts."""
+def max_sinkage(bag: Bag, supports: int) -> float | None:
+    """Deepest that anything has sunk on which the machine stands [m]: these are the first contacts."""
     if "/truth/contacts" not in bag:
         return None
-    sinkage = bag["/truth/contacts"].points().get("sinkage", np.empty((0, 0)))[:, :wheels]
+    sinkage = bag["/truth/contacts"].points().get("sinkage", np.empty((0, 0)))[:, :supports]
     return float(np.nanmax(sinkage)) if np.isfinite(sinkage).any() else None
 
 

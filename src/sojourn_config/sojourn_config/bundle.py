@@ -10,9 +10,10 @@ from sojourn_config.arm_config import ArmConfig
 from sojourn_config.carrying_checks import carrying_problems
 from sojourn_config.errors import MISSING, ConfigError, single
 from sojourn_config.machine import MachineConfig
-from sojourn_config.machine_checks import ground_problems, machine_problems, steering_geometry, with_drive_data
+from sojourn_config.machine_checks import machine_problems, with_drive_data
 from sojourn_config.machine_reader import MachineReader, MachineSets
 from sojourn_config.set_reader import ReadSet, Referrer
+from sojourn_config.support_checks import ground_problems, steering_geometry
 from sojourn_config.tool_config import tool_ground_problems, with_tool
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument

@@ -1,26 +1,22 @@
 """Checks of a machine across its files: URDF, wheels, drives, loads, sensors, arm, drive node."""
 
-import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 from sojourn_config.arm_config import ArmConfig
-from sojourn_config.errors import MISSING, Problem
+from sojourn_config.errors import Problem
 from sojourn_config.machine import MachineConfig
 from sojourn_config.machine_reader import MachineSets
 from sojourn_config.mechanism_checks import BASE_LINK, mass_problems, mechanism_problems
+from sojourn_config.support_checks import joint_problem, support_problems
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
 from sojourn_flight.arm.params import ArmParams
-from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams, WheelGeometry
+from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.drives import JointDriveParams
 from sojourn_machine.names import names_text
 from sojourn_machine.power.loads import BusParams
-from sojourn_machine.supports import WheelParams
-from sojourn_physics.contact.roller_wheel import RollerWheelParams
-from sojourn_physics.contact.rows import law_of
 from sojourn_physics.sensors.params import JointGroupParams, SensorSuiteParams
-from sojourn_physics.soil.params import SoilParams
 
 AnyArm = TypeVar("AnyArm", bound=ArmParams)
 
@@ -41,7 +37,7 @@ def machine_problems(sets: MachineSets) -> list[Problem]:
     problems = [
         *mass_problems(config, sets.own_urdf, documents["machine"]),
         *mechanism_problems(config, urdf, documents["machine"], arm.inertias_as_published if arm else ()),
-        *_wheel_problems(config, urdf, documents["machine"]),
+        *support_problems(config, urdf, documents["machine"]),
         *_drive_problems(own_drives, urdf, bus, documents["machine"]),
         *_reference_problems(config, urdf, documents["machine"]),
         *_sensor_problems(sensors, urdf, documents["sensors"]),
@@ -60,63 +56,6 @@ def machine_problems(sets: MachineSets) -> list[Problem]:
     if sets.drive is not None and not problems:
         problems += _limit_problems(config, urdf, sets.drive, documents["flight"])
     return problems
-
-
-def ground_problems(config: MachineConfig, soil: SoilParams, document: YamlDocument) -> list[Problem]:
-    """What the contact models of the wheels need of a soil and its file does not give, one problem a key; and a soil
-    that has no stiffness under wheels as narrow as these.
-    """
-    askers: dict[str, list[str]] = {}
-    for wheel in config.wheels:
-        for name in law_of(wheel.contact).missing_in(soil):
-            askers.setdefault(name, []).append(f"{wheel.name} ({wheel.contact.model})")
-    missing = [
-        document.problem((name,), MISSING, "the key is missing: needed by the contact model of " + ", ".join(wheels))
-        for name, wheels in askers.items()
-    ]
-    narrow = [f"{wheel.name} ({wheel.width:g} m)" for wheel in config.wheels if wheel.width <= soil.least_width]
-    if narrow:
-        allowed = f"allowed is more than {-soil.k_phi:g} times the width, or the ground pulls at {', '.join(narrow)}"
-        missing.append(document.problem(("k_c",), soil.k_c, allowed))
-    return missing
-
-
-def steering_geometry(config: MachineConfig, urdf: UrdfSummary) -> SteeringGeometryParams:
-    """The wheels as the drive node sees them. They roll on the circle on which the soil shears."""
-    return SteeringGeometryParams(wheels=tuple(_wheel_geometry(wheel, urdf) for wheel in config.wheels))
-
-
-def _wheel_geometry(wheel: WheelParams, urdf: UrdfSummary) -> WheelGeometry:
-    place = urdf.position_in_link(wheel.joint, BASE_LINK)
-    steering: dict[str, float | str | None] = {}
-    if wheel.steer_joint is not None:
-        joint = urdf.joints[wheel.steer_joint]
-        axis = urdf.position_in_link(wheel.steer_joint, BASE_LINK)
-        steering = {
-            "steer_min": joint.lower,
-            "steer_max": joint.upper,
-            "pivot_x": float(axis[0]),
-            "pivot_y": float(axis[1]),
-            "steer_joint": wheel.steer_joint,
-            "max_steer_rate": _finite(joint.velocity),
-        }
-    contact = wheel.contact
-    return WheelGeometry.model_validate(
-        {
-            "name": wheel.name,
-            "x": float(place[0]),
-            "y": float(place[1]),
-            "radius": wheel.shear_radius,
-            "steered": wheel.steer_joint is not None,
-            "roller_angle": math.radians(contact.roller_angle_deg) if isinstance(contact, RollerWheelParams) else None,
-            "max_rate": _finite(urdf.joints[wheel.joint].velocity),
-            **steering,
-        }
-    )
-
-
-def _finite(limit: float) -> float | None:
-    return limit if math.isfinite(limit) else None
 
 
 def with_drive_data(arm: AnyArm, config: MachineConfig) -> AnyArm:
@@ -147,47 +86,6 @@ def _gear_data(drives: Sequence[JointDriveParams]) -> dict[str, tuple[float, ...
     }
 
 
-def _joint_problem(document: YamlDocument, path: KeyPath, name: str, urdf: UrdfSummary) -> Problem | None:
-    """The problem with a joint's name, or None where the URDF has that joint and it moves."""
-    if name in urdf.moving_joints:
-        return None
-    why = "is fixed" if name in urdf.joints else "is not a joint"
-    return document.problem(path, name, f"{why} in {urdf.file}: " + names_text(name, urdf.moving_joints))
-
-
-def _wheel_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
-    driven = {joint for drive in config.drives for joint in drive.joints}
-    for index, wheel in enumerate(config.wheels):
-        path: KeyPath = ("wheels", index)
-        problem = _joint_problem(document, (*path, "joint"), wheel.joint, urdf)
-        if problem is not None:
-            yield problem
-            continue
-        joint = urdf.joints[wheel.joint]
-        if joint.kind != "continuous":
-            allowed = f"is {joint.kind} in {urdf.file}: allowed is continuous"
-            yield document.problem((*path, "joint"), wheel.joint, allowed)
-        if wheel.joint not in driven:
-            yield document.problem((*path, "joint"), wheel.joint, "has no drive: name it in drives")
-        size = urdf.cylinders.get(joint.child)
-        if size is None:
-            allowed = f"its link {joint.child} has not one collision cylinder in {urdf.file}"
-            yield document.problem((*path, "joint"), wheel.joint, allowed)
-        else:
-            for key, value, wanted in (("radius", wheel.radius, size[0]), ("width", wheel.width, size[1])):
-                if abs(value - wanted) > SAME_LENGTH:
-                    allowed = f"allowed is {wanted:g} m, that of the cylinder of {joint.child} in {urdf.file}"
-                    yield document.problem((*path, key), value, allowed)
-        if wheel.steer_joint is not None:
-            steer = _joint_problem(document, (*path, "steer_joint"), wheel.steer_joint, urdf)
-            if steer is not None:
-                yield steer
-            elif urdf.joints[wheel.steer_joint].kind != "revolute":
-                kind = urdf.joints[wheel.steer_joint].kind
-                allowed = f"is {kind} in {urdf.file}: allowed is revolute"
-                yield document.problem((*path, "steer_joint"), wheel.steer_joint, allowed)
-
-
 def _drive_problems(
     drives: Sequence[JointDriveParams], urdf: UrdfSummary, bus: BusParams, document: YamlDocument
 ) -> Iterator[Problem]:
@@ -200,7 +98,7 @@ def _drive_problems(
             allowed = f"{why}: " + names_text(drive.load, commanded)
             yield document.problem((*path, "load"), drive.load, allowed)
         for number, name in enumerate(drive.joints):
-            problem = _joint_problem(document, (*path, "joints", number), name, urdf)
+            problem = joint_problem(document, (*path, "joints", number), name, urdf)
             if problem is not None:
                 yield problem
             elif drive.servo.max_torque > urdf.joints[name].effort:
@@ -213,7 +111,7 @@ def _drive_problems(
 def _reference_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
     for index, coupling in enumerate(config.couplings):
         for key, name in (("first", coupling.first), ("second", coupling.second)):
-            problem = _joint_problem(document, ("couplings", index, key), name, urdf)
+            problem = joint_problem(document, ("couplings", index, key), name, urdf)
             if problem is not None:
                 yield problem
     for index, pad in enumerate(config.pads):
@@ -229,7 +127,7 @@ def _group_problems(
 ) -> Iterator[Problem]:
     for group, params in groups.items():
         for number, name in enumerate(params.joints):
-            problem = _joint_problem(document, ("joint_groups", group, "joints", number), name, urdf)
+            problem = joint_problem(document, ("joint_groups", group, "joints", number), name, urdf)
             if problem is not None:
                 yield problem
 
@@ -274,7 +172,7 @@ def _arm_problems(
 ) -> Iterator[Problem]:
     driven = {joint for drive in config.drives for joint in drive.joints}
     for index, name in enumerate(arm.joint_names):
-        problem = _joint_problem(document, ("joint_names", index), name, urdf)
+        problem = joint_problem(document, ("joint_names", index), name, urdf)
         if problem is not None:
             yield problem
             continue

@@ -77,17 +77,17 @@ def _weightless_problems(urdf: UrdfSummary) -> Iterator[Problem]:
 
 
 def _axis_problems(config: MachineConfig, urdf: UrdfSummary) -> Iterator[Problem]:
-    """The plant takes the y axis of a wheel's joint for its axle, and that to the left at zero pose."""
-    for wheel in config.wheels:
+    """The plant takes the y axis of a wheel's or a sprocket's joint for its axle, and that to the left at zero pose."""
+    for wheel in config.rolling:
         joint = urdf.joints.get(wheel.joint)
         if joint is None or joint.kind == "fixed":
             continue  # told elsewhere
         own = " ".join(f"{value:g}" for value in joint.axis)
         if np.abs(joint.axis - [0.0, 1.0, 0.0]).max() > SAME_DIRECTION:
-            allowed = f"allowed is 0 1 0: it is the axle of wheel {wheel.name}"
+            allowed = f"allowed is 0 1 0: it is the axle of {wheel.name}"
             yield Problem(urdf.file, f"joint {wheel.joint}, axis", own, allowed)
         elif _direction_in_root(urdf, wheel.joint)[1] <= 0.0:
-            allowed = f"points to the right at zero pose, so that wheel {wheel.name} would drive backwards"
+            allowed = f"points to the right at zero pose, so that {wheel.name} would drive backwards"
             yield Problem(urdf.file, f"joint {wheel.joint}, axis", own, allowed)
 
 

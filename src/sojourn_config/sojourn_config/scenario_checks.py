@@ -37,10 +37,8 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
                 yield document.problem(path, step.kind, f"the machine {config.machine} has no arm")
             elif isinstance(action, ArmJointsStep):
                 yield from _arm_goal_problems(action, path, bundle.arm, bundle.urdf, document)
-    if bundle is not None and bundle.body.free_fall and bundle.machine.wheels:
-        allowed = (
-            f"is in free fall, where the wheels of {config.machine} do not press on the ground: allowed is a planet, "
-        )
+    if bundle is not None and bundle.body.free_fall and bundle.machine.stands_on:
+        allowed = f"is in free fall, where {config.machine} does not press on the ground: allowed is a planet, "
         yield document.problem(("body",), config.body, allowed + "a moon or an asteroid")
     if bundle is not None:
         yield from _fault_problems(config, bundle, document)

@@ -6,7 +6,7 @@ Rx(roll) (URDF specification). Mimic joints, transmissions and meshes are not us
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -123,15 +123,23 @@ class UrdfSummary:
         Raises:
             ConfigError: the link is not above the joint.
         """
-        above = {entry.child: entry for entry in self.joints.values()}
-        place = self.joints[joint].transform_parent_to_joint
-        here = self.joints[joint].parent
-        while here != link:
-            if here not in above:
-                raise single(self.file, f"joint {joint}", MISSING, f"allowed is a joint below {link}")
-            place = above[here].transform_parent_to_joint @ place
-            here = above[here].parent
-        return np.array(place[:3, 3])
+        return self.point_in_link(self.joints[joint].child, (0.0, 0.0, 0.0), link)
+
+    def point_in_link(self, link: str, point: Sequence[float], above: str) -> FloatArray:
+        """A point of a link, (3,) [m], in the frame of the link itself or of one above it, at zero pose: shape (3,)
+        [m].
+
+        Raises:
+            ConfigError: the one link is not above the other.
+        """
+        carriers = {entry.child: entry for entry in self.joints.values()}
+        place, here = np.array((*point, 1.0)), link
+        while here != above:
+            if here not in carriers:
+                raise single(self.file, f"link {link}", MISSING, f"allowed is a link below {above}")
+            place = carriers[here].transform_parent_to_joint @ place
+            here = carriers[here].parent
+        return np.array(place[:3])
 
 
 def read_urdf(path: Path) -> UrdfSummary:

@@ -24,14 +24,14 @@ class WheelMeasurements:
     """Maps the joints of messages to wheels and back.
 
     Args:
-        machine: its wheels are in the order of the steering geometry.
+        machine: its wheels and tracks are in the order of the steering geometry.
         urdf_xml: the machine, with a link `imu_link`.
     """
 
     def __init__(self, machine: MachineParams, urdf_xml: str) -> None:
-        self._drive_joints = [wheel.joint for wheel in machine.wheels]
+        self._drive_joints = [wheel.joint for wheel in machine.rolling]
         self._steer_joints = list(machine.steer_joints)
-        turned_by = [wheel.steer_joint for wheel in machine.wheels]
+        turned_by = [wheel.steer_joint for wheel in machine.rolling]
         self._steered = [place for place, joint in enumerate(turned_by) if joint is not None]
         self._first_of_joint = [turned_by.index(joint) for joint in self._steer_joints]
         self._drive_places = JointPlaces("/joint_states", self._drive_joints)

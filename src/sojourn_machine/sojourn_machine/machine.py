@@ -106,7 +106,12 @@ class MachineParams(Params):
     @property
     def stands_on(self) -> tuple[WheelParams | TrackParams | FootParams, ...]:
         """What it stands on when it is as it should be."""
-        return (*self.wheels, *self.tracks, *self.feet)
+        return (*self.rolling, *self.feet)
+
+    @property
+    def rolling(self) -> tuple[WheelParams | TrackParams, ...]:
+        """What it drives with: each has a joint whose rate moves the machine over the ground."""
+        return (*self.wheels, *self.tracks)
 
     @property
     def supports(self) -> tuple[SupportParams, ...]:

@@ -56,6 +56,16 @@ class TrackParams(SupportParams):
     )
     plates: int = Field(default=12, ge=2, le=200, description="in which the flat run meets the ground [-]")
 
+    @property
+    def shear_radius(self) -> float:
+        """Radius on which the soil shears [m]: the outside of the links."""
+        return self.radius
+
+    @property
+    def steer_joint(self) -> str | None:
+        """What turns it: nothing does."""
+        return None
+
 
 class FootParams(SupportParams):
     """The foot of a leg: a flat round pad."""

@@ -126,7 +126,7 @@ class ClosedLoop:
 
         The plant counts it on the rim.
         """
-        wheels = self.scenario.machine.wheels
+        wheels = self.scenario.machine.rolling
         if self.plant_output is None:
             return np.zeros(len(wheels))
         tips = np.array([wheel.shear_radius / wheel.radius for wheel in wheels])

@@ -42,8 +42,8 @@ def drive(scenario: LoadedScenario) -> tuple[float, float]:
     model, state = build_plant(scenario)
     command = zeros_command(len(model.joints.names), len(model.bus.loads))
     command.reference[0] = state.motor_angles
-    wheels = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
-    radii = np.array([wheel.shear_radius for wheel in model.machine.wheels])
+    wheels = model.reference_rows([wheel.joint for wheel in model.machine.rolling])
+    radii = np.array([wheel.shear_radius for wheel in model.machine.rolling])
     speed = PART_OF_SPEED * scenario.drive.limits.max_speed
     speeding_up = speed / scenario.drive.limits.max_acceleration
     period = model.simulation.control_period

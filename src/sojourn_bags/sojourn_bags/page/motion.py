@@ -22,7 +22,7 @@ def wheels(story: Story) -> PageSection:
             "wheels", "Wheels", paragraph("The bag has no true contacts of a known machine on /truth/contacts.")
         )
     times, parts = story.times(contacts), []
-    drives = [wheel.joint for wheel in story.run.machine.wheels]
+    drives = [wheel.joint for wheel in story.run.machine.rolling]
     driven = story.moved(drives)
     if not driven:
         parts.append(paragraph("No wheel has turned: slip and drive torque are left out."))

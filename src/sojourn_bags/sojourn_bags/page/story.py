@@ -142,8 +142,8 @@ class Story:
 
     @property
     def wheels(self) -> list[str]:
-        """Names of the wheels, which are the first contacts."""
-        return [wheel.name for wheel in self.run.machine.wheels] if self.run else []
+        """Names of what the machine stands on, wheels or tracks: the first contacts."""
+        return [support.name for support in self.run.machine.stands_on] if self.run else []
 
     @property
     def pads(self) -> list[str]:

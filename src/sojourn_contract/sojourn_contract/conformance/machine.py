@@ -20,7 +20,7 @@ class JudgedMachine:
     Args:
         name: of the robot. joints: those that move, by name. drive, steer, arm, tool: names of the joints with a motor.
         held: joints held by position; the others with a motor by rate. loads: what the power manager may switch.
-        poses: names of the arm's poses. contacts: wheels and pads.
+        poses: names of the arm's poses. contacts: of its supports.
     """
 
     name: str
@@ -51,14 +51,14 @@ class JudgedMachine:
         return cls(
             name=name,
             joints={joint: urdf.joints[joint] for joint in urdf.moving_joints} | of_tool,
-            drive=tuple(wheel.joint for wheel in config.wheels),
+            drive=tuple(wheel.joint for wheel in config.rolling),
             steer=config.steer_joints,
             arm=tuple(arm_joints),
             tool=tuple(of_tool),
             held=frozenset(held | (set(of_tool) if tool is not None and tool.joint.held else set())),
             loads=tuple(loads),
             poses=tuple(poses),
-            contacts=len(config.wheels) + len(config.pads),
+            contacts=len(config.supports),
         )
 
     @classmethod

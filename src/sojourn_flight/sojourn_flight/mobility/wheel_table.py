@@ -4,11 +4,11 @@ Each wheel gives two lines in the body's twist (v_x, v_y, w), see `rolling_lines
 the columns: a steered wheel turns about a pivot (its own contact; the joint between two bodies, if it is rigid on the
 second), a Mecanum wheel has rollers, and wheels that cannot all roll freely act as one axle.
 
-Wheels rigid on one body at different places along it scrub in every turn. What they do together is that of a single
-axle: it stands where the scrubbing balances, in the middle of the wheels, and the wheels' free-rolling centres lie
-farther apart than the wheels do (Martinez et al. 2005, Int. J. Robotics Research 24(10):867: centres of rotation of
-the treads; their distance over the track is `track_ratio` here, 1.4 to 2 for tyres on hard ground). Assumption: the
-ratio does not depend on the radius of the turn, and the loads are even along the body.
+Wheels rigid on one body at different places along it, and tracks, scrub in every turn. What they do together is that of
+a single axle: it stands where the scrubbing balances, in the middle of the wheels, and the wheels' free-rolling centres
+lie farther apart than the wheels do (Martinez et al. 2005, Int. J. Robotics Research 24(10):867: centres of rotation of
+the treads; their distance over the track is `track_ratio` here, 1.4 to 2 for tyres on hard ground; of tracks first).
+Assumption: the ratio does not depend on the radius of the turn, and the loads are even along the body.
 """
 
 from collections.abc import Sequence
@@ -81,13 +81,19 @@ def wheel_table(wheels: Sequence["WheelGeometry"], track_ratio: float = 1.0) -> 
         row[WheelTableColumn.MAX_RATE] = np.inf if wheel.max_rate is None else wheel.max_rate
         row[WheelTableColumn.MAX_STEER_RATE] = np.inf if wheel.max_steer_rate is None else wheel.max_steer_rate
     for group in _rigid_groups(wheels):
-        _act_as_one_axle(table, group, track_ratio)
+        if _group_scrubs(wheels, group):
+            _act_as_one_axle(table, group, track_ratio)
     return table
 
 
 def scrubs(wheels: Sequence["WheelGeometry"]) -> bool:
     """Whether there are wheels that cannot all roll freely in a turn: a skid-steered machine, or a part of one."""
-    return any(np.ptp([wheels[i].x for i in group]) > SAME_PLACE for group in _rigid_groups(wheels))
+    return any(_group_scrubs(wheels, group) for group in _rigid_groups(wheels))
+
+
+def _group_scrubs(wheels: Sequence["WheelGeometry"], group: list[int]) -> bool:
+    """Whether wheels that are rigid on one body stand at different places along it, or are tracks."""
+    return any(wheels[i].scrubs for i in group) or bool(np.ptp([wheels[i].x for i in group]) > SAME_PLACE)
 
 
 def _rigid_groups(wheels: Sequence["WheelGeometry"]) -> list[list[int]]:
@@ -101,8 +107,6 @@ def _rigid_groups(wheels: Sequence["WheelGeometry"]) -> list[list[int]]:
 
 def _act_as_one_axle(table: FloatArray, group: list[int], track_ratio: float) -> None:
     along, across = table[group, WheelTableColumn.ARM_X], table[group, WheelTableColumn.ARM_Y]
-    if np.ptp(along) <= SAME_PLACE:
-        return
     middle = 0.5 * (across.min() + across.max())
     table[group, WheelTableColumn.ARM_X] = along.mean()
     table[group, WheelTableColumn.ARM_Y] = middle + track_ratio * (across - middle)

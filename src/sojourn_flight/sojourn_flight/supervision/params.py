@@ -29,7 +29,7 @@ SMALLEST_BASE = 1e-3
 
 
 class WheelGeometry(Params):
-    """One wheel, seen from above."""
+    """One wheel, or a track that rolls like one, seen from above."""
 
     name: str = Field(..., min_length=1, description="name of the wheel, for example front_left")
     x: float = Field(..., ge=-100.0, le=100.0, description="position forward of base_link [m]")
@@ -51,6 +51,7 @@ class WheelGeometry(Params):
         le=math.pi / 2,
         description="axle to roller axis, towards ahead; none: no rollers [rad]",
     )
+    scrubs: bool = Field(default=False, description="true of a track: it is too long to roll freely in a turn")
     max_rate: float | None = Field(
         default=None, gt=0.0, le=1e3, description="of its drive motor; none: the machine's [rad/s]"
     )

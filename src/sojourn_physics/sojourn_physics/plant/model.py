@@ -15,7 +15,7 @@ the foundation, and the state of every machine has one form.
 """
 
 import copy
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -31,8 +31,7 @@ from sojourn_machine.power.battery import BatteryParams
 from sojourn_machine.power.loads import BusParams
 from sojourn_machine.tools import ObjectParams, ToolParams
 from sojourn_physics.actuators import drive_condition, joint_drive
-from sojourn_physics.contact.law_params import YIELDING_SOIL
-from sojourn_physics.contact.rows import law_of
+from sojourn_physics.contact.soil_needs import needs_of_soil
 from sojourn_physics.contact.support_tables import support_tables
 from sojourn_physics.plant.params import SimulationParams
 from sojourn_physics.plant.tools.mounted_tool import MountedTool, with_tool
@@ -304,17 +303,7 @@ class PlantModel:
 def _check_ground(machine: MachineParams, ground: Sequence[SoilParams]) -> None:
     """Every support finds in every soil what its law needs."""
     for soil in ground:
-        for support, law, missing in _needs(machine, soil):
+        for support, law, missing in needs_of_soil(machine, soil):
             if missing:
                 allowed = f"a soil with what {law} of {support} needs; missing: "
                 raise InvalidValueError("soil", soil.name, allowed + ", ".join(missing))
-
-
-def _needs(machine: MachineParams, soil: SoilParams) -> Iterator[tuple[str, str, tuple[str, ...]]]:
-    """Name of each support, of its law, and what that needs of a soil which does not give it."""
-    for wheel in machine.wheels:
-        yield f"wheel {wheel.name}", wheel.contact.model, law_of(wheel.contact).missing_in(soil)
-    for track in machine.tracks:
-        yield f"track {track.name}", "track", soil.missing(YIELDING_SOIL)
-    for foot in machine.feet:
-        yield f"foot {foot.name}", foot.contact.model, law_of(foot.contact, "foot").missing_in(soil)

@@ -1,0 +1,160 @@
+"""Checks of what a machine stands on: wheels and tracks against the URDF and the ground, and as the drive sees them."""
+
+import math
+from collections.abc import Iterator
+
+from sojourn_config.errors import MISSING, Problem
+from sojourn_config.machine import MachineConfig
+from sojourn_config.mechanism_checks import BASE_LINK
+from sojourn_config.urdf import UrdfSummary
+from sojourn_config.yaml_file import KeyPath, YamlDocument
+from sojourn_flight.supervision.params import SteeringGeometryParams, WheelGeometry
+from sojourn_machine.names import names_text
+from sojourn_machine.supports import TrackParams, WheelParams
+from sojourn_physics.contact.roller_wheel import RollerWheelParams
+from sojourn_physics.contact.soil_needs import needs_of_soil
+from sojourn_physics.soil.params import SoilParams
+
+SAME_LENGTH = 1e-6
+"""Largest difference of two lengths that are meant to be one [m]."""
+
+
+def support_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+    """What does not fit of wheels and tracks."""
+    yield from _wheel_problems(config, urdf, document)
+    yield from _track_problems(config, urdf, document)
+
+
+def ground_problems(config: MachineConfig, soil: SoilParams, document: YamlDocument) -> list[Problem]:
+    """What the contact models of the supports need of a soil and its file does not give, one problem a key; and a soil
+    that has no stiffness under wheels as narrow as these.
+    """
+    askers: dict[str, list[str]] = {}
+    for support, law, lacking in needs_of_soil(config, soil):
+        for name in lacking:
+            askers.setdefault(name, []).append(f"{support} ({law})")
+    missing = [
+        document.problem((name,), MISSING, "the key is missing: needed by the contact model of " + ", ".join(supports))
+        for name, supports in askers.items()
+    ]
+    narrow = [f"{one.name} ({one.width:g} m)" for one in config.rolling if one.width <= soil.least_width]
+    if narrow:
+        allowed = f"allowed is more than {-soil.k_phi:g} times the width, or the ground pulls at {', '.join(narrow)}"
+        missing.append(document.problem(("k_c",), soil.k_c, allowed))
+    return missing
+
+
+def steering_geometry(config: MachineConfig, urdf: UrdfSummary) -> SteeringGeometryParams:
+    """The wheels and tracks as the drive node sees them. They roll on the circle on which the soil shears."""
+    wheels = (_wheel_geometry(wheel, urdf) for wheel in config.wheels)
+    tracks = (_track_geometry(track, urdf) for track in config.tracks)
+    return SteeringGeometryParams(wheels=(*wheels, *tracks))
+
+
+def _wheel_geometry(wheel: WheelParams, urdf: UrdfSummary) -> WheelGeometry:
+    place = urdf.position_in_link(wheel.joint, BASE_LINK)
+    steering: dict[str, float | str | None] = {}
+    if wheel.steer_joint is not None:
+        joint = urdf.joints[wheel.steer_joint]
+        axis = urdf.position_in_link(wheel.steer_joint, BASE_LINK)
+        steering = {
+            "steer_min": joint.lower,
+            "steer_max": joint.upper,
+            "pivot_x": float(axis[0]),
+            "pivot_y": float(axis[1]),
+            "steer_joint": wheel.steer_joint,
+            "max_steer_rate": _finite(joint.velocity),
+        }
+    contact = wheel.contact
+    return WheelGeometry.model_validate(
+        {
+            "name": wheel.name,
+            "x": float(place[0]),
+            "y": float(place[1]),
+            "radius": wheel.shear_radius,
+            "steered": wheel.steer_joint is not None,
+            "roller_angle": math.radians(contact.roller_angle_deg) if isinstance(contact, RollerWheelParams) else None,
+            "max_rate": _finite(urdf.joints[wheel.joint].velocity),
+            **steering,
+        }
+    )
+
+
+def _track_geometry(track: TrackParams, urdf: UrdfSummary) -> WheelGeometry:
+    """A track rolls as a wheel in the middle of its flat run would that scrubs in every turn."""
+    place = urdf.point_in_link(track.link, track.position, BASE_LINK)
+    return WheelGeometry.model_validate(
+        {
+            "name": track.name,
+            "x": float(place[0]),
+            "y": float(place[1]),
+            "radius": track.radius,
+            "steered": False,
+            "scrubs": True,
+            "max_rate": _finite(urdf.joints[track.joint].velocity),
+        }
+    )
+
+
+def _finite(limit: float) -> float | None:
+    return limit if math.isfinite(limit) else None
+
+
+def joint_problem(document: YamlDocument, path: KeyPath, name: str, urdf: UrdfSummary) -> Problem | None:
+    """The problem with a joint's name, or None where the URDF has that joint and it moves."""
+    if name in urdf.moving_joints:
+        return None
+    why = "is fixed" if name in urdf.joints else "is not a joint"
+    return document.problem(path, name, f"{why} in {urdf.file}: " + names_text(name, urdf.moving_joints))
+
+
+def _wheel_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+    driven = {joint for drive in config.drives for joint in drive.joints}
+    for index, wheel in enumerate(config.wheels):
+        path: KeyPath = ("wheels", index)
+        problem = joint_problem(document, (*path, "joint"), wheel.joint, urdf)
+        if problem is not None:
+            yield problem
+            continue
+        joint = urdf.joints[wheel.joint]
+        if joint.kind != "continuous":
+            allowed = f"is {joint.kind} in {urdf.file}: allowed is continuous"
+            yield document.problem((*path, "joint"), wheel.joint, allowed)
+        if wheel.joint not in driven:
+            yield document.problem((*path, "joint"), wheel.joint, "has no drive: name it in drives")
+        size = urdf.cylinders.get(joint.child)
+        if size is None:
+            allowed = f"its link {joint.child} has not one collision cylinder in {urdf.file}"
+            yield document.problem((*path, "joint"), wheel.joint, allowed)
+        else:
+            for key, value, wanted in (("radius", wheel.radius, size[0]), ("width", wheel.width, size[1])):
+                if abs(value - wanted) > SAME_LENGTH:
+                    allowed = f"allowed is {wanted:g} m, that of the cylinder of {joint.child} in {urdf.file}"
+                    yield document.problem((*path, key), value, allowed)
+        if wheel.steer_joint is not None:
+            steer = joint_problem(document, (*path, "steer_joint"), wheel.steer_joint, urdf)
+            if steer is not None:
+                yield steer
+            elif urdf.joints[wheel.steer_joint].kind != "revolute":
+                kind = urdf.joints[wheel.steer_joint].kind
+                allowed = f"is {kind} in {urdf.file}: allowed is revolute"
+                yield document.problem((*path, "steer_joint"), wheel.steer_joint, allowed)
+
+
+def _track_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
+    for index, track in enumerate(config.tracks):
+        path: KeyPath = ("tracks", index)
+        if track.link not in urdf.links:
+            allowed = f"is no link of {urdf.file}: " + names_text(track.link, urdf.links)
+            yield document.problem((*path, "link"), track.link, allowed)
+        problem = joint_problem(document, (*path, "joint"), track.joint, urdf)
+        if problem is not None:
+            yield problem
+            continue
+        joint = urdf.joints[track.joint]
+        if joint.kind != "continuous":
+            allowed = f"is {joint.kind} in {urdf.file}: allowed is continuous"
+            yield document.problem((*path, "joint"), track.joint, allowed)
+        if track.link == joint.child:
+            allowed = "turns with the sprocket: allowed is the link that carries it"
+            yield document.problem((*path, "link"), track.link, allowed)
