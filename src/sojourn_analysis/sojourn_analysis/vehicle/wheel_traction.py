@@ -31,7 +31,7 @@ import numpy as np
 from sojourn_analysis.wheels.wheel_bench import RESULT_COLUMNS, shape_row, solve
 from sojourn_machine.errors import InvalidValueError
 from sojourn_physics.contact.wheel_shape import WheelShape
-from sojourn_physics.soil.bearing import bulldozing_resistance
+from sojourn_physics.soil.bearing import bulldozing_resistance, failure_strength
 from sojourn_physics.soil.params import SoilParams, kernel_row
 from sojourn_physics.soil.pressure_sinkage import compaction_resistance, wheel_sinkage
 
@@ -99,8 +99,11 @@ class ClosedFormWheel:
         bulldozing = 0.0
         if sinkage > BULLDOZING_SINKAGE * diameter:
             weight = self.soil.unit_weight(self.gravity)
+            failing = failure_strength(
+                self.soil.cohesion, self.soil.friction_angle, self.soil.bulldozing_failure == "local"
+            )
             bulldozing = bulldozing_resistance(
-                self.soil.friction_angle, self.soil.cohesion, weight, self.width, diameter, sinkage
+                failing.friction_angle, failing.cohesion, weight, self.width, diameter, sinkage
             )
         length = self.radius * math.acos(1.0 - sinkage / self.radius)
         limit = self.width * length * self.soil.cohesion + load * math.tan(self.soil.friction_angle)
