@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from placements import geometry_from_placements
 from scipy.spatial.transform import Rotation
 
 from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
@@ -23,7 +24,6 @@ from sojourn_flight.supervision.params import (
     DriveParams,
     OdometryParams,
     SteeringGeometryParams,
-    geometry_from_placements,
 )
 from sojourn_machine.errors import MachineError
 from sojourn_machine.params import FloatArray
