@@ -4,6 +4,7 @@ from pathlib import Path
 
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.codecs import encode
+from sojourn_flight.arm.tasks.activity import name_of
 from sojourn_stack.apps import make_apps
 from sojourn_stack.checkpoint import load, save
 from sojourn_stack.stack import Stack, StackState
@@ -30,7 +31,7 @@ def test_the_rest_of_the_dig_is_that_of_the_unbroken_run(tmp_path: Path) -> None
     digging = 0
     while digging < 300:  # six seconds into it the scoop is in the soil
         state, _ = stack.step(state)
-        digging += state.roles["arm"].app.tasks.name == "dig"
+        digging += name_of(state.roles["arm"].app.tasks.activity) == "dig"
         assert not state.finished, "it has never dug"
     assert state.roles["plant"].app.machine.tool.has_worked or state.roles["plant"].app.machine.ground.tiles
     file = tmp_path / "dig.checkpoint"

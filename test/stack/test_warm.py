@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-LOADED = """
+KERNELS = """
 import json, sys
 from numba.core.dispatcher import Dispatcher
 from sojourn_config.scenario import load_scenario
@@ -22,8 +22,13 @@ def signatures():
         for value in vars(module).values()
         if isinstance(value, Dispatcher)
     }
-    return {f"{kernel.py_func.__name__}{types}" for kernel in kernels for types in kernel.signatures}
-
+    return {
+        f"{kernel.py_func.__module__}.{kernel.py_func.__name__}{types}"
+        for kernel in kernels
+        for types in kernel.signatures
+    }
+"""
+RUN = """
 apps = make_apps(load_scenario(sys.argv[1], sys.argv[3:]), ROLES)
 for app in apps.values():
     app.warm_up()
@@ -35,12 +40,30 @@ for _ in range(int(sys.argv[2])):
         break
 print(json.dumps(sorted(signatures() - before)))
 """
+MADE = """
+make_apps(load_scenario(sys.argv[1]), ROLES)
+print(json.dumps(sorted(signatures())))
+"""
+
+
+def kernels_of(program: str, *arguments: str) -> list[str]:
+    """What a program prints last, in a process of its own."""
+    command = [sys.executable, "-c", KERNELS + program, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=1200, check=True)
+    kernels: list[str] = json.loads(done.stdout.splitlines()[-1])
+    return kernels
 
 
 @pytest.mark.parametrize(
     ("scenario", "periods"), [("lunar_sample", 500), ("obstacle_course", 1500), ("drill_sample", 800)]
 )
 def test_no_period_of_a_run_loads_a_kernel(scenario: str, periods: int) -> None:
-    command = [sys.executable, "-c", LOADED, scenario, str(periods)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=1200, check=True)
-    assert json.loads(done.stdout.splitlines()[-1]) == []
+    assert kernels_of(RUN, scenario, str(periods)) == []
+
+
+def test_an_app_that_is_only_made_loads_no_kernel_of_its_periods() -> None:
+    """Those of the camera, of the map of the ground, and of the arm; to know the ground itself takes some."""
+    made = kernels_of(MADE, "lunar_sample")
+    of_periods = ("sojourn_physics.sensors.", "sojourn_flight.hazards.", "sojourn_flight.arm.")
+    assert [kernel for kernel in made if kernel.startswith(of_periods)] == []
+    assert made, "the ground"

@@ -48,8 +48,8 @@ def test_steering_keeps_within_its_limits_and_the_body_does_not_rock_at_the_end(
     goal: Goal | None = Goal.along([(1.2, 0.3)])
     while len(after) < 100:
         output, goal = loop.step(goal=goal), None
-        assert loop.told is not None
-        efforts.append(loop.told.efforts[rows])
+        assert loop.plant_output is not None
+        efforts.append(loop.plant_output.efforts[rows])
         rates.append(loop.truth.velocity[loop.plant.joints.columns[rows]])
         commanded.append(output.steer_rates)
         if loop.drive_state.last_outcome is not None and not output.wheel_rates.any():

@@ -36,11 +36,12 @@ def test_slip_of_each_wheel_up_a_slope_of_twelve_degrees() -> None:
     late = np.array(errors)[50:]
     assert np.all(np.median(np.abs(late), axis=0) < 0.05)
     assert np.mean(np.abs(deviations[50:]) < 2.0) > 0.9, "the stated deviation holds"
-    assert loop.told is not None
+    assert loop.plant_output is not None
     wheels = loop.drive.geometry.names
-    told, true = np.array([loop.output.status[f"slip_{name}"] for name in wheels]), loop.told.contacts[: len(wheels), 4]
-    np.testing.assert_allclose(told, true, atol=0.1)  # the same slip as in /truth/contacts, on the rim
-    np.testing.assert_allclose(told - true, late[-1] / (1.0 - loop.drive.params.slip.free_slip), atol=2e-3)
+    reported = np.array([loop.output.status[f"slip_{name}"] for name in wheels])
+    true = loop.plant_output.contacts[: len(wheels), 4]
+    np.testing.assert_allclose(reported, true, atol=0.1)  # the same slip as in /truth/contacts, on the rim
+    np.testing.assert_allclose(reported - true, late[-1] / (1.0 - loop.drive.params.slip.free_slip), atol=2e-3)
     odometry = loop.drive_state.odometry
     error = odometry.x - loop.true_pose[0]
     assert abs(error) < 2.0 * np.sqrt(odometry.covariance[0, 0])
@@ -64,7 +65,7 @@ def test_stops_and_point_turns_leave_the_odometry_right() -> None:
                 Observation(row, ros_message(odometry_report(stamp, output, loop.tilt_rates)), stamp, stamp, stamp)
             )
             odometry, slip = loop.drive_state.odometry, loop.drive_state.slip
-            assert slip is not None and (slip.told or slip.shared == 0.0)
+            assert slip is not None and (slip.observable or slip.shared == 0.0)
             error = np.array(loop.true_pose[:2]) - (odometry.x, odometry.y)
             off.append((float(np.hypot(*error)), float(error @ np.linalg.solve(odometry.covariance[:2, :2], error))))
     assert not found, found[0]

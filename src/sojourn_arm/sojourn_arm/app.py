@@ -9,14 +9,14 @@ from typing import Any
 from sojourn_arm.command import Command, command_of
 from sojourn_arm.goals import GoalReader, LastGoal
 from sojourn_arm.ground import GroundWatch, KnownGround
-from sojourn_arm.measurements import JOINTS, MEASUREMENTS, Measured, Measurements, Refusal
+from sojourn_arm.measurements import JOINTS, MEASUREMENTS, Measured, Measurements
 from sojourn_arm.rover import Rover, RoverWatch
 from sojourn_arm.stand import LastLoads, Stand
 from sojourn_arm.tasks import Request, task_input
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.absence import given_up, seen_usable
-from sojourn_contract.app import Answer, App, Period
+from sojourn_contract.app import Answer, App, Period, Refusal
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.hazcam import TOPIC as CLOUD
@@ -75,8 +75,9 @@ class ArmApp(App[ArmAppState]):
         self._goals = GoalReader(self.params)
 
     def warm_up(self) -> None:
-        """Those of the tasks and the control."""
+        """Those of the tasks, the control, and the ground."""
         task_control.warm_up(self.params, self.model)
+        self._ground.warm_up()
 
     def initial_state(self) -> ArmAppState:
         """Before the first measurement, which says where the arm is."""
@@ -132,7 +133,7 @@ class ArmApp(App[ArmAppState]):
     def _control(self, state: ArmAppState, joints: Any, measured: Measured, rover: Rover) -> ArmAppState:
         """Form the command of a period whose measurements can be used."""
         request, granted = state.pending, state.granted
-        ground = state.ground if request is None else self._ground.look(state.ground, joints)
+        ground = state.ground if request is None else self._ground.observe(state.ground, joints)
         loads = self._stand.loads(state.loads, joints, measured, state.tasks.moves or request is not None)
         why_not = rover.why_not_allowed if granted else "the power manager has switched the arm off"
         known = ArmInput(
@@ -144,8 +145,10 @@ class ArmApp(App[ArmAppState]):
             ground=ground.ground,
             granted=EVERYTHING if granted == 1.0 else Granted(granted * self._rated_power, granted),
         )
-        told = task_input(known, request, measured, loads.loads)
-        tasks, output, report = task_control.step(self.params, self.model, state.tasks, told, stamps.CONTROL_PERIOD_S)
+        observed = task_input(known, request, measured, loads.loads)
+        tasks, output, report = task_control.step(
+            self.params, self.model, state.tasks, observed, stamps.CONTROL_PERIOD_S
+        )
         return replace(
             state,
             tasks=tasks,

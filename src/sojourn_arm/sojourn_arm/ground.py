@@ -66,7 +66,10 @@ class GroundWatch:
         if known is not None:
             near = known.map.model_copy(update={"cell": CELL, "size": 2.0 * reach + 2.0})
             self._settings = known.model_copy(update={"map": near})
-        if self._settings is not None and self._camera is not None:  # load its compiled kernels now
+
+    def warm_up(self) -> None:
+        """Have its compiled kernels loaded."""
+        if self._settings is not None and self._camera is not None:
             nothing = empty_map(self._settings, 0.0, 0.0)
             with_cloud(self._settings, nothing, np.ones((1, 3)), self._camera, np.zeros(3), np.eye(3), 0.0)
 
@@ -93,7 +96,7 @@ class GroundWatch:
         known = with_cloud(self._settings, known, points, self._camera, position, rotation, driven)
         return SeenGround(known, position, rotation, driven)
 
-    def look(self, known: KnownGround, joints: JointState) -> KnownGround:
+    def observe(self, known: KnownGround, joints: JointState) -> KnownGround:
         """The ground found anew, with the suspension as /joint_states tells it."""
         if self._under is None:
             return known

@@ -70,10 +70,10 @@ class RoverWatch:
         """By the inputs of a period: what the wheels are told, what they do, where the rover is."""
         why_not = ""
         if self._interlock.enabled:
-            why_not = _told(inputs.get(WHEELS)) or self._done(inputs.get("/joint_states"))
+            why_not = _commanded(inputs.get(WHEELS)) or self._measured(inputs.get("/joint_states"))
         return Rover(why_not, inputs.get(ODOMETRY))
 
-    def _done(self, joints: JointState | None) -> str:
+    def _measured(self, joints: JointState | None) -> str:
         """How the rover moves, in words; empty where it stands, or nothing is known of it."""
         if joints is None:
             return ""
@@ -97,7 +97,7 @@ def in_base(goal: PoseGoal, base_in_frame: pin.SE3) -> PoseGoal:
     return PoseGoal(tuple(position), orientation=tuple(turned.coeffs()))
 
 
-def _told(command: JointState | None) -> str:
+def _commanded(command: JointState | None) -> str:
     """How the rover is told to move, in words; empty where it is not."""
     if command is None or not any(command.velocity.tolist()):
         return ""

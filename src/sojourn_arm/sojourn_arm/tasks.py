@@ -50,7 +50,7 @@ def task_fields(report: TaskReport | None) -> dict[str, str]:
     if report is None:
         return {}
     doing = report.doing
-    told = {"task": report.name} | {name: f"{value:.6g}" for name, value in doing.figures.items()}
+    fields = {"task": report.name} | {name: f"{value:.6g}" for name, value in doing.figures.items()}
     if doing.velocity is not None or doing.progress > 0.0:  # else the arm plans for it, and knows better
-        told |= {"progress": f"{doing.progress:.3f}", "time_to_go": f"{doing.time_to_go:.2f}"}
-    return told
+        fields |= {"progress": f"{doing.progress:.3f}", "time_to_go": f"{doing.time_to_go:.2f}"}
+    return fields

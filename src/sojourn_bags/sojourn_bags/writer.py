@@ -15,11 +15,12 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from mcap.writer import CompressionType, Writer
+from mcap.writer import CompressionType
 
 from sojourn_bags.definitions import ChannelSpec, definition, type_hash
 from sojourn_bags.errors import BagExistsError, UnreadableBagError, UnwritableBagError
 from sojourn_bags.metadata_file import METADATA_FILE, TopicEntry, bag_information, write_metadata_file
+from sojourn_bags.quick_writer import QuickWriter
 from sojourn_bags.salvage import counts_in
 
 FLUSH_S = 0.8
@@ -69,7 +70,7 @@ class BagWriter:
         self._last_flush = time.monotonic()
         self._custom: dict[str, str] = {}
         self._stream = self._open()
-        self._writer = Writer(self._stream, compression=CompressionType.ZSTD)
+        self._writer = QuickWriter(self._stream, compression=CompressionType.ZSTD)
         try:
             self._writer.start(profile="ros2", library="sojourn_bags")
             for attachment in attachments:

@@ -11,7 +11,7 @@ import numpy as np
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.absence import given_up, seen_usable
-from sojourn_contract.app import Answer, App, Period
+from sojourn_contract.app import Answer, App, Period, Refusal
 from sojourn_contract.barrier import is_due
 from sojourn_contract.clouds import points_of
 from sojourn_contract.errors import RefusedMessageError
@@ -37,7 +37,6 @@ from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 MEASUREMENTS = ("/joint_states", "/imu/data")
-Refusal = tuple[str, Exception]
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +199,7 @@ class DriveApp(App[DriveAppState]):
             return None
         asked = replace(state.asked, pending=None, abandoned="")
         gyro = measured.gyro or (0.0, 0.0, 0.0)
-        return DriveAppState(drive, replace(output, tell=None), asked, heard, stamp, (gyro[0], gyro[1]))
+        return DriveAppState(drive, replace(output, make_status=None), asked, heard, stamp, (gyro[0], gyro[1]))
 
     def _measured(self, state: DriveAppState, period: Period, cloud: FloatArray | None) -> tuple[DriveInput, Heard]:
         """What the drive is told of this period, and what has been heard with it."""
@@ -223,8 +222,8 @@ class DriveApp(App[DriveAppState]):
         yield "/wheel_command", self._measurements.command(stamp, output)  # first: the plant waits for it
         yield "/odom", odometry_report(stamp, output, state.tilt_rates)
         if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
-            told = {} if output.pace is None else drive_status(self.model, state.drive, output.pace)
-            yield "/drive/status", drive_report(stamp, state.asked.last.status(state.drive), told)
+            status = {} if output.pace is None else drive_status(self.model, state.drive, output.pace)
+            yield "/drive/status", drive_report(stamp, state.asked.last.status(state.drive), status)
 
 
 def _stopped(output: DriveOutput) -> DriveOutput:

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import pinocchio as pin
 
 from sojourn_contract.joint_places import JointPlaces
 from sojourn_contract.switches import fraction_of
@@ -15,6 +14,8 @@ from sojourn_machine.machine import MachineParams
 from sojourn_machine.mounting import IMU_LINK, mounting
 from sojourn_machine.params import FloatArray
 
+Triple = tuple[float, float, float]
+"""Along x, y, z."""
 DRIVE_LOADS = ("drive", "steer")
 """Loads without which the rover does not move."""
 
@@ -52,16 +53,14 @@ class WheelMeasurements:
         position = joints.position
         angles = np.zeros(len(drive))
         angles[self._steered] = position[steer]
-        gyro = self._imu_to_base @ imu.angular_velocity
-        centripetal = gyro * float(gyro @ self._imu_lever) - self._imu_lever * float(gyro @ gyro)
-        force = self._imu_to_base @ imu.linear_acceleration - centripetal
+        gyro, force = self._felt(imu)
         return DriveInput(
             wheel_positions=position[drive],
             wheel_rates=joints.velocity[drive],
             steer_angles=angles,
             wheel_efforts=joints.effort[drive] if len(joints.effort) else None,
-            gyro=(float(gyro[0]), float(gyro[1]), float(gyro[2])),
-            specific_force=(float(force[0]), float(force[1]), float(force[2])),
+            gyro=gyro,
+            specific_force=force,
             accelerometer_ahead=float(self._imu_lever[0]),
             roll_pitch=self._roll_pitch(imu.orientation),
             sun=sun,
@@ -87,8 +86,18 @@ class WheelMeasurements:
         fractions = (fraction_of(switches[load]) for load in DRIVE_LOADS if load in switches)
         return min((fraction for fraction in fractions if fraction is not None), default=present)
 
+    def _felt(self, imu: Imu) -> tuple[Triple, Triple]:
+        """Angular velocity [rad/s] and specific force [m/s^2] of base_link, in base_link."""
+        rate = self._imu_to_base @ imu.angular_velocity
+        along, square = float(rate @ self._imu_lever), float(rate @ rate)
+        x, y, z = rate.tolist()
+        lever_x, lever_y, lever_z = self._imu_lever.tolist()
+        force_x, force_y, force_z = (self._imu_to_base @ imu.linear_acceleration).tolist()
+        centripetal = x * along - lever_x * square, y * along - lever_y * square, z * along - lever_z * square
+        return (x, y, z), (force_x - centripetal[0], force_y - centripetal[1], force_z - centripetal[2])
+
     def _roll_pitch(self, orientation_imu_in_map: FloatArray) -> tuple[float, float]:
-        x, y, z, w = orientation_imu_in_map
-        imu = pin.Quaternion(float(w), float(x), float(y), float(z)).toRotationMatrix()
-        base = imu @ self._imu_to_base.T
-        return math.atan2(base[2, 1], base[2, 2]), math.asin(min(max(-base[2, 0], -1.0), 1.0))
+        x, y, z, w = orientation_imu_in_map.tolist()
+        up = 2.0 * z * x - 2.0 * y * w, 2.0 * z * y + 2.0 * x * w, 1.0 - (2.0 * x * x + 2.0 * y * y)  # in the IMU
+        x_up, y_up, z_up = (row[0] * up[0] + row[1] * up[1] + row[2] * up[2] for row in self._imu_to_base.tolist())
+        return math.atan2(y_up, z_up), math.asin(min(max(-x_up, -1.0), 1.0))

@@ -41,7 +41,7 @@ def drive_report(stamp: int, goals: Mapping[str, Any], fields: Mapping[str, str 
     Args:
         goals: what became of the goals, with `state` and `reason`. fields: of the drive, see `drive_status`.
     """
-    told = {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in fields.items()}
-    values = {**goals, **told}
+    texts = {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in fields.items()}
+    values = {**goals, **texts}
     level = 1 if values["state"] in ("refused", "stopped") or values.get("failed_motors") else 0
     return status_message(stamp, "drive", values, values["reason"] or values["state"], level)

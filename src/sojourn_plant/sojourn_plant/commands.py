@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sojourn_contract import stamps
 from sojourn_contract.checks import check_names, check_ranges
@@ -51,6 +52,8 @@ class NamedJoints(NamedTuple):
 
     names: tuple[str, ...]
     columns: tuple[int, ...]
+    places: NDArray[np.intp]
+    """The same, to set numbers by."""
     needed: tuple[tuple[str, str], ...]
     """Part of the message that must not be empty, and the joints for which, in words."""
 
@@ -104,18 +107,14 @@ class Commands:
             message = inputs.get(name)
             if message is None:
                 continue
-            columns = self._joints_of(name, message.names).columns
+            _, columns, places, _ = self._joints_of(name, message.names)
             if joints.get(name) != columns:
                 left_out = [column for column in joints.get(name, ()) if column not in columns]
                 reference[RATE, left_out] = 0.0  # a joint that is no longer named stops
                 joints[name] = (*columns, *left_out)
             sent[name] = message.stamp
-            for row, values in (
-                (POSITION, message.position),
-                (RATE, message.velocity),
-                (EFFORT, message.effort),
-            ):
-                reference[row, columns] = values if len(values) else 0.0
+            for row, values in zip(reference, (message.position, message.velocity, message.effort), strict=True):
+                row[places] = values if len(values) else 0.0
         fractions, switches = held.fractions, inputs.get(SWITCHES)
         if switches is not None:
             fractions = fractions.copy()
@@ -145,6 +144,7 @@ class Commands:
             check_names(topic, names, self._index)
             parts = (("position", self._by_position), ("velocity", self._index.keys() - self._by_position))
             found = [(part, needed.intersection(names)) for part, needed in parts]
+            columns = [self._index[name] for name in names]
             needed = tuple((part, ", ".join(sorted(joints))) for part, joints in found if joints)
-            known = self._named[topic] = NamedJoints(names, tuple(self._index[name] for name in names), needed)
+            known = self._named[topic] = NamedJoints(names, tuple(columns), np.array(columns, dtype=np.intp), needed)
         return known

@@ -87,14 +87,14 @@ class TruthMessages:
     def _motor_message(self, stamp: int, state: PlantState, output: PlantOutput) -> JointState:
         joints, places = state.joints, self._with_play
         angles = state.motor_angles[places]
-        return JointState(stamp, self._motors, angles, joints[MOTOR_RATE, places], output.efforts[places])
+        return JointState(stamp, self._motors, angles, joints[MOTOR_RATE][places], output.efforts[places])
 
     def _load_message(self, stamp: int, state: PlantState, output: PlantOutput) -> DiagnosticArray:
         values = {f"power {name}": f"{power:.6g}" for name, power in zip(self._loads, output.load_power, strict=True)}
         for name in state.energy.__dataclass_fields__:
             values[f"energy {name}"] = f"{getattr(state.energy, name):.9g}"
         if state.tool is not None and state.tool.has_worked:
-            values |= {name: f"{value:.9g}" for name, value in state.tool.told().items()}
+            values |= {name: f"{value:.9g}" for name, value in state.tool.report().items()}
         return status_message(stamp, "loads", values)
 
 

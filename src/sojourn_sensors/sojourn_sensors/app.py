@@ -83,8 +83,9 @@ class SensorsApp(App[SensorsState]):
         self._wrist_frame = scenario.machine.wrench_sensor_link or ""
 
     def warm_up(self) -> None:
-        """Those of the suite."""
+        """Those of the suite and of the camera."""
         suite.warm_up(self.params, self._gravity)
+        self._view.warm_up()
 
     def initial_state(self) -> SensorsState:
         """Before the first truth."""
@@ -107,7 +108,7 @@ class SensorsApp(App[SensorsState]):
         if state.measured is None or state.pose is None:  # nothing has been measured yet
             return state, Answer(refusals=refusals) if refusals else NOTHING
         measured, supplied = state.measured, inputs.get("/truth/electrical") is not None
-        state, seldom = self._look(state, state.pose, stamp)
+        state, seldom = self._observe(state, state.pose, stamp)
         return state, Answer(self._messages(state, measured, seldom, stamp, supplied), refusals)
 
     def _measure(
@@ -138,7 +139,7 @@ class SensorsApp(App[SensorsState]):
             truth.motor_position,
         )
 
-    def _look(self, state: SensorsState, pose: BasePose, stamp: int) -> tuple[SensorsState, _Seldom]:
+    def _observe(self, state: SensorsState, pose: BasePose, stamp: int) -> tuple[SensorsState, _Seldom]:
         """The Sun and the ground ahead, where they are due."""
         period, sun, cloud = stamp // stamps.CONTROL_PERIOD_NS, None, None
         if is_due(SUN, period):
@@ -147,7 +148,7 @@ class SensorsApp(App[SensorsState]):
         if is_due(CLOUD, period):
             cloud = NO_POINTS
             if "hazcam" not in state.dead:
-                camera, cloud = self._view.look(state.camera, pose.position, pose.orientation)
+                camera, cloud = self._view.observe(state.camera, pose.position, pose.orientation)
                 state = replace(state, camera=camera)
         return state, _Seldom(sun, cloud)
 

@@ -22,8 +22,8 @@ def without_power(powered_by: Mapping[Any, str], before: frozenset[str], loads: 
         return before
     powers = status_values(loads)
     drawn = {str(sensor): powers.get(POWER + load) for sensor, load in powered_by.items()}
-    told = {sensor for sensor, power in drawn.items() if power is not None}
-    return frozenset((before - told) | {sensor for sensor in told if not _is_positive(drawn[sensor])})
+    reported = {sensor for sensor, power in drawn.items() if power is not None}
+    return frozenset((before - reported) | {sensor for sensor in reported if not _is_positive(drawn[sensor])})
 
 
 def _is_positive(text: str | None) -> bool:

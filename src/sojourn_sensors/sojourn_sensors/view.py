@@ -25,14 +25,16 @@ class HazardView:
         self._seed = scenario.config.seed
         if self._camera is not None:
             self._ground = scenario.height_field()
-            state = hazcam.initial_state(self._camera, self._seed)
-            hazcam.step(self._camera, state, self._ground, np.zeros(3), np.eye(3))  # the compiler is through
+
+    def warm_up(self) -> None:
+        """Have its compiled kernels loaded."""
+        self.observe(self.initial_state(), np.zeros(3), np.array((0.0, 0.0, 0.0, 1.0)))
 
     def initial_state(self) -> NoiseStream | None:
         """Drawn by the scenario's seed; None of a rover without a camera."""
         return None if self._camera is None else hazcam.initial_state(self._camera, self._seed)
 
-    def look(
+    def observe(
         self, state: NoiseStream | None, position: FloatArray, orientation: FloatArray
     ) -> tuple[NoiseStream | None, NDArray[np.float32]]:
         """Points in base_link, shape (n, 3) [m], from the base's true position [m] and attitude (x y z w)."""

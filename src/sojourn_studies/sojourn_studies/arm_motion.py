@@ -28,7 +28,7 @@ SPEED_TIME, JERK_TIME = 0.5, 0.1
 _ANY_SPEED = 1.0
 """Speed of a joint that has no limit [rad/s or m/s]."""
 _SAMPLES = 400
-_LOOKS = 200
+_SAMPLES = 200
 """Postures of a motion that are looked at for collisions."""
 
 
@@ -51,7 +51,7 @@ def moves_figures(
     points = np.array([start, goal])
     path = spline_through(points, chord_length(points, np.maximum(limits.speed, 1e-9)))
     rows |= _fastest(arm, path, gravity, power)
-    way = start + np.linspace(0.0, 1.0, _LOOKS)[:, None] * (goal - start)
+    way = start + np.linspace(0.0, 1.0, _SAMPLES)[:, None] * (goal - start)
     return _about(arm, start, gravity) | {"to": goal.tolist(), "collision": _collision(arm, way), "motions": rows}
 
 

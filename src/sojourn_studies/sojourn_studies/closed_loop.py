@@ -60,7 +60,7 @@ class ClosedLoop:
         start = scenario.config.start
         self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
         self.output: DriveOutput = self.drive.at_rest(self.drive_state)
-        self.told: PlantOutput | None = None
+        self.plant_output: PlantOutput | None = None
         """What the plant tells of the last period."""
         self.period = 0
         self._wheels = WheelMeasurements(scenario.machine, scenario.urdf_xml)
@@ -106,7 +106,7 @@ class ClosedLoop:
         self._held = self._commands.take(self._held, {"/wheel_command": self._wheels.command(stamp, self.output)})
         asked = self._commands.at(self._held, stamp)
         command, self._locked = self._faults.on(asked, self._locked, self.truth.joints[0], stamps.seconds(stamp))
-        self.truth, self.told = step_plant(self.plant, self.truth, command)
+        self.truth, self.plant_output = step_plant(self.plant, self.truth, command)
 
     @property
     def true_pose(self) -> tuple[float, float, float]:
@@ -127,11 +127,11 @@ class ClosedLoop:
         The plant counts it on the rim.
         """
         wheels = self.scenario.machine.wheels
-        if self.told is None:
+        if self.plant_output is None:
             return np.zeros(len(wheels))
         tips = np.array([wheel.shear_radius / wheel.radius for wheel in wheels])
-        told = self.told.contacts[: len(wheels), ReportColumn.SLIP_RATIO]
-        over_rim = np.where(told >= 0.0, 1.0 - told, 1.0 / np.maximum(1.0 + told, 1e-3))  # ground over rim
+        slips = self.plant_output.contacts[: len(wheels), ReportColumn.SLIP_RATIO]
+        over_rim = np.where(slips >= 0.0, 1.0 - slips, 1.0 / np.maximum(1.0 + slips, 1e-3))  # ground over rim
         over_tips = over_rim / tips
         return np.asarray(np.where(over_tips <= 1.0, 1.0 - over_tips, 1.0 / np.maximum(over_tips, 1.0) - 1.0))
 
@@ -139,7 +139,7 @@ class ClosedLoop:
         place, motion = self.truth.configuration, self.truth.velocity
         odometry = Odometry(stamp, "map", "base_link", place[:3], place[3:7], motion[:3], motion[3:6])
         self._moved, felt = self._motion.felt(self._moved, odometry, stamps.CONTROL_PERIOD_S)
-        efforts = self.plant.efforts if self.told is None else self.told.efforts
+        efforts = self.plant.efforts if self.plant_output is None else self.plant_output.efforts
         truth = suite.SensorTruth(
             joint_position=self._with_tool(self.truth.joints[0], 0),
             joint_effort=self._with_tool(efforts, 1),
@@ -158,7 +158,7 @@ class ClosedLoop:
         measured = self._wheels.drive_input(joints, imu_message(stamp, read.imu), twist, goal, 1.0, sun)
         if self._camera is not None and is_due(topic("/hazcam/points"), self.period):
             position, orientation = self.truth.configuration[:3], self.truth.configuration[3:7]
-            self._seen, cloud = self._view.look(self._seen, position, orientation)
+            self._seen, cloud = self._view.observe(self._seen, position, orientation)
             measured = replace(measured, cloud=cloud.astype(np.float64))
         return measured
 

@@ -51,7 +51,7 @@ class MeteredLoop(ClosedLoop):
     def tick(self, goal: Goal | None = None) -> DriveOutput:
         """One period, with what it took."""
         output = self.step(goal=goal)
-        powers = self.told.load_power if self.told is not None else ()
+        powers = self.plant_output.load_power if self.plant_output is not None else ()
         motion = sum(float(power) for power, moves in zip(powers, self._moves, strict=True) if moves)
         period = self.plant.simulation.control_period
         spent, total = self.spent, float(sum(powers))

@@ -55,7 +55,7 @@ class ReplayedLoop(ClosedLoop):
         self._driven = motion
 
     def _move(self, stamp: int) -> None:
-        _, self.truth, self.told = self._driven.periods[self.period - 1]
+        _, self.truth, self.plant_output = self._driven.periods[self.period - 1]
 
 
 def course(seed: int, seconds: float) -> list[PlanarTwist | None]:
@@ -75,8 +75,8 @@ def drive(scenario: LoadedScenario, seconds: float) -> RecordedMotion:
     motion = RecordedMotion(loop.plant, loop.truth, [])
     for twist in course(scenario.config.seed, seconds):
         loop.step(twist=twist)
-        if loop.told is not None:
-            motion.periods.append((twist, loop.truth, loop.told))
+        if loop.plant_output is not None:
+            motion.periods.append((twist, loop.truth, loop.plant_output))
     return motion
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.arm import controller
 from sojourn_flight.arm.dynamics import rigid_effort
-from sojourn_flight.arm.goals import JointGoal, NamedGoal, PauseGoal, ResumeGoal, StopGoal
+from sojourn_flight.arm.goals import JointGoal, NamedGoal, PauseGoal, ResumeGoal, StopGoal, TrajectoryGoal
 from sojourn_flight.arm.model import build_arm_model
 from sojourn_flight.arm.motion_load import motor_efforts, power_drawn
 from sojourn_flight.arm.phases import Moving, Stopping
@@ -100,6 +100,22 @@ def test_a_pause_at_any_moment_rests_on_the_path_and_goes_on_to_the_same_end(at:
     assert arm.until(lambda out: out.status != "moving").status == "reached"
     assert arm.joints == pytest.approx(end, abs=1e-9)
     assert _off_line(np.array([sample.position for sample in arm.samples]), start, end) < 1e-9
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("standing", [0.0, 1e-12])
+def test_a_trajectory_that_stands_is_paused_too(standing: float) -> None:
+    """An operator may ask to wait in a posture. The pause was accepted and never came, and a division was 0 / 0."""
+    arm = Follower()
+    points = (tuple(arm.joints), tuple(arm.joints + standing), tuple(arm.joints))
+    arm.period(TrajectoryGoal(PARAMS.joint_names, (1.0, 4.0, 8.0), points))
+    arm.period(PauseGoal())
+    out = arm.until(lambda out: out.status != "moving", 100)
+    assert out.status == "paused"
+    for _ in range(500):
+        assert arm.period().status == "paused", "for longer than the trajectory lasts"
+    arm.period(ResumeGoal())
+    assert arm.until(lambda out: out.status != "moving").status == "reached"
 
 
 def test_pause_and_resume_are_refused_where_there_is_nothing_to_do() -> None:

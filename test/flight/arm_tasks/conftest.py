@@ -166,7 +166,7 @@ class RoverArm:
         row = {"force": self.output.contacts[self.pad, 6:9].copy(), "tip": place}
         row["efforts"] = self.output.efforts[self.model.reference_rows(list(self.scenario.arm.joint_names))]
         row["speed"] = float(np.abs(self.plant.velocity).max())
-        row["phase"] = getattr(self.tasks.task, "phase", "")
+        row["phase"] = getattr(getattr(self.tasks.activity, "task", None), "phase", "")
         if self.report is not None:
             row["felt"] = self.report.doing.figures.get("contact_force_n", np.nan)
         return row

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from sojourn_flight.arm.goal_events import was
+from sojourn_flight.arm.tasks.activity import NoTask
 from sojourn_flight.arm.tasks.requests import parse_task
 from sojourn_physics.plant.tools.tool_state import Soil
 from sojourn_physics.terrain.memory_tiles import DUG
@@ -103,7 +104,7 @@ def test_a_scoop_that_is_lifted_open_keeps_nothing(rover_arm: Callable[..., Any]
     twin.run(0.5)
     assert np.array_equal(empty.plant.velocity, twin.plant.velocity)
     assert np.array_equal(empty.output.wrist_wrench, twin.output.wrist_wrench)
-    rover.tasks = replace(rover.tasks, task=None, tool_command=rover.tasks.tool_command._replace(position=1.2))
+    rover.tasks = replace(rover.tasks, activity=NoTask(), tool_command=rover.tasks.tool_command._replace(position=1.2))
     rover.run(2.0)
     assert rover.plant.tool.own.carried.volume < 1e-9
     own = rover.plant.tool.own

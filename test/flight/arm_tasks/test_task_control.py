@@ -172,6 +172,21 @@ def test_a_pause_rests_in_the_middle_of_a_task_and_resuming_goes_on(arm: IdealAr
     assert "no motion is paused" in arm.said.reason
 
 
+def test_a_task_that_is_given_up_in_its_pause_has_failed(arm: IdealArm) -> None:
+    """It was called paused for ever, and a resume was accepted that moved nothing."""
+    arm.start("guarded_move", distance=0.08, speed=0.01)
+    arm.run(1.0)
+    arm.start("pause")
+    arm.run(1.0)
+    arm.allowed = False
+    arm.run(1.0)
+    assert arm.said.status == "stopped" and arm.outcomes == ["accepted", "accepted", "paused"]
+    assert arm.report is not None and "not allowed to move: a test" in arm.report.doing.reason
+    arm.allowed = True
+    arm.start("resume")
+    assert arm.events[-1].outcome == "refused" and "no motion is paused" in arm.events[-1].reason
+
+
 def test_a_task_replaces_a_motion_that_is_paused(arm: IdealArm) -> None:
     """The arm used to stay in its pause, and the task was called reached."""
     arm.period(goal=NamedGoal("stow"))
@@ -184,6 +199,24 @@ def test_a_task_replaces_a_motion_that_is_paused(arm: IdealArm) -> None:
     assert arm.report is not None and arm.report.doing.state == "moving" and arm.rates.any()
     arm.run(10.0)
     assert arm.outcomes[3:] == ["accepted", "failed"], "nothing is met on 5 cm"
+
+
+@pytest.mark.parametrize(("name", "ends"), [("tare", "reached"), ("weigh", "failed")])
+def test_a_task_that_moves_nothing_stops_the_motion_that_it_replaces(arm: IdealArm, name: str, ends: str) -> None:
+    """The arm used to go on to the old goal. Nobody tells the joints' torques here, so that weighing fails at once."""
+    arm.period(goal=NamedGoal("stow"))
+    arm.run(1.0)
+    arm.start(name, preempt=True)
+    for _ in range(100):
+        arm.force = np.full(3, 2.0 if arm.rates.any() else 0.0)  # as the tool's inertia, which is no bias
+        arm.period()
+    assert not arm.rates.any() and arm.said.status in ("holding", "stopped")
+    here = arm.joints
+    arm.run(5.0)
+    np.testing.assert_array_equal(arm.joints, here)
+    assert arm.report is not None and arm.report.doing.state == ends
+    assert arm.outcomes == ["accepted", "accepted", ends]
+    np.testing.assert_allclose(arm.state.sense.bias, 0.0, atol=1e-9)
 
 
 def test_a_goal_that_is_refused_during_a_task_says_why(arm: IdealArm) -> None:

@@ -20,7 +20,7 @@ EXPLORER = read_machine("explorer", "moon", "lunar_nominal")
 PARAMS: ObstacleParams = EXPLORER.drive.obstacles
 RIDE = PARAMS.outline.ride_height
 CAMERA = hazcam.hazcam_on(EXPLORER.sensors.hazcam, EXPLORER.urdf_xml)
-EYE = StereoCamera(
+STEREO = StereoCamera(
     CAMERA.position,
     CAMERA.directions[len(CAMERA.directions) // 2],
     CAMERA.params.disparity_noise_px / (CAMERA.params.focal_length_px * CAMERA.params.baseline),
@@ -47,7 +47,7 @@ def dense(heights: Heights, reach: float = 4.0) -> NDArray[np.float64]:
 def mapped(points: NDArray[np.float64], map_: ObstacleMap | None = None, driven: float = 0.0) -> ObstacleMap:
     """A map with one more look of points without noise, from a level base_link at the origin of odom."""
     known = empty_map(PARAMS, 0.0, 0.0) if map_ is None else map_
-    return with_cloud(PARAMS, known, points, replace(EYE, depth_noise=0.0), np.zeros(3), np.eye(3), driven)
+    return with_cloud(PARAMS, known, points, replace(STEREO, depth_noise=0.0), np.zeros(3), np.eye(3), driven)
 
 
 def driven_over(heights: Heights, way: float, seed: int = 1, pitch: float = 0.0) -> ObstacleMap:
@@ -60,5 +60,5 @@ def driven_over(heights: Heights, way: float, seed: int = 1, pitch: float = 0.0)
     for x in np.arange(0.0, way + 0.05, 0.1):
         position = np.array([x, 0.0, field.height(x, 0.0)]) + RIDE * rotation[:, 2]
         state, points = hazcam.step(CAMERA, state, field, position, rotation)
-        map_ = with_cloud(PARAMS, map_, points.astype(float), EYE, position, rotation, float(x))
+        map_ = with_cloud(PARAMS, map_, points.astype(float), STEREO, position, rotation, float(x))
     return map_

@@ -51,13 +51,13 @@ def rough(seed: int, slope_deg: float = 2.0) -> HeightField:
     return ground(rough_surface(params, shape, CELL, np.random.default_rng(seed)))
 
 
-class Eye:
+class NoisyCamera:
     """The camera with its noise."""
 
     def __init__(self, seed: int) -> None:
         self._noise: NoiseStream = hazcam.initial_state(CAMERA, seed)
 
-    def look(
+    def cloud(
         self, field: HeightField, x: float, y: float, yaw: float = 0.0, tilt: tuple[float, float] = (0.0, 0.0)
     ) -> FloatArray:
         """The cloud in base_link, shape (n, 3)."""

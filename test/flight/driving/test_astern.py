@@ -10,7 +10,7 @@ from rolling_rover import DT, RollingRover
 
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.planning.goal_follower import FollowerState, Phase
+from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState
 from sojourn_flight.supervision.astern import choose_sense, is_answered, trailing_helps
 from sojourn_flight.supervision.drive import DriveModel
 from sojourn_flight.supervision.drive_types import DriveState
@@ -54,7 +54,7 @@ def sent(made: RollingRover) -> FollowerState:
         made._step(None)
     made._step(Goal.at(8.0, 0.0))
     way = made.state.follower
-    assert way is not None and way.phase is Phase.DRIVE
+    assert way is not None and way.phase is FollowerPhase.DRIVE
     return way
 
 
@@ -79,16 +79,16 @@ def test_wheels_that_slip_make_it_look_and_then_turn_about() -> None:
     front = dead(model, made.state, "front_right").motors
     assert choose_sense(model, seen, way, front, False, odometry).way == way
     assert not choose_sense(model, seen, way, dead(model, made.state, "rear_left").motors, True, odometry).way.trails
-    looks = choose_sense(model, seen, way, front, True, odometry)
-    assert looks.looking and looks.way.trails and not looks.way.astern
-    assert is_answered(model, way, front) and is_answered(model, looks.way, front)
-    looked = replace(looks.way, phase_elapsed=2.0)
-    turns = choose_sense(model, seen, looked, front, False, odometry).way
-    assert turns.astern and turns.phase is Phase.ALIGN and is_answered(model, turns, front)
+    observes = choose_sense(model, seen, way, front, True, odometry)
+    assert observes.observing and observes.way.trails and not observes.way.astern
+    assert is_answered(model, way, front) and is_answered(model, observes.way, front)
+    observed = replace(observes.way, phase_elapsed=2.0)
+    turns = choose_sense(model, seen, observed, front, False, odometry).way
+    assert turns.astern and turns.phase is FollowerPhase.ALIGN and is_answered(model, turns, front)
     blind = replace(seen, map=replace(seen.map, layers=np.zeros_like(seen.map.layers)))
-    assert choose_sense(model, blind, looked, front, True, odometry).way == looked, "nothing has been seen"
-    given_up = replace(looked, phase_elapsed=3.0)
-    assert not choose_sense(model, blind, given_up, front, True, odometry).looking
+    assert choose_sense(model, blind, observed, front, True, odometry).way == observed, "nothing has been seen"
+    given_up = replace(observed, phase_elapsed=3.0)
+    assert not choose_sense(model, blind, given_up, front, True, odometry).observing
     assert not is_answered(model, given_up, front), "then wheels that spin end the goal as ever"
     well = model.initial_state().motors
     assert not choose_sense(model, seen, turns, well, False, odometry).way.astern, "the motor is back"
@@ -107,7 +107,7 @@ def test_it_drives_astern_over_what_it_has_seen_and_turns_to_look(heading: float
             cosine, sine = math.cos(odometry.yaw), math.sin(odometry.yaw)
             for y in (0.53, -0.53):  # the ground under the rear wheels
                 x, y = odometry.x - 0.7 * cosine - y * sine, odometry.y - 0.7 * sine + y * cosine
-                row, column = seen.room.cell_of(x, y)
+                row, column = seen.clearance.cell_of(x, y)
                 unseen += not seen.map.known[row - 1 : row + 2, column - 1 : column + 2].any()
         ahead += max(odometry.v_x, 0.0) * DT
         nearest = min(nearest, math.hypot(odometry.x - 4.2, odometry.y - 0.1))

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from obstacle_examples import EYE, PARAMS, dense
+from obstacle_examples import PARAMS, STEREO, dense
 
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.mobility.kinematics import PlanarTwist
@@ -23,13 +23,13 @@ from sojourn_flight.supervision.avoidance import (
     see,
 )
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, Guidance
-from sojourn_flight.supervision.path_check import closed_ahead, rooms_of
+from sojourn_flight.supervision.path_check import clearances_of, closed_ahead
 
 SCENARIO = load_scenario("flat_drive")
 DRIVE = SCENARIO.drive
 TURNING = turning_limits(SCENARIO.steering.table(DRIVE.track_ratio), DRIVE.limits, DRIVE.follower.max_curvature)
 WHEELS = np.array([(wheel.x, wheel.y) for wheel in SCENARIO.steering.wheels])
-AVOIDANCE = Avoidance(PARAMS, DRIVE.follower, TURNING, EYE, WHEELS)
+AVOIDANCE = Avoidance(PARAMS, DRIVE.follower, TURNING, STEREO, WHEELS)
 
 
 def at(x: float, y: float, yaw: float = 0.0, driven: float = 0.0) -> OdometryState:
@@ -85,7 +85,7 @@ def test_a_rover_that_slides_downhill_needs_the_room_of_its_nose(side: float) ->
 
 
 def test_a_curve_back_to_the_path_is_not_looked_at_for_longer_than_it_lasts() -> None:
-    """0.1 m of room beside a rover that steers by 0.6 1/m towards the rock: so it is led back to a path that is open.
+    """A clearance of 0.1 m beside a rover that steers by 0.6 1/m towards the rock: so it is led back to an open path.
 
     On 8 degrees with boulders five such stops within 0.3 m of way ended the goal. An operator may mean to go on so.
     """
@@ -95,13 +95,13 @@ def test_a_curve_back_to_the_path_is_not_looked_at_for_longer_than_it_lasts() ->
         here, twist = at(0.0, y), PlanarTwist(0.1, 0.0, 0.06)
         free = guarded(AVOIDANCE, state, twist, here, by_hand=False)[1]
         by_hand = guarded(AVOIDANCE, state, twist, here, by_hand=True)[1]
-        room = float(rooms_of(AVOIDANCE, state.room, np.array([(0.0, y, 0.0)]))[0])
+        clearance = float(clearances_of(AVOIDANCE, state.clearance, np.array([(0.0, y, 0.0)]))[0])
         assert free or not by_hand
-        if room > 0.08:
+        if clearance > 0.08:
             assert free
-        if room < 0.1:
+        if clearance < 0.1:
             assert not by_hand
-        if room < PARAMS.guard_margin:
+        if clearance < PARAMS.guard_margin:
             assert not free
             break
     else:
@@ -160,7 +160,7 @@ def test_a_refused_goal_leaves_what_is_under_way_alone() -> None:
 @pytest.mark.parametrize("guarded_by_hand", [True, False])
 def test_the_guard_lets_go_what_leads_away(guarded_by_hand: bool) -> None:
     params = PARAMS.model_copy(update={"guard_cmd_vel": guarded_by_hand})
-    avoidance = Avoidance(params, DRIVE.follower, TURNING, EYE, WHEELS)
+    avoidance = Avoidance(params, DRIVE.follower, TURNING, STEREO, WHEELS)
     state = facing_a_block(1.02, 1.5, 1.2, avoidance)
     for twist, free in (((0.1, 0.0, 0.0), False), ((-0.1, 0.0, 0.0), True), ((0.0, 0.0, 0.0), True)):
         after, found = guarded(avoidance, state, PlanarTwist(*twist), at(0.0, 0.0), by_hand=True)
@@ -267,15 +267,15 @@ def test_no_loose_ground_that_is_closed_takes_the_way_to_the_goal() -> None:
         state, _ = sent(level, Goal.at(*goal.tolist()), at(0.0, 0.0))
         after = from_loose_ground(AVOIDANCE, state, at(0.0, 0.0, yaw), policy, 0.7)
         closed += after is not state
-        row, column = after.room.cell_of(*goal.tolist())
-        assert after.room.distances[row, column] >= AVOIDANCE.straight
+        row, column = after.clearance.cell_of(*goal.tolist())
+        assert after.clearance.distances[row, column] >= AVOIDANCE.straight
     assert closed > 10
 
 
 def test_where_a_point_turn_just_fits_it_is_not_stopped() -> None:
     """The circles that cover the outline sweep 1.23 m, the outline itself 1.04 m."""
     state = facing_a_block(1.35, 1.5, 1.2)
-    assert 1.07 < state.room.at(0.0, 0.0) < 1.23
+    assert 1.07 < state.clearance.at(0.0, 0.0) < 1.23
     turn = PlanarTwist(0.0, 0.0, 0.1)
     for yaw in np.arange(-3.0, 3.1, 0.25).tolist():
         assert guarded(AVOIDANCE, state, turn, at(0.0, 0.0, yaw), by_hand=False)[1], yaw

@@ -1,4 +1,4 @@
-"""Room and detours: against brute force, against arcs walked in small steps, and through gaps and walls."""
+"""Clearance and detours: against brute force, against arcs walked in small steps, and through gaps and walls."""
 
 import itertools
 import math
@@ -11,7 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from obstacle_examples import PARAMS
 
-from sojourn_flight.hazards.clearance import Room, circles_of, room_along, room_at_pose, room_in, room_of_motion
+from sojourn_flight.hazards.clearance import (
+    ClearanceMap,
+    circles_of,
+    clearance_along,
+    clearance_at_pose,
+    clearance_in,
+    clearance_of_motion,
+)
 from sojourn_flight.hazards.obstacle_map import COUNT, ObstacleMap, empty_map
 from sojourn_flight.hazards.obstacle_params import TiltLimits
 from sojourn_flight.hazards.wide_map import COST, SEEN_AT, WideMap, empty_wide_map
@@ -31,7 +38,7 @@ WIDE = empty_wide_map(PARAMS.map, 0.0, 0.0)
 LEVEL = Slopes(np.zeros((2, CELLS, CELLS)), PARAMS.passable.tilts)
 
 
-def with_obstacles(*places: tuple[float, float, float, float]) -> tuple[ObstacleMap, Room]:
+def with_obstacles(*places: tuple[float, float, float, float]) -> tuple[ObstacleMap, ClearanceMap]:
     """A map round the origin, all known, with rectangles x, y, x, y of obstacles."""
     map_ = empty_map(PARAMS, 0.0, 0.0)
     map_.layers[COUNT] = 1.0
@@ -40,7 +47,7 @@ def with_obstacles(*places: tuple[float, float, float, float]) -> tuple[Obstacle
     kinds = np.zeros((CELLS, CELLS), dtype=np.int64)
     for west, south, far_east, far_north in places:
         kinds[(east >= west) & (east <= far_east) & (north >= south) & (north <= far_north)] = 1
-    return map_, room_in(map_, kinds)
+    return map_, clearance_in(map_, kinds)
 
 
 def test_the_circles_cover_the_outline() -> None:
@@ -52,35 +59,35 @@ def test_the_circles_cover_the_outline() -> None:
 
 @settings(max_examples=40, deadline=None)
 @given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-math.pi, math.pi))
-def test_room_is_the_distance_to_the_nearest_obstacle(x: float, y: float, yaw: float) -> None:
+def test_clearance_is_the_distance_to_the_nearest_obstacle(x: float, y: float, yaw: float) -> None:
     """Against the distances to all middles of cells with obstacles; the grid's distance is good to half a cell."""
-    _, room = with_obstacles((1.0, 1.0, 1.5, 1.5), (-2.0, -1.0, -1.8, 3.0))
-    rows, columns = np.nonzero(room.distances == 0.0)
-    blocked = np.stack([room.x0 + (columns + 0.5) * CELL, room.y0 + (rows + 0.5) * CELL], axis=1)
+    _, clearance = with_obstacles((1.0, 1.0, 1.5, 1.5), (-2.0, -1.0, -1.8, 3.0))
+    rows, columns = np.nonzero(clearance.distances == 0.0)
+    blocked = np.stack([clearance.x0 + (columns + 0.5) * CELL, clearance.y0 + (rows + 0.5) * CELL], axis=1)
     centres = np.array([[x + place * math.cos(yaw), y + place * math.sin(yaw)] for place in CIRCLES])
     exact = np.linalg.norm(centres[:, None] - blocked[None], axis=2).min() - 0.5 * CELL - RADIUS
-    found = room_at_pose(room.grid, COVER, x, y, yaw)
+    found = clearance_at_pose(clearance.grid, COVER, x, y, yaw)
     assert found == pytest.approx(max(exact, -RADIUS), abs=0.75 * CELL)
-    assert room_along(room.grid, COVER, np.array([[x, y, yaw]]))[0] == found
-    nearest = room.nearest_to(x, y)
-    assert nearest is not None and room.distances[nearest] == 0.0
+    assert clearance_along(clearance.grid, COVER, np.array([[x, y, yaw]]))[0] == found
+    nearest = clearance.nearest_to(x, y)
+    assert nearest is not None and clearance.distances[nearest] == 0.0
 
 
-def test_a_map_without_obstacles_and_places_off_it_have_room() -> None:
-    _, room = with_obstacles()
-    assert math.isinf(room.at(0.0, 0.0)) and room.nearest_to(0.0, 0.0) is None
-    _, room = with_obstacles((5.0, -6.0, 5.9, 6.0))
-    assert math.isinf(room.at(7.0, 0.0)) and not room.holds(7.0, 0.0)
+def test_clearance_is_endless_without_obstacles_and_off_the_map() -> None:
+    _, clearance = with_obstacles()
+    assert math.isinf(clearance.at(0.0, 0.0)) and clearance.nearest_to(0.0, 0.0) is None
+    _, clearance = with_obstacles((5.0, -6.0, 5.9, 6.0))
+    assert math.isinf(clearance.at(7.0, 0.0)) and not clearance.holds(7.0, 0.0)
 
 
 @pytest.mark.parametrize("twist", [(0.1, 0.0, 0.0), (0.1, 0.0, 0.07), (0.0, 0.0, -0.1), (-0.05, 0.05, 0.0)])
 def test_a_motion_is_looked_at_along_its_arc(twist: tuple[float, float, float]) -> None:
     """Against the same arc walked in ten thousand small steps."""
-    _, room = with_obstacles((1.2, -0.3, 1.6, 0.4))
+    _, clearance = with_obstacles((1.2, -0.3, 1.6, 0.4))
     ways = np.array([0.05, 0.15, 0.25])
     fastest = math.hypot(*twist[:2]) + abs(twist[2]) * PARAMS.outline.turn_radius
     x, y, yaw = 0.1, 0.05, 0.2
-    rooms = []
+    clearances = []
     for before, after in itertools.pairwise([0.0, *ways]):
         steps = 2000
         dt = (after - before) / fastest / steps
@@ -88,10 +95,10 @@ def test_a_motion_is_looked_at_along_its_arc(twist: tuple[float, float, float]) 
             x += dt * (twist[0] * math.cos(yaw) - twist[1] * math.sin(yaw))
             y += dt * (twist[0] * math.sin(yaw) + twist[1] * math.cos(yaw))
             yaw += dt * twist[2]
-        rooms.append(room_at_pose(room.grid, COVER, x, y, yaw))
-    now, least = room_of_motion(room.grid, COVER, (0.1, 0.05, 0.2), twist, PARAMS.outline.turn_radius, ways)
-    assert now == room_at_pose(room.grid, COVER, 0.1, 0.05, 0.2)
-    assert least == pytest.approx(min(rooms), abs=1e-4)
+        clearances.append(clearance_at_pose(clearance.grid, COVER, x, y, yaw))
+    now, least = clearance_of_motion(clearance.grid, COVER, (0.1, 0.05, 0.2), twist, PARAMS.outline.turn_radius, ways)
+    assert now == clearance_at_pose(clearance.grid, COVER, 0.1, 0.05, 0.2)
+    assert least == pytest.approx(min(clearances), abs=1e-4)
 
 
 def relaxed(costs: Any, slopes: Any, start: tuple[int, int], limits: TiltLimits) -> Any:
@@ -126,9 +133,9 @@ def test_cheapest_ways_against_bellman_and_ford() -> None:
     costs[3, 3] = 1.0
     slopes = generator.uniform(-0.3, 0.3, (2, size, size))
     endless = np.full((size, size), np.inf)
-    room = Room(0.0, 0.0, 0.1, endless, np.zeros((2, size, size), dtype=np.int64))
+    clearance = ClearanceMap(0.0, 0.0, 0.1, endless, np.zeros((2, size, size), dtype=np.int64))
     wide = WideMap(-0.8, -0.8, 0.4, np.full((4, 6, 6), np.inf))
-    graph = graph_of(room, costs, wide, Slopes(slopes, limits))
+    graph = graph_of(clearance, costs, wide, Slopes(slopes, limits))
     ways, _ = cheapest_ways(graph, 3 * size + 3)
     expected = relaxed(costs, slopes, (3, 3), limits)
     assert 20 < np.isfinite(expected).sum() < size * size
@@ -138,12 +145,12 @@ def test_cheapest_ways_against_bellman_and_ford() -> None:
 
 def test_up_a_slope_that_is_too_steep_it_goes_aslant_and_down_it_straight() -> None:
     """On a plane of 16 degrees: 14 up, 18 down and 18 across are the limits."""
-    map_, room = with_obstacles()
+    map_, clearance = with_obstacles()
     slopes = np.zeros((2, CELLS, CELLS))
     slopes[0] = math.tan(math.radians(16.0))
     limits = PARAMS.passable.tilts
-    costs = cell_costs(room, map_.known, HERE, STRAIGHT, TURNING)
-    graph = graph_of(room, costs, WIDE, Slopes(slopes, limits))
+    costs = cell_costs(clearance, map_.known, HERE, STRAIGHT, TURNING)
+    graph = graph_of(clearance, costs, WIDE, Slopes(slopes, limits))
     start = graph.node_of(0.0, 0.0)
     assert start is not None
     ways, before = cheapest_ways(graph, start)
@@ -162,10 +169,10 @@ def test_up_a_slope_that_is_too_steep_it_goes_aslant_and_down_it_straight() -> N
 def test_ways_over_both_maps_are_as_long_as_on_one(x: float, y: float) -> None:
     """On open known ground: no shorter than the straight line, and no longer than over a grid of eight neighbours, to
     within the middles of the cells."""
-    _, room = with_obstacles()
+    _, clearance = with_obstacles()
     layers = WIDE.layers.copy()
     layers[SEEN_AT] = 0.0
-    graph = graph_of(room, np.ones((CELLS, CELLS)), replace(WIDE, layers=layers), LEVEL)
+    graph = graph_of(clearance, np.ones((CELLS, CELLS)), replace(WIDE, layers=layers), LEVEL)
     start, end = graph.node_of(0.0, 0.0), graph.node_of(x, y)
     assert start is not None and end is not None
     ways, before = cheapest_ways(graph, start)
@@ -182,9 +189,9 @@ def test_ways_over_both_maps_are_as_long_as_on_one(x: float, y: float) -> None:
 @settings(max_examples=15, deadline=None)
 @given(st.floats(-4.0, 4.0), st.floats(-4.0, 4.0))
 def test_a_taut_path_keeps_clear_and_costs_no_more(x: float, y: float) -> None:
-    map_, room = with_obstacles((1.0, -1.0, 1.6, 1.0), (-2.0, 1.5, 1.0, 1.8))
-    costs = cell_costs(room, map_.known, HERE, STRAIGHT, TURNING)
-    graph = graph_of(room, costs, WIDE, LEVEL)
+    map_, clearance = with_obstacles((1.0, -1.0, 1.6, 1.0), (-2.0, 1.5, 1.0, 1.8))
+    costs = cell_costs(clearance, map_.known, HERE, STRAIGHT, TURNING)
+    graph = graph_of(clearance, costs, WIDE, LEVEL)
     start, end = graph.node_of(0.0, 0.0), graph.node_of(x, y)
     assert start is not None and end is not None
     ways, before = cheapest_ways(graph, start)
@@ -195,15 +202,17 @@ def test_a_taut_path_keeps_clear_and_costs_no_more(x: float, y: float) -> None:
     stations = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
     for station in np.arange(0.0, stations[-1], 0.05):
         place = [float(np.interp(station, stations, corners[:, axis])) for axis in range(2)]
-        assert room.at(*place) > STRAIGHT - CELL
+        assert clearance.at(*place) > STRAIGHT - CELL
     assert stations[-1] <= ways[end] * 1.03 + 2.0 * CELL, "no metre costs less than one"
 
 
 def detour(
-    map_: ObstacleMap, room: Room, goal: Goal, heading: float = 0.0, wide: WideMap = WIDE
+    map_: ObstacleMap, clearance: ClearanceMap, goal: Goal, heading: float = 0.0, wide: WideMap = WIDE
 ) -> list[tuple[float, float]] | None:
     here = Pose(0.0, 0.0, heading)
-    return plan_detour(Maps(map_.known, LEVEL, wide), room, route_of(goal, (0.0, 0.0), 0.0), here, STRAIGHT, TURNING)
+    return plan_detour(
+        Maps(map_.known, LEVEL, wide), clearance, route_of(goal, (0.0, 0.0), 0.0), here, STRAIGHT, TURNING
+    )
 
 
 def remembering(x: tuple[float, float], y: tuple[float, float]) -> WideMap:
@@ -243,29 +252,29 @@ def test_a_wall_across_the_map_is_gone_round_where_the_wide_map_knows_its_end() 
 
 
 def test_a_detour_comes_back_to_the_way_that_was_asked_for() -> None:
-    map_, room = with_obstacles((2.0, -0.6, 2.4, 0.5))
-    points = detour(map_, room, Goal.along([(5.0, 0.0), (5.0, 3.0)]))
+    map_, clearance = with_obstacles((2.0, -0.6, 2.4, 0.5))
+    points = detour(map_, clearance, Goal.along([(5.0, 0.0), (5.0, 3.0)]))
     assert points is not None and points[-1] == (5.0, 3.0)
     assert points[-2] == (5.0, 0.0), "a corner that is free is not cut off"
     assert max(y for _, y in points[:-2]) > 0.5 + STRAIGHT - CELL, "the shorter side is the left one"
 
 
 def test_corners_before_the_obstacle_are_passed_and_one_inside_it_is_not() -> None:
-    map_, room = with_obstacles((3.0, -0.6, 3.4, 0.5))
-    points = detour(map_, room, Goal.along([(1.0, 0.5), (1.8, 0.0), (3.2, 0.0), (5.5, 0.0)]))
+    map_, clearance = with_obstacles((3.0, -0.6, 3.4, 0.5))
+    points = detour(map_, clearance, Goal.along([(1.0, 0.5), (1.8, 0.0), (3.2, 0.0), (5.5, 0.0)]))
     assert points is not None and points[:2] == [(1.0, 0.5), (1.8, 0.0)] and points[-1] == (5.5, 0.0)
     assert (3.2, 0.0) not in points
 
 
 def test_two_obstacles_on_the_line_are_gone_round_in_one_way() -> None:
     """To join the line between them would leave it closed by the second, and the next plan would be the same."""
-    map_, room = with_obstacles((1.5, -0.6, 1.8, 0.5), (4.0, -0.6, 4.3, 0.5))
-    points = detour(map_, room, Goal.at(5.8, 0.0))
+    map_, clearance = with_obstacles((1.5, -0.6, 1.8, 0.5), (4.0, -0.6, 4.3, 0.5))
+    points = detour(map_, clearance, Goal.at(5.8, 0.0))
     assert points is not None
     corners = np.array([(0.0, 0.0), *points])
     for one, other in itertools.pairwise(corners):
         for part in np.linspace(0.0, 1.0, 60):
-            assert room.at(*(one + part * (other - one)).tolist()) > STRAIGHT - CELL
+            assert clearance.at(*(one + part * (other - one)).tolist()) > STRAIGHT - CELL
 
 
 @settings(max_examples=40, deadline=None)
@@ -277,25 +286,25 @@ def test_a_rover_beside_its_way_gets_to_it_past_what_stands_between(
     way was taken up at its end, or at the corner, straight through the block between."""
     blocks = [(x, y) for x, y in blocks if math.hypot(x, y) > 1.8 and abs(y - 3.5) > 1.2] + [(0.0, 1.8)]
     places = [(x - 0.3, y - 0.3, x + 0.3, y + 0.3) for x, y in blocks]
-    map_, room = with_obstacles(*places, *([(3.6, 3.2, 4.0, 3.8)] if corner else []))
+    map_, clearance = with_obstacles(*places, *([(3.6, 3.2, 4.0, 3.8)] if corner else []))
     goal = Goal.along([(0.5, 3.5), (5.5, 3.5)]) if corner else Goal.at(5.5, 3.5)
     route = advanced(route_of(goal, (-4.0, 3.5), 0.0), (-0.5, 3.5), 0.05)
-    points = plan_detour(Maps(map_.known, LEVEL, WIDE), room, route, HERE, STRAIGHT, TURNING)
+    points = plan_detour(Maps(map_.known, LEVEL, WIDE), clearance, route, HERE, STRAIGHT, TURNING)
     if points is None:
         assert len(blocks) > 1, "past a single one there is a way"
         return
     assert points[-1] == (5.5, 3.5) and (not corner or (0.5, 3.5) in points)
     for one, other in itertools.pairwise(np.array([(0.0, 0.0), *points])):
         for part in np.linspace(0.0, 1.0, 60):
-            assert room.at(*(one + part * (other - one)).tolist()) > STRAIGHT - CELL
+            assert clearance.at(*(one + part * (other - one)).tolist()) > STRAIGHT - CELL
 
 
 def test_a_gap_is_taken_where_the_rover_fits_and_not_else() -> None:
     """A wall across both maps with a gap: 2 r + 2 cells wide it is driven through, narrower it is not."""
     walls = remembering((1.0, 3.4), (-25.0, 25.0))
     for width, fits in ((2.0 * STRAIGHT + 2.0 * CELL, True), (2.0 * STRAIGHT - CELL, False)):
-        map_, room = with_obstacles((2.0, -6.0, 2.3, 1.0), (2.0, 1.0 + width, 2.3, 6.0))
-        points = detour(map_, room, Goal.at(5.0, 0.0), wide=walls)
+        map_, clearance = with_obstacles((2.0, -6.0, 2.3, 1.0), (2.0, 1.0 + width, 2.3, 6.0))
+        points = detour(map_, clearance, Goal.at(5.0, 0.0), wide=walls)
         assert (points is not None) == fits, width
         if points is not None:
             assert any(1.0 < y < 1.0 + width for _, y in points)
@@ -307,9 +316,9 @@ def test_there_is_no_way_to_a_goal_in_an_obstacle() -> None:
 
 def test_a_rover_that_stands_too_near_finds_a_way_out() -> None:
     """0.7 m from an obstacle: nearer than a plan would go."""
-    map_, room = with_obstacles((0.75, -1.0, 1.2, 1.0))
-    assert room.at(0.0, 0.0) < STRAIGHT
-    points = detour(map_, room, Goal.at(4.0, 0.0))
+    map_, clearance = with_obstacles((0.75, -1.0, 1.2, 1.0))
+    assert clearance.at(0.0, 0.0) < STRAIGHT
+    points = detour(map_, clearance, Goal.at(4.0, 0.0))
     assert points is not None and points[-1] == (4.0, 0.0)
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rough_ground import STEREO, Eye, ground, nodes, rough
+from rough_ground import STEREO, NoisyCamera, ground, nodes, rough
 
 from sojourn_flight.odometry import key_frames
 from sojourn_flight.odometry.key_frames import TerrainMatcher, TerrainMatchState, match_ground, match_status
@@ -40,7 +40,7 @@ class Drive:
         seed: int,
     ) -> None:
         self._params, self._table, self._matcher, self._field = params.odometry, wheels.table(), matcher, field
-        self._eye, self._turned = Eye(seed), 0.0
+        self._camera, self._turned = NoisyCamera(seed), 0.0
         self.odometry = initial_odometry(params.odometry, key_frames=True)
         self.seen = TerrainMatchState()
         self.x = self.y = 0.0
@@ -57,11 +57,11 @@ class Drive:
             )
             self.odometry = step_odometry(self._params, self._table, self.odometry, measured, DT)
             if period % round(1.0 / DT) == 0 and not blind:
-                self.look(self._field)
+                self.observe(self._field)
 
-    def look(self, field: HeightField) -> None:
+    def observe(self, field: HeightField) -> None:
         """One cloud, of this ground, from the true place."""
-        cloud = self._eye.look(field, self.x, self.y)
+        cloud = self._camera.cloud(field, self.x, self.y)
         self.odometry, self.seen = match_ground(self._matcher, self.odometry, self.seen, cloud)
 
     @property
@@ -154,7 +154,7 @@ def test_a_wrong_cloud_is_rejected_and_changes_nothing(
     drive.go(6.0, slip=0.1)
     drive.go(0.75, slip=0.1)
     before = drive.odometry
-    drive.look(rough(77, 4.0))
+    drive.observe(rough(77, 4.0))
     assert drive.seen.text.startswith("rejected")
     assert (drive.odometry.x, drive.odometry.y, drive.odometry.slip_error) == (before.x, before.y, before.slip_error)
     rejected = drive.seen.rejected

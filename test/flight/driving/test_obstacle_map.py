@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from obstacle_examples import CAMERA, EYE, PARAMS, RIDE, dense, driven_over, mapped
+from obstacle_examples import CAMERA, PARAMS, RIDE, STEREO, dense, driven_over, mapped
 
 from sojourn_flight.hazards.obstacle_map import (
     COUNT,
@@ -43,17 +43,17 @@ def test_a_nearer_look_replaces_and_a_farther_one_is_dropped() -> None:
     """The same place from 3 m, from 2.1 m, and from 3 m again; heights tell which look is kept."""
     first = mapped(np.array([[3.5, 0.01, 0.5]]))
 
-    def look(map_, x: float, height: float):  # type: ignore[no-untyped-def]
+    def observed(map_, x: float, height: float):  # type: ignore[no-untyped-def]
         position = np.array([x, 0.0, 0.0])
         points = np.array([[3.5, 0.01, height]]) - position
-        return with_cloud(PARAMS, map_, points, EYE, position, np.eye(3), 0.0)
+        return with_cloud(PARAMS, map_, points, STEREO, position, np.eye(3), 0.0)
 
-    nearer = look(first, 0.95, 0.1)  # within a metre of the middle, so that the map stays where it is
+    nearer = observed(first, 0.95, 0.1)  # within a metre of the middle, so that the map stays where it is
     place = cell_at(nearer, 3.5, 0.01)
     assert nearer.layers[[COUNT, LOW, HIGH], place[0], place[1]] == pytest.approx([1.0, 0.1, 0.1])
-    again = look(nearer, -0.3, 0.5)
+    again = observed(nearer, -0.3, 0.5)
     np.testing.assert_array_equal(again.layers[HIGH], nearer.layers[HIGH])
-    merged = look(nearer, 0.9, 0.2)
+    merged = observed(nearer, 0.9, 0.2)
     assert merged.layers[[COUNT, LOW, HIGH, MEAN], place[0], place[1]] == pytest.approx([2.0, 0.1, 0.2, 0.15])
     assert first.layers[HIGH][place] == 0.5, "a map is never written to again"
 
@@ -94,7 +94,7 @@ def test_clouds_are_turned_into_odom() -> None:
         PARAMS,
         empty_map(PARAMS, 1.0, 2.0),
         np.array([[3.0, 0.0, 0.0]]),
-        EYE,
+        STEREO,
         position,
         yawed @ pitched,
         0.0,

@@ -264,7 +264,7 @@ def test_the_slip_does_not_run_away_while_the_wheels_slow_down(scenario: LoadedS
         state = roll(model, state, DT, slip, np.full(6, speed / model.machine.table[0, 2]), force=force)
         told.append((state.shared, state.sigma))
     slips, sigmas = np.array(told).T
-    assert speed == pytest.approx(0.008) and state.told
+    assert speed == pytest.approx(0.008) and state.observable
     assert np.abs(slips - slip).max() < 0.2
     assert (np.abs(slips - slip) < 3.0 * sigmas).all()
 
@@ -288,7 +288,7 @@ def test_a_machine_that_stops_has_no_speed_left_and_no_slip(model: SlipModel, sp
     assert abs(stopped.states[0]) < 0.015
     assert stopped.way >= 1.0, "it still stands in its ruts"
     for state in (stopped, roll(model, stopped, 2.0, 0.0, np.zeros(6))):
-        assert not state.told and state.shared == 0.0
+        assert not state.observable and state.shared == 0.0
         told = slip_status(model, state, tuple("abcdef"))
         assert [told[key] for key in told if key.startswith("slip")] == [0.0] * 8
 
@@ -303,7 +303,7 @@ def test_wheels_that_turn_on_the_spot_tell_no_slip_of_the_machine(model: SlipMod
             np.array((0.0, 0.0, GRAVITY)), (0.0, 0.0),
         )  # fmt: skip
         state = estimate_slip(model, state, seen, DT)
-    assert not state.told and state.shared == 0.0 and state.way == 0.0
+    assert not state.observable and state.shared == 0.0 and state.way == 0.0
     assert state.states[2] == pytest.approx(1.0, abs=1e-3), "and nothing is learned of the soil"
 
 

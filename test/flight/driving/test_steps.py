@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from obstacle_examples import CAMERA, EYE, PARAMS, RIDE, ground
+from obstacle_examples import CAMERA, PARAMS, RIDE, STEREO, ground
 
 from sojourn_flight.hazards.obstacle_map import COUNT, HIGH, LAYERS, LOW, MEAN, NOISE, SIGMAS, empty_map, with_cloud
 from sojourn_flight.hazards.steps import EXPECTED, LARGEST, MOST, PLAUSIBLE, grounds, step_at
@@ -42,7 +42,7 @@ def approach(height: float, slope: float, seed: int, begin: float) -> tuple[NDAr
         x = edge / c - distance - CAMERA.position[0]
         place = np.array([x, 0.0, slope * x]) + RIDE * rotation[:, 2]
         state, points = hazcam.step(CAMERA, state, field, place, rotation)
-        map_ = with_cloud(PARAMS, map_, points.astype(float), EYE, place, rotation, float(x))
+        map_ = with_cloud(PARAMS, map_, points.astype(float), STEREO, place, rotation, float(x))
         found = judged(PARAMS, map_)
         east, north = map_.x0 + (columns + 0.5) * CELL, map_.y0 + (rows + 0.5) * CELL
         there = (np.abs(east * c + north * s - edge) < 0.4) & (np.abs(north) < PARAMS.outline.half_width)
@@ -169,11 +169,11 @@ def test_the_error_of_a_height_against_draws_of_the_camera(forward: float) -> No
     """Level ground, one ray drawn often: what its points are above the ground."""
     point = np.array([forward, 0.3 * forward, -RIDE])
     ray = point - CAMERA.position
-    depth = float(ray @ EYE.axis)
+    depth = float(ray @ STEREO.axis)
     random = np.random.default_rng(1)
-    measured = 1.0 / (1.0 / depth + EYE.depth_noise * random.standard_normal(20000))
+    measured = 1.0 / (1.0 / depth + STEREO.depth_noise * random.standard_normal(20000))
     heights = CAMERA.position[2] + measured / depth * ray[2] + RIDE
-    (variance,) = height_variances(EYE, point[np.newaxis], np.array([0.0, 0.0, 1.0]))
+    (variance,) = height_variances(STEREO, point[np.newaxis], np.array([0.0, 0.0, 1.0]))
     assert heights.std() == pytest.approx(math.sqrt(variance), rel=0.05)
 
 
@@ -195,8 +195,8 @@ def test_a_look_is_lifted_onto_what_is_known() -> None:
     field = ground(lambda x, y: 0.02 * np.sin(3.0 * x))
     state = hazcam.initial_state(CAMERA, 1)
     state, points = hazcam.step(CAMERA, state, field, np.array([0.0, 0.0, RIDE]), np.eye(3))
-    first = with_cloud(PARAMS, empty_map(PARAMS, 0.0, 0.0), points.astype(float), EYE, np.zeros(3), np.eye(3), 0.0)
+    first = with_cloud(PARAMS, empty_map(PARAMS, 0.0, 0.0), points.astype(float), STEREO, np.zeros(3), np.eye(3), 0.0)
     state, points = hazcam.step(CAMERA, state, field, np.array([0.1, 0.0, RIDE]), np.eye(3))
-    second = with_cloud(PARAMS, first, points.astype(float), EYE, np.array([0.1, 0.0, 0.06]), np.eye(3), 0.1)
+    second = with_cloud(PARAMS, first, points.astype(float), STEREO, np.array([0.1, 0.0, 0.06]), np.eye(3), 0.1)
     assert second.lift == pytest.approx(-0.06, abs=0.003)
     assert set(judged(PARAMS, second).kinds.ravel().tolist()) == {FREE}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rough_ground import CAMERA, STEREO, Eye, ground, nodes, rough
+from rough_ground import CAMERA, STEREO, NoisyCamera, ground, nodes, rough
 
 from sojourn_flight.hazards.stereo_camera import along_rays, height_variances
 from sojourn_flight.odometry.attitude import rotation_of
@@ -29,13 +29,13 @@ def near(trust: TerrainMatchParams, cloud: FloatArray) -> FloatArray:
 
 
 def surface_of(
-    trust: TerrainMatchParams, field: HeightField, camera: Eye, x: float, y: float, yaw: float
+    trust: TerrainMatchParams, field: HeightField, camera: NoisyCamera, x: float, y: float, yaw: float
 ) -> GroundSurface:
     """The ground about (x, y) in axes turned by yaw, as seen on the 0.3 m before it."""
     points, variances = [], []
     for back in (0.3, 0.2, 0.1, 0.0):
         before = (x - back * math.cos(yaw), y - back * math.sin(yaw))
-        cloud = near(trust, camera.look(field, *before, yaw))
+        cloud = near(trust, camera.cloud(field, *before, yaw))
         lift = field.height(*before) - field.height(x, y)
         points.append(cloud + np.array((-back, 0.0, lift)))
         variances.append(height_variances(STEREO, cloud, np.array((0.0, 0.05, 1.0))) + 1e-6)
@@ -86,10 +86,10 @@ def test_a_known_motion_is_found(
     trust: TerrainMatchParams, off_x: float, off_y: float, off_z: float, yaw: float, turn: float
 ) -> None:
     """Whatever the heading, the turn and the first guess: within five stated deviations and 4 cm."""
-    field, camera = rough(3), Eye(4)
+    field, camera = rough(3), NoisyCamera(4)
     surface = surface_of(trust, field, camera, 0.5, -0.5, yaw)
     x, y = 0.5 + 0.25 * math.cos(yaw), -0.5 + 0.25 * math.sin(yaw)
-    cloud = camera.look(field, x, y, yaw + turn)
+    cloud = camera.cloud(field, x, y, yaw + turn)
     truth = np.array((0.25, 0.0, field.height(x, y) - field.height(0.5, -0.5)))
     guess = truth + np.array((off_x, off_y, off_z))
     found = matched(trust, surface, cloud, guess, turn)
@@ -103,10 +103,10 @@ def test_the_stated_errors_are_right_over_grounds_and_noise(trust: TerrainMatchP
     """Squared errors over their covariance, two on average of two freedoms; and it must not hide behind large ones."""
     squares, sigmas = [], []
     for seed in range(40):
-        field, camera = rough(seed), Eye(100 + seed)
+        field, camera = rough(seed), NoisyCamera(100 + seed)
         surface = surface_of(trust, field, camera, 0.0, 0.0, 0.0)
         guess = np.array((0.27, 0.02, field.height(0.3, 0.0) - field.height(0.0, 0.0)))
-        found = matched(trust, surface, camera.look(field, 0.3, 0.0), guess)
+        found = matched(trust, surface, camera.cloud(field, 0.3, 0.0), guess)
         error = (guess + found.shift[:3])[:2] - (0.3, 0.0)
         squares.append(error @ found.information @ error)
         sigmas.append(1.0 / math.sqrt(max(np.linalg.eigvalsh(found.information).min(), 1e-9)))
@@ -119,17 +119,17 @@ def test_the_stated_errors_are_right_over_grounds_and_noise(trust: TerrainMatchP
 def test_an_even_ground_says_nothing(trust: TerrainMatchParams, slope: float) -> None:
     field = ground(slope * nodes()[0])
     for seed in range(8):
-        camera = Eye(seed)
+        camera = NoisyCamera(seed)
         surface = surface_of(trust, field, camera, 0.0, 0.0, 0.0)
-        found = matched(trust, surface, camera.look(field, 0.3, 0.0), np.array((0.3, 0.0, slope * 0.3)))
+        found = matched(trust, surface, camera.cloud(field, 0.3, 0.0), np.array((0.3, 0.0, slope * 0.3)))
         assert np.linalg.eigvalsh(found.information).max() < 0.03**-2
 
 
 def test_a_corrugated_ground_says_nothing_along_its_ridges(trust: TerrainMatchParams) -> None:
-    field, camera = ground(0.04 * np.sin(5.0 * nodes()[0])), Eye(1)
+    field, camera = ground(0.04 * np.sin(5.0 * nodes()[0])), NoisyCamera(1)
     surface = surface_of(trust, field, camera, 0.0, 0.0, 0.0)
     guess = np.array((0.28, 0.0, field.height(0.3, 0.0) - field.height(0.0, 0.0)))
-    found = matched(trust, surface, camera.look(field, 0.3, 0.0), guess)
+    found = matched(trust, surface, camera.cloud(field, 0.3, 0.0), guess)
     assert guess[0] + found.shift[0] == pytest.approx(0.3, abs=0.01)
     values, axes = np.linalg.eigh(found.information)
     assert values[1] > 0.005**-2 and abs(axes[0, 1]) > 0.99
@@ -137,8 +137,8 @@ def test_a_corrugated_ground_says_nothing_along_its_ridges(trust: TerrainMatchPa
 
 
 def test_a_cloud_of_another_ground_does_not_fit(trust: TerrainMatchParams) -> None:
-    camera = Eye(1)
+    camera = NoisyCamera(1)
     surface = surface_of(trust, rough(1, 4.0), camera, 0.0, 0.0, 0.0)
-    found = matched(trust, surface, camera.look(rough(2, 4.0), 0.0, 0.0), np.array((0.0, 0.0, 0.0)))
+    found = matched(trust, surface, camera.cloud(rough(2, 4.0), 0.0, 0.0), np.array((0.0, 0.0, 0.0)))
     bad = found.outliers > 0.25 * found.points or found.misfit > trust.misfit or not found.converged
     assert bad

@@ -1,6 +1,7 @@
 """What the rover cannot pass: steps, slopes, bumps and hidden ground against their geometry."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 from obstacle_examples import CAMERA, PARAMS, dense, driven_over, mapped
 
 from sojourn_flight.hazards.hidden_ground import SECTORS, HiddenStrips, hidden_strips, is_hidden
-from sojourn_flight.hazards.obstacle_map import ObstacleMap
+from sojourn_flight.hazards.obstacle_map import HIGH, LOW, MEAN, NOISE, ObstacleMap
 from sojourn_flight.hazards.traversability import (
     BUMP,
     DROP,
@@ -105,6 +106,35 @@ def test_a_bump_that_would_touch_the_belly() -> None:
     low = mapped(dense(lambda x, y: np.maximum(0.2 - 0.3 * np.hypot(x - 2.0, y), 0.0)))
     assert BUMP in kinds_within(map_, judged(gentle, map_), (1.7, 2.3), (-0.3, 0.3))
     assert kinds_within(low, judged(gentle, low), (1.0, 3.0), (-1.0, 1.0)) == {FREE}
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.3), st.floats(0.0, 0.12))
+def test_bumps_and_slopes_are_those_of_the_plane_through_each_patch(seed: int, rise: float, rough: float) -> None:
+    """Against the plane of least squares of NumPy and a search over the whole patch, cell by cell."""
+    generator = np.random.default_rng(seed)
+    flat = mapped(dense(lambda x, y: rise * x, reach=1.0))
+    layers = flat.layers.copy()
+    layers[MEAN] += 0.1 * rough * generator.standard_normal(layers[MEAN].shape)
+    layers[HIGH] = layers[MEAN] + rough * generator.random(layers[MEAN].shape)
+    layers[LOW] = layers[MEAN]
+    layers[NOISE] = 1.0  # of the camera: no step is sure, every cell has a part in the planes
+    map_ = replace(flat, layers=layers)
+    ground, reach = judged(PARAMS, map_), PARAMS.outline.half_width
+    known = np.argwhere(map_.known)
+    for row, column in generator.permutation(known)[:20]:
+        off = (known - (row, column)) * CELL
+        patch = known[(off**2).sum(axis=1) <= reach * reach + 1e-9]
+        places = np.column_stack([(patch - (row, column)) * CELL, np.ones(len(patch))])
+        means, tops = (layers[layer][tuple(patch.T)] for layer in (MEAN, HIGH))
+        plane, *_ = np.linalg.lstsq(places, means)
+        found = (ground.slopes[1, row, column], ground.slopes[0, row, column])
+        if found == (0.0, 0.0):  # too few cells, or in a row
+            continue
+        np.testing.assert_allclose(found, plane[:2], atol=1e-6)
+        above = float((tops - places @ plane).max())
+        if abs(above - LIMITS.clearance) > 1e-6:
+            assert (ground.kinds[row, column] == BUMP) == (above > LIMITS.clearance)
 
 
 def test_level_ground_and_passable_slopes_hide_nothing() -> None:

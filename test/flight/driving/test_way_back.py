@@ -1,4 +1,4 @@
-"""The way back: over the own track, to where there is room, and no farther."""
+"""The way back: over the own track, to where there is clearance, and no farther."""
 
 import math
 
@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from obstacle_examples import PARAMS
 
 from sojourn_config.scenario import load_scenario
-from sojourn_flight.hazards.clearance import Room, room_in
+from sojourn_flight.hazards.clearance import ClearanceMap, clearance_in
 from sojourn_flight.hazards.obstacle_map import empty_map
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.way_back import SET_DOWN, SPACING, Track, driven_on, go_back, way_back
@@ -18,12 +18,12 @@ FOLLOWER = load_scenario("flat_drive").drive.follower
 TURNING = PARAMS.outline.turn_radius + PARAMS.margin
 
 
-def walls(west: float) -> Room:
+def walls(west: float) -> ClearanceMap:
     """A corridor along x: walls at y = +-1 from x = west on."""
     map_ = empty_map(PARAMS, 0.0, 0.0)
     rows, columns = np.indices(map_.known.shape)
     east, north = map_.x0 + (columns + 0.5) * map_.cell, map_.y0 + (rows + 0.5) * map_.cell
-    return room_in(map_, ((abs(north) > 1.0) & (east > west)).astype(np.int64))
+    return clearance_in(map_, ((abs(north) > 1.0) & (east > west)).astype(np.int64))
 
 
 def driven(curvature: float, length: float, start: Pose, step: float = 0.01) -> tuple[Track, Pose]:

@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from test_avoidance import AVOIDANCE, at, sent
 
-from sojourn_flight.hazards.clearance import room_in
+from sojourn_flight.hazards.clearance import clearance_in
 from sojourn_flight.hazards.obstacle_map import COUNT
 from sojourn_flight.hazards.traversability import STEP
 from sojourn_flight.planning.goal import Goal
@@ -34,7 +34,9 @@ def among(rocks: list[Rock], yaw: float) -> AvoidanceState:
     for east, north, radius in rocks:
         if math.hypot(east, north) > 1.2 + radius and math.dist((east, north), GOAL) > 1.0 + radius:
             kinds[np.hypot(x - east, y - north) < radius] = STEP
-    return replace(state, ground=replace(state.ground, kinds=kinds), room=room_in(state.map, kinds), fresh=True)
+    return replace(
+        state, ground=replace(state.ground, kinds=kinds), clearance=clearance_in(state.map, kinds), fresh=True
+    )
 
 
 def way_from(rocks: list[Rock], yaw: float, drift: float) -> tuple[AvoidanceState, FollowerState] | None:
@@ -63,6 +65,6 @@ def test_where_the_curve_onto_it_is_closed_a_way_begins_with_a_turn_on_the_spot(
     taken = way_from([rock], -0.58, 0.0)
     assert taken is not None
     state, way = taken
-    assert state.room.at(0.0, 0.0) > AVOIDANCE.turning, "it can turn here"
+    assert state.clearance.at(0.0, 0.0) > AVOIDANCE.turning, "it can turn here"
     assert closed_ahead(AVOIDANCE, state, way, 0.0) is None
     assert way.path.legs[0].start.heading > -0.3

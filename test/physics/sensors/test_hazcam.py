@@ -25,7 +25,7 @@ HEIGHT = 0.47
 LEVEL = np.eye(3)
 
 
-def camera(**changes: Any) -> Hazcam:
+def camera_with(**changes: Any) -> Hazcam:
     return hazcam_on(PARAMS.model_copy(update={"disparity_noise_px": 0.0, **changes}), URDF)
 
 
@@ -37,9 +37,9 @@ def ground(heights: Any = None, resolution: float = 0.05, interpolation: Any = "
     return HeightField(values, np.zeros(x.shape, dtype=np.uint8), resolution, -8.0, -8.0, ("sand",), interpolation)
 
 
-def look(eye: Hazcam, field: HeightField, height: float = HEIGHT, seed: int = 1) -> NDArray[np.float64]:
+def cloud_of(camera: Hazcam, field: HeightField, height: float = HEIGHT, seed: int = 1) -> NDArray[np.float64]:
     """Points in a level frame on the ground below base_link."""
-    _, points = hazcam.step(eye, hazcam.initial_state(eye, seed), field, np.array([0.0, 0.0, height]), LEVEL)
+    _, points = hazcam.step(camera, hazcam.initial_state(camera, seed), field, np.array([0.0, 0.0, height]), LEVEL)
     assert points.dtype == np.float32
     return points.astype(np.float64) + np.array([0.0, 0.0, height])
 
@@ -50,9 +50,9 @@ def test_rays_meet_a_plane_where_geometry_says(slope_x: float, slope_y: float, y
     field = ground(lambda x, y: slope_x * x + slope_y * y, resolution=0.1)
     c, s, cp, sp = math.cos(yaw), math.sin(yaw), math.cos(pitch), math.sin(pitch)
     rotation = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
-    eye = camera()
-    origin = np.array([0.3, -0.2, 0.6]) + rotation @ eye.position
-    rays = eye.directions @ rotation.T
+    camera = camera_with()
+    origin = np.array([0.3, -0.2, 0.6]) + rotation @ camera.position
+    rays = camera.directions @ rotation.T
     normal = np.array([-slope_x, -slope_y, 1.0])
     with np.errstate(divide="ignore"):
         exact = -(normal @ origin) / (rays @ normal)
@@ -66,26 +66,26 @@ def test_rays_meet_a_plane_where_geometry_says(slope_x: float, slope_y: float, y
 @pytest.mark.parametrize("resolution", [0.05, 0.2])
 def test_points_lie_on_the_ground_within_range_and_view(resolution: float, interpolation: str) -> None:
     field = ground(lambda x, y: 0.1 * np.sin(2.0 * x) + 0.05 * np.cos(3.0 * y), resolution, interpolation)
-    eye = camera()
-    points = look(eye, field)
+    camera = camera_with()
+    points = cloud_of(camera, field)
     assert len(points) > 700
     for x, y, z in points:
         assert z == pytest.approx(field.height(x, y), abs=2e-3)
-    seen = points - [0.0, 0.0, HEIGHT] - eye.position
+    seen = points - [0.0, 0.0, HEIGHT] - camera.position
     distances = np.linalg.norm(seen, axis=1)
     assert distances.min() >= PARAMS.nearest - 2e-3 and distances.max() <= PARAMS.range + 2e-3
-    assert (np.arccos(seen @ eye.directions.T / distances[:, None]).min(axis=1) < 0.01).all(), "each on a ray"
+    assert (np.arccos(seen @ camera.directions.T / distances[:, None]).min(axis=1) < 0.01).all(), "each on a ray"
 
 
 def test_a_wall_hides_what_is_behind_it() -> None:
     """A wall 0.3 m high at 1.5 m: of the level ground behind it nothing nearer than similar triangles allow."""
     field = ground(lambda x, y: np.where((x > 1.5) & (x < 1.7), 0.3, 0.0))
-    eye = camera()
-    points = look(eye, field)
+    camera = camera_with()
+    points = cloud_of(camera, field)
     middle = points[abs(points[:, 1]) < 0.3 * points[:, 0]]
-    eye_height = HEIGHT + eye.position[2]
-    distance = 1.7 - eye.position[0]
-    shadow_ends = eye.position[0] + distance * eye_height / (eye_height - 0.3)
+    camera_height = HEIGHT + camera.position[2]
+    distance = 1.7 - camera.position[0]
+    shadow_ends = camera.position[0] + distance * camera_height / (camera_height - 0.3)
     behind = middle[(middle[:, 0] > 1.8) & (middle[:, 2] < 0.05)]
     assert (behind[:, 0] > shadow_ends - 0.05).all()
     assert len(behind) < len(middle) and len(middle[abs(middle[:, 0] - 1.5) < 0.06]) > 20, "its face is seen"
@@ -93,39 +93,39 @@ def test_a_wall_hides_what_is_behind_it() -> None:
 
 def test_a_drop_hides_its_foot() -> None:
     field = ground(lambda x, y: np.where(x > 1.5, -1.0, 0.0))
-    eye = camera()
-    points = look(eye, field)
-    eye_height, edge = HEIGHT + eye.position[2], 1.5 - eye.position[0]
+    camera = camera_with()
+    points = cloud_of(camera, field)
+    camera_height, edge = HEIGHT + camera.position[2], 1.5 - camera.position[0]
     low = points[points[:, 2] < -0.9]
-    assert (low[:, 0] > eye.position[0] + edge * (eye_height + 1.0) / eye_height - 0.1).all()
+    assert (low[:, 0] > camera.position[0] + edge * (camera_height + 1.0) / camera_height - 0.1).all()
     assert (points[:, 2] > -1.01).all()
 
 
 def test_nothing_is_seen_from_below_the_ground_and_in_the_sky() -> None:
-    assert len(look(camera(), ground(lambda x, y: np.full_like(x, 2.0)))) == 0
-    assert len(look(camera(), ground(), height=50.0)) == 0
+    assert len(cloud_of(camera_with(), ground(lambda x, y: np.full_like(x, 2.0)))) == 0
+    assert len(cloud_of(camera_with(), ground(), height=50.0)) == 0
 
 
 def test_the_ground_goes_on_beyond_the_edge_of_the_map() -> None:
-    eye = camera()
-    state = hazcam.initial_state(eye, 1)
-    _, inside = hazcam.step(eye, state, ground(), np.array([0.0, 0.0, HEIGHT]), LEVEL)
-    _, beyond = hazcam.step(eye, state, ground(), np.array([7.9, 0.0, HEIGHT]), LEVEL)
+    camera = camera_with()
+    state = hazcam.initial_state(camera, 1)
+    _, inside = hazcam.step(camera, state, ground(), np.array([0.0, 0.0, HEIGHT]), LEVEL)
+    _, beyond = hazcam.step(camera, state, ground(), np.array([7.9, 0.0, HEIGHT]), LEVEL)
     np.testing.assert_allclose(beyond, inside, atol=2e-3)
 
 
 def test_error_grows_with_the_square_of_depth() -> None:
     """Standard deviation of the measured range at four depths against z^2 / (f b) sigma_d, 200 looks at a plane."""
-    eye = camera(disparity_noise_px=0.25, horizontal_view_deg=2.0, vertical_view_deg=2.0, rows=5, columns=5)
-    axis = eye.directions[12]
-    state = hazcam.initial_state(eye, 3)
+    camera = camera_with(disparity_noise_px=0.25, horizontal_view_deg=2.0, vertical_view_deg=2.0, rows=5, columns=5)
+    axis = camera.directions[12]
+    state = hazcam.initial_state(camera, 3)
     for depth in (1.0, 2.0, 3.0, 4.0):
-        height = -axis[2] * depth - eye.position[2]
+        height = -axis[2] * depth - camera.position[2]
         ranges = []
         for _ in range(200):
-            state, points = hazcam.step(eye, state, ground(), np.array([0.0, 0.0, height]), LEVEL)
+            state, points = hazcam.step(camera, state, ground(), np.array([0.0, 0.0, height]), LEVEL)
             assert len(points) == 25
-            ranges.append((points - eye.position) @ axis)
+            ranges.append((points - camera.position) @ axis)
         spread = np.std(ranges, axis=0).mean()
         # 25 rays x 200 looks: the estimate itself is good to one in a hundred
         assert spread == pytest.approx(depth**2 / (476.0 * 0.1) * 0.25, rel=0.04)
@@ -133,20 +133,20 @@ def test_error_grows_with_the_square_of_depth() -> None:
 
 
 def test_noise_belongs_to_the_state() -> None:
-    eye = camera(disparity_noise_px=0.25)
-    state = hazcam.initial_state(eye, 5)
+    camera = camera_with(disparity_noise_px=0.25)
+    state = hazcam.initial_state(camera, 5)
     pose = (ground(), np.array([0.0, 0.0, HEIGHT]), LEVEL)
-    after, first = hazcam.step(eye, state, *pose)
-    _, again = hazcam.step(eye, state, *pose)
-    _, second = hazcam.step(eye, after, *pose)
+    after, first = hazcam.step(camera, state, *pose)
+    _, again = hazcam.step(camera, state, *pose)
+    _, second = hazcam.step(camera, after, *pose)
     np.testing.assert_array_equal(first, again)
     assert not np.array_equal(first, second)
-    assert not np.array_equal(first, hazcam.step(eye, hazcam.initial_state(eye, 6), *pose)[1])
+    assert not np.array_equal(first, hazcam.step(camera, hazcam.initial_state(camera, 6), *pose)[1])
 
 
 def test_it_sees_the_ground_before_its_wheels_and_packs_well() -> None:
     """What the drive relies on: the strip before the front wheels, and a cloud of a size that a bag can take."""
-    points = look(camera(disparity_noise_px=0.25), ground())
+    points = cloud_of(camera_with(disparity_noise_px=0.25), ground())
     assert 700 <= len(points) <= 1300
     for y in np.arange(-0.6, 0.61, 0.2):
         strip = points[abs(points[:, 1] - y) < 0.15]
@@ -155,10 +155,10 @@ def test_it_sees_the_ground_before_its_wheels_and_packs_well() -> None:
 
 
 def test_what_is_no_pose_or_no_camera_is_refused() -> None:
-    eye = camera()
+    camera = camera_with()
     with pytest.raises(InvalidValueError, match="pose of base_link"):
-        hazcam.step(eye, hazcam.initial_state(eye, 1), ground(), np.array([math.nan, 0.0, 0.0]), LEVEL)
+        hazcam.step(camera, hazcam.initial_state(camera, 1), ground(), np.array([math.nan, 0.0, 0.0]), LEVEL)
     with pytest.raises(InvalidValueError, match="hazcam_rear_link"):
-        camera(link="hazcam_rear_link")
+        camera_with(link="hazcam_rear_link")
     with pytest.raises(ValueError, match="nearest"):
         HazcamParams(**{**PARAMS.model_dump(), "nearest": 5.0})

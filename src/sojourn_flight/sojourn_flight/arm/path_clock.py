@@ -4,7 +4,7 @@ The motion q(T) is run by a clock of its own: dT/dt = r, from 1 (as planned) to 
 (Dahl & Nielsen, IEEE Trans. Robotics and Automation 6(5), 1990)
     qd = r q'(T),   qdd = r^2 q''(T) + dr/dt q'(T),   qddd = r^3 q'''(T) + 3 r dr/dt q''(T) + d2r/dt2 q'(T),
 and what the limits leave beside the motion itself is for changing r. d2r/dt2 is constant over a period. Acceleration is
-looked at `PARTS` times in a period, jerk as the mean between two looks.
+looked at `PARTS` times in a period, jerk as the mean between two of them.
 
 A change that is allowed now must not lead to where none is: with every choice for a period goes the way in which dr/dt
 then fades, evenly, in a number of periods, and this is looked at to its end. So there is always a way to go on, that of
@@ -113,9 +113,9 @@ def _are_within(
     if not len(seconds):
         return np.zeros(0, dtype=bool)
     part = dt / PARTS
-    looks = np.arange(PARTS * (int(fades.max()) + 1) + 1) * part
-    first = np.minimum(looks, dt)[None, :]
-    then = np.clip(looks - dt, 0.0, fades[:, None] * dt)
+    times = np.arange(PARTS * (int(fades.max()) + 1) + 1) * part
+    first = np.minimum(times, dt)[None, :]
+    then = np.clip(times - dt, 0.0, fades[:, None] * dt)
     second = seconds[:, None]
     rate = clock.rate + first * (clock.change + 0.5 * first * second)
     time = clock.time + first * (clock.rate + first * (0.5 * clock.change + first * second / 6.0))
@@ -123,8 +123,8 @@ def _are_within(
     fading = -change_after / (np.maximum(fades, 1.0) * dt)[:, None]
     time = time + then * (rate[:, -1:] + then * (0.5 * change_after + then * fading / 6.0))
     rate = rate + then * (change_after + 0.5 * then * fading)
-    change = np.where(looks[None, :] <= dt, clock.change + first * second, change_after + then * fading)
-    done = looks[None, :] > (1.0 + fades[:, None]) * dt + 1e-9
+    change = np.where(times[None, :] <= dt, clock.change + first * second, change_after + then * fading)
+    done = times[None, :] > (1.0 + fades[:, None]) * dt + 1e-9
     _, velocities, accelerations = motion.states(time.ravel())
     shape = (*time.shape, -1)
     asked = rate[..., None] ** 2 * accelerations.reshape(shape) + change[..., None] * velocities.reshape(shape)

@@ -23,7 +23,7 @@ from sojourn_flight.hazards.obstacle_map import COUNT, MEAN, ObstacleMap
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
-_LOOKS = 3
+_ITERATIONS = 3
 """Times that the place of a cell in odom is looked up by its height, which moves it where base_link is tilted."""
 
 
@@ -99,7 +99,7 @@ def relief_of(
     heights = height + slope_x * x + slope_y * y
     seen = np.zeros(x.shape, dtype=np.bool_)
     size = map_.layers.shape[1]
-    for _ in range(_LOOKS):
+    for _ in range(_ITERATIONS):
         places = np.stack([x, y, heights], axis=-1) @ rotation.T + position
         columns = np.floor((places[..., 0] - map_.x0) / cell).astype(np.int64)
         rows = np.floor((places[..., 1] - map_.y0) / cell).astype(np.int64)

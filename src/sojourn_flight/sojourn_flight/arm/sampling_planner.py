@@ -17,8 +17,8 @@ from itertools import pairwise
 import numpy as np
 
 from sojourn_flight.arm.collision import check_posture, check_samples, refined
+from sojourn_flight.arm.law_params import WayParams
 from sojourn_flight.arm.model import ArmModel
-from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.relief import Ground
 from sojourn_machine.params import FloatArray
 
@@ -71,12 +71,12 @@ class SamplingPlanner:
         ground: that the arm keeps above, or None.
     """
 
-    def __init__(self, params: ArmParams, model: ArmModel, ground: Ground | None) -> None:
+    def __init__(self, params: WayParams, model: ArmModel, ground: Ground | None) -> None:
         self._params, self._model, self._ground = params, model, ground
         self._generator = np.random.default_rng(SEED)
         self._tight = False
         """The arm is nearer to something than it may come: it may go away from it."""
-        self.looked_at = 0
+        self.checked = 0
         """Postures so far."""
 
     def way(self, start: FloatArray, ends: list[FloatArray]) -> list[FloatArray] | None:
@@ -98,7 +98,7 @@ class SamplingPlanner:
             for tree in trees:
                 self._connect(tree, np.array(self._params.named_poses[name]))
         span = model.upper - model.lower
-        while self.looked_at < MOST_POSTURES:
+        while self.checked < MOST_POSTURES:
             drawn = model.lower + self._generator.random(model.joint_count) * span
             new = self._extend(trees[0], drawn)
             if new is not None:
@@ -133,7 +133,7 @@ class SamplingPlanner:
         """Whether the straight line between a node and one further from the root is free."""
         ends = (inner, outer) if forward else (outer, inner)
         samples = refined(np.array(ends), self._params.collision_step)
-        self.looked_at += len(samples)
+        self.checked += len(samples)
         allow = self._tight and forward
         return check_samples(self._params, self._model, samples, self._ground, allow_start=allow) is None
 
@@ -186,7 +186,7 @@ class Detours:
         ground: that the arm keeps above, or None.
     """
 
-    def __init__(self, params: ArmParams, model: ArmModel, ground: Ground | None) -> None:
+    def __init__(self, params: WayParams, model: ArmModel, ground: Ground | None) -> None:
         self.ground = ground
         self._params, self._model = params, model
         self._found: dict[bytes, list[FloatArray] | None] = {}

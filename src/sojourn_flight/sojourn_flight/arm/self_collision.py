@@ -1,8 +1,8 @@
 """Whether an arm as it is read from a URDF runs into itself, or into what carries it.
 
 Signed distances between primitive shapes (GJK/EPA; the coal library through Pinocchio), for the pairs of
-collision_pairs.py. Meshes are left out, and so are pairs that overlap in every one of `LOOKS` evenly spread postures:
-housings that stand in each other by design.
+collision_pairs.py. Meshes are left out, and so are pairs that overlap in every one of `POSTURES` evenly spread
+postures: housings that stand in each other by design.
 """
 
 from typing import Any
@@ -15,7 +15,7 @@ from sojourn_flight.arm.inverse_search import spread
 from sojourn_flight.arm.serial_arm import SerialArm
 from sojourn_machine.params import FloatArray
 
-LOOKS = 16
+POSTURES = 16
 
 
 class SelfCollision:
@@ -25,19 +25,19 @@ class SelfCollision:
         self._arm = arm
         self._shapes: Any = arm.shapes
         self._data = self._shapes.createData()
-        postures = spread(arm.joint_count, LOOKS) * (arm.upper - arm.lower) + arm.lower
+        postures = spread(arm.joint_count, POSTURES) * (arm.upper - arm.lower) + arm.lower
         count = len(self._shapes.collisionPairs)
-        overlap = np.array([self._distances(row) < 0.0 for row in postures]).reshape(LOOKS, count)
-        self._looked_at = ~np.all(overlap, axis=0)
+        overlap = np.array([self._distances(row) < 0.0 for row in postures]).reshape(POSTURES, count)
+        self._checked = ~np.all(overlap, axis=0)
 
     @property
     def pairs(self) -> int:
         """How many pairs of shapes are looked at."""
-        return int(np.count_nonzero(self._looked_at))
+        return int(np.count_nonzero(self._checked))
 
     def at(self, positions: FloatArray) -> tuple[str, str, float] | None:
         """The two links that overlap most at joint positions (n,), and how deep [m]; None where none do."""
-        distances = np.where(self._looked_at, self._distances(positions), np.inf)
+        distances = np.where(self._checked, self._distances(positions), np.inf)
         if not distances.size or distances.min() >= 0.0:
             return None
         worst = int(np.argmin(distances))

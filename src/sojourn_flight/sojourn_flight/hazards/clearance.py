@@ -1,10 +1,10 @@
-"""Room between the rover and the obstacles of its map, for a pose and for a motion.
+"""Clearance between the rover and the obstacles of its map, for a pose and for a motion.
 
 The outline, a rectangle, is covered by CIRCLES equal circles along its axis, each over a third of its length:
 spacing s = (front + rear) / CIRCLES, radius r = sqrt((s / 2)^2 + half_width^2). With the distance D of each cell to
-the nearest obstacle (exact Euclidean distance transform, bilinear between cells) the room of a pose is the least D - r
-of its circles: one look at the grid for each, whatever the obstacles' number. Outside the map nothing is known and
-there is room.
+the nearest obstacle (exact Euclidean distance transform, bilinear between cells) the clearance of a pose is the least
+D - r of its circles: one look at the grid for each, whatever the obstacles' number. Outside the map nothing is known
+and clearance is infinite.
 
 Sources: Ziegler & Stiller (2010), IEEE Intelligent Vehicles Symp., 518 (circles that cover a vehicle); Maurer, Qi &
 Raghavan (2003), IEEE Trans. Pattern Analysis and Machine Intelligence 25(2):265 (the transform of scipy).
@@ -46,7 +46,7 @@ class DistanceGrid(NamedTuple):
     cell: float
     """[m]"""
     distances: FloatArray
-    """See `Room`."""
+    """See `ClearanceMap`."""
 
 
 def circles_of(outline: OutlineParams) -> Circles:
@@ -57,7 +57,7 @@ def circles_of(outline: OutlineParams) -> Circles:
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
+class ClearanceMap:
     """Distances to obstacles on the grid of a map."""
 
     x0: float
@@ -86,7 +86,7 @@ class Room:
         """Row and column of a place in odom; may be off the map."""
         return math.floor((y - self.y0) / self.cell), math.floor((x - self.x0) / self.cell)
 
-    def without(self, x: float, y: float, radius: float) -> "Room":
+    def without(self, x: float, y: float, radius: float) -> "ClearanceMap":
         """The same with the cells about a place in odom closed, by themselves."""
         middles = self.cell * (np.arange(len(self.distances)) + 0.5)
         away = np.hypot(self.x0 + middles[np.newaxis, :] - x, self.y0 + middles[:, np.newaxis] - y)
@@ -101,17 +101,17 @@ class Room:
         return int(self.nearest[0, row, column]), int(self.nearest[1, row, column])
 
 
-def room_in(map_: ObstacleMap, kinds: NDArray[np.int64]) -> Room:
-    """Room on a judged map."""
+def clearance_in(map_: ObstacleMap, kinds: NDArray[np.int64]) -> ClearanceMap:
+    """The clearance map of a judged map."""
     free = kinds == FREE
     if free.all():
         endless = np.full(kinds.shape, np.inf)
-        return Room(map_.x0, map_.y0, map_.cell, endless, np.zeros((2, *kinds.shape), dtype=np.int64))
+        return ClearanceMap(map_.x0, map_.y0, map_.cell, endless, np.zeros((2, *kinds.shape), dtype=np.int64))
     from scipy.ndimage import distance_transform_edt  # here: a drive without a camera need not wait for it to load
 
     distances, nearest = distance_transform_edt(free, return_indices=True)
     edges = np.maximum(distances - 0.5, 0.0) * map_.cell
-    return Room(map_.x0, map_.y0, map_.cell, edges, nearest.astype(np.int64))
+    return ClearanceMap(map_.x0, map_.y0, map_.cell, edges, nearest.astype(np.int64))
 
 
 @njit(cache=True)
@@ -132,8 +132,8 @@ def distance_at(distances: FloatArray, x0: float, y0: float, cell: float, x: flo
 
 
 @njit(cache=True)
-def room_at_pose(grid: DistanceGrid, circles: Circles, x: float, y: float, yaw: float) -> float:
-    """Room of the outline at a pose in odom [m]; below zero where a circle meets an obstacle."""
+def clearance_at_pose(grid: DistanceGrid, circles: Circles, x: float, y: float, yaw: float) -> float:
+    """Clearance of the outline at a pose in odom [m]; below zero where a circle meets an obstacle."""
     least = math.inf
     for place in circles.places:
         east, north = x + place * math.cos(yaw), y + place * math.sin(yaw)
@@ -143,16 +143,16 @@ def room_at_pose(grid: DistanceGrid, circles: Circles, x: float, y: float, yaw: 
 
 
 @njit(cache=True)
-def room_along(grid: DistanceGrid, circles: Circles, poses: FloatArray) -> FloatArray:
-    """Room at poses x, y, yaw in odom, shape (n, 3): shape (n,) [m]."""
-    rooms = np.empty(poses.shape[0])
+def clearance_along(grid: DistanceGrid, circles: Circles, poses: FloatArray) -> FloatArray:
+    """Clearance at poses x, y, yaw in odom, shape (n, 3): shape (n,) [m]."""
+    clearances = np.empty(poses.shape[0])
     for i in range(poses.shape[0]):
-        rooms[i] = room_at_pose(grid, circles, poses[i, 0], poses[i, 1], poses[i, 2])
-    return rooms
+        clearances[i] = clearance_at_pose(grid, circles, poses[i, 0], poses[i, 1], poses[i, 2])
+    return clearances
 
 
 @njit(cache=True)
-def room_of_motion(
+def clearance_of_motion(
     grid: DistanceGrid,
     circles: Circles,
     pose: tuple[float, float, float],
@@ -160,7 +160,7 @@ def room_of_motion(
     reach: float,
     steps: FloatArray,
 ) -> tuple[float, float]:
-    """Room now, and the least room over the next steps of a motion (exact arcs of SE(2)).
+    """Clearance now, and the least clearance over the next steps of a motion (exact arcs of SE(2)).
 
     Args:
         pose: x, y, yaw in odom. twist: v_x, v_y, yaw rate in base_link. reach: distance of the farthest wheel [m].
@@ -168,7 +168,7 @@ def room_of_motion(
     """
     x, y, yaw = pose
     v_x, v_y, rate = twist
-    now = room_at_pose(grid, circles, x, y, yaw)
+    now = clearance_at_pose(grid, circles, x, y, yaw)
     least = now
     fastest = math.sqrt(v_x * v_x + v_y * v_y) + abs(rate) * reach
     if fastest == 0.0:
@@ -184,5 +184,5 @@ def room_of_motion(
         ahead, left = t * (sine * v_x - cosine * v_y), t * (cosine * v_x + sine * v_y)
         east = x + ahead * math.cos(yaw) - left * math.sin(yaw)
         north = y + ahead * math.sin(yaw) + left * math.cos(yaw)
-        least = min(least, room_at_pose(grid, circles, east, north, yaw + turn))
+        least = min(least, clearance_at_pose(grid, circles, east, north, yaw + turn))
     return now, least

@@ -35,7 +35,7 @@ DEPTH = 0.6
 
 
 class HiddenStrips(NamedTuple):
-    """What a look did not see: the first hidden strip of each sector, over ground from the camera."""
+    """What an observation did not see: the first hidden strip of each sector, over ground from the camera."""
 
     edges: FloatArray
     """Where it begins, shape (SECTORS,) [m]; infinite where nothing is hidden, NaN where nothing can be said."""
@@ -101,7 +101,7 @@ def hidden_strips(
 @njit(cache=True)
 def is_hidden(ahead: float, left: float, strips: HiddenStrips) -> int:
     """1 where a place, relative to the camera in the plane of the body [m], lies in a hidden strip; 0 where it lies in
-    ground that the camera sees up to there; -1 where the look says nothing about it.
+    ground that the camera sees up to there; -1 where the observation says nothing about it.
     """
     edges, ends, half = strips.edges, strips.ends, math.radians(0.5 * strips.view_deg)
     sector = math.floor((math.atan2(left, ahead) + half) / (2.0 * half) * SECTORS)

@@ -3,12 +3,13 @@
 Each cell keeps the lowest, highest and mean height of its points (odom), their number, how noisy they are (see
 `stereo_camera`), from how far they were seen, and at which distance driven. Rules:
 
-- a look from much nearer (NEARER) than the first that is kept replaces what was known, since the error of stereo grows
-  with the square of the distance; one from about as far is merged; one from farther is dropped;
+- an observation from much nearer (NEARER) than the first that is kept replaces what was known, since the error of
+  stereo grows with the square of the distance; one from about as far is merged; one from farther is dropped;
 - a cell that has not been seen for `memory` metres of driving is unknown again. Odometry drifts with the distance
   driven, so the map is good as far as it reaches back, and a rover that stands still forgets nothing;
-- odometry's height is off where wheels slip on a climb, for all points of a look by the same. So a look is first lifted
-  to fit what is known: by the median of its points against the means of the cells that they fall into;
+- odometry's height is off where wheels slip on a climb, for all points of one observation by the same. So an
+  observation is first lifted to fit what is known: by the median of its points against the means of the cells that they
+  fall into;
 - the grid moves by whole cells of the wide map (`wide_map`) when the rover is RECENTRE from its middle.
 
 Ground that the camera should have seen and has not is kept apart, see `hidden_ground`.
@@ -31,14 +32,14 @@ from sojourn_machine.params import FloatArray
 
 COUNT, LOW, HIGH, MEAN, NOISE, SIGHT, SEEN_AT, HIDDEN, SLIP, LAYERS = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 """Layers: points [-], heights in odom [m], variance of the error of a point's height [m^2], distance from the camera at
-the first of the looks that are kept [m], odometer [m], 1 where hidden, slip that was found there or 0 [-].
+the first of the observations that are kept [m], odometer [m], 1 where hidden, slip that was found there or 0 [-].
 """
 RECENTRE = 1.0
 """[m]"""
 NEARER, FARTHER = 0.7, 1.2
-"""Ratios of distances of two looks: below, the new one replaces the old; above, it is dropped."""
+"""Ratios of distances of two observations: below, the new one replaces the old; above, it is dropped."""
 LEAST_FIT = 50
-"""Points on known ground that a look needs to be fitted to it; with fewer the last fit holds [-]."""
+"""Points on known ground that an observation needs to be fitted to it; with fewer the last fit holds [-]."""
 MOST_POINTS = 50.0
 """Weight of what is known when new points are merged [-]."""
 SIGMAS = 2.0
@@ -67,7 +68,7 @@ class ObstacleMap:
     layers: FloatArray
     """Shape (LAYERS, cells, cells); row along y, column along x."""
     lift: float = 0.0
-    """By so much the heights of the map are above those of odometry, as of the last look [m]."""
+    """By so much the heights of the map are above those of odometry, as of the last observation [m]."""
 
     @property
     def known(self) -> "np.ndarray[tuple[int, int], np.dtype[np.bool_]]":
@@ -115,7 +116,7 @@ def with_cloud(
     rotation: FloatArray,
     driven: float,
 ) -> ObstacleMap:
-    """The map after one look.
+    """The map after one observation.
 
     Args:
         points: in base_link, shape (n, 3) [m]. camera: that saw them.
@@ -176,38 +177,38 @@ def add_points(
     noise: FloatArray,
     driven: float,
 ) -> None:
-    """Merge the points of one look, shape (n, 3) in odom, into the layers; `noise`: variances of their heights."""
+    """Merge points of one observation, shape (n, 3) in odom, into the layers; `noise`: variances of their heights."""
     size = layers.shape[1]
-    look = np.zeros((6, size, size))  # number, lowest, highest, and sums: of heights, distances, variances
+    observation = np.zeros((6, size, size))  # number, lowest, highest, and sums: of heights, distances, variances
     for i in range(points.shape[0]):
         column = int(np.floor((points[i, 0] - grid.x0) / grid.cell))
         row = int(np.floor((points[i, 1] - grid.y0) / grid.cell))
         if not (0 <= row < size and 0 <= column < size):
             continue
         z = points[i, 2]
-        if look[0, row, column] == 0.0 or z < look[1, row, column]:
-            look[1, row, column] = z
-        if look[0, row, column] == 0.0 or z > look[2, row, column]:
-            look[2, row, column] = z
-        look[0, row, column] += 1.0
-        look[3, row, column] += z
-        look[4, row, column] += distances[i]
-        look[5, row, column] += noise[i]
+        if observation[0, row, column] == 0.0 or z < observation[1, row, column]:
+            observation[1, row, column] = z
+        if observation[0, row, column] == 0.0 or z > observation[2, row, column]:
+            observation[2, row, column] = z
+        observation[0, row, column] += 1.0
+        observation[3, row, column] += z
+        observation[4, row, column] += distances[i]
+        observation[5, row, column] += noise[i]
     for row in range(size):
         for column in range(size):
-            count = look[0, row, column]
+            count = observation[0, row, column]
             if count == 0.0:
                 continue
-            mean, distance = look[3, row, column] / count, look[4, row, column] / count
-            spread = look[5, row, column] / count
+            mean, distance = observation[3, row, column] / count, observation[4, row, column] / count
+            spread = observation[5, row, column] / count
             known = layers[COUNT, row, column]
             before = layers[SIGHT, row, column]
             if known > 0.0 and distance > FARTHER * before:
                 continue
             if known == 0.0 or distance < NEARER * before:
                 layers[COUNT, row, column] = count
-                layers[LOW, row, column] = look[1, row, column]
-                layers[HIGH, row, column] = look[2, row, column]
+                layers[LOW, row, column] = observation[1, row, column]
+                layers[HIGH, row, column] = observation[2, row, column]
                 layers[MEAN, row, column] = mean
                 layers[NOISE, row, column] = spread
                 layers[SIGHT, row, column] = distance
@@ -216,8 +217,8 @@ def add_points(
                 layers[MEAN, row, column] = (weight * layers[MEAN, row, column] + count * mean) / (weight + count)
                 layers[NOISE, row, column] = (weight * layers[NOISE, row, column] + count * spread) / (weight + count)
                 layers[COUNT, row, column] = known + count
-                layers[LOW, row, column] = min(layers[LOW, row, column], look[1, row, column])
-                layers[HIGH, row, column] = max(layers[HIGH, row, column], look[2, row, column])
+                layers[LOW, row, column] = min(layers[LOW, row, column], observation[1, row, column])
+                layers[HIGH, row, column] = max(layers[HIGH, row, column], observation[2, row, column])
             layers[SEEN_AT, row, column] = driven
             layers[HIDDEN, row, column] = 0.0
 

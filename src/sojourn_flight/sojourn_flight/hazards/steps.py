@@ -19,7 +19,7 @@ A step is sure as far as it is beyond the noise of the two cells, of n1 and n2 p
     2 sqrt(sigma1^2 / n1 + sigma2^2 / n2).
 
 Of single points that the explorer's camera sees from three metres that is two centimetres, of the points within a metre
-two millimetres, and less with every look: what is in doubt from afar is decided nearby.
+two millimetres, and less with every observation: what is in doubt from afar is decided nearby.
 
 Sources: Blom (1958), Statistical Estimates and Transformed Beta-Variables, sec. 6.9 (e_n, within 0.01 from n = 2 on);
 David & Nagaraja (2003), Order Statistics, sec. 2.1 (distribution of the extreme); Goldberg, Maimone & Matthies (2002),
@@ -27,8 +27,9 @@ IEEE Aerospace Conf. 5:2025 (steps between cells); JCGM 106:2012, The Role of Me
 Assessment (guarded rejection: refused is what is beyond a limit by the expanded uncertainty, here with coverage
 factor 2). The slope from both sides is this module's.
 
-Assumptions: errors of points are independent; those that a look has in common (tilt, height) fall out of a difference.
-Extremes are noisier than means, and slopes have an error, too; both are left out, so that too little is taken off.
+Assumptions: errors of points are independent; those that an observation has in common (tilt, height) fall out of a
+difference. Extremes are noisier than means, and slopes have an error, too; both are left out, so that too little is
+taken off.
 """
 
 import math

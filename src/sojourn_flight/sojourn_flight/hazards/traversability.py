@@ -12,7 +12,7 @@
   no cell: what it means depends on the direction driven, see `detour_search` (plans) and `settling` (poses).
 
 What was closed by a step or a bump stays so until it is below its limit by the part `hysteresis`: noise about a limit
-does not open and close the way with every look.
+does not open and close the way with every observation.
 
 Sources: Goldberg, Maimone & Matthies (2002), IEEE Aerospace Conf. 5:2025 (step, tilt and roughness of planes fitted
 to patches of the rover's size); Biesiadecki & Maimone (2006), IEEE Aerospace Conf. (their use on Mars); Canny (1986),
@@ -45,6 +45,8 @@ ALMOST = 0.8
 """A slope that is so near to the least limit may be more than it at another pose [-]."""
 LEAST_PATCH = 6
 """Fewer cells make no plane."""
+NO_HEIGHT = 1e-9
+"""By so much the rounding of a sum may raise a cell [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +102,10 @@ def judged(params: ObstacleParams, map_: ObstacleMap, before: Passability | None
     """What each cell is. `reach` is half the outline's width: a patch as wide as the rover.
 
     Args:
-        before: what was thought of the map before its last look, None at first.
+        before: what was thought of the map before its last observation, None at first.
     """
+    from scipy.ndimage import maximum_filter  # here: a drive without a camera need not wait for it to load
+
     limits = params.passable
     tilts = limits.tilts
     kinds, measures, slopes = judge_cells(
@@ -113,9 +117,8 @@ def judged(params: ObstacleParams, map_: ObstacleMap, before: Passability | None
         limits.clearance,
         params.outline.half_width,
     )
-    steep = np.hypot(slopes[0], slopes[1]) > ALMOST * min(tilts)
-    for axis in (0, 1):
-        steep = np.logical_or.reduce([np.roll(steep, step, axis) for step in range(-NEARBY, NEARBY + 1)])
+    steep = np.square(slopes[0]) + np.square(slopes[1]) > (ALMOST * min(tilts)) ** 2
+    steep = maximum_filter(steep, 2 * NEARBY + 1, mode="wrap")
     return Passability(map_.x0, map_.y0, kinds, measures, slopes, steep)
 
 
@@ -196,35 +199,59 @@ def judge_cells(
             if layers[SLIP, row, column] > 0.0:
                 kinds[row, column] = LOOSE
                 measures[row, column] = layers[SLIP, row, column]
-    stepped = kinds.copy()
-    wide = math.ceil(reach / cell)
+    usable = (layers[COUNT] != 0.0) & (kinds == FREE)
+    disc = _disc(reach, cell)
     for row in range(size):
         for column in range(size):
-            if layers[COUNT, row, column] == 0.0 or stepped[row, column] != FREE:
+            if not usable[row, column]:
                 continue
-            a, b, sigma, bump = _plane(layers, stepped, row, column, cell, wide, reach)
+            limit = eased[row, column] * clearance
+            a, b, sigma, bump = _plane(layers, usable, disc, (row, column), cell, limit)
             slopes[0, row, column], slopes[1, row, column], slopes[2, row, column] = a, b, sigma
-            if bump > eased[row, column] * clearance:
+            if bump > limit:
                 kinds[row, column] = BUMP
                 measures[row, column] = bump
     return kinds, measures, slopes
 
 
 @njit(cache=True)
+def _disc(reach: float, cell: float) -> NDArray[np.int64]:
+    """Half the width of a disc in each row of cells, from its middle on [cells]."""
+    wide = math.ceil(reach / cell)
+    disc = np.full(wide + 1, -1)
+    for off in range(wide + 1):
+        for across in range(wide + 1):
+            x, y = across * cell, off * cell
+            if x * x + y * y <= reach * reach:
+                disc[off] = across
+    return disc
+
+
+@njit(cache=True)
 def _plane(
-    layers: FloatArray, stepped: NDArray[np.int64], row: int, column: int, cell: float, wide: int, reach: float
+    layers: FloatArray,
+    usable: NDArray[np.bool_],
+    disc: NDArray[np.int64],
+    middle: tuple[int, int],
+    cell: float,
+    limit: float,
 ) -> tuple[float, float, float, float]:
     """Gradient of the plane through a patch along x and y, its standard deviation [-], and the highest point above the
-    plane [m]; zeros where the patch is too small.
+    plane [m], 0 where none can be above `limit`; zeros where the patch is too small.
+
+    Args:
+        usable: cells that the plane is of. disc: the patch, see `_disc`. middle: of the patch, row and column.
     """
-    size = layers.shape[1]
+    size, wide, (row, column) = layers.shape[1], disc.shape[0] - 1, middle
     n = sx = sy = sz = sxx = sxy = syy = sxz = syz = szz = 0.0
+    highest = -math.inf
     for i in range(max(row - wide, 0), min(row + wide + 1, size)):
-        for j in range(max(column - wide, 0), min(column + wide + 1, size)):
-            x, y = (j - column) * cell, (i - row) * cell
-            if layers[COUNT, i, j] == 0.0 or stepped[i, j] != FREE or x * x + y * y > reach * reach:
+        half, y = disc[abs(i - row)], (i - row) * cell
+        for j in range(max(column - half, 0), min(column + half + 1, size)):
+            if not usable[i, j]:
                 continue
-            z = layers[MEAN, i, j]
+            x, z = (j - column) * cell, layers[MEAN, i, j]
+            highest = max(highest, layers[HIGH, i, j])
             n += 1.0
             sx += x
             sy += y
@@ -249,12 +276,15 @@ def _plane(
     a = (syy * sxz - sxy * syz) / determinant
     b = (sxx * syz - sxy * sxz) / determinant
     c = (sz - a * sx - b * sy) / n
+    off = max(szz - a * sxz - b * syz, 0.0) / (n - 3.0)
+    sigma = math.sqrt(off * max(sxx, syy) / determinant)
+    if highest - c + wide * cell * (abs(a) + abs(b)) < limit - NO_HEIGHT:
+        return a, b, sigma, 0.0
     bump = 0.0
     for i in range(max(row - wide, 0), min(row + wide + 1, size)):
-        for j in range(max(column - wide, 0), min(column + wide + 1, size)):
-            x, y = (j - column) * cell, (i - row) * cell
-            if layers[COUNT, i, j] == 0.0 or stepped[i, j] != FREE or x * x + y * y > reach * reach:
-                continue
-            bump = max(bump, layers[HIGH, i, j] - a * x - b * y - c)
-    off = max(szz - a * sxz - b * syz, 0.0) / (n - 3.0)
-    return a, b, math.sqrt(off * max(sxx, syy) / determinant), bump
+        half, y = disc[abs(i - row)], (i - row) * cell
+        for j in range(max(column - half, 0), min(column + half + 1, size)):
+            if usable[i, j]:
+                x = (j - column) * cell
+                bump = max(bump, layers[HIGH, i, j] - a * x - b * y - c)
+    return a, b, sigma, bump

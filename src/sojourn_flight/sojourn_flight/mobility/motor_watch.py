@@ -65,7 +65,7 @@ class MotorState(NamedTuple):
     @property
     def any_failed(self) -> bool:
         """Whether there is any failure."""
-        return bool(self.steer_failed.any() or self.drive_failed.any())
+        return bool(np.count_nonzero(self.steer_failed) or np.count_nonzero(self.drive_failed))
 
     def steering_on_trial(self) -> "MotorState":
         """The steering motors get another try."""
@@ -177,7 +177,7 @@ def _does_not_follow(
 
 def commandable(table: FloatArray, state: MotorState) -> FloatArray:
     """The table with which wheels are commanded: a failed steering can only be where it is."""
-    if not state.steer_failed.any():
+    if not np.count_nonzero(state.steer_failed):
         return table
     rest = table.copy()
     for column in (WheelTableColumn.STEER_MIN, WheelTableColumn.STEER_MAX):
@@ -209,7 +209,7 @@ def dragging_sigma(table: FloatArray, state: MotorState) -> float:
 
 def shortcoming(table: FloatArray, state: MotorState, names: tuple[str, ...]) -> str:
     """Why a goal cannot be driven to with the motors that are left; empty where it can."""
-    if not (state.steer_failed.any() or state.drive_failed.any()):
+    if not state.any_failed:
         return ""
     steered = table[:, WheelTableColumn.STEERED] > 0.5
     if steered.any() and state.steer_failed[steered].all():

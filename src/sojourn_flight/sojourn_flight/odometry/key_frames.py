@@ -9,7 +9,7 @@ What a match tells goes into the odometry's filter by `relative_fix`. A match wi
 surface or with residuals above their deviations is not used, nor one that does not fit there.
 
 Source: Maimone, Cheng & Matthies (2007), J. Field Robotics 24:169 (visual odometry of the Mars Exploration Rovers, with
-which they drove on slopes and in loose soil). Assumptions: a gyro carries the heading from one look to the next; the
+which they drove on slopes and in loose soil). Assumptions: a gyro carries the heading from one cloud to the next; the
 ground does not change.
 """
 
@@ -23,7 +23,7 @@ from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_flight.odometry.ground_surface import GroundSurface, surface_through
 from sojourn_flight.odometry.odometry import OdometryState, wrap_angle
 from sojourn_flight.odometry.odometry_kernels import cloned, widened
-from sojourn_flight.odometry.relative_fix import fix_way, tells
+from sojourn_flight.odometry.relative_fix import fix_way, informative
 from sojourn_flight.odometry.terrain_match import Match, match
 from sojourn_flight.odometry.terrain_match_params import TerrainMatchParams
 from sojourn_machine.errors import InvalidValueError
@@ -59,7 +59,7 @@ class TerrainMatchState:
     """Of the key frame, in its axes; None before there is one."""
     level: float = 0.0
     """Height of base_link at the key frame [m]."""
-    looks: tuple[KeyFrame, ...] = ()
+    observations: tuple[KeyFrame, ...] = ()
     """The last clouds, the newest at the end."""
     at: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     """x, y, height of the odometry and yaw at the last cloud that was taken."""
@@ -103,42 +103,45 @@ def match_ground(
     if key is None:
         raise InvalidValueError("key", key, "the pose of a key frame: initial_odometry(..., key_frames=True)")
     params = matcher.params
-    look = _look_of(matcher, odometry, state, cloud)
-    if len(look.points) < params.least_points:
-        return odometry, replace(state, text=f"only {len(look.points)} points of the ground in view", points=0)
+    observation = _observation_of(matcher, odometry, state, cloud)
+    if len(observation.points) < params.least_points:
+        return odometry, replace(state, text=f"only {len(observation.points)} points of the ground in view", points=0)
     moved = math.hypot(odometry.x - state.at[0], odometry.y - state.at[1])
     turned = abs(wrap_angle(odometry.yaw - state.at[3]))
     if state.surface is not None and max(moved, turned) < params.least_step:
-        if len(state.looks) >= params.clouds or state.matches:
+        if len(state.observations) >= params.clouds or state.matches:
             return odometry, replace(state, text="standing, no match")
-        return _with_key_frame(matcher, odometry, _taken(params, state, look, odometry))
+        return _with_key_frame(matcher, odometry, _taken(params, state, observation, odometry))
     if state.surface is None:
-        return _with_key_frame(matcher, odometry, _taken(params, state, look, odometry))
+        return _with_key_frame(matcher, odometry, _taken(params, state, observation, odometry))
 
     turn = wrap_angle(odometry.yaw - float(key[2]))
     ahead, left = _turned(odometry.x - float(key[0]), odometry.y - float(key[1]), -float(key[2]))
     to_key = rotation_of(0.0, 0.0, turn)
-    guess = np.array((ahead, left, look.place[2] - state.level))
+    guess = np.array((ahead, left, observation.place[2] - state.level))
     heading = math.sqrt(max(_relative_heading_variance(odometry), 1e-10))
     found = match(
         state.surface,
-        look.points @ to_key.T,
-        look.errors @ to_key.T,
+        observation.points @ to_key.T,
+        observation.errors @ to_key.T,
         guess,
         params.sharing,
         (params.tilt_sigma, heading),
     )
-    overlap = found.points / len(look.points)
+    overlap = found.points / len(observation.points)
     flaw = _flaw(params, found)
-    if not flaw and not _tells(found):
+    if not flaw and not _is_informative(found):
         state = replace(state, text="the ground is too even to tell", points=found.points)
     elif flaw:
         state = replace(state, rejected=state.rejected + 1, text=f"rejected: {flaw}", points=found.points)
     else:
-        look = replace(look, place=(*look.place[:2], state.level + float(guess[2] + found.shift[2]), look.place[3]))
+        observation = replace(
+            observation,
+            place=(*observation.place[:2], state.level + float(guess[2] + found.shift[2]), observation.place[3]),
+        )
         odometry, state = _updated(params, odometry, state, found, guess[:2])
-        look = replace(look, place=(odometry.x, odometry.y, look.place[2], odometry.yaw))
-    state = _taken(params, state, look, odometry)
+        observation = replace(observation, place=(odometry.x, odometry.y, observation.place[2], odometry.yaw))
+    state = _taken(params, state, observation, odometry)
     gone = math.hypot(float(guess[0] + found.shift[0]), float(guess[1] + found.shift[1]))
     if gone > params.spacing or abs(turn) > params.turn or overlap < LEAST_OVERLAP:
         return _with_key_frame(matcher, odometry, state)
@@ -146,7 +149,7 @@ def match_ground(
 
 
 def warm_up(matcher: TerrainMatcher, odometry: OdometryState) -> None:
-    """Have every kernel compiled: looks at a wavy ground from two places; `odometry` is left as it is."""
+    """Have every kernel compiled: a wavy ground seen from two places; `odometry` is left as it is."""
     params, camera = matcher.params, matcher.camera
     ahead, left = np.meshgrid(np.linspace(0.5, 2.0, 31), np.linspace(-0.8, 0.8, 33))
     ground = np.stack(
@@ -173,14 +176,16 @@ def match_status(state: TerrainMatchState | None, odometry: OdometryState) -> di
     }
 
 
-def _look_of(matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState, cloud: FloatArray) -> KeyFrame:
+def _observation_of(
+    matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState, cloud: FloatArray
+) -> KeyFrame:
     """The near points of a cloud in level axes."""
     rays = cloud - matcher.camera.position
     near = (rays * rays).sum(axis=1) <= matcher.params.range**2
     level = rotation_of(odometry.roll, odometry.pitch)
     height = odometry.z
-    if state.looks:
-        height = state.looks[-1].place[2] + odometry.z - state.at[2]
+    if state.observations:
+        height = state.observations[-1].place[2] + odometry.z - state.at[2]
     return KeyFrame(
         np.ascontiguousarray(cloud[near] @ level.T),
         np.ascontiguousarray(along_rays(matcher.camera, cloud[near]) @ level.T),
@@ -189,17 +194,17 @@ def _look_of(matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMat
 
 
 def _taken(
-    params: TerrainMatchParams, state: TerrainMatchState, look: KeyFrame, odometry: OdometryState
+    params: TerrainMatchParams, state: TerrainMatchState, observation: KeyFrame, odometry: OdometryState
 ) -> TerrainMatchState:
     at = (odometry.x, odometry.y, odometry.z, odometry.yaw)
-    return replace(state, looks=(*state.looks, look)[-params.clouds :], at=at)
+    return replace(state, observations=(*state.observations, observation)[-params.clouds :], at=at)
 
 
 def _flaw(params: TerrainMatchParams, found: Match) -> str:
     """Why a match cannot be used; empty where it can."""
     if found.points < params.least_points:
         return f"only {found.points} points on known ground"
-    if not found.converged and _tells(found):
+    if not found.converged and _is_informative(found):
         return "no place fits"
     if found.outliers > MOST_OUTLIERS * found.points:
         return f"{found.outliers} of {found.points} points off the ground"
@@ -208,9 +213,9 @@ def _flaw(params: TerrainMatchParams, found: Match) -> str:
     return ""
 
 
-def _tells(found: Match) -> bool:
+def _is_informative(found: Match) -> bool:
     """Whether the ground has relief enough for a direction."""
-    return bool(tells(np.linalg.eigh(found.information)[0]).any())
+    return bool(informative(np.linalg.eigh(found.information)[0]).any())
 
 
 def _updated(
@@ -234,16 +239,16 @@ def _updated(
 def _with_key_frame(
     matcher: TerrainMatcher, odometry: OdometryState, state: TerrainMatchState
 ) -> tuple[OdometryState, TerrainMatchState]:
-    """A key frame at the newest look, through the last ones."""
+    """A key frame at the newest observation, through the last ones."""
     params, camera = matcher.params, matcher.camera
-    x, y, level, yaw = state.looks[-1].place
+    x, y, level, yaw = state.observations[-1].place
     points, variances = [], []
-    for look in state.looks:
-        ahead, left = _turned(look.place[0] - x, look.place[1] - y, -yaw)
-        turned = rotation_of(0.0, 0.0, wrap_angle(look.place[3] - yaw))
-        points.append(look.points @ turned.T + np.array((ahead, left, look.place[2] - level)))
-        length = np.sqrt((look.errors * look.errors).sum(axis=1))
-        variances.append((np.abs(look.errors[:, 2]) + LEAST_STEEPNESS * length) ** 2 + LEAST_VARIANCE)
+    for observation in state.observations:
+        ahead, left = _turned(observation.place[0] - x, observation.place[1] - y, -yaw)
+        turned = rotation_of(0.0, 0.0, wrap_angle(observation.place[3] - yaw))
+        points.append(observation.points @ turned.T + np.array((ahead, left, observation.place[2] - level)))
+        length = np.sqrt((observation.errors * observation.errors).sum(axis=1))
+        variances.append((np.abs(observation.errors[:, 2]) + LEAST_STEEPNESS * length) ** 2 + LEAST_VARIANCE)
     reach = params.range + math.hypot(camera.position[0], camera.position[1])
     surface = surface_through(np.concatenate(points), np.concatenate(variances), params.cell, params.radius, reach)
     odometry = replace(

@@ -38,7 +38,7 @@ from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
 LARGEST_SIGMA = 0.03
-"""A direction in which a match is worse tells nothing [m]."""
+"""A direction in which a match is worse carries no information [m]."""
 
 
 class Fix(NamedTuple):
@@ -54,8 +54,8 @@ class Fix(NamedTuple):
     """It fits with another slip than was believed."""
 
 
-def tells(information: NDArray[Any]) -> NDArray[np.bool_]:
-    """Which eigenvalues of an information [1/m^2] are enough to be used."""
+def informative(information: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which eigenvalues of an information matrix [1/m^2] are large enough to be used."""
     return np.asarray(information > LARGEST_SIGMA**-2)
 
 
@@ -70,7 +70,7 @@ def fix_way(
 
     Args:
         way: of base_link from the key frame, in its axes, shape (2,) [m]. information: of it, shape (2, 2) [1/m^2],
-            with at least one eigenvalue that `tells`. since: way from the last match, in odom [m].
+            with at least one eigenvalue that is `informative`. since: way from the last match, in odom [m].
 
     Raises:
         InvalidValueError: the odometry is not made for key frames.
@@ -79,7 +79,7 @@ def fix_way(
     if key is None:
         raise InvalidValueError("key", key, "the pose of a key frame: initial_odometry(..., key_frames=True)")
     values, axes = np.linalg.eigh(information)
-    told = tells(values)
+    used = informative(values)
     to_odom = rotation_of(0.0, 0.0, float(key[2]))[:2, :2]
     gone = to_odom @ way
     size = len(odometry.covariance)
@@ -87,8 +87,8 @@ def fix_way(
     rows[0, 0] = rows[1, 1] = 1.0
     rows[0, size - 3] = rows[1, size - 2] = -1.0
     rows[0, size - 1], rows[1, size - 1] = gone[1], -gone[0]
-    along = (to_odom @ axes[:, told]).T
-    rows, noise = along @ rows, 1.0 / values[told]
+    along = (to_odom @ axes[:, used]).T
+    rows, noise = along @ rows, 1.0 / values[used]
     innovation = along @ (gone - np.array((odometry.x - key[0], odometry.y - key[1])))
 
     changed = params.slip_walk * math.sqrt(math.hypot(*since))

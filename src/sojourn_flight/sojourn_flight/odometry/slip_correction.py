@@ -50,7 +50,7 @@ def step_slip(
         tilt,
     )
     found = estimate_slip(model, state.slip, seen, dt)
-    if not state.motors.drive_failed.any():
+    if not np.count_nonzero(state.motors.drive_failed):
         return found
     return found._replace(sigma=max(found.sigma, DRAGGING_SIGMA * (1.0 - found.shared)))
 

@@ -13,11 +13,11 @@ along its rolling direction, and r the radius on which the soil shears, that of 
 
 Where there is none to tell: the way that the wheels make as one must be at least least_speed and TURNING_PART of what
 the fastest rim makes. While the machine stands, comes to a halt or turns on the spot, the body rocks by more than the
-wheels roll, and a speed over theirs says nothing; nobody is told a slip then, and odometry takes the expected one.
+wheels roll, and a speed over theirs says nothing; no slip is reported then, and odometry takes the expected one.
 
-Trouble, told in words: wheels that spin without headway (slip above a limit for a time); a wheel that turns without its
-load (off the ground, in a hole, or a broken shaft); a wheel that stands while others roll (blocked). Sources: Ojeda et
-al. (2006), IEEE Trans. Robotics 22:366; Wong (2008), Theory of Ground Vehicles, sec. 2.5 and 4.1.
+Trouble, reported in words: wheels that spin without headway (slip above a limit for a time); a wheel that turns without
+its load (off the ground, in a hole, or a broken shaft); a wheel that stands while others roll (blocked). Sources: Ojeda
+et al. (2006), IEEE Trans. Robotics 22:366; Wong (2008), Theory of Ground Vehicles, sec. 2.5 and 4.1.
 
 Not seen: slip on firm ground, where torque needs none. The camera sees it, where the ground has relief (`key_frames`).
 """
@@ -106,10 +106,10 @@ class SlipState(NamedTuple):
     """Rate of each wheel [rad/s]."""
     slip: FloatArray
     """Of each wheel, -1 (blocked) to 1 (spins on the spot) [-]."""
-    told: bool
-    """Whether the wheels turn in such a way that the machine has a slip that can be told."""
+    observable: bool
+    """Whether the wheels turn in such a way that the machine's slip can be observed."""
     shared: float
-    """Slip of the machine: 1 - speed over ground / speed of the wheels; 0 where none is told [-]."""
+    """Slip of the machine: 1 - speed over ground / speed of the wheels; 0 where it is not observable [-]."""
     sigma: float
     """Standard deviation of that [-]."""
     ahead: FloatArray
@@ -188,7 +188,7 @@ class SlipModel:
             torques=zero,
             rates=zero,
             slip=zero,
-            told=False,
+            observable=False,
             shared=0.0,
             sigma=0.0,
             ahead=np.array((1.0, 0.0)),
@@ -204,7 +204,7 @@ class SlipModel:
 
 def estimate_slip(model: SlipModel, state: SlipState, measured: SlipInput, dt: float) -> SlipState:
     """State after one period of `dt` [s]; `measured` has been checked by the drive."""
-    if not state.gravity.any():
+    if not np.count_nonzero(state.gravity):
         roll_angle, pitch = measured.roll_pitch
         size = float(np.linalg.norm(measured.specific_force))
         level = math.cos(pitch)
@@ -231,7 +231,7 @@ def trouble(params: SlipParams, state: SlipState, names: tuple[str, ...]) -> str
 
 def is_stuck(params: SlipParams, state: SlipState) -> bool:
     """Whether a wheel spins without headway."""
-    return bool((state.stuck_for >= params.stuck_time).any())
+    return bool(np.count_nonzero(state.stuck_for >= params.stuck_time))
 
 
 def further_slip(slip: float, error: float) -> float:
@@ -256,7 +256,7 @@ def slip_status(
         f"slip_{name}": further_slip(float(slip), further) if slip != 0.0 else 0.0
         for name, slip in zip(names, state.slip, strict=True)
     }
-    status["slip"] = further_slip(state.shared, further) if state.told else 0.0
+    status["slip"] = further_slip(state.shared, further) if state.observable else 0.0
     status["slip_sigma"] = state.sigma * tips_over_rim
     status["soil_factor"] = float(state.states[FACTOR])
     status["soil_factor_sigma"] = math.sqrt(state.covariance[FACTOR, FACTOR])
@@ -292,8 +292,8 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
     v_x, v_y, _ = velocity_kernel(table, rates, angles, np.zeros(count), gyro[2], 1.0)
     wheels = math.hypot(v_x, v_y)
     pace = old.pace + share * (wheels - old.pace)
-    told = wheels >= max(least_speed, TURNING_PART * fastest)
-    ahead = np.array((v_x / wheels, v_y / wheels)) if told else old.ahead
+    observable = wheels >= max(least_speed, TURNING_PART * fastest)
+    ahead = np.array((v_x / wheels, v_y / wheels)) if observable else old.ahead
     ahead_x, ahead_y = ahead[0], ahead[1]
     turn_to(states, covariance, ahead_x * old.ahead[0] + ahead_y * old.ahead[1], TURNING_SIGMA)
 
@@ -323,7 +323,7 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         levers[i] = table[i, 2] * load
         kinds[i] = 1 if in_rut(table, i, ahead_x, ahead_y, trust.rut_width, way) else 0
         counts[i] = 0.0 if standing[i] > 0.5 or old.idle_for[i] > 1.0 else 1.0
-    if not told:
+    if not observable:
         along_ahead = v_x * ahead_x + v_y * ahead_y
         update(states, covariance, np.array((1.0, 0.0, 0.0)), along_ahead - states[SPEED], TURNING_SIGMA**2 * inflation)
     elif counts.sum() > 0.5:
@@ -344,7 +344,7 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
             expected = levers[i] * coefficient(machine.curves[kinds[i]], min(believed, 1.0))
             if expected > IDLE_EXPECTED and pulling[i] < trust.idle_torque * expected and standing[i] < 0.5:
                 idle[i] = old.idle_for[i] + dt
-    if told:
+    if observable:
         way += max(states[SPEED], 0.0) * dt
     elif fastest >= least_speed:  # on the spot, out of the ruts
         way = 0.0
@@ -356,11 +356,11 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         largest = max(abs(rim), abs(over_ground))
         if largest >= least_speed:
             slip[i] = (rim - over_ground) / largest * (1.0 if rim + over_ground >= 0.0 else -1.0)
-        if slip[i] > trust.stuck_slip and told:
+        if slip[i] > trust.stuck_slip and observable:
             stuck[i] = old.stuck_for[i] + dt
         if standing[i] > 0.5 and abs(table[i, 2] * seen.commanded_rates[i]) >= least_speed and fastest >= least_speed:
             blocked[i] = old.blocked_for[i] + dt
     return SlipState(
-        states, covariance, gravity, torques, rates, slip, told, shared, sigma, ahead, rocking, way, pace,
+        states, covariance, gravity, torques, rates, slip, observable, shared, sigma, ahead, rocking, way, pace,
         standing_for, stuck, idle, blocked,
     )  # fmt: skip

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sojourn_flight.hazards.clearance import Room
+from sojourn_flight.hazards.clearance import ClearanceMap
 from sojourn_flight.hazards.wide_map import WideMap
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.detour_search import (
@@ -55,7 +55,7 @@ class Maps(NamedTuple):
 
 
 def plan_detour(
-    maps: Maps, room: Room, route: Route, pose: Pose, straight: float, turning: float
+    maps: Maps, clearance: ClearanceMap, route: Route, pose: Pose, straight: float, turning: float
 ) -> list[Point] | None:
     """Points to drive along, the goal last; None where the maps know no way.
 
@@ -69,7 +69,7 @@ def plan_detour(
     stations = stations[stations >= route.progress]
     places = route.points_at(stations)
     ahead = route.points_at(stations + 0.01) - route.points_at(stations - 0.01)
-    lasting = graph_of(room, static_costs(room, straight, turning), maps.wide, maps.slopes)
+    lasting = graph_of(clearance, static_costs(clearance, straight, turning), maps.wide, maps.slopes)
     closed = ~np.isfinite(line_costs(lasting, places, ahead)) & on_maps(lasting, places)
     begin, end = _closed_stretch(stations, closed)
     before = [float(s) for s in corners if route.progress + PASSED < s < begin]
@@ -77,12 +77,12 @@ def plan_detour(
     start = pose
     if before:
         first, start = _pose(route, before[0]), _pose(route, before[-1])
-        ways = _ways_from(maps, room, pose, straight, turning)
+        ways = _ways_from(maps, clearance, pose, straight, turning)
         there = None if ways is None else ways.straight_or_round((pose.x, pose.y), (first.x, first.y))
         if there is None:
             return None
         points = there + [(corner.x, corner.y) for corner in (_pose(route, station) for station in before[1:])]
-    ways = _ways_from(maps, room, start, straight, turning)
+    ways = _ways_from(maps, clearance, start, straight, turning)
     if ways is None:
         return None
     costs = np.array([ways.cost(place) for place in places.tolist()])
@@ -120,9 +120,9 @@ class _Ways(NamedTuple):
         return [place] if math.isfinite(straight) else self.to(place)
 
 
-def _ways_from(maps: Maps, room: Room, start: Pose, straight: float, turning: float) -> _Ways | None:
+def _ways_from(maps: Maps, clearance: ClearanceMap, start: Pose, straight: float, turning: float) -> _Ways | None:
     """None for a start that is on neither map."""
-    graph = graph_of(room, cell_costs(room, maps.known, start, straight, turning), maps.wide, maps.slopes)
+    graph = graph_of(clearance, cell_costs(clearance, maps.known, start, straight, turning), maps.wide, maps.slopes)
     node = graph.node_of(start.x, start.y)
     return None if node is None else _Ways(graph, *cheapest_ways(graph, node))
 

@@ -33,7 +33,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sojourn_flight.hazards.clearance import Room
+from sojourn_flight.hazards.clearance import ClearanceMap
 from sojourn_flight.hazards.obstacle_params import TiltLimits
 from sojourn_flight.hazards.wide_map import COST, SLOPE_X, SLOPE_Y, WideMap
 from sojourn_flight.planning.clothoid import Pose
@@ -57,23 +57,25 @@ PROBE = 0.5
 """A straight line is looked at every so many cells of the map [-]."""
 
 
-def static_costs(room: Room, straight: float, turning: float) -> FloatArray:
+def static_costs(clearance: ClearanceMap, straight: float, turning: float) -> FloatArray:
     """Cost of a metre that obstacles make in each cell, infinite where closed; `straight` is r, `turning` is R."""
-    distances = room.distances
+    distances = clearance.distances
     narrow = np.clip((turning - distances) / (turning - straight), 0.0, 1.0)
     near = np.clip((turning + SOFT - distances) / SOFT, 0.0, 1.0)
     return np.asarray(np.where(distances >= straight, 1.0 + NARROW * narrow + NEAR * near, np.inf))
 
 
-def cell_costs(room: Room, known: NDArray[np.bool_], start: Pose, straight: float, turning: float) -> FloatArray:
+def cell_costs(
+    clearance: ClearanceMap, known: NDArray[np.bool_], start: Pose, straight: float, turning: float
+) -> FloatArray:
     """Cost of a metre in each cell of the map, from where the rover is; shape (cells, cells)."""
-    nearer = min(straight, room.at(start.x, start.y) - 0.1)
-    costs = static_costs(room, straight, turning)
-    middles = room.cell * (np.arange(len(costs)) + 0.5)
-    east, north = room.x0 + middles[np.newaxis, :] - start.x, room.y0 + middles[:, np.newaxis] - start.y
+    nearer = min(straight, clearance.at(start.x, start.y) - 0.1)
+    costs = static_costs(clearance, straight, turning)
+    middles = clearance.cell * (np.arange(len(costs)) + 0.5)
+    east, north = clearance.x0 + middles[np.newaxis, :] - start.x, clearance.y0 + middles[:, np.newaxis] - start.y
     away = np.hypot(east, north)
     if nearer < straight:
-        costs = np.where(away < ESCAPE, static_costs(room, nearer, turning), costs)
+        costs = np.where(away < ESCAPE, static_costs(clearance, nearer, turning), costs)
     off = np.angle(np.exp(1j * (np.arctan2(north, east) - start.heading)))
     return np.asarray(costs + UNSEEN * ~known + np.where(away < TURN_WAY, TURN * np.abs(off) / np.pi, 0.0))
 
@@ -98,7 +100,7 @@ def sure_slopes(slopes: FloatArray) -> FloatArray:
 class Graph(NamedTuple):
     """The cells of both maps: those of the map row by row, then those of the wide map."""
 
-    room: Room
+    clearance: ClearanceMap
     wide: WideMap
     costs: FloatArray
     """Of a metre, shape (nodes,); infinite where closed, and on wide cells that the map covers."""
@@ -108,20 +110,20 @@ class Graph(NamedTuple):
 
     def node_of(self, x: float, y: float) -> int | None:
         """The cell that holds a place; None off both maps."""
-        if self.room.holds(x, y):
-            row, column = self.room.cell_of(x, y)
-            return row * len(self.room.distances) + column
+        if self.clearance.holds(x, y):
+            row, column = self.clearance.cell_of(x, y)
+            return row * len(self.clearance.distances) + column
         wide = self.wide
         size = int(wide.layers.shape[1])
         row, column = math.floor((y - wide.y0) / wide.cell), math.floor((x - wide.x0) / wide.cell)
         if not (0 <= row < size and 0 <= column < size):
             return None
-        return int(self.room.distances.size) + row * size + column
+        return int(self.clearance.distances.size) + row * size + column
 
     def places(self) -> FloatArray:
         """Middles of the cells, shape (nodes, 2) [m]."""
         return np.concatenate([
-            _middles(len(self.room.distances), self.room.x0, self.room.y0, self.room.cell),
+            _middles(len(self.clearance.distances), self.clearance.x0, self.clearance.y0, self.clearance.cell),
             _middles(self.wide.layers.shape[1], self.wide.x0, self.wide.y0, self.wide.cell),
         ])  # fmt: skip
 
@@ -131,14 +133,14 @@ def _middles(size: int, x0: float, y0: float, cell: float) -> FloatArray:
     return np.stack([x0 + (columns + 0.5) * cell, y0 + (rows + 0.5) * cell], axis=1)
 
 
-def graph_of(room: Room, costs: FloatArray, wide: WideMap, slopes: Slopes) -> Graph:
+def graph_of(clearance: ClearanceMap, costs: FloatArray, wide: WideMap, slopes: Slopes) -> Graph:
     """The graph; `costs` are those of the map's cells, from `cell_costs`."""
     far = _middles(wide.layers.shape[1], wide.x0, wide.y0, wide.cell)
-    side = len(room.distances) * room.cell
-    covered = (np.abs(far - (room.x0 + 0.5 * side, room.y0 + 0.5 * side)) < 0.5 * side).all(axis=1)
+    side = len(clearance.distances) * clearance.cell
+    covered = (np.abs(far - (clearance.x0 + 0.5 * side, clearance.y0 + 0.5 * side)) < 0.5 * side).all(axis=1)
     far_costs = np.where(covered, np.inf, (wide.layers[COST] + UNSEEN * ~wide.known).ravel())
     return Graph(
-        room,
+        clearance,
         wide,
         np.concatenate([costs.ravel(), far_costs]),
         np.concatenate([slopes.map.reshape(2, -1), wide.layers[SLOPE_X : SLOPE_Y + 1].reshape(2, -1)], axis=1),
@@ -173,14 +175,14 @@ def _neighbours(size: int) -> Pairs:
 
 def _links(graph: Graph, places: FloatArray) -> Pairs:
     """From each cell at the edge of the map to the wide cell beyond, the way in metres."""
-    room, wide = graph.room, graph.wide
-    size, many = len(room.distances), wide.layers.shape[1]
+    clearance, wide = graph.clearance, graph.wide
+    size, many = len(clearance.distances), wide.layers.shape[1]
     number = np.arange(size * size).reshape(size, size)
     first, second = [], []
     sides = ((number[0], (0, -1)), (number[-1], (0, 1)), (number[:, 0], (-1, 0)), (number[:, -1], (1, 0)))
     for cells, outwards in sides:
         # beyond the wide cells whose middles are on the map
-        beyond = places[cells] + 0.5 * (room.cell + wide.cell) * np.array(outwards)
+        beyond = places[cells] + 0.5 * (clearance.cell + wide.cell) * np.array(outwards)
         columns, rows = (np.floor((beyond - (wide.x0, wide.y0)) / wide.cell).astype(np.int64)).T
         there = (rows >= 0) & (rows < many) & (columns >= 0) & (columns < many)
         first.append(cells[there])
@@ -201,13 +203,13 @@ def cheapest_ways(graph: Graph, start: int) -> tuple[FloatArray, NDArray[np.int3
     from scipy.sparse import csr_matrix  # here: a drive without a camera need not wait for it to load
     from scipy.sparse.csgraph import dijkstra
 
-    room, wide = graph.room, graph.wide
-    near, far = _neighbours(len(room.distances)), _neighbours(wide.layers.shape[1])
+    clearance, wide = graph.clearance, graph.wide
+    near, far = _neighbours(len(clearance.distances)), _neighbours(wide.layers.shape[1])
     links = _links(graph, graph.places())
-    count, offset = len(graph.costs), room.distances.size
+    count, offset = len(graph.costs), clearance.distances.size
     first = np.concatenate([near.first, far.first + offset, links.first])
     second = np.concatenate([near.second, far.second + offset, links.second])
-    ways = np.concatenate([near.way * room.cell, far.way * wide.cell, links.way], axis=1)
+    ways = np.concatenate([near.way * clearance.cell, far.way * wide.cell, links.way], axis=1)
     open_ = np.isfinite(graph.costs[first] + graph.costs[second])
     first, second, ways = first[open_], second[open_], ways[:, open_]
     lengths = np.hypot(*ways)
@@ -249,15 +251,15 @@ def straight_cost(graph: Graph, start: FloatArray, end: FloatArray) -> float:
     """Cost of a straight line between two places on the maps, shape (2,) [m]."""
     way = end - start
     length = float(np.hypot(*way))
-    parts = np.linspace(0.0, 1.0, max(2, math.ceil(length / (PROBE * graph.room.cell)) + 1))
+    parts = np.linspace(0.0, 1.0, max(2, math.ceil(length / (PROBE * graph.clearance.cell)) + 1))
     return float(line_costs(graph, start + parts[:, np.newaxis] * way, way[np.newaxis, :]).mean()) * length
 
 
 def line_costs(graph: Graph, places: FloatArray, ways: FloatArray) -> FloatArray:
     """Cost of a metre at places on the maps, shape (n, 2), towards `ways`, shape (n or 1, 2): shape (n,)."""
-    room, wide = graph.room, graph.wide
-    size, many = len(room.distances), wide.layers.shape[1]
-    columns, rows = np.floor((places - (room.x0, room.y0)) / room.cell).astype(np.int64).T
+    clearance, wide = graph.clearance, graph.wide
+    size, many = len(clearance.distances), wide.layers.shape[1]
+    columns, rows = np.floor((places - (clearance.x0, clearance.y0)) / clearance.cell).astype(np.int64).T
     far = np.clip(np.floor((places - (wide.x0, wide.y0)) / wide.cell).astype(np.int64), 0, many - 1)
     on_map = (rows >= 0) & (rows < size) & (columns >= 0) & (columns < size)
     nodes = np.where(on_map, rows * size + columns, size * size + far[:, 1] * many + far[:, 0])

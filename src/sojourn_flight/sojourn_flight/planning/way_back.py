@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from sojourn_flight.hazards.clearance import Room
+from sojourn_flight.hazards.clearance import ClearanceMap
 from sojourn_flight.mobility.kinematics import PlanarTwist
 from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Pose
@@ -52,8 +52,10 @@ def driven_on(track_: Track, here: Pose) -> Track:
     return track_[:-1] if ahead <= -SPACING and len(track_) > 1 else track_
 
 
-def way_back(track_: Track, here: Pose, room: Room, turning: float | None, longest: float) -> WayBack | None:
-    """Back to the first place with `turning` of room [m], at most `longest` [m]; None where there is nowhere to go.
+def way_back(
+    track_: Track, here: Pose, clearance: ClearanceMap, turning: float | None, longest: float
+) -> WayBack | None:
+    """Back to the first place with `turning` clear [m], at most `longest` [m]; None where there is nowhere to go.
 
     Args:
         turning: None for all of the way.
@@ -69,7 +71,7 @@ def way_back(track_: Track, here: Pose, room: Room, turning: float | None, longe
         if gone > longest + 1e-9:
             break
         poses.append(pose)
-        if turning is not None and room.at(pose.x, pose.y) >= turning:
+        if turning is not None and clearance.at(pose.x, pose.y) >= turning:
             break
     if len(poses) == 1:
         return None

@@ -24,7 +24,7 @@ from sojourn_flight.hazards.obstacle_map import HIDDEN
 from sojourn_flight.mobility.motor_watch import MotorState
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
 from sojourn_flight.odometry.odometry import OdometryState
-from sojourn_flight.planning.goal_follower import FollowerState, Phase, turned_about
+from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState, turned_about
 from sojourn_flight.planning.route import advanced
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState
 from sojourn_flight.supervision.driven_machine import DrivenMachine
@@ -32,14 +32,14 @@ from sojourn_flight.supervision.path_check import closed_ahead, path_ahead
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
-LOOK_TIME = 2.5
-"""It stands so long for a look before it turns about: two of the camera's periods, and a little more [s]."""
+OBSERVATION_TIME = 2.5
+"""It stands so long to observe before it turns about: two of the camera's periods, and a little more [s]."""
 WORTH_A_TURN = 0.6
 """Way that must have been seen for it to turn about [m]."""
 LEFT = 0.25
-"""With so much of it left it turns to look again [m]."""
+"""With so much of it left it turns to observe again [m]."""
 GAP = 1
-"""Cells so far from one that has been seen count as seen: a look leaves gaps [-]."""
+"""Cells so far from one that has been seen count as seen: an observation leaves gaps [-]."""
 
 
 class Sense(NamedTuple):
@@ -47,8 +47,8 @@ class Sense(NamedTuple):
 
     way: FollowerState
     seen: AvoidanceState | None
-    looking: bool = False
-    """It stands for a look."""
+    observing: bool = False
+    """It stands to observe the ground."""
 
 
 def trailing_helps(machine: DrivenMachine, motors: MotorState) -> bool:
@@ -63,9 +63,9 @@ def is_answered(machine: DrivenMachine, way: FollowerState, motors: MotorState) 
 
     There it takes a while until they are through what they have loosened; the time-out ends what gets nowhere.
     """
-    if way.phase is not Phase.DRIVE or way.astern:
+    if way.phase is not FollowerPhase.DRIVE or way.astern:
         return way.trails
-    return trailing_helps(machine, motors) and (not way.trails or _is_looking(way))
+    return trailing_helps(machine, motors) and (not way.trails or _is_observing(way))
 
 
 def choose_sense(
@@ -83,28 +83,28 @@ def choose_sense(
     """
     if not trailing_helps(machine, motors):
         return Sense(turned_about(way, astern=False) if way.astern else replace(way, trails=False), seen)
-    if way.phase is not Phase.DRIVE or not (way.astern or way.trails or slipping):
+    if way.phase is not FollowerPhase.DRIVE or not (way.astern or way.trails or slipping):
         return Sense(way, seen)
     if not way.trails:
         way = replace(way, trails=True, phase_elapsed=0.0)
     if machine.avoidance is None or seen is None:
         return Sense(way if way.astern else turned_about(way, astern=True), seen)
     if not seen.fresh:
-        return Sense(way, seen, looking=_is_looking(way))
+        return Sense(way, seen, observing=_is_observing(way))
     length = _seen_length(machine.avoidance, seen, way)
     if way.astern:
         position = (odometry.x, odometry.y)
-        route = None if seen.route is None else advanced(seen.route, position, 0.5 * seen.room.cell)
+        route = None if seen.route is None else advanced(seen.route, position, 0.5 * seen.clearance.cell)
         seen = replace(seen, route=route)
         return Sense(way if length >= LEFT and not seen.blocked else turned_about(way, astern=False), seen)
-    room = seen.room.at(odometry.x, odometry.y) >= machine.avoidance.turning
-    if _is_looking(way) and way.phase_elapsed > 0.5 * LOOK_TIME and room and length >= WORTH_A_TURN:
+    can_turn = seen.clearance.at(odometry.x, odometry.y) >= machine.avoidance.turning
+    if _is_observing(way) and way.phase_elapsed > 0.5 * OBSERVATION_TIME and can_turn and length >= WORTH_A_TURN:
         return Sense(turned_about(way, astern=True), seen)
-    return Sense(way, seen, looking=_is_looking(way))
+    return Sense(way, seen, observing=_is_observing(way))
 
 
-def _is_looking(way: FollowerState) -> bool:
-    return way.trails and not way.astern and way.phase is Phase.DRIVE and way.phase_elapsed <= LOOK_TIME
+def _is_observing(way: FollowerState) -> bool:
+    return way.trails and not way.astern and way.phase is FollowerPhase.DRIVE and way.phase_elapsed <= OBSERVATION_TIME
 
 
 def _seen_length(avoidance: Avoidance, seen: AvoidanceState, way: FollowerState) -> float:

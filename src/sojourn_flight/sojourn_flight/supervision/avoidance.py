@@ -2,7 +2,7 @@
 
 Three layers, from slow to fast:
 
-- With each cloud: the map, what of it no part of the rover may meet, the room between, and what of it the wide map
+- With each cloud: the map, what of it no part of the rover may meet, the clearance map, and what of it the wide map
   keeps (`see`).
 - With each cloud, and when the guard has stopped a motion: is the path ahead closed (`path_check`)? Then a detour is
   planned on both maps and given to the goal follower in place of the way asked for (`guide`). With no room to turn into
@@ -15,9 +15,9 @@ Three layers, from slow to fast:
 
 A plan is made by the costs of cells and then checked pose by pose with the chassis settled on the map; where that finds
 it too steep or too narrow, the place is closed and the next plan made (for a rover turned off its path the next first
-keeps more room), TRIES times (Toupet et al. 2020, IEEE Aerospace Conf.: ENav ranks paths by costs and checks the best
-by settling). No path is taken that this check finds closed within HURRY. It keeps to the limits; under way they may be
-exceeded by the part `hysteresis`, so that noise about a limit changes no plan.
+keeps more clearance), TRIES times (Toupet et al. 2020, IEEE Aerospace Conf.: ENav ranks paths by costs and checks the
+best by settling). No path is taken that this check finds closed within HURRY. It keeps to the limits; under way they
+may be exceeded by the part `hysteresis`, so that noise about a limit changes no plan.
 
 A goal in an obstacle that the map knows is refused (`refusal`). Hidden ground closes the way, but does not make a goal
 impossible: it may be seen from elsewhere. Positions in odom.
@@ -27,7 +27,7 @@ import math
 
 import numpy as np
 
-from sojourn_flight.hazards.clearance import AHEAD, room_in, room_of_motion
+from sojourn_flight.hazards.clearance import AHEAD, clearance_in, clearance_of_motion
 from sojourn_flight.hazards.obstacle_map import empty_map, with_cloud, with_slip
 from sojourn_flight.hazards.traversability import HIDDEN_GROUND, Obstacle, judged, obstacle_at
 from sojourn_flight.hazards.wide_map import JudgedCells, empty_wide_map, remembered
@@ -38,7 +38,7 @@ from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.detour import Maps, plan_detour
 from sojourn_flight.planning.detour_search import Slopes, static_costs, sure_slopes
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.planning.goal_follower import FollowerState, Phase, accept, rerouted, stop
+from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState, accept, rerouted, stop
 from sojourn_flight.planning.route import advanced, route_of
 from sojourn_flight.planning.way_back import driven_on, go_back, way_back
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, ClosedPlace, Guidance
@@ -81,13 +81,15 @@ def initial_avoidance(avoidance: Avoidance, x: float, y: float) -> AvoidanceStat
     map_ = empty_map(avoidance.params, x, y)
     ground = judged(avoidance.params, map_)
     wide = empty_wide_map(avoidance.params.map, x, y)
-    return AvoidanceState(map_, ground, room_in(map_, ground.kinds), wide)
+    return AvoidanceState(map_, ground, clearance_in(map_, ground.kinds), wide)
 
 
 def warm_up_guard(avoidance: Avoidance, state: AvoidanceState) -> None:
     """Have the kernel ready that only a motion near an obstacle asks."""
     pose, twist = (0.0, 0.0, 0.0), (0.1, 0.0, 0.0)
-    room_of_motion(state.room.grid, avoidance.circles, pose, twist, avoidance.params.outline.turn_radius, STEPS)
+    clearance_of_motion(
+        state.clearance.grid, avoidance.circles, pose, twist, avoidance.params.outline.turn_radius, STEPS
+    )
 
 
 def see(
@@ -109,19 +111,19 @@ def judged_anew(avoidance: Avoidance, state: AvoidanceState, odometry: OdometryS
     """The state with all that follows from its map."""
     map_ = state.map
     ground = judged(avoidance.params, map_, state.ground)
-    room = room_in(map_, ground.kinds)
+    clearance = clearance_in(map_, ground.kinds)
     wide = remembered(
         avoidance.params.map,
         state.wide,
         JudgedCells(
             map_.grid,
-            static_costs(room, avoidance.straight, avoidance.turning),
+            static_costs(clearance, avoidance.straight, avoidance.turning),
             sure_slopes(ground.slopes),
             map_.known,
         ),
         (odometry.x, odometry.y, odometry.distance),
     )
-    return replace(state, ground=ground, room=room, wide=wide)
+    return replace(state, ground=ground, clearance=clearance, wide=wide)
 
 
 def refusal(avoidance: Avoidance, state: AvoidanceState, goal: Goal) -> str | None:
@@ -129,9 +131,9 @@ def refusal(avoidance: Avoidance, state: AvoidanceState, goal: Goal) -> str | No
     if not goal.points or not all(math.isfinite(value) for value in goal.points[-1]):
         return None  # the follower says what is wrong with it
     place = goal.points[-1]
-    if state.room.at(*place) >= avoidance.params.outline.half_width:
+    if state.clearance.at(*place) >= avoidance.params.outline.half_width:
         return None
-    cell = state.room.nearest_to(*place)
+    cell = state.clearance.nearest_to(*place)
     if cell is None or state.ground.kinds[cell] == HIDDEN_GROUND:
         return None
     obstacle = obstacle_at(avoidance.params, state.map, state.ground, *cell, state.level)
@@ -151,7 +153,7 @@ def accepted(
         return GoalOutcome("refused", reason, goal, math.nan), state
     if isinstance(answer, GoalOutcome):
         return answer, state
-    known = (state.map, state.ground, state.room, state.wide, state.track)
+    known = (state.map, state.ground, state.clearance, state.wide, state.track)
     start = AvoidanceState(*known, state.level, state.since_cloud, state.fresh)
     return answer, replace(start, route=route_of(goal, (odometry.x, odometry.y), odometry.distance))
 
@@ -167,7 +169,7 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
     if state.route is None or not (state.fresh or state.blocked or state.replan):
         return Guidance(state, way)
     position = (odometry.x, odometry.y)
-    route = advanced(state.route, position, 0.5 * state.room.cell)
+    route = advanced(state.route, position, 0.5 * state.clearance.cell)
     state = replace(state, route=route)
     if route.progress > state.mark + FREE_WAY:
         state = replace(state, mark=route.progress, attempts=0)
@@ -200,8 +202,8 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
         return _given_up(state, way, f"{state.obstacle}: {more}")
     if stuck:
         return _go_back(avoidance, state, way, odometry, FREE_WAY)
-    narrow = state.room.at(*position) < params.outline.turn_radius + params.guard_margin
-    if answer.phase is Phase.ALIGN and narrow and not backed:
+    narrow = state.clearance.at(*position) < params.outline.turn_radius + params.guard_margin
+    if answer.phase is FollowerPhase.ALIGN and narrow and not backed:
         return _go_back(avoidance, state, way, odometry, params.back_off)
     return _go_round(state, way, answer, odometry)
 
@@ -214,7 +216,7 @@ def _detour(
     Args:
         drift: angle by which the rover slides off its heading [rad].
     """
-    route, room = state.route, state.room
+    route, clearance = state.route, state.clearance
     if route is None:
         return None
     limits, slopes = avoidance.params.passable, sure_slopes(state.ground.slopes)
@@ -223,7 +225,7 @@ def _detour(
     farthest: FollowerState | GoalOutcome | None = None
     reach = HURRY
     for _ in range(TRIES):
-        points = plan_detour(maps, room, route, here, straight, avoidance.turning)
+        points = plan_detour(maps, clearance, route, here, straight, avoidance.turning)
         if points is None:
             break
         goal = replace(route.goal, points=tuple(points), heights=())
@@ -233,7 +235,7 @@ def _detour(
         if closed.distance > reach:
             farthest, reach = found, closed.distance
         if closed.tilt or straight == wide:
-            room = room.without(closed.pose.x, closed.pose.y, TOO_STEEP if closed.tilt else TOO_NARROW)
+            clearance = clearance.without(closed.pose.x, closed.pose.y, TOO_STEEP if closed.tilt else TOO_NARROW)
         else:
             straight = wide
     return farthest
@@ -280,7 +282,7 @@ def _go_back(
     """Back over the own track, then the way is planned again; at once where there is no way back."""
     here = Pose(odometry.x, odometry.y, odometry.yaw)
     turning = avoidance.turning if longest > FREE_WAY else None
-    back = way_back(state.track, here, state.room, turning, longest)
+    back = way_back(state.track, here, state.clearance, turning, longest)
     if back is None:
         return Guidance(replace(state, replan=True), way, STANDSTILL, text="no way back")
     return _back_off(avoidance, replace(state, back=back), way, odometry)
@@ -298,12 +300,14 @@ def from_loose_ground(
     here = Pose(odometry.x, odometry.y, odometry.yaw)
     ahead = avoidance.params.outline.front + policy.loose_radius
     place = (here.x + ahead * math.cos(here.heading), here.y + ahead * math.sin(here.heading))
-    closes = policy.loose_radius + avoidance.straight + (0.5 + math.sqrt(0.5)) * state.room.cell  # to the cells' edges
+    closes = (
+        policy.loose_radius + avoidance.straight + (0.5 + math.sqrt(0.5)) * state.clearance.cell
+    )  # to the cells' edges
     if math.dist(place, state.route.goal.points[-1]) < closes:
         return state
     map_ = with_slip(state.map, place, policy.loose_radius, slip, odometry.distance)
     state = judged_anew(avoidance, replace(state, map=map_), odometry)
-    back = way_back(state.track, here, state.room, None, policy.back)
+    back = way_back(state.track, here, state.clearance, None, policy.back)
     return replace(
         state, back=back, replan=back is None, obstacle=Obstacle("loose ground", *place, slip, policy.another_way)
     )
@@ -328,26 +332,29 @@ def guarded(
     Args:
         by_hand: it is an operator's, who may have switched the guard off.
     """
-    room, outline = state.room, avoidance.params.outline
+    clearance, outline = state.clearance, avoidance.params.outline
     if by_hand:
         state = replace(state, blocked=False, obstacle=None)
         if not avoidance.params.guard_cmd_vel:
             return state, True
     steep = _steep_ahead(avoidance, state, twist, odometry)
-    if steep is None and room.at(odometry.x, odometry.y) > outline.turn_radius + AHEAD[-1] + avoidance.params.margin:
+    if (
+        steep is None
+        and clearance.at(odometry.x, odometry.y) > outline.turn_radius + AHEAD[-1] + avoidance.params.margin
+    ):
         return state, True  # the usual case must be cheap
     on_the_spot = twist.v_x == 0.0 and twist.v_y == 0.0
-    if on_the_spot and room.at(odometry.x, odometry.y) >= outline.turn_radius + avoidance.params.guard_margin:
+    if on_the_spot and clearance.at(odometry.x, odometry.y) >= outline.turn_radius + avoidance.params.guard_margin:
         return state, True  # its circle; those that cover the outline sweep more than it does
     pose = (odometry.x, odometry.y, odometry.yaw)
     motion = (float(twist.v_x), float(twist.v_y), float(twist.yaw_rate))
     ways = STEPS if by_hand else ON_A_PATH
-    now, least = room_of_motion(room.grid, avoidance.circles, pose, motion, outline.turn_radius, ways)
+    now, least = clearance_of_motion(clearance.grid, avoidance.circles, pose, motion, outline.turn_radius, ways)
     margin = avoidance.params.guard_margin if state.back is None else 0.0  # its own track it has been through
-    roomy = least >= margin or least >= now - 1e-3
-    if roomy and steep is None:
+    clear = least >= margin or least >= now - 1e-3
+    if clear and steep is None:
         return state, True
-    obstacle = nearest_obstacle(avoidance, state, (odometry.x, odometry.y)) if steep is None or not roomy else steep
+    obstacle = nearest_obstacle(avoidance, state, (odometry.x, odometry.y)) if steep is None or not clear else steep
     return replace(state, blocked=True, attempts=state.attempts + 1, obstacle=obstacle, back=None), False
 
 
@@ -356,7 +363,7 @@ def _steep_ahead(
 ) -> Obstacle | None:
     """The slope that a motion leads onto, if it is too steep and steeper than where the rover is."""
     fastest = math.hypot(twist.v_x, twist.v_y)
-    cell = state.room.cell_of(odometry.x, odometry.y)
+    cell = state.clearance.cell_of(odometry.x, odometry.y)
     if fastest == 0.0 or not state.ground.steep_near(*cell):
         return None
     way = AHEAD[-1] / fastest

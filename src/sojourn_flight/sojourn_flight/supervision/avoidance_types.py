@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sojourn_flight.hazards.clearance import Circles, Room, circles_of
+from sojourn_flight.hazards.clearance import Circles, ClearanceMap, circles_of
 from sojourn_flight.hazards.obstacle_map import ObstacleMap
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
 from sojourn_flight.hazards.stereo_camera import StereoCamera
@@ -34,7 +34,7 @@ class Avoidance:
     wheels: FloatArray
     """Their places in base_link, shape (wheels, 2) [m]."""
     circles: Circles = field(init=False)
-    """The circles that cover the outline, see `room`."""
+    """The circles that cover the outline, see `clearance`."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "circles", circles_of(self.params.outline))
@@ -67,7 +67,7 @@ class AvoidanceState:
 
     map: ObstacleMap
     ground: Passability
-    room: Room
+    clearance: ClearanceMap
     wide: WideMap
     track: Track = ()
     """Poses that the rover has driven through."""

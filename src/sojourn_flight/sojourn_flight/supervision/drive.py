@@ -46,7 +46,7 @@ from sojourn_flight.odometry.slip_correction import counted_slip, no_headway, st
 from sojourn_flight.odometry.slip_estimation import SlipState
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.planning.goal_follower import FollowerLimits, Phase, follow, stop
+from sojourn_flight.planning.goal_follower import FollowerLimits, FollowerPhase, follow, stop
 from sojourn_flight.supervision.arbiter import NO_MOTION, Arbiter
 from sojourn_flight.supervision.astern import choose_sense, is_answered
 from sojourn_flight.supervision.avoidance import (
@@ -171,7 +171,7 @@ def _measured(model: DriveModel, state: DriveState, inputs: DriveInput, dt: floa
         _measured_array(model, "steer angle", inputs.steer_angles),
         inputs.gyro,
         inputs.roll_pitch,
-        commanded_still=limiter is None or not limiter.wheel_rates.any(),
+        commanded_still=limiter is None or not np.count_nonzero(limiter.wheel_rates),
     )
 
 
@@ -181,7 +181,7 @@ def _mean_slip(
     """The slip by which a goal is driven, see `slip_policy`; a rover that goes back or turns counts none."""
     back = state.avoidance is not None and state.avoidance.back is not None
     policy = model.params.slip_policy
-    if policy is None or state.follower is None or back or state.follower.phase is not Phase.DRIVE:
+    if policy is None or state.follower is None or back or state.follower.phase is not FollowerPhase.DRIVE:
         return 0.0
     return mean_slip(policy, state.mean_slip, counted_slip(slip, odometry, policy.least_pace), dt)
 
@@ -212,7 +212,7 @@ def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going:
     slips = policy is not None and slip > policy.another_way
     sense = choose_sense(model, arbiter.avoidance, way, going.motors, going.spinning or slips, odometry)
     way, arbiter.follower, arbiter.avoidance = sense.way, sense.way, sense.seen
-    if model.avoidance is not None and arbiter.avoidance is not None and not (way.astern or sense.looking):
+    if model.avoidance is not None and arbiter.avoidance is not None and not (way.astern or sense.observing):
         if policy is not None and slips:
             arbiter.avoidance = from_loose_ground(model.avoidance, arbiter.avoidance, odometry, policy, slip)
         guidance = guide(model.avoidance, arbiter.avoidance, way, odometry)
@@ -244,7 +244,7 @@ def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going:
     if outcome is not None:
         arbiter.end_goal(outcome)
         return NO_MOTION
-    if sense.looking:
+    if sense.observing:
         arbiter.text = f"looks where to drive astern, {way.distance_to_go:.2f} m to go"
         return NO_MOTION
     astern = " astern" if way.astern else ""
@@ -271,9 +271,9 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         motors = motors.steering_on_trial()
     table = commandable(model.table, motors)
     slipping = step_slip(model.slip, state, inputs, measured, dt)
-    if motors.drive_failed.any():
+    if np.count_nonzero(motors.drive_failed):
         measured = replace(measured, turn_sigma=dragging_sigma(model.table, motors))
-    if slipping is not None and slipping.told:
+    if slipping is not None and slipping.observable:
         measured = replace(measured, slip=slipping.shared, slip_sigma=slipping.sigma)
     spin = state.spin
     if params.spin is not None and inputs.specific_force is not None and inputs.roll_pitch is not None:
@@ -308,8 +308,8 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         arbiter.take_goal(model, inputs.goal, published, inputs.supply)
     arbiter.watch_energy(model, inputs.supply, dt)
     wanted = arbiter.take_twist(model, inputs.twist, dt)
-    reason = shortcoming(model.table, motors, model.geometry.names)
-    lost = no_headway(model.slip, slipping, odometry, model.geometry.names)
+    reason = shortcoming(model.table, motors, model.names)
+    lost = no_headway(model.slip, slipping, odometry, model.names)
     if arbiter.follower is not None and not is_answered(model, arbiter.follower, motors):
         reason = reason or lost
     reason = reason or endless_spin(params.spin, spin)

@@ -155,10 +155,10 @@ class DriveOutput:
     """Goals that ended in this period."""
     pace: Pace | None = None
     """None before the first step."""
-    tell: Callable[[], dict[str, str | float]] | None = None
+    make_status: Callable[[], dict[str, str | float]] | None = None
     """Makes the fields of /drive/status, which are wanted once in many periods; None of an output that is kept."""
 
     @property
     def status(self) -> dict[str, str | float]:
         """Fields of /drive/status; none before the first step."""
-        return {} if self.tell is None else self.tell()
+        return {} if self.make_status is None else self.make_status()

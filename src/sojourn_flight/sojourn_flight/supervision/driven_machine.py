@@ -25,6 +25,8 @@ class DrivenMachine:
     """The hazard camera; without one there is no obstacle handling."""
     loads: FloatArray | None = None
     """Of the wheels, from `wheel_load_map`, shape (wheels, 3) [N]; None: slip is not estimated."""
+    names: tuple[str, ...] = field(init=False)
+    """Of the wheels, in the order of the table."""
     table: FloatArray = field(init=False)
     turn_radius: float = field(init=False)
     """Distance of the farthest wheel from base_link [m]."""
@@ -39,6 +41,7 @@ class DrivenMachine:
     """Odometry from the camera, where it is asked for and there is one."""
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "names", self.geometry.names)
         object.__setattr__(self, "table", self.geometry.table(self.params.track_ratio))
         slip, loads = self.params.slip, self.loads
         estimator = None if slip is None or loads is None else SlipModel.of(slip, self.table, loads)
@@ -46,7 +49,7 @@ class DrivenMachine:
         object.__setattr__(self, "turn_radius", max(math.hypot(w.x, w.y) for w in self.geometry.wheels))
         turning = turning_limits(self.table, self.params.limits, self.params.follower.max_curvature)
         object.__setattr__(self, "turning", turning)
-        object.__setattr__(self, "mobility", Mobility(self.table, self.geometry.names))
+        object.__setattr__(self, "mobility", Mobility(self.table, self.names))
         avoidance = None
         if self.params.obstacles is not None and self.camera is not None:
             wheels = np.array([(wheel.x, wheel.y) for wheel in self.geometry.wheels])

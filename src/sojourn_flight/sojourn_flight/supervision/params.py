@@ -102,7 +102,7 @@ class SteeringGeometryParams(Params):
         return self
 
     @model_validator(mode="after")
-    def _motion_can_be_told(self) -> Self:
+    def _motion_is_observable(self) -> Self:
         rows = []
         for wheel in self.wheels:
             side = 0.0 if wheel.roller_angle is None else 1.0 / math.tan(wheel.roller_angle)

@@ -1,27 +1,27 @@
-"""Is a path closed? Pose by pose: room for the outline, and the tilt of the chassis settled on the map."""
+"""Is a path closed? Pose by pose: clearance of the outline, and the tilt of the chassis settled on the map."""
 
 import math
 
 import numpy as np
 
-from sojourn_flight.hazards.clearance import Room, room_along
+from sojourn_flight.hazards.clearance import ClearanceMap, clearance_along
 from sojourn_flight.hazards.settling import settled, tilts_along
 from sojourn_flight.hazards.traversability import SLOPES, Obstacle, obstacle_at
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.goal import Point
-from sojourn_flight.planning.goal_follower import FollowerState, Phase
+from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, ClosedPlace
 from sojourn_machine.params import FloatArray
 
-LOOK = 3.0
-"""The path is looked at so far ahead [m]."""
+LOOKAHEAD = 3.0
+"""The path is checked so far ahead [m]."""
 ESCAPE = 0.8
 """For so long a path may be as narrow and as steep as the rover's own place [m]."""
 
 
 def nearest_obstacle(avoidance: Avoidance, state: AvoidanceState, place: Point) -> Obstacle | None:
     """The obstacle of the map that is nearest to a place [m], if it knows any."""
-    cell = state.room.nearest_to(*place)
+    cell = state.clearance.nearest_to(*place)
     return None if cell is None else obstacle_at(avoidance.params, state.map, state.ground, *cell, state.level)
 
 
@@ -41,23 +41,23 @@ def tilts_of(avoidance: Avoidance, state: AvoidanceState, poses: FloatArray) -> 
     return np.asarray(tilts_along(state.ground.under(state.map), avoidance.wheels, limits, poses))
 
 
-def rooms_of(avoidance: Avoidance, room: Room, poses: FloatArray) -> FloatArray:
-    """Room at poses x, y, yaw in odom, shape (n, 3): shape (n,) [m]."""
-    return np.asarray(room_along(room.grid, avoidance.circles, poses))
+def clearances_of(avoidance: Avoidance, clearance: ClearanceMap, poses: FloatArray) -> FloatArray:
+    """Clearance at poses x, y, yaw in odom, shape (n, 3): shape (n,) [m]."""
+    return np.asarray(clearance_along(clearance.grid, avoidance.circles, poses))
 
 
 def path_ahead(way: FollowerState) -> tuple[FloatArray, FloatArray]:
-    """The next LOOK of a path: distances from the rover, shape (n,) [m], and poses x, y, heading in odom, (n, 3).
+    """The next LOOKAHEAD of a path: distances from the rover, shape (n,) [m], and poses x, y, heading in odom, (n, 3).
 
     Headings are those of the body: where it slides downhill, it is turned off the path by the angle of the slide.
     """
-    if not way.path.legs or way.phase in (Phase.FINAL_ALIGN, Phase.SETTLE):
+    if not way.path.legs or way.phase in (FollowerPhase.FINAL_ALIGN, FollowerPhase.SETTLE):
         return np.empty(0), np.empty((0, 3))
     rest = [leg.samples for leg in way.path.legs[way.leg :]]
     rest[0] = rest[0][np.searchsorted(rest[0][:, 0], way.on_leg) :]
     before = np.cumsum([-way.on_leg] + [leg.length for leg in way.path.legs[way.leg : -1]])
     distances = np.concatenate([part[:, 0] + start for part, start in zip(rest, before, strict=True)])
-    near = distances <= LOOK
+    near = distances <= LOOKAHEAD
     poses = np.ascontiguousarray(np.concatenate(rest)[near, 1:4])
     poses[:, 2] -= way.drift
     return distances[near], poses
@@ -66,7 +66,7 @@ def path_ahead(way: FollowerState) -> tuple[FloatArray, FloatArray]:
 def closed_ahead(
     avoidance: Avoidance, state: AvoidanceState, way: FollowerState, exceeded: float
 ) -> ClosedPlace | None:
-    """Where the path first has less room than the guard asks for, or is too steep.
+    """Where the path first has less clearance than the guard asks for, or is too steep.
 
     Args:
         avoidance: that for the sense in which it is driven. exceeded: part by which slopes may exceed their limits [-].
@@ -75,9 +75,9 @@ def closed_ahead(
     if not len(poses):
         return None
     margin = avoidance.params.guard_margin
-    rooms, tilts = rooms_of(avoidance, state.room, poses), tilts_of(avoidance, state, poses)
+    clearances, tilts = clearances_of(avoidance, state.clearance, poses), tilts_of(avoidance, state, poses)
     near = distances < ESCAPE
-    narrow = rooms < np.where(near, min(margin, rooms[0] - 0.02), margin)
+    narrow = clearances < np.where(near, min(margin, clearances[0] - 0.02), margin)
     steep = tilts > np.where(near, max(1.0 + exceeded, tilts[0] + 0.05), 1.0 + exceeded)
     closed = np.flatnonzero(narrow | steep)
     if not len(closed):

@@ -21,6 +21,7 @@ Assumptions: one bus, no dynamics of the bus capacitor (settles in well under a 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 from typing import Any, Literal, NamedTuple, Self, TypeAlias
 
 import numpy as np
@@ -160,8 +161,9 @@ def step(
     switches = _require_array("load fractions", fractions, len(params.loads))
     asked = _require_array("load demand [W]", demand, len(params.loads))
     _require_numbers(source=source, resistance=resistance, dt=dt)
-    if switches.min() < 0.0 or switches.max() > 1.0:
-        raise InvalidValueError("load fractions", switches.tolist(), "0 to 1")
+    given = switches.tolist()
+    if min(given, default=0.0) < 0.0 or max(given, default=0.0) > 1.0:
+        raise InvalidValueError("load fractions", given, "0 to 1")
 
     held = state.locked_out
     output = _operate(params, source, resistance, switches, asked, held)
@@ -268,15 +270,16 @@ def _require_array(name: str, values: Sequence[float] | FloatArray, count: int) 
     array = np.asarray(values, dtype=np.float64)
     if array.shape != (count,):
         raise InvalidValueError(f"shape of {name}", array.shape, f"({count},), one for each load")
-    if not np.isfinite(array).all():
+    # A sum is not finite where one of its numbers is not, and may be too large where all are.
+    if not isfinite(sum(array.tolist())) and not np.isfinite(array).all():
         raise InvalidValueError(name, array.tolist(), "finite numbers")
     return array
 
 
 def _require_numbers(source: float, resistance: float, dt: float) -> None:
-    if not np.isfinite(source) or source < 0.0:
+    if not isfinite(source) or source < 0.0:
         raise InvalidValueError("source voltage [V]", source, "a finite number, 0 or above")
-    if not np.isfinite(resistance) or resistance < 0.0:
+    if not isfinite(resistance) or resistance < 0.0:
         raise InvalidValueError("source resistance [ohm]", resistance, "a finite number, 0 or above")
-    if not np.isfinite(dt) or dt <= 0.0:
+    if not isfinite(dt) or dt <= 0.0:
         raise InvalidValueError("dt [s]", dt, "a finite number above 0")

@@ -70,7 +70,7 @@ class DigTask:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing")
         task = self._account(tip, view.force, force)
         if task.failed or task.phase == "done":
-            return task, task._told(np.zeros(3), force, 1.0)
+            return task, task._doing(np.zeros(3), force, 1.0)
         if task.phase in ("open", "shut"):
             return task._wait_for_lid(view.tool, force, dt)
         if task.phase == "touch":
@@ -82,7 +82,7 @@ class DigTask:
         out = -float(task.direction @ (tip - task.first))
         if out >= -1e-3:
             task = replace(task, phase="done")
-        return task, task._told(-2.0 * task.speed * task.direction, force, 0.9)
+        return task, task._doing(-2.0 * task.speed * task.direction, force, 0.9)
 
     def _account(self, tip: FloatArray, force: FloatArray, down: float) -> Self:
         """Largest forces, depth and work so far."""
@@ -107,39 +107,39 @@ class DigTask:
         elif task.waited > LID_PATIENCE:
             stands = "does not tell its place" if tool is None else f"stands at {tool.position:.2f} rad"
             task = replace(task, failed=f"the lid {stands} after {LID_PATIENCE:g} s: told was {wanted:.2f} rad")
-        doing = task._told(np.zeros(3), force, 0.0 if self.phase == "open" else 0.9)
+        doing = task._doing(np.zeros(3), force, 0.0 if self.phase == "open" else 0.9)
         return task, replace(doing, tool=ToolCommand(wanted))
 
     def _touch(self, tip: FloatArray, force: float) -> tuple[Self, Doing]:
         if force >= TOUCH:
             task = replace(self, phase="sink", touched=tip)
-            return task, task._told(self.speed * self.direction, force, 0.1)
+            return task, task._doing(self.speed * self.direction, force, 0.1)
         if float(self.direction @ (tip - self.first)) >= self.reach:
             task = replace(self, failed=f"no ground within {self.reach * 1e3:.0f} mm")
-            return task, task._told(np.zeros(3), force, 0.0)
-        return self, self._told(self.speed * self.direction, force, 0.0)
+            return task, task._doing(np.zeros(3), force, 0.0)
+        return self, self._doing(self.speed * self.direction, force, 0.0)
 
     def _sink(self, tip: FloatArray, force: float) -> tuple[Self, Doing]:
         gone = float(self.direction @ (tip - self.touched))
         if gone >= self.depth or force >= self.most:
             task = replace(self, phase="drag", begun=tip)
-            return task, task._told(self.speed * self.along, force, 0.3)
-        return self, self._told(self.speed * self.direction, force, 0.1 + 0.2 * max(gone, 0.0) / self.depth)
+            return task, task._doing(self.speed * self.along, force, 0.3)
+        return self, self._doing(self.speed * self.direction, force, 0.1 + 0.2 * max(gone, 0.0) / self.depth)
 
     def _drag(self, tip: FloatArray, force: float, dt: float) -> tuple[Self, Doing]:
         gone = float(self.along @ (tip - self.begun))
         if gone >= self.length:
             task = replace(self, phase="shut")
-            return task, task._told(np.zeros(3), force, 0.9)
+            return task, task._doing(np.zeros(3), force, 0.9)
         excess = max(force - self.most, 0.0)
         out = impedance_velocity(MASS, DAMPING, STIFFNESS, self.offset, self.yielded, excess, dt)
         if self.offset + out * dt < 0.0:
             out = -self.offset / dt
         task = replace(self, yielded=out, offset=self.offset + out * dt)
         velocity = self.speed * self.along - out * self.direction
-        return task, task._told(velocity, force, 0.3 + 0.6 * max(gone, 0.0) / self.length)
+        return task, task._doing(velocity, force, 0.3 + 0.6 * max(gone, 0.0) / self.length)
 
-    def _told(self, velocity: FloatArray, force: float, progress: float) -> Doing:
+    def _doing(self, velocity: FloatArray, force: float, progress: float) -> Doing:
         left = {"touch": self.depth + self.length, "sink": self.depth + self.length, "drag": self.length}
         state: DoingState = "failed" if self.failed else "reached" if self.phase == "done" else "moving"
         words = (

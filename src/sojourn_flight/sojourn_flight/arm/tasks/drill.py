@@ -87,7 +87,7 @@ class DrillTask:
             return self, Doing(state="failed", reason="the spindle says nothing", tool=ToolCommand())
         force = pressing(self.direction, view.force)
         if self.failed or self.phase == "done":
-            return self, self._told(ZERO, force, 1.0)
+            return self, self._doing(ZERO, force, 1.0)
         task = self._account(view, view.tool, dt)
         if task.phase == "touch":
             return task._touch(view.tip.position, force)
@@ -99,7 +99,7 @@ class DrillTask:
             return task._check(view, force)
         if -float(task.direction @ (view.tip.position - task.first)) >= -1e-3:
             task = replace(task, phase="done")
-        return task, task._told(-2.0 * task.speed * task.direction, force, 0.9)
+        return task, task._doing(-2.0 * task.speed * task.direction, force, 0.9)
 
     def _account(self, view: TaskView, tool: ToolReading, dt: float) -> Self:
         power = max(tool.effort * tool.rate, 0.0)
@@ -116,20 +116,20 @@ class DrillTask:
     def _touch(self, tip: FloatArray, force: float) -> tuple[Self, Doing]:
         if force >= TOUCH:
             task = replace(self, phase="spin", touched=tip, elapsed=0.0)
-            return task, task._told(ZERO, force, 0.05)
+            return task, task._doing(ZERO, force, 0.05)
         if float(self.direction @ (tip - self.first)) >= self.reach:
             task = replace(self, failed=f"no ground within {self.reach * 1e3:.0f} mm")
-            return task, task._told(ZERO, force, 0.0)
-        return self, self._told(self.speed * self.direction, force, 0.0)
+            return task, task._doing(ZERO, force, 0.0)
+        return self, self._doing(self.speed * self.direction, force, 0.0)
 
     def _spin(self, tool: ToolReading, force: float) -> tuple[Self, Doing]:
         if tool.rate >= 0.9 * self.rate:
             task = replace(self, phase="drill", elapsed=0.0)
-            return task, task._told(ZERO, force, 0.1)
+            return task, task._doing(ZERO, force, 0.1)
         if self.elapsed > SPIN_TIME:
             task = replace(self, phase="out", why=f"the spindle turns at {tool.rate:.1f} of {self.rate:.1f} rad/s")
-            return task, task._told(ZERO, force, 0.1)
-        return self, self._told(ZERO, force, 0.05)
+            return task, task._doing(ZERO, force, 0.1)
+        return self, self._doing(ZERO, force, 0.05)
 
     def _drill(self, view: TaskView, tool: ToolReading, force: float, dt: float) -> tuple[Self, Doing]:
         task = replace(self, slow=self.slow + dt if tool.rate < STALLED * self.rate else 0.0)
@@ -145,17 +145,17 @@ class DrillTask:
             why = f"no progress: {max(gone, 0.0):.2f} mm in {waited:.0f} s under {force:.1f} N"
         if why or task.deepest >= task.depth + task.given:
             task = replace(task, phase="check", why=why, feed=0.0)
-            return task, task._told(ZERO, force, 0.9)
+            return task, task._doing(ZERO, force, 0.9)
         gain = dt / (view.control.damping * FEED_TIME) if force > FEED_FROM * task.force else 0.0
         feed = min(max(task.feed + gain * (task.force - force), 0.0), FASTEST_FEED)
         task = replace(task, feed=feed)
         velocity = hybrid_velocity(view.control, task.direction, task.force, view.force, ZERO)
         progress = max(task.deepest, 0.0) / (task.depth + task.given)
-        return task, task._told(velocity + feed * task.direction, force, 0.1 + 0.8 * min(progress, 1.0))
+        return task, task._doing(velocity + feed * task.direction, force, 0.1 + 0.8 * min(progress, 1.0))
 
     def _check(self, view: TaskView, force: float) -> tuple[Self, Doing]:
         if force > TOUCH:
-            return self, self._told(-0.2 * self.speed * self.direction, force, 0.9)
+            return self, self._doing(-0.2 * self.speed * self.direction, force, 0.9)
         hole = max(float(self.direction @ (view.tip.position - self.touched)), 0.0)
         task = replace(self, hole=hole)
         short = task.depth - hole
@@ -164,9 +164,9 @@ class DrillTask:
         else:  # further by what it lacks, now that it is known what gives way
             known = task.deepest - hole if task.given == 0.0 else task.given + short
             task = replace(task, phase="drill", given=known, mark=(task.elapsed, task.deepest))
-        return task, task._told(ZERO, force, 0.9)
+        return task, task._doing(ZERO, force, 0.9)
 
-    def _told(self, velocity: FloatArray, force: float, progress: float) -> Doing:
+    def _doing(self, velocity: FloatArray, force: float, progress: float) -> Doing:
         done = self.phase == "done"
         state: DoingState = "failed" if self.failed or (done and self.why) else "reached" if done else "moving"
         energy = self.energy / (np.pi * self.tool.bit.radius**2 * self.hole) if self.hole > 0.0 else 0.0

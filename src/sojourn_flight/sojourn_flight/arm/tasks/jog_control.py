@@ -10,13 +10,15 @@ from sojourn_flight.arm.param_groups import FollowingParams
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.phases import Holding
 from sojourn_flight.arm.refusal import GoalRefusedError
-from sojourn_flight.arm.state import Target
+from sojourn_flight.arm.state import ArmState, Target
+from sojourn_flight.arm.tasks.activity import Jog, RunningTask, motion_of
 from sojourn_flight.arm.tasks.relaxed import Relaxed
 from sojourn_flight.arm.tasks.task import Doing
 from sojourn_flight.arm.tasks.task_state import TaskInput, TaskState
 from sojourn_flight.arm.tasks.tip_motion import begin, begin_at
 from sojourn_flight.arm.trajectory import JointReference
 from sojourn_machine.evolution import replace
+from sojourn_machine.params import FloatArray
 
 
 def take_jog(
@@ -27,28 +29,34 @@ def take_jog(
     A command that is refused stops the jog. Where the tool has met something, commands are refused until they pause.
     """
     paused = state.since_jog >= params.jog.pause
+    before = state.activity
+    task = before.task if isinstance(before, RunningTask) else None
     state = replace(state, since_jog=0.0)
     try:
         if not inputs.arm.allowed:
             raise GoalRefusedError(f"not allowed to move: {inputs.arm.not_allowed_reason or 'no reason given'}")
-        if isinstance(state.task, Relaxed) and not paused:
-            raise GoalRefusedError(f"{state.task.reason}: no jog until the commands pause for {params.jog.pause:g} s")
+        if isinstance(task, Relaxed) and not paused:
+            raise GoalRefusedError(f"{task.reason}: no jog until the commands pause for {params.jog.pause:g} s")
         posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
-        jog = begin_jog(params, model, command, posture, inputs.arm.ground)
+        jogging = begin_jog(params, model, command, posture, inputs.arm.ground)
     except GoalRefusedError as error:
-        still = None if state.jog is None else replace(state.jog, command=JogCommand((0.0,) * 3, (0.0,) * 3))
-        return replace(state, jog=still), GoalEvent("refused", str(error))
-    if state.jog is not None:
-        jog = replace(jog, share=state.jog.share, near=jog.near and state.jog.near)
-    motion = state.motion
+        if isinstance(before, Jog):
+            still = replace(before.jogging, command=JogCommand((0.0,) * 3, (0.0,) * 3))
+            state = replace(state, activity=replace(before, jogging=still))
+        return state, GoalEvent("refused", str(error))
+    if isinstance(before, Jog):
+        jogging = replace(jogging, share=before.jogging.share, near=jogging.near and before.jogging.near)
+    motion = motion_of(before)
     if motion is None:
         motion = begin(model, state.arm.reference) if state.arm.started else begin_at(model, inputs.arm.positions)
-    return replace(state, name="jog", task=None, jog=jog, motion=motion, doing=Doing(), paused=False), ACCEPTED
+    return replace(state, activity=Jog(jogging, Doing(), motion)), ACCEPTED
 
 
-def go_on_with_jog(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, dt: float) -> TaskState:
+def go_on_with_jog(
+    params: ArmParams, model: ArmModel, state: TaskState, jog: Jog, inputs: TaskInput, dt: float
+) -> TaskState:
     """A period of a jog; at its end the arm holds where it rests."""
-    if state.jog is None or state.motion is None:
+    if jog.motion is None:
         return state
     hindrance = held_back(params, model, state, inputs)
     if not inputs.arm.allowed:
@@ -57,21 +65,19 @@ def go_on_with_jog(params: ArmParams, model: ArmModel, state: TaskState, inputs:
     if limited:
         granted = with_granted_power(params, inputs.arm.granted)
     around = Surroundings(inputs.arm.ground, inputs.arm.gravity_in_base, hindrance, limited)
-    jog, joints = jog_on(granted, model, state.jog, state.motion.joints, around, dt)
-    doing = Doing(state="moving" if jog.moving else "failed" if hindrance else "stopped", reason=jog.reason)
-    state = replace(state, jog=jog, doing=doing, motion=replace(begin(model, joints), origin=None))
-    return state if jog.moving else _rested(state, joints)
+    jogging, joints = jog_on(granted, model, jog.jogging, jog.motion.joints, around, dt)
+    doing = Doing(state="moving" if jogging.moving else "failed" if hindrance else "stopped", reason=jogging.reason)
+    motion = replace(begin(model, joints), origin=None)
+    if jogging.moving:
+        return replace(state, activity=Jog(jogging, doing, motion))
+    return replace(state, activity=Jog(jogging, doing, None), arm=_rested(state.arm, joints, motion.place))
 
 
-def _rested(state: TaskState, joints: JointReference) -> TaskState:
-    """Not guided any more: the arm holds at `joints`."""
-    if not state.arm.started:
-        return replace(state, motion=None)
-    place = state.arm.target.tip if state.motion is None else state.motion.place
-    target = Target(joints.position, place)
-    return replace(
-        state, arm=replace(state.arm, phase=Holding("stopped"), reference=joints, target=target), motion=None
-    )
+def _rested(arm: ArmState, joints: JointReference, tip: FloatArray) -> ArmState:
+    """Not guided any more: the arm holds at `joints`, with its tip (3,) there [m]."""
+    if not arm.started:
+        return arm
+    return replace(arm, phase=Holding("stopped"), reference=joints, target=Target(joints.position, tip))
 
 
 def held_back(params: FollowingParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from sojourn_flight.arm.goal_events import GoalEvent, was
 from sojourn_flight.arm.phases import Paused, Pausing
 from sojourn_flight.arm.state import ArmOutput
+from sojourn_flight.arm.tasks.activity import NoTask, PausedTask, name_of
 from sojourn_flight.arm.tasks.task_state import TaskReport, TaskState
 from sojourn_machine.evolution import replace
 
@@ -18,9 +19,10 @@ _PAUSED = "paused; the task resume goes on"
 
 def report_of(state: TaskState) -> TaskReport | None:
     """How the task, or the jog, stands; None where the last goal was neither, and in a pause."""
-    paused = state.paused or isinstance(state.arm.phase, Pausing | Paused)
-    told = (state.task is not None or state.jog is not None) and not paused
-    return TaskReport(state.name, state.doing) if told else None
+    activity = state.activity
+    if isinstance(activity, NoTask | PausedTask) or isinstance(state.arm.phase, Pausing | Paused):
+        return None
+    return TaskReport(name_of(activity), activity.doing)
 
 
 def with_outcome(
@@ -32,7 +34,7 @@ def with_outcome(
         output: of the arm. answer: to a task or a jog that was asked for in this period.
         is_of_task: the arm's goal of this period is one that a task gave.
     """
-    if answer is None and not output.events and state.task is None and state.jog is None:
+    if answer is None and not output.events and isinstance(state.activity, NoTask):
         return state, output
     report = report_of(state)
     answers: tuple[GoalEvent, ...] = () if answer is None else (answer,)
@@ -40,7 +42,7 @@ def with_outcome(
         answers += tuple(event for event in output.events if event.is_answer)
     refusal = answer.reason if answer is not None else ""
     ends: tuple[GoalEvent, ...] = ()
-    if state.paused:
+    if isinstance(state.activity, PausedTask):
         rests = float(np.max(np.abs(output.velocities))) < _STILL
         output = replace(output, status="paused" if rests else "moving", reason=refusal or _PAUSED)
         ends = (GoalEvent("paused", output.reason),) if rests else ()

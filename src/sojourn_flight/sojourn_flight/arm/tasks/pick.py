@@ -70,7 +70,7 @@ class PickTask:
         if tool is None:
             return self, Doing(state="failed", reason="the gripper says nothing")
         if self.failed or self.phase == "done":
-            return self, self._told(tool, ZERO)
+            return self, self._doing(tool, ZERO)
         if self.phase == "over":
             return self._over(view, tool, dt)
         if self.phase == "down":
@@ -79,11 +79,11 @@ class PickTask:
             return self._close(view, tool, dt)
         begun = self.position if self.grasped is None else self.grasped
         if float(self.direction @ (begun - view.tip.position)) < self.lift:
-            return self, self._told(tool, -self.speed * self.direction)
+            return self, self._doing(tool, -self.speed * self.direction)
         if not self._holds(tool):
             return self._fail(f"it has slipped out: the fingers are {tool.position * 1e3:.1f} mm apart", tool)
         task = replace(self, phase="done")
-        return task, task._told(tool, ZERO)
+        return task, task._doing(tool, ZERO)
 
     def _over(self, view: TaskView, tool: ToolReading, dt: float) -> tuple[Self, Doing]:
         start = self.position - CLEAR * self.direction
@@ -108,8 +108,8 @@ class PickTask:
         bumped = view.feels and pressing(self.direction, view.force) > BUMP
         if left <= 0.0 or bumped:
             task = replace(self, phase="close", grasped=view.tip.position)
-            return task, task._told(tool, ZERO)
-        return self, self._told(tool, self.speed * self.direction)
+            return task, task._doing(tool, ZERO)
+        return self, self._doing(tool, self.speed * self.direction)
 
     def _close(self, view: TaskView, tool: ToolReading, dt: float) -> tuple[Self, Doing]:
         task = replace(self, waited=self.waited + dt, width=tool.position)
@@ -119,16 +119,16 @@ class PickTask:
             return task._fail("the fingers have closed on nothing", tool)
         elif task.waited > PATIENCE:
             return task._fail(f"the fingers press with {tool.effort:.1f} N of {task.force:g} N", tool)
-        return task, task._told(tool, ZERO)
+        return task, task._doing(tool, ZERO)
 
     def _holds(self, tool: ToolReading) -> bool:
         return tool.position > SHUT and tool.effort >= PRESSES * self.force
 
     def _fail(self, reason: str, tool: ToolReading) -> tuple[Self, Doing]:
         task = replace(self, failed=reason)
-        return task, task._told(tool, ZERO)
+        return task, task._doing(tool, ZERO)
 
-    def _told(self, tool: ToolReading, velocity: FloatArray) -> Doing:
+    def _doing(self, tool: ToolReading, velocity: FloatArray) -> Doing:
         state: DoingState = "failed" if self.failed else "reached" if self.phase == "done" else "moving"
         words = f"holds an object {self.width * 1e3:.1f} mm wide with {tool.effort:.1f} N"
         shut = self.phase in ("close", "lift", "done") or self.failed

@@ -1,7 +1,7 @@
 """Task: find the bias of the wrist's sensor, the tool hanging free and the arm at rest.
 
 The bias of each axis is the mean of what is left of the readings when the known weight of the tool is taken off; noise
-of one reading over the square root of their number stays in it.
+of one reading over the square root of their number stays in it. An arm that still moves comes to rest first.
 """
 
 from dataclasses import dataclass, replace
@@ -29,6 +29,8 @@ class TareTask:
             return self, Doing(state="reached", progress=1.0)
         if not view.feels:
             return self, Doing(state="failed", reason="the wrist's sensor says nothing")
+        if view.status == "moving" and not self.readings:
+            return self, Doing(time_to_go=self.seconds)
         after = replace(self, total=self.total + view.wrench, readings=self.readings + 1, elapsed=self.elapsed + dt)
         left = self.seconds - after.elapsed
         if left > 1e-9:

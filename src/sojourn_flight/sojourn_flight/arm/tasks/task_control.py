@@ -42,6 +42,7 @@ from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.phases import Moving, Paused, Pausing, Settling, is_busy
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput, ArmOutput
+from sojourn_flight.arm.tasks.activity import GuidedTask, Jog, NoTask, PausedTask, RunningTask, motion_of, name_of
 from sojourn_flight.arm.tasks.contact_sense import check_wrench
 from sojourn_flight.arm.tasks.ended import Ended, Released
 from sojourn_flight.arm.tasks.guided_pace import GuidedPace, next_pace, pace_limits
@@ -49,8 +50,8 @@ from sojourn_flight.arm.tasks.jog_control import go_on_with_jog, held_back, take
 from sojourn_flight.arm.tasks.outcome import report_of, with_outcome
 from sojourn_flight.arm.tasks.relaxed import Relaxed
 from sojourn_flight.arm.tasks.requests import Pause, Resume, TaskRequest
-from sojourn_flight.arm.tasks.start import start_task
-from sojourn_flight.arm.tasks.task import Doing, TaskView
+from sojourn_flight.arm.tasks.start import Beginning, start_task
+from sojourn_flight.arm.tasks.task import Doing, Task, TaskView
 from sojourn_flight.arm.tasks.task_state import TaskInput, TaskReport, TaskState, initial_state
 from sojourn_flight.arm.tasks.tip_motion import (
     CannotFollowError,
@@ -96,10 +97,12 @@ def step(
     elif state.known is not None:
         state = replace(state, known=None)
     state, goal, answer = _take(params, model, state, inputs)
-    if state.jog is not None:
-        state = go_on_with_jog(params, model, state, inputs, dt)
+    if isinstance(state.activity, Jog):
+        state = go_on_with_jog(params, model, state, state.activity, inputs, dt)
     elif goal is None:
         state, goal = _work(params, model, state, inputs, dt)
+        if answer is ACCEPTED and goal is None and state.motion is None and isinstance(state.arm.phase, Moving):
+            goal = StopGoal()  # a task that moves nothing has replaced what was under way
     is_of_task = goal is not None and inputs.arm.goal is None and not isinstance(goal, PauseGoal | ResumeGoal)
     asked = inputs.arm
     if goal is not asked.goal or state.motion is not asked.guide:
@@ -107,9 +110,9 @@ def step(
     arm, output = controller.step(params, model, state.arm, asked, dt)
     state = state if arm is state.arm else replace(state, arm=arm)
     if is_of_task and was("refused", output.events):
-        state = _give_up(state, Ended(arm.reason))
+        state = replace(state, activity=_given_up(name_of(state.activity), arm.reason))
     elif inputs.arm.goal is not None and was("accepted", output.events):
-        state = replace(state, name="", task=None, motion=None, paused=False, jog=None)
+        state = replace(state, activity=NoTask())
     state, output = with_outcome(state, output, answer, is_of_task)
     return state, output, report_of(state)
 
@@ -128,21 +131,23 @@ def _take(
     if isinstance(inputs.task, Pause | Resume):
         return _pause(state, isinstance(inputs.task, Pause))
     state, answer = _take_task(params, model, state, inputs, inputs.task)
-    replaces_pause = answer is ACCEPTED and isinstance(state.arm.phase, Pausing | Paused)
-    return state, StopGoal() if replaces_pause else None, answer
+    return state, None, answer
 
 
 def _pause(state: TaskState, begin: bool) -> tuple[TaskState, ArmGoal | None, GoalEvent | None]:
     """Pause or go on: a guided motion here, a planned one by a goal for the arm."""
-    if state.jog is not None and state.motion is not None:
+    activity = state.activity
+    if isinstance(activity, Jog) and activity.motion is not None:
         why = f"{'pause' if begin else 'resume'}: the arm is jogged, and rests where the commands stop"
         return state, None, GoalEvent("refused", why)
-    if state.motion is None:
+    if not isinstance(activity, GuidedTask) or isinstance(activity.task, Released):
         return state, PauseGoal() if begin else ResumeGoal(), None
-    if begin == state.paused:
+    if begin == isinstance(activity, PausedTask):
         why = "pause: the motion is paused already" if begin else "resume: no motion is paused"
         return state, None, GoalEvent("refused", why)
-    return replace(state, paused=begin), None, ACCEPTED
+    kind = PausedTask if begin else GuidedTask
+    known = (activity.name, activity.task, activity.doing, activity.motion, activity.pace)
+    return replace(state, activity=kind(*known)), None, ACCEPTED
 
 
 def _take_task(
@@ -156,21 +161,26 @@ def _take_task(
         if under_way and not request.preempt:
             raise GoalRefusedError(f"{request.task}: {under_way} is under way (preempt: true would replace it)")
         posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
-        feels, ground = inputs.wrench is not None, inputs.arm.ground
         gravity = float(np.linalg.norm(inputs.arm.gravity_in_base))
-        task = start_task(params, model, request, posture, feels, ground, state.tool, gravity)
+        beginning = Beginning(posture, inputs.wrench is not None, inputs.arm.ground, state.tool, gravity)
+        task = start_task(params, model, request, beginning)
     except GoalRefusedError as error:
         return state, GoalEvent("refused", str(error))
-    state = replace(state, name=request.task, task=task, doing=Doing(), paused=False, jog=None, pace=GuidedPace())
-    return state, ACCEPTED
+    return replace(state, activity=_doing(request.task, task, Doing(), state.motion)), ACCEPTED
+
+
+def _doing(name: str, task: Task, doing: Doing, motion: TipMotion | None) -> RunningTask:
+    """A task that goes on with the motion of the tip, if there is one."""
+    return RunningTask(name, task, doing) if motion is None else GuidedTask(name, task, doing, motion)
 
 
 def _under_way(state: TaskState) -> str:
     """What the arm is at, in words; empty where it is at nothing."""
-    if state.jog is not None and state.motion is not None:
-        return state.name
-    if state.task is not None and not isinstance(state.arm.phase, Pausing | Paused):
-        return state.name if state.doing.state == "moving" else ""
+    activity = state.activity
+    if isinstance(activity, Jog) and activity.motion is not None:
+        return name_of(activity)
+    if isinstance(activity, RunningTask) and not isinstance(state.arm.phase, Pausing | Paused):
+        return activity.name if activity.doing.state == "moving" else ""
     return "another goal" if is_busy(state.arm.phase) else ""
 
 
@@ -198,7 +208,7 @@ def _is_watched(state: TaskState) -> bool:
     """Whether a motion is under way that is to touch nothing."""
     if state.motion is None:
         return isinstance(state.arm.phase, Moving | Settling)
-    return state.jog is not None
+    return isinstance(state.activity, Jog)
 
 
 def _watch(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> TaskState:
@@ -214,90 +224,112 @@ def _watch(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInp
     reason = f"stopped: {reason}, and gives way"
     here = joint_positions(params, model, inputs.arm.positions, inputs.arm.gravity_in_base) - state.arm.trim
     doing = Doing(gives_way=True, state="failed", reason=reason)
-    name, motion = state.name or "relax", begin_at(model, np.clip(here, model.lower, model.upper))
-    state = replace(state, name=name, task=Relaxed(reason), doing=doing, motion=motion, known=None, paused=False)
-    return replace(state, jog=None)
+    name, motion = name_of(state.activity) or "relax", begin_at(model, np.clip(here, model.lower, model.upper))
+    return replace(state, activity=GuidedTask(name, Relaxed(reason), doing, motion), known=None)
 
 
 def _work(
     params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, dt: float
 ) -> tuple[TaskState, ArmGoal | None]:
     """Let the task look; the reference of the tip that it guides, or the goal that it gives to the arm."""
-    if state.task is None or not state.arm.started:
+    activity = state.activity
+    if not isinstance(activity, RunningTask) or not state.arm.started:
         return state, None
     view = _view(params, model, state, inputs)
-    if state.doing.state == "moving":
-        state = _guard(params, model, state, inputs, view)
-    if state.paused and state.motion is not None and not isinstance(state.task, Ended | Released):
-        velocity = np.zeros(3) if state.doing.velocity is None else state.doing.velocity
-        motion = state.motion
-        state, velocity = _at_pace(params, model, state, motion, velocity, 0.0, dt)
-        return replace(state, motion=move(model, motion, velocity, params.force_control.tip_acceleration, dt)), None
+    if activity.doing.state == "moving":
+        activity = _guarded(params, model, state, activity, inputs, view)
+    if isinstance(activity, PausedTask):
+        velocity = np.zeros(3) if activity.doing.velocity is None else activity.doing.velocity
+        pace, velocity = _at_pace(params, model, activity, velocity, 0.0, dt)
+        motion = move(model, activity.motion, velocity, params.force_control.tip_acceleration, dt)
+        return replace(state, activity=replace(activity, motion=motion, pace=pace)), None
     if isinstance(state.arm.phase, Pausing | Paused):
-        return state, None
-    task, doing = state.task.advance(view, dt) if state.task is not None else (None, Doing())
+        return replace(state, activity=activity), None
+    task, doing = activity.task.advance(view, dt)
     sense = state.sense if doing.bias is None else replace(state.sense, bias=state.sense.bias + doing.bias)
-    state = replace(state, task=task, sense=sense, doing=doing, tool_command=doing.tool or state.tool_command)
-    if doing.gives_way and state.motion is not None:
+    state = replace(state, sense=sense, tool_command=doing.tool or state.tool_command)
+    guided = motion_of(activity)
+    if doing.gives_way and guided is not None:
         rates = yielding_rates(params.contact, model, view.tip, _feel(model, state, inputs, view.tip))
-        return replace(state, motion=turn_joints(model, state.motion, rates, dt)), None
+        yielding = turn_joints(model, guided, rates, dt)
+        return replace(state, activity=GuidedTask(activity.name, task, doing, yielding)), None
     if doing.velocity is None:
-        stop = StopGoal() if state.motion is not None and doing.goal is None else None
-        return replace(state, motion=None), doing.goal or stop
-    motion = state.motion or begin(model, state.arm.reference)
-    velocity = doing.velocity
-    if doing.state != "moving":
-        state = replace(state, pace=GuidedPace())
-    else:
-        share, slowed = granted_velocity(params, model, inputs.arm, motion, doing.velocity, view.force)
-        if slowed:
-            to_go = doing.time_to_go / max(share, 1e-3)
-            state = replace(state, doing=replace(doing, reason=slowed, time_to_go=to_go))
-        state, velocity = _at_pace(params, model, state, motion, velocity, share, dt)
+        stop = StopGoal() if guided is not None and doing.goal is None else None
+        return replace(state, activity=RunningTask(activity.name, task, doing)), doing.goal or stop
+    pace = activity.pace if isinstance(activity, GuidedTask) else GuidedPace()
+    following = GuidedTask(activity.name, task, doing, guided or begin(model, state.arm.reference), pace)
     try:
-        moved = move(model, motion, velocity, params.force_control.tip_acceleration, dt)
+        following = _led(params, model, following, doing.velocity, inputs, view, dt)
     except CannotFollowError as error:
-        return _give_up(state, Ended(str(error))), StopGoal()
-    return replace(state, motion=moved), None
+        return replace(state, activity=_given_up(activity.name, str(error))), StopGoal()
+    return replace(state, activity=following), None
+
+
+def _led(
+    params: ArmParams,
+    model: ArmModel,
+    task: GuidedTask,
+    velocity: FloatArray,
+    inputs: TaskInput,
+    view: TaskView,
+    dt: float,
+) -> GuidedTask:
+    """The tip led on by a period with a task's velocity (3,) [m/s], as fast as the power granted allows.
+
+    Raises:
+        CannotFollowError: the joints cannot.
+    """
+    doing, pace = task.doing, GuidedPace()
+    if doing.state == "moving":
+        share, slowed = granted_velocity(params, model, inputs.arm, task.motion, velocity, view.force)
+        if slowed:
+            doing = replace(doing, reason=slowed, time_to_go=doing.time_to_go / max(share, 1e-3))
+        pace, velocity = _at_pace(params, model, task, velocity, share, dt)
+    motion = move(model, task.motion, velocity, params.force_control.tip_acceleration, dt)
+    return replace(task, doing=doing, motion=motion, pace=pace)
 
 
 def _at_pace(
-    params: ArmParams,
-    model: ArmModel,
-    state: TaskState,
-    motion: TipMotion,
-    velocity: FloatArray,
-    share: float,
-    dt: float,
-) -> tuple[TaskState, FloatArray]:
+    params: ArmParams, model: ArmModel, task: GuidedTask, velocity: FloatArray, share: float, dt: float
+) -> tuple[GuidedPace, FloatArray]:
     """A task's velocity of the tip (3,) [m/s] at the pace of this period, which is on its way to a share of it."""
-    if state.pace == GuidedPace() and share == 1.0:
-        return state, velocity
+    if task.pace == GuidedPace() and share == 1.0:
+        return task.pace, velocity
     speed, most = float(np.linalg.norm(velocity)), params.force_control.tip_acceleration
-    limits = pace_limits(model, rates_of(model, motion, velocity), speed, most)
-    pace = next_pace(state.pace, share, limits, dt)
-    return replace(state, pace=pace), pace.share * velocity
+    limits = pace_limits(model, rates_of(model, task.motion, velocity), speed, most)
+    pace = next_pace(task.pace, share, limits, dt)
+    return pace, pace.share * velocity
 
 
-def _guard(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, view: TaskView) -> TaskState:
-    """Give up a task under way where the arm may not go on."""
+def _guarded(
+    params: ArmParams, model: ArmModel, state: TaskState, activity: RunningTask, inputs: TaskInput, view: TaskView
+) -> RunningTask:
+    """The task under way, or what is left of it where the arm may not go on."""
+    motion = motion_of(activity)
+    ended = _why_ended(params, model, state, inputs, view)
+    return activity if ended is None else _doing(activity.name, ended, activity.doing, motion)
+
+
+def _why_ended(
+    params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput, view: TaskView
+) -> Ended | Released | None:
     if not inputs.arm.allowed:
-        return replace(state, task=Ended(f"not allowed to move: {inputs.arm.not_allowed_reason}"))
+        return Ended(f"not allowed to move: {inputs.arm.not_allowed_reason}")
     if state.motion is None:
-        return state
+        return None
     force = float(np.linalg.norm(view.force))
     if force > params.force_control.max_force:
         reason = f"contact force {force:.0f} N: at most {params.force_control.max_force:g} N is allowed"
-        return replace(state, task=Released(reason, -view.force / force))
+        return Released(reason, -view.force / force)
     tips = "" if inputs.loads is None else lifted(params.contact, inputs.loads, view.force)
     if tips:
-        return replace(state, task=Released(tips, -view.force / force))
+        return Released(tips, -view.force / force)
     held = held_back(params, model, state, inputs)
-    return replace(state, task=Ended(held)) if held else state
+    return Ended(held) if held else None
 
 
-def _give_up(state: TaskState, ended: Ended) -> TaskState:
-    return replace(state, task=ended, motion=None, paused=False, doing=Doing(state="failed", reason=ended.reason))
+def _given_up(name: str, reason: str) -> RunningTask:
+    return RunningTask(name, Ended(reason), Doing(state="failed", reason=reason))
 
 
 def _view(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> TaskView:

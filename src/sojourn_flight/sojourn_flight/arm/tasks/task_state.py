@@ -6,15 +6,15 @@ from dataclasses import dataclass, field
 from sojourn_flight.arm import state as arm_state
 from sojourn_flight.arm.contact_guard import Before, MomentumObserver
 from sojourn_flight.arm.footing import FootingLoads
-from sojourn_flight.arm.jogging import JogCommand, Jogging
+from sojourn_flight.arm.jogging import JogCommand
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.phases import Holding, Waiting
 from sojourn_flight.arm.state import ArmInput, ArmState
+from sojourn_flight.arm.tasks.activity import Activity, NoTask, motion_of
 from sojourn_flight.arm.tasks.contact_sense import ContactSense, contact_sense
-from sojourn_flight.arm.tasks.guided_pace import GuidedPace
 from sojourn_flight.arm.tasks.requests import TaskRequest
-from sojourn_flight.arm.tasks.task import Doing, Task, ToolCommand, ToolReading
+from sojourn_flight.arm.tasks.task import Doing, ToolCommand, ToolReading
 from sojourn_flight.arm.tasks.tip_motion import TipMotion
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import ToolParams
@@ -48,29 +48,25 @@ class TaskState:
     """At the arm's end."""
     tool_command: ToolCommand = field(default_factory=ToolCommand)
     """For its actuator."""
-    name: str = ""
-    task: Task | None = None
-    doing: Doing = field(default_factory=Doing)
-    motion: TipMotion | None = None
+    activity: Activity = field(default_factory=NoTask)
     under_way: bool = False
     """The operator's last goal, be it a task or one of the arm: its end has not been told yet."""
-    paused: bool = False
-    """Of a guided motion; that of a planned one is in `arm`."""
     observer: MomentumObserver = field(default_factory=MomentumObserver)
     """Of torques from outside."""
     known: Before | None = None
     """What was felt when the planned motion under way began; None where none is."""
-    pace: GuidedPace = field(default_factory=GuidedPace)
-    """Of a guided motion."""
-    jog: Jogging | None = None
-    """None where the last goal was no jog."""
     since_jog: float = math.inf
     """Since the last jog's command [s]."""
 
     @property
     def moves(self) -> bool:
         """Whether the arm is told to move, or a task may tell it so at any time."""
-        return not isinstance(self.arm.phase, Waiting | Holding) or self.task is not None or self.jog is not None
+        return not isinstance(self.arm.phase, Waiting | Holding) or not isinstance(self.activity, NoTask)
+
+    @property
+    def motion(self) -> TipMotion | None:
+        """Of the tip's reference; None where none is given to the arm."""
+        return motion_of(self.activity)
 
 
 @dataclass(frozen=True, slots=True)

@@ -44,7 +44,7 @@ class ScoopState:
     """Soil that it has taken from the ground since the start, less what it has put back [m3]."""
     has_worked: bool = False
 
-    def told(self) -> dict[str, float]:
+    def report(self) -> dict[str, float]:
         """See `ToolState`."""
         return {
             "tool carried_kg": self.carried.mass,
@@ -80,7 +80,7 @@ class DrillState:
     """Volume drilled out since the start [m3]."""
     has_worked: bool = False
 
-    def told(self) -> dict[str, float]:
+    def report(self) -> dict[str, float]:
         """See `ToolState`."""
         return {
             "tool thrust_n": self.thrust,
@@ -112,17 +112,17 @@ class GripperState:
     """Tip at the ends of the last two periods in map [m], while it holds something."""
     has_worked: bool = False
 
-    def told(self) -> dict[str, float]:
+    def report(self) -> dict[str, float]:
         """See `ToolState`."""
-        told = {
+        values = {
             "tool held": 0.0 if self.held is None else 1.0 + self.held,
             "tool grasp_n": self.grasp,
             "tool needed_n": self.needed,
             "tool slips": float(self.slips),
         }
         for number, place in enumerate(self.places):
-            told |= {f"object {number} {axis}": value for axis, value in zip("xyz", place, strict=True)}
-        return told
+            values |= {f"object {number} {axis}": value for axis, value in zip("xyz", place, strict=True)}
+        return values
 
 
 OwnState: TypeAlias = ScoopState | DrillState | GripperState
@@ -152,9 +152,9 @@ class ToolState:
         """Whether there is anything to tell of it."""
         return self.own.has_worked
 
-    def told(self) -> dict[str, float]:
+    def report(self) -> dict[str, float]:
         """What people may want to know of it, by name with its unit."""
-        return self.own.told()
+        return self.own.report()
 
 
 @dataclass(frozen=True, slots=True)

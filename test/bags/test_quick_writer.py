@@ -1,0 +1,74 @@
+"""The quick writer of messages against the library's: the same bytes, whatever is written and flushed whenever."""
+
+import io
+import struct
+from collections.abc import Sequence
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mcap.reader import make_reader
+from mcap.writer import CompressionType, Writer
+
+from sojourn_bags.quick_writer import QuickWriter
+
+CHANNELS = 3
+TIMES = st.integers(0, 2**64 - 1)
+MESSAGE = st.tuples(st.integers(0, CHANNELS - 1), TIMES, st.binary(max_size=40), TIMES, st.integers(0, 2**32 - 1))
+FLUSH = None
+Script = Sequence[tuple[int, int, bytes, int, int] | None]
+
+
+def written(kind: type[Writer], script: Script, compression: CompressionType, chunk_size: int) -> bytes:
+    """The file that a writer makes of messages and flushes; a channel is registered before its first message."""
+    stream, ids = io.BytesIO(), dict[int, int]()
+    writer = kind(stream, compression=compression, chunk_size=chunk_size)
+    writer.start(profile="ros2", library="test")
+    writer.add_attachment(0, 0, "a", "text/plain", b"attached")
+    schema = writer.register_schema("type", "ros2msg", b"float64 x")
+    for entry in script:
+        if entry is FLUSH:
+            writer.flush()
+            continue
+        channel, log_time, data, publish_time, sequence = entry
+        if channel not in ids:
+            ids[channel] = writer.register_channel(f"/topic_{channel}", "cdr", schema, {"number": str(channel)})
+        writer.add_message(ids[channel], log_time, data, publish_time, sequence)
+    writer.add_metadata("end", {"of": "file"})
+    writer.finish()
+    return stream.getvalue()
+
+
+@given(
+    st.lists(st.one_of(MESSAGE, st.just(FLUSH)), max_size=40),
+    st.sampled_from((CompressionType.NONE, CompressionType.ZSTD)),
+    st.integers(1, 500),
+)
+def test_file_is_that_of_the_library(script: Script, compression: CompressionType, chunk_size: int) -> None:
+    """Chunks, indices, statistics and checksums, of times in any order."""
+    quick = written(QuickWriter, script, compression, chunk_size)
+    assert quick == written(Writer, script, compression, chunk_size)
+
+
+def test_messages_are_read_back() -> None:
+    """By the library's reader, which goes by the indices."""
+    script = [(number % CHANNELS, 1000 - number, bytes([number]), number, number) for number in range(100)]
+    data = written(QuickWriter, script, CompressionType.ZSTD, 200)
+    read = [message for _, _, message in make_reader(io.BytesIO(data)).iter_messages()]
+    found = [(message.log_time, message.data, message.publish_time, message.sequence) for message in read]
+    assert found == sorted((entry[1], entry[2], entry[3], entry[4]) for entry in script)
+
+
+@pytest.mark.parametrize("entry", [(0, 2**64, b"", 0, 0), (0, -1, b"", 0, 0), (0, 0, b"", 0, 2**32)])
+def test_message_that_does_not_fit_leaves_nothing_behind(entry: tuple[int, int, bytes, int, int]) -> None:
+    """A time or a count of too many bits is refused, and the file goes on without it."""
+    stream = io.BytesIO()
+    writer = QuickWriter(stream, compression=CompressionType.NONE)
+    writer.start()
+    channel = writer.register_channel("/topic", "cdr", 0)
+    with pytest.raises(struct.error):
+        writer.add_message(channel, *entry[1:])
+    writer.add_message(channel, 5, b"good", 6, 7)
+    writer.finish()
+    (message,) = [message for _, _, message in make_reader(io.BytesIO(stream.getvalue())).iter_messages()]
+    assert (message.log_time, message.data, message.publish_time, message.sequence) == (5, b"good", 6, 7)
