@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pinocchio
 import pytest
-from frictionless import no_friction
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
+from frictionless import no_friction
 from sojourn_config.arms import load_arm
 from sojourn_flight.arm.dynamics import (
     BaseMotion,

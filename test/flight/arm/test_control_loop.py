@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from frictionless import no_friction
 from scipy.linalg import expm
 
+from frictionless import no_friction
 from sojourn_analysis.arm.control_loop import (
     ControlTestError,
     LoopResult,

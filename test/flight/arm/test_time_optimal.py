@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from frictionless import no_friction
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from frictionless import no_friction
 from sojourn_config.arms import load_arm
 from sojourn_flight.arm.serial_arm import SerialArm, with_motors
 from sojourn_flight.arm.spline_path import SplinePath, chord_length, spline_through

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from placements import geometry_from_placements
 
+from placements import geometry_from_placements
 from sojourn_config.bundle import read_machine
 from sojourn_flight.mobility.wheel_twist import twist_from_wheels
 from sojourn_flight.supervision.drive import DriveModel

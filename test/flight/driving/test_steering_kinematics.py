@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from placements import geometry_from_placements
 
+from placements import geometry_from_placements
 from sojourn_flight.mobility.kinematics import (
     PlanarTwist,
     limited_twist,

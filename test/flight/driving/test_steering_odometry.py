@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from placements import geometry_from_placements
 from scipy.spatial.transform import Rotation
 
+from placements import geometry_from_placements
 from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
 from sojourn_flight.odometry.odometry import (
     OdometryInput,

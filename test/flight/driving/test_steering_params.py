@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from placements import geometry_from_placements
 from pydantic import ValidationError
 
+from placements import geometry_from_placements
 from sojourn_flight.supervision.params import (
     DriveParams,
     GoalFollowerParams,

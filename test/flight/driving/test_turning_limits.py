@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from placements import geometry_from_placements
 
+from placements import geometry_from_placements
 from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
 from sojourn_flight.mobility.turning_limits import turning_limits
 from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams
