@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from frictionless import no_friction
 from sojourn_analysis.arm.control_loop import (
     ControlTestError,
     LoopResult,
@@ -18,7 +19,6 @@ from sojourn_analysis.arm.control_loop import (
 from sojourn_config.arms import load_arm
 from sojourn_flight.arm.control_laws import LAWS, MeasuredJoints, Reference, effort_of, feedback_of, gains_for
 from sojourn_flight.arm.dynamics import gravity_effort
-from sojourn_flight.arm.friction import no_friction
 from sojourn_flight.arm.profiles import joint_motion
 from sojourn_flight.arm.serial_arm import with_motors, with_scaled_masses
 from sojourn_machine.errors import InvalidValueError
