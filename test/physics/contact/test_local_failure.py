@@ -10,7 +10,7 @@ from sojourn_analysis.vehicle.wheel_traction import ClosedFormWheel
 from sojourn_analysis.wheels.examples import FOOT_RADIUS, TRACK_SIZE, example_row
 from sojourn_config.load import load_params
 from sojourn_machine.params import FloatArray
-from sojourn_physics.contact.contact_law import ContactModel, WheelColumn
+from sojourn_physics.contact.contact_law import WheelColumn
 from sojourn_physics.contact.passive_pressure import round_bearing_capacity, wall_resistance
 from sojourn_physics.soil.bearing import bearing_factors, bulldozing_resistance
 from sojourn_physics.soil.params import SoilParams, kernel_row
@@ -28,8 +28,8 @@ def pushed(row: FloatArray, sinkage: float) -> float:
     return bulldozing_resistance(ANGLE, COHESION, weight, width, diameter, sinkage)
 
 
-@pytest.mark.parametrize("model", [ContactModel.BEKKER_WHEEL_ON_SOIL, ContactModel.COMPLIANT_WHEEL_ON_SOIL])
-def test_a_wheel_pushes_loose_soil(law: Maker, model: ContactModel) -> None:
+@pytest.mark.parametrize("model", ["bekker_wheel_on_soil", "compliant_wheel_on_soil"])
+def test_a_wheel_pushes_loose_soil(law: Maker, model: str) -> None:
     row = example_row(model)
     found = law(row, kernel_row(LOOSE)).step(20000, penetration=0.04, v_along=0.5, rim_speed=0.5)
     assert found["sinkage"] > 0.0
@@ -37,14 +37,14 @@ def test_a_wheel_pushes_loose_soil(law: Maker, model: ContactModel) -> None:
 
 
 def test_a_track_pushes_loose_soil(law: Maker) -> None:
-    row = example_row(ContactModel.TRACK)
+    row = example_row("track")
     found = law(row, kernel_row(LOOSE)).step(30000, penetration=0.02, v_along=0.5, rim_speed=0.5)
     wall = TRACK_SIZE["width"] * wall_resistance(0.02, COHESION, TANGENT, LOOSE.unit_weight(row[WheelColumn.GRAVITY]))
     assert found["bulldozing_resistance"] == pytest.approx(wall, rel=1e-6)
 
 
 def test_a_foot_pushes_loose_soil_and_breaks_through_it(law: Maker) -> None:
-    row = example_row(ContactModel.FOOT_PAD)
+    row = example_row("foot_pad")
     foot = law(row, kernel_row(LOOSE))
     weight = LOOSE.unit_weight(row[WheelColumn.GRAVITY])
     capacity = math.pi * FOOT_RADIUS**2 * round_bearing_capacity(0.1, FOOT_RADIUS, COHESION, TANGENT, weight)
