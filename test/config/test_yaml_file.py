@@ -2,13 +2,14 @@
 
 import json
 import math
+import pickle
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sojourn_config.errors import ConfigError
+from sojourn_config.errors import ConfigError, Problem
 from sojourn_config.overrides import split_override
 from sojourn_config.paths import config_folder
 from sojourn_config.yaml_file import (
@@ -20,6 +21,7 @@ from sojourn_config.yaml_file import (
     plain_scalar,
     read_yaml,
 )
+from sojourn_machine.errors import InvalidValueError, UnknownNameError
 
 FLOATS = st.floats(allow_nan=False, allow_infinity=False)
 TEXT = st.text(st.characters(codec="utf-8", categories=("L", "N", "P", "S", "Zs")), max_size=20)
@@ -203,3 +205,17 @@ def test_no_file_of_ours_is_near_the_limits() -> None:
         document = read_yaml(path)
         assert path.stat().st_size < MOST_BYTES / 10 and len(document.lines) < MOST_VALUES / 10
         assert max((len(key) for key in document.lines), default=0) < MOST_DEPTH / 2
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        ConfigError([Problem("a.yaml", "mass", "-1", "allowed is more than 0", 3), Problem("a.yaml", "", "", "no")]),
+        InvalidValueError("mass", -1.0, "more than 0 kg"),
+        UnknownNameError("soil", "sandy", ("sand",)),
+    ],
+)
+def test_an_error_comes_whole_out_of_another_process(told: Exception) -> None:
+    """It came with a line for each letter of its text, or broke the pool of processes."""
+    heard = pickle.loads(pickle.dumps(told))
+    assert type(heard) is type(told) and str(heard) == str(told) and vars(heard) == vars(told)

@@ -1,5 +1,7 @@
 """Stamps against the clock of a node in real time: one that lies blinds nobody, and a false clock is set anew."""
 
+import math
+
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -47,6 +49,19 @@ def test_a_false_first_message_is_outvoted_at_once(lie: int) -> None:
     refused = [refusal for number in range(10) for refusal in good(timeline, START + number, 0.02 * (number + 1))]
     assert len(refused) <= 1
     assert timeline.now == (START + 9) * CONTROL_PERIOD_NS
+
+
+def test_who_may_be_of_any_age_does_not_keep_up_a_false_time() -> None:
+    """The operator's ticks: where the first message was false they kept a node blind for good."""
+    timeline = Timeline()
+    timeline.hear(2 * 10**18, CONTROL_PERIOD_NS, MAX_AGE_S, 0.0)
+    refused = 0
+    for number in range(100):
+        wall_s = 0.02 * (number + 1)
+        if number % 5 == 0:
+            assert timeline.hear((START + number) * CONTROL_PERIOD_NS, 5 * CONTROL_PERIOD_NS, math.inf, wall_s) is None
+        refused += len(good(timeline, START + number, wall_s))
+    assert refused <= 1 and timeline.now == (START + 99) * CONTROL_PERIOD_NS
 
 
 @settings(max_examples=100, deadline=None)

@@ -7,11 +7,12 @@ from typing import Any
 import pytest
 from node_bench import ARM, SCENARIO, STEERS, WHEELS, Bench, at, command, imu, joints, stamp_of, tick
 
-from ros_messages import ros_time
+from ros_messages import ros_time, serialized
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import READY, STALLED, WAITING_FOR, Counters, heartbeat_message, status_message
-from sojourn_contract.topics import outputs_of
+from sojourn_contract.stamps import NANOSECONDS
+from sojourn_contract.topics import outputs_of, topic
 from sojourn_drive.node import DriveNode
 from sojourn_plant import app
 from sojourn_plant.node import PlantNode
@@ -333,3 +334,20 @@ def test_a_second_plant_on_the_same_domain_is_told_so(bench: Bench) -> None:
     assert not other.finished
     drive(bench, 1, 3, lambda period: command(DRIVEN, period))
     assert first.now == at(3)
+
+
+@pytest.mark.parametrize("ahead_s", [2e9, 1.0])
+def test_in_real_time_a_tick_of_another_clock_ends_no_run(bench: Bench, ahead_s: float) -> None:
+    """The next one that fits does."""
+    plant = begin(bench, "plant", "operator", lockstep=False)
+    bench.until(lambda: plant.now > at(5), "it runs")
+    false = tick(0, format_tick({}, True))
+    false.stamp = ros_time(plant.now + round(ahead_s * NANOSECONDS))
+    plant._receive(topic("/operator/tick"), serialized(false))
+    assert plant.counters.refused == {"/operator/tick": 1} and "simulation time" in plant.counters.last_refusal
+    reached = plant.now // at(1)
+    bench.until(lambda: plant.now > at(reached + 20), "it goes on")
+    assert not plant.finished
+    bench.send("/operator/tick", tick(reached, format_tick({}, True)))
+    bench.until(lambda: plant.finished, "the run is ended")
+    assert plant.counters.refused == {"/operator/tick": 1}

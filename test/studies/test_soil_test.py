@@ -39,6 +39,21 @@ def test_lunar_soil_is_denser_and_stronger_below(capsys: pytest.CaptureFixture[s
     assert all(row["mean_density_kg_m3"] < row["density_kg_m3"] for row in depths)
 
 
+def test_digging_is_a_pile_that_is_pushed_up(capsys: pytest.CaptureFixture[str]) -> None:
+    """Without cohesion it grows with the square of the depth, but for what breaks out at the sides."""
+    wide = ("--blade", "10", "--rake", "90", "--set", "cohesion=0", "--cut", "0.05,0.1")
+    shallow, deep = run_json(capsys, *wide)["digging"]
+    assert deep["blade_n"] / shallow["blade_n"] == pytest.approx(4.0, rel=0.02)
+    # Coulomb's wall with friction on it (tables of textbooks: K_p 5.69 at 35 degrees, 15 on the wall)
+    phi, on_wall = math.radians(35.0), math.radians(15.0)
+    root = math.sqrt(math.sin(phi + on_wall) * math.sin(phi) / math.cos(on_wall))
+    passive = math.cos(phi) ** 2 / (math.cos(on_wall) * (1.0 - root) ** 2)
+    wall = 0.5 * 1520.9 * 1.6248 * 0.1**2 * 10.0 * passive * math.cos(on_wall)
+    assert deep["blade_n"] == pytest.approx(wall, rel=0.02)
+    (cohesive,) = run_json(capsys, "--blade", "10", "--rake", "90", "--cut", "0.1")["digging"]
+    assert cohesive["blade_n"] > deep["blade_n"] and cohesive["bucket_n"] > deep["bucket_n"] > deep["blade_n"]
+
+
 def test_table(capsys: pytest.CaptureFixture[str]) -> None:
     assert soil_test.main(["dry_sand", "--body", "earth"]) == 0
     text = capsys.readouterr().out
@@ -53,6 +68,8 @@ def test_table(capsys: pytest.CaptureFixture[str]) -> None:
         (["snow", "--depth", "0.1"], ("snow", "lunar_")),
         (["--depth", "5"], ("depth", "3 m")),
         (["--load", "-1"], ("--load", "more than 0")),
+        (["--rake", "120"], ("rake", "90 degrees")),
+        (["--blade", "0"], ("width", "above 0")),
         (["--safety", "0.5"], ("safety", "at least 1")),
         (["--set", "stickiness=1"], ("stickiness",)),
     ],

@@ -162,7 +162,9 @@ def test_the_wheel_of_a_rover(rover: str, capsys: pytest.CaptureFixture[str]) ->
     ("arguments", "words"),
     [
         (["--load", "50", "--law", "rubber"], ("rubber", "brush")),
-        (["--load", "50", "--law", "wheel_and_ground_in_series"], ("stiffness", "missing")),
+        (["--load", "50", "--law", "wheel_and_ground_in_series"], ("--set law.stiffness=", "missing", "N/m")),
+        (["--load", "50", "--law", "roller_wheel"], ("--set law.roller_angle_deg=", "omni 90")),
+        (["--load", "50", "--set", "law.stifness=3"], ("--set law.stifness=3", "unknown key", "model")),
         (["--load", "50", "--law", "rigid_wheel_on_rigid_ground", "--set", "law.grip=1"], ("grip", "break_away")),
         (["--load", "50", "--machine", "lrv", "--law", "brush"], ("--law", "--machine")),
         (["--load", "50", "--machine", "zebra"], ("zebra", "explorer")),
@@ -202,6 +204,14 @@ def test_one_sentence_for_what_is_wrong(
     assert len(message.strip().splitlines()) == 1
     for word in words:
         assert word in message
+
+
+def test_every_key_that_a_law_lacks_is_named_with_the_option_that_gives_it() -> None:
+    with pytest.raises(ConfigError) as refused:
+        wheel_test.main(["--load", "50", "--law", "brush"])
+    lines = str(refused.value).splitlines()
+    for line, key in zip(lines, ("stiffness", "longitudinal_stiffness", "cornering_stiffness"), strict=True):
+        assert f"give --set law.{key}=VALUE" in line
 
 
 @pytest.mark.parametrize("key", ["cohesion", "shear_modulus", "density", "theta_m_c1"])

@@ -9,14 +9,14 @@ from typing import Any
 from sojourn_arm.command import Command, command_of
 from sojourn_arm.goals import GoalReader, LastGoal
 from sojourn_arm.ground import GroundWatch, KnownGround
-from sojourn_arm.measurements import JOINTS, MEASUREMENTS, Measured, Measurements, Refusal
+from sojourn_arm.measurements import JOINTS, MEASUREMENTS, Measured, Measurements
 from sojourn_arm.rover import Rover, RoverWatch
 from sojourn_arm.stand import LastLoads, Stand
 from sojourn_arm.tasks import Request, task_input
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.absence import given_up, seen_usable
-from sojourn_contract.app import Answer, App, Period
+from sojourn_contract.app import Answer, App, Period, Refusal
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.hazcam import TOPIC as CLOUD

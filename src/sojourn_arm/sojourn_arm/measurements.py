@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sojourn_contract.app import Refusal
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.joint_places import JointPlaces
 from sojourn_contract.messages import wrench_of
@@ -20,8 +21,6 @@ from sojourn_machine.tools import TOOL_JOINT
 
 JOINTS, IMU = MEASUREMENTS = ("/joint_states", "/imu/data")
 """Without which no goal can be followed."""
-Refusal: TypeAlias = tuple[str, Exception]
-"""Topic of a message that cannot be used, and why."""
 
 
 @dataclass(frozen=True, slots=True)

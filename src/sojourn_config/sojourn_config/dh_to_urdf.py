@@ -6,9 +6,9 @@ With a file, its URDF is printed instead. Tables of arms whose URDF is written b
 import sys
 from pathlib import Path
 
-from sojourn_config.arms import DH_FOLDER, generated_urdf
+from sojourn_config.arms import dh_file, generated_urdf
 from sojourn_config.errors import ConfigError
-from sojourn_config.paths import SUFFIX, config_folder, urdf_folder
+from sojourn_config.paths import urdf_folder
 
 GENERATED = ("cartesian", "cylindrical", "puma560", "scara")
 
@@ -20,7 +20,7 @@ def main() -> int:
             print(generated_urdf(Path(sys.argv[1])), end="")
             return 0
         for name in GENERATED:
-            text = generated_urdf(config_folder() / DH_FOLDER / f"{name}{SUFFIX}")
+            text = generated_urdf(dh_file(name))
             (urdf_folder() / f"{name}.urdf").write_text(text, encoding="utf-8")
             print(f"urdf/{name}.urdf")
     except ConfigError as error:

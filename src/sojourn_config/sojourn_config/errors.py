@@ -53,6 +53,10 @@ class ConfigError(Exception):
         self.problems: tuple[Problem, ...] = tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
+    def __reduce__(self) -> tuple[type["ConfigError"], tuple[tuple[Problem, ...]]]:
+        """As it was made: so it comes whole out of another process."""
+        return type(self), (self.problems,)
+
 
 def single(file: str, key: str, value: object, allowed: str, line: int | None = None) -> ConfigError:
     """A ConfigError with one problem."""

@@ -7,12 +7,14 @@ that a run can be saved, restored and branched; a node is the shell that gives i
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.topic_types import Topic
 
 State = TypeVar("State")
+Refusal: TypeAlias = tuple[str, Exception]
+"""Topic of a message that cannot be used, and why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +39,7 @@ class Answer:
     messages: Iterable[tuple[str, Any]] = ()
     """(topic, message), in the order in which they are sent; those that a run does not have are left out. They may be
     made while they are sent."""
-    refusals: Sequence[tuple[str, Exception]] = ()
-    """(topic, why) of messages that could not be used."""
+    refusals: Sequence[Refusal] = ()
     errors: Sequence[str] = ()
     """For the log."""
     finished: bool = False

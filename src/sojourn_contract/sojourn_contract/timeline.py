@@ -45,10 +45,12 @@ class Timeline:
             self._set(stamp, stamp, wall_s)
             return None
         latest = self.now + _elapsed(self._moved_at, wall_s) + ahead_ns(period_ns)
-        if stamp <= latest and seconds(self.now - stamp) <= max_age_s:
-            self._strangers.clear()
-            self._voices += 1
-            self._advance(stamp, wall_s)
+        age = seconds(self.now - stamp)
+        if stamp <= latest and age <= max_age_s:
+            if age <= LONGEST_AGE_S:  # an older one, where any age is allowed, says nothing of the time
+                self._strangers.clear()
+                self._voices += 1
+                self._advance(stamp, wall_s)
             return None
         if self._outvoted(stamp, min(max_age_s, LONGEST_AGE_S), wall_s):
             before = self._strangers[-2][0]

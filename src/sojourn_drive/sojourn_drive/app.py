@@ -11,7 +11,7 @@ import numpy as np
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.absence import given_up, seen_usable
-from sojourn_contract.app import Answer, App, Period
+from sojourn_contract.app import Answer, App, Period, Refusal
 from sojourn_contract.barrier import is_due
 from sojourn_contract.clouds import points_of
 from sojourn_contract.errors import RefusedMessageError
@@ -37,7 +37,6 @@ from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 MEASUREMENTS = ("/joint_states", "/imu/data")
-Refusal = tuple[str, Exception]
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,10 @@ class InvalidValueError(MachineError, ValueError):
         self.allowed = allowed
         super().__init__(f"{name} = {value!r}: allowed is {allowed}")
 
+    def __reduce__(self) -> tuple[type["InvalidValueError"], tuple[str, object, str]]:
+        """As it was made: so it comes out of another process."""
+        return type(self), (self.name, self.value, self.allowed)
+
 
 class UnknownNameError(MachineError, ValueError):
     """A name that nothing is registered under.
@@ -35,3 +39,7 @@ class UnknownNameError(MachineError, ValueError):
     def __init__(self, thing: str, name: str, valid: Sequence[str]) -> None:
         self.thing, self.name, self.valid = thing, name, tuple(valid)
         super().__init__(f"{thing} {name!r} is unknown, {names_text(name, self.valid)}")
+
+    def __reduce__(self) -> tuple[type["UnknownNameError"], tuple[str, str, tuple[str, ...]]]:
+        """As it was made: so it comes out of another process."""
+        return type(self), (self.thing, self.name, self.valid)

@@ -22,6 +22,7 @@ from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.planning import plan_goal
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.trajectory import JointReference, at_rest
+from sojourn_flight.arm.ways import Departure
 from sojourn_machine.params import FloatArray
 
 WAY_POINTS = 5
@@ -53,7 +54,7 @@ def plan_through_points(plans: int) -> dict[str, float]:
         goal = TrajectoryGoal(params.joint_names, (), rows)
         begin = time.perf_counter()
         try:
-            plan_goal(params, arm, goal, at_rest(start), start, None, ground, gravity)
+            plan_goal(params, arm, goal, Departure(at_rest(start), start), ground, gravity)
         except GoalRefusedError:
             continue
         spans.append(time.perf_counter() - begin)
@@ -83,7 +84,7 @@ def random_goals(goals: int, seed: int = 1, power_limit: float | None = None) ->
         gravity = scenario.gravity * np.array([tilt[0], tilt[1], -math.sqrt(1.0 - min(float(tilt @ tilt), 0.9))])
         try:
             goal = _goal(params, arm, generator)
-            plan = plan_goal(params, arm, goal, reference, reference.position, gravity=gravity)
+            plan = plan_goal(params, arm, goal, Departure(reference, reference.position), gravity=gravity)
         except GoalRefusedError:
             continue
         accepted += 1

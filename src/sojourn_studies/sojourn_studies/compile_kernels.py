@@ -16,7 +16,6 @@ from sojourn_flight.mobility.kinematics import PlanarTwist, allowed_twist
 from sojourn_physics.contact.wheel_shape import WheelShape
 from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import step
-from sojourn_physics.sensors import hazcam
 from sojourn_physics.soil.params import SoilParams
 from sojourn_physics.terrain import earthwork
 from sojourn_plant.start import build_plant
@@ -30,7 +29,6 @@ def main() -> None:
     """Compile; prints nothing, takes about a minute the first time and some seconds after."""
     scenario = load_scenario(SCENARIO)
     _step_plant(scenario)
-    _look(scenario)
     for app in make_apps(scenario, ROLES).values():
         app.warm_up()
     table = scenario.steering.table()
@@ -48,14 +46,6 @@ def _use_arm() -> None:
     path = spline_through(np.stack([arm.lower, arm.upper]), np.array([0.0, 1.0]))
     limits = JointLimits(arm.max_velocity, np.ones(arm.joint_count), arm.max_effort)
     fastest_timing(arm, path, limits, np.zeros(3), intervals=10)
-
-
-def _look(scenario: LoadedScenario) -> None:
-    params = scenario.sensors.hazcam
-    if params is not None:
-        camera = hazcam.hazcam_on(params, scenario.urdf_xml)
-        state = hazcam.initial_state(camera, scenario.config.seed)
-        hazcam.step(camera, state, scenario.height_field(), np.zeros(3), np.eye(3))
 
 
 def _step_plant(scenario: LoadedScenario) -> None:

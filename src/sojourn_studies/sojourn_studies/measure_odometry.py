@@ -1,7 +1,7 @@
 """Measures how far off the odometry is, over seeds of ground, soil and sensors; no seed knows of another.
 
     scripts/lib/python -m sojourn_studies.measure_odometry --seeds 20
-    scripts/lib/python -m sojourn_studies.measure_odometry --machine omni --set soil=rigid_rock --seeds 4
+    scripts/lib/python -m sojourn_studies.measure_odometry --scenario lunar_route --machine omni --set soil=rigid_rock
 
 Each seed drives the first route of a scenario in plant, sensors and drive (see `closed_loop`). Its ground, rocks and
 all noise are those of the seed; its soil is the scenario's with parameters off by SPREAD, while the drive believes what

@@ -1,4 +1,4 @@
-"""Footings on a soil in figures: the work of scripts/soil_test."""
+"""Footings on a soil, and what digging takes, in figures: the work of scripts/soil_test."""
 
 import argparse
 import json
@@ -13,7 +13,9 @@ from sojourn_analysis.soil.footing import pad_sinkage, safe_load, ultimate_press
 from sojourn_config.command_errors import UsageError
 from sojourn_config.load import load_params
 from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_machine.supports import ScoopParams
 from sojourn_physics.environment.body import BodyParams
+from sojourn_physics.soil.digging import Bucket, DiggingSoil, balovnev, mckyes
 from sojourn_physics.soil.params import SoilParams
 from sojourn_physics.soil.pressure_sinkage import modulus, pressure
 from sojourn_physics.soil.regolith import mean_density, soil_at
@@ -24,6 +26,10 @@ from sojourn_studies.wheel_bed import print_table
 
 LUNAR = "lunar_"
 """Soils whose name begins so have a depth: see `regolith`."""
+BUCKET_WALL = 0.001
+"""Thickness of a bucket's side walls and edge [m]."""
+TOOL_FRICTION = math.radians(ScoopParams.model_fields["tool_friction_deg"].default)
+"""Of soil on the blade, as of a scoop whose file says nothing [rad]."""
 SHEARED = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """Displacements for which the shear stress is told [mm]."""
 
@@ -43,6 +49,7 @@ def _run(given: argparse.Namespace) -> int:
         "pads": [pad(soil, gravity, diameter, given.load, given.safety) for diameter in given.diameter],
         "shear": shear(soil, given.load / (0.25 * math.pi * given.diameter[0] ** 2)),
     }
+    found["digging"] = [digging(soil, gravity, given.blade, depth, given.rake) for depth in given.cut]
     if given.depth is not None:
         found["depths"] = [layer(soil, gravity, depth, given.diameter[0]) for depth in given.depth]
     if given.json:
@@ -57,6 +64,8 @@ def _run(given: argparse.Namespace) -> int:
     print_rows(
         [{"displacement_mm": mm, "stress_pa": pa} for mm, pa in zip(SHEARED, found["shear"]["stress_pa"], strict=True)]
     )
+    print(f"\ndigging, {given.blade:g} m wide, rake {given.rake:g} degrees: a blade (McKyes), a bucket (Balovnev)")
+    print_rows(found["digging"])
     if given.depth is not None:
         print("\nover depth (Lunar Sourcebook, ch. 9); a pad of the first diameter fails the soil there at")
         print_rows(found["depths"])
@@ -83,6 +92,25 @@ def shear(soil: SoilParams, normal: float) -> dict[str, Any]:
     limit = shear_limit(soil.cohesion, soil.friction_angle, normal)
     stresses = [shear_stress(limit, 1e-3 * mm, soil.shear_modulus, soil.residual_shear_ratio) for mm in SHEARED]
     return {"normal_pa": normal, "displacement_mm": list(SHEARED), "stress_pa": stresses}
+
+
+def digging(soil: SoilParams, gravity: float, width: float, depth: float, rake_deg: float) -> dict[str, float]:
+    """What a blade and a bucket of a width [m] take along a cut of a depth [m]; the bucket is as long as it is wide.
+
+    Raises:
+        InvalidValueError: a width, depth or rake out of range.
+    """
+    rake, friction = math.radians(rake_deg), min(TOOL_FRICTION, soil.friction_angle)
+    seen = DiggingSoil(soil.unit_weight(gravity), soil.cohesion, soil.friction_angle, friction)
+    blade = mckyes(seen, width, depth, rake, sides=True)
+    bucket = balovnev(seen, Bucket(width, width, BUCKET_WALL, BUCKET_WALL, 0.5 * math.pi), depth, rake)
+    return {
+        "cut_m": depth,
+        "blade_n": blade.forward,
+        "draws_in_n": blade.lift,
+        "wedge_deg": math.degrees(blade.wedge),
+        "bucket_n": bucket,
+    }
 
 
 def layer(soil: SoilParams, gravity: float, depth: float, diameter: float) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""A soil as a designer asks it: what a pad may press, how deep it stands, what it holds: scripts/soil_test."""
+"""A soil as a designer asks it: what a pad may press, how deep it stands, what holds and digs: scripts/soil_test."""
 
 import argparse
 from collections.abc import Sequence
@@ -10,7 +10,8 @@ def parser() -> argparse.ArgumentParser:
     """Options of scripts/soil_test."""
     result = command_line.Parser(
         prog="soil_test",
-        description="Footings on a soil: pressure at which it fails, safe load, sinkage, rut, shear; lunar by depth.",
+        description="Footings on a soil: pressure at which it fails, safe load, sinkage, rut, shear; the force of "
+        "digging; lunar by depth.",
     )
     result.add_argument("soil", nargs="?", default="lunar_nominal", metavar="NAME|FILE", help="of config/soils")
     result.add_argument("--body", default="moon", metavar="NAME", help="of config/bodies: its gravity (%(default)s)")
@@ -31,6 +32,19 @@ def parser() -> argparse.ArgumentParser:
         type=command_line.number_list,
         metavar="M[,M...]",
         help="lunar soil at these depths in place of its mean [m]",
+    )
+    result.add_argument(
+        "--cut",
+        type=command_line.number_list,
+        default=[0.01, 0.02, 0.05, 0.1],
+        metavar="M[,M...]",
+        help="depths that a blade and a bucket dig [m]",
+    )
+    result.add_argument(
+        "--blade", type=command_line.number, default=0.1, metavar="M", help="width of both (%(default)s)"
+    )
+    result.add_argument(
+        "--rake", type=command_line.number, default=45.0, metavar="DEG", help="of both, 20 to 90 (%(default)s)"
     )
     result.add_argument("--json", action="store_true", help="print JSON")
     return result

@@ -4,7 +4,7 @@ import argparse
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from rich.console import Console
@@ -15,6 +15,7 @@ from sojourn_analysis.wheels.law_bench import Bed
 from sojourn_analysis.wheels.trials import QUANTITIES, predict, summary
 from sojourn_analysis.wheels.wheel_bench import BenchResult
 from sojourn_config.command_errors import UsageError
+from sojourn_config.errors import ConfigError
 from sojourn_config.load import load_params, validate
 from sojourn_config.machine_reader import machine_config
 from sojourn_config.overrides import override_document, split_override
@@ -97,9 +98,29 @@ def _wheel(name: str | None, changes: list[str]) -> WheelShape:
 
 def _of_options(given: argparse.Namespace, changes: Mapping[str, list[str]]) -> tuple[WheelShape, ContactChoice]:
     name = given.law or DEFAULT_LAW
-    law = YamlDocument("command line", {"model": name}, {})
-    contact = validate(override_document(law, changes["law"]), CONTACT_LAWS.get(name))
+    contact = _law(YamlDocument(f"--law {name}", {"model": name}, {}), changes["law"], CONTACT_LAWS.get(name))
     return _wheel(given.wheel, changes["wheel"]), contact
+
+
+def _law(table: YamlDocument, changes: list[str], model: type[ContactChoice]) -> ContactChoice:
+    """The law with its changes.
+
+    Raises:
+        ConfigError: its keys are named as --set takes them, and what is missing with the option that gives it.
+    """
+    try:
+        return validate(override_document(table, changes), model)
+    except ConfigError as error:
+        missing = "the key is missing: "
+        raise ConfigError(
+            replace(
+                problem,
+                file=problem.file.replace("--set ", "--set law."),
+                key=f"law.{problem.key}",
+                allowed=problem.allowed.replace(missing, f"missing: give --set law.{problem.key}=VALUE; "),
+            )
+            for problem in error.problems
+        ) from error
 
 
 def _of_machine(given: argparse.Namespace, changes: Mapping[str, list[str]]) -> tuple[WheelShape, ContactChoice]:
@@ -119,7 +140,7 @@ def _of_machine(given: argparse.Namespace, changes: Mapping[str, list[str]]) -> 
     table: dict[str, Data] = first.contact.model_dump(mode="json")
     return (
         validate(override_document(YamlDocument(given.machine, shape, {}), changes["wheel"]), WheelShape),
-        validate(override_document(YamlDocument(given.machine, table, {}), changes["law"]), type(first.contact)),
+        _law(YamlDocument(given.machine, table, {}), changes["law"], type(first.contact)),
     )
 
 
@@ -155,7 +176,7 @@ def _print_results(bed: Bed, results: Sequence[BenchResult]) -> None:
     wheel = bed.wheel
     grousers = f", {wheel.grouser_count} grousers of {1e3 * wheel.grouser_height:g} mm" if wheel.grouser_count else ""
     print(f"wheel {wheel.name}: radius {wheel.radius:g} m, width {wheel.width:g} m{grousers}; {bed.contact.model}")
-    print(f"soil {bed.soil.name}; load {bed.load:g} N\n")
+    print(f"soil {bed.soil.name}; gravity {bed.gravity:.3f} m/s2; load {bed.load:g} N\n")
     columns: list[tuple[str, str, Callable[[BenchResult], str]]] = [
         ("slip", "[-]", lambda one: f"{one.slip:g}"),
         ("slip angle", "[deg]", lambda one: f"{one.slip_angle_deg:g}"),

@@ -62,7 +62,8 @@ def test_a_block_changes_the_loads_little(explorer: StandingMachine) -> None:
     assert np.abs(stance.gaps).max() < 1e-6
     assert np.abs(explorer.loads(stance).normal / (WEIGHT / 6.0) - 1.0).max() < 0.35
     # the differential holds: the rockers turn against one another
-    left, right = (explorer.joint_angle(stance.configuration, f"rocker_{side}_joint") for side in ("left", "right"))
+    rockers = [explorer.model.getJointId(f"rocker_{side}_joint") for side in ("left", "right")]
+    left, right = (stance.configuration[explorer.model.joints[joint].idx_q] for joint in rockers)
     assert left == pytest.approx(-right) and abs(left) > 0.02
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from frictionless import no_friction
 from sojourn_analysis.arm.control_loop import (
     ControlTestError,
     LoopResult,
@@ -16,9 +17,8 @@ from sojourn_analysis.arm.control_loop import (
     settings_for,
 )
 from sojourn_config.arms import load_arm
-from sojourn_flight.arm.control_laws import LAWS, Reference, effort_of, feedback_of, gains_for
+from sojourn_flight.arm.control_laws import LAWS, MeasuredJoints, Reference, effort_of, feedback_of, gains_for
 from sojourn_flight.arm.dynamics import gravity_effort
-from sojourn_flight.arm.friction import no_friction
 from sojourn_flight.arm.profiles import joint_motion
 from sojourn_flight.arm.serial_arm import with_motors, with_scaled_masses
 from sojourn_machine.errors import InvalidValueError
@@ -123,7 +123,7 @@ def test_feedback_matrices_are_the_slopes_of_the_law(law: str) -> None:
     position, velocity = feedback_of(law, PUMA, gains, GOAL)  # type: ignore[arg-type]
 
     def effort(q: np.ndarray, qd: np.ndarray) -> np.ndarray:
-        return effort_of(law, PUMA, gains, at_rest, q, qd, np.zeros(6), np.zeros(3))  # type: ignore[arg-type]
+        return effort_of(law, PUMA, gains, at_rest, MeasuredJoints(q, qd, np.zeros(6)), np.zeros(3))  # type: ignore[arg-type]
 
     for i, step in enumerate(np.eye(6) * h):
         by_position = (effort(GOAL + step, np.zeros(6)) - effort(GOAL - step, np.zeros(6))) / (2 * h)

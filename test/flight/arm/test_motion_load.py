@@ -16,6 +16,7 @@ from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.planning import plan_goal
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.trajectory import JointReference, at_rest
+from sojourn_flight.arm.ways import Departure
 
 MOON = np.array([0.0, 0.0, -1.625])
 
@@ -50,9 +51,9 @@ def test_a_motion_that_would_draw_too_much_is_slower(explorer: Any, watts: float
     params, arm = explorer
     start = np.array(params.named_poses["unfold"])
     goal = JointGoal(params.joint_names, tuple(start + 0.6))
-    free = plan_goal(params, arm, goal, at_rest(start), start, gravity=MOON)
+    free = plan_goal(params, arm, goal, Departure(at_rest(start), start), gravity=MOON)
     tight = params.model_copy(update={"power_limit": watts})
-    plan = plan_goal(tight, arm, goal, at_rest(start), start, gravity=MOON)
+    plan = plan_goal(tight, arm, goal, Departure(at_rest(start), start), gravity=MOON)
     assert plan.path.duration > 1.2 * free.path.duration
     assert "slower, or the arm would draw" in plan.note and f"its limit is {watts:.1f} W" in plan.note
     times = np.linspace(0.0, plan.path.duration, 700)
@@ -67,10 +68,10 @@ def test_what_no_slowness_can_mend_is_refused_with_the_reason(explorer: Any) -> 
     goal = JointGoal((params.joint_names[0],), (0.5,))
     weak = params.model_copy(update={"motor_effort": (1.0,) * 5})
     with pytest.raises(GoalRefusedError, match=r"arm_\w+ would need .* N m, .* of what it can give, however slowly"):
-        plan_goal(weak, arm, goal, at_rest(start), start, gravity=10.0 * MOON)
+        plan_goal(weak, arm, goal, Departure(at_rest(start), start), gravity=10.0 * MOON)
     poor = params.model_copy(update={"power_limit": 1e-3})
     with pytest.raises(GoalRefusedError, match=r"would draw .* W, its limit is 0.0 W, however slowly"):
-        plan_goal(poor, arm, goal, at_rest(start), start, gravity=MOON)
+        plan_goal(poor, arm, goal, Departure(at_rest(start), start), gravity=MOON)
 
 
 @settings(max_examples=25, deadline=None)
@@ -91,7 +92,7 @@ def test_limits_hold_in_every_sample_from_rest_and_on_the_way(explorer: Any, dat
             )
         )
         try:
-            plan = plan_goal(params, arm, goal, reference, present, gravity=MOON)
+            plan = plan_goal(params, arm, goal, Departure(reference, present), gravity=MOON)
         except GoalRefusedError:
             continue
         times = np.linspace(0.0, plan.path.duration, 120)

@@ -16,6 +16,7 @@ from sojourn_flight.arm.planning import plan_goal
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import GroundRelief, relief_of
 from sojourn_flight.arm.trajectory import at_rest
+from sojourn_flight.arm.ways import Departure
 from sojourn_flight.hazards.obstacle_map import LAYERS, CellGrid, ObstacleMap, add_points
 
 PLANE = GroundPlane(-0.47)
@@ -85,7 +86,7 @@ def test_a_place_in_a_rock_is_refused_as_such(explorer: Any) -> None:
     start = np.array(explorer.params.named_poses["unfold"])
 
     def plan(goal: Any, ground: Any) -> Any:
-        return plan_goal(explorer.params, explorer.model, goal, at_rest(start), start, None, ground)
+        return plan_goal(explorer.params, explorer.model, goal, Departure(at_rest(start), start), ground)
 
     with pytest.raises(GoalRefusedError, match="120 mm below the ground that the camera has seen: at most 25 mm"):
         plan(PoseGoal((1.0, 0.0, -0.32)), relief(rock))
@@ -101,7 +102,7 @@ def test_the_way_leads_over_a_wall(explorer: Any) -> None:
     for posture in (start, end):
         assert check_posture(explorer.params, explorer.model, posture, wall) is None
     goal = JointGoal(explorer.model.joint_names, tuple(float(q) for q in end))
-    plan = plan_goal(explorer.params, explorer.model, goal, at_rest(start), start, None, wall)
+    plan = plan_goal(explorer.params, explorer.model, goal, Departure(at_rest(start), start), wall)
     assert plan.note
     for time in np.linspace(0.0, plan.path.duration, 40):
         assert check_posture(explorer.params, explorer.model, plan.path.sample(time)[0], wall) is None

@@ -16,7 +16,7 @@ from sojourn_flight.arm.planning import plan_goal
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.sampling_planner import MOST_POSTURES, Detours, SamplingPlanner
 from sojourn_flight.arm.trajectory import at_rest
-from sojourn_flight.arm.ways import Plan
+from sojourn_flight.arm.ways import Departure, Plan
 
 GROUND = GroundPlane(-0.47)
 ROUND = "round what is in the way"
@@ -48,7 +48,7 @@ def plans(arm: Any, start: str, count: int, seed: int, goal_of: Callable[[Any, A
     for _ in range(count):
         goal = goal_of(arm, free_posture(arm, generator))
         with suppress(GoalRefusedError):
-            found.append(plan_goal(arm.params, arm.model, goal, at_rest(here), here, None, GROUND))
+            found.append(plan_goal(arm.params, arm.model, goal, Departure(at_rest(here), here), GROUND))
     return found
 
 
@@ -127,4 +127,6 @@ def test_a_target_in_a_collision_is_refused_with_the_pair(explorer: Any) -> None
         folded = explorer.random_posture(generator)
     start = np.array(explorer.params.named_poses["unfold"])
     with pytest.raises(GoalRefusedError, match="collision of"):
-        plan_goal(explorer.params, explorer.model, as_joints(explorer, folded), at_rest(start), start, None, GROUND)
+        plan_goal(
+            explorer.params, explorer.model, as_joints(explorer, folded), Departure(at_rest(start), start), GROUND
+        )

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from frictionless import no_friction
 from sojourn_config.arms import load_arm
-from sojourn_flight.arm.friction import no_friction
 from sojourn_flight.arm.serial_arm import SerialArm, with_motors
 from sojourn_flight.arm.spline_path import SplinePath, chord_length, spline_through
 from sojourn_flight.arm.time_optimal import JointLimits, TimingError, fastest_timing, largest_share

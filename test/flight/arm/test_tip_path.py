@@ -26,7 +26,7 @@ from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput, initial_state
 from sojourn_flight.arm.tip_route import routes_along
 from sojourn_flight.arm.trajectory import at_rest
-from sojourn_flight.arm.ways import Plan
+from sojourn_flight.arm.ways import Departure, Plan
 from sojourn_machine.params import FloatArray
 
 DT = 0.02
@@ -49,7 +49,7 @@ def point(offset: Any, on_arc: bool = False, direction: Any = None) -> PathPoint
 
 def plan(*points: PathPoint, ground: Any = None, **changes: Any) -> Plan:
     params = PARAMS.model_copy(update={"tip_path": PARAMS.tip_path.model_copy(update=changes)})
-    return plan_goal(params, MODEL, PathGoal(points), at_rest(UNFOLD), UNFOLD, None, ground, MOON)
+    return plan_goal(params, MODEL, PathGoal(points), Departure(at_rest(UNFOLD), UNFOLD), ground, MOON)
 
 
 def off_the(shape: FloatArray, path: JointPath) -> float:
@@ -201,9 +201,9 @@ def test_a_path_is_paused_resumed_and_replaced_like_any_motion() -> None:
 def test_less_power_makes_it_slower_on_the_same_way() -> None:
     goal = PathGoal((point((0.1, 0.15, 0.0)),))
     heavy = 4.0 * MOON
-    free = plan_goal(PARAMS, MODEL, goal, at_rest(UNFOLD), UNFOLD, None, None, heavy)
+    free = plan_goal(PARAMS, MODEL, goal, Departure(at_rest(UNFOLD), UNFOLD), None, heavy)
     weak = PARAMS.model_copy(update={"power_limit": 1.5})
-    slow = plan_goal(weak, MODEL, goal, at_rest(UNFOLD), UNFOLD, None, None, heavy)
+    slow = plan_goal(weak, MODEL, goal, Departure(at_rest(UNFOLD), UNFOLD), None, heavy)
     assert "slower, or the arm would draw" in slow.note
     assert slow.path.duration > 1.1 * free.path.duration
     assert peak(weak, MODEL, slow.path, heavy).share <= 1.0 < peak(weak, MODEL, free.path, heavy).share
@@ -220,7 +220,9 @@ def test_arms_of_four_and_six_joints_follow_a_line(name: str) -> None:
     tip = forward_kinematics(model, start).position
     end = tip + np.array([-0.03, 0.08, 0.02])
     goal = PathGoal((PathPoint(PoseGoal((float(end[0]), float(end[1]), float(end[2])))),))
-    made = plan_goal(params, model, goal, at_rest(start), start, None, None, np.array([0.0, 0.0, -scenario.gravity]))
+    made = plan_goal(
+        params, model, goal, Departure(at_rest(start), start), None, np.array([0.0, 0.0, -scenario.gravity])
+    )
     shape = tip + np.linspace(0.0, 1.0, 2000)[:, None] * (end - tip)
     places = [
         forward_kinematics(model, q).position for q in made.path.samples(np.linspace(0.0, made.path.duration, 99))

@@ -18,6 +18,7 @@ from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.planning import plan_goal
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.trajectory import at_rest
+from sojourn_flight.arm.ways import Departure
 
 
 @dataclass
@@ -69,7 +70,7 @@ def test_a_plan_ends_with_the_orientation_that_was_asked_for(puma: Arm) -> None:
         quaternion = tuple(Rotation.from_matrix(wanted.rotation).as_quat())
         goal = PoseGoal(tuple(wanted.position), orientation=quaternion)
         try:
-            plan = plan_goal(puma.params, puma.model, goal, at_rest(start), start)
+            plan = plan_goal(puma.params, puma.model, goal, Departure(at_rest(start), start))
         except GoalRefusedError as error:
             assert "collision" in str(error)
             continue

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from placements import geometry_from_placements
 from sojourn_config.bundle import read_machine
 from sojourn_flight.mobility.wheel_twist import twist_from_wheels
 from sojourn_flight.supervision.drive import DriveModel
@@ -16,7 +17,6 @@ from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, Driv
 from sojourn_flight.supervision.params import (
     DriveParams,
     SteeringGeometryParams,
-    geometry_from_placements,
 )
 from sojourn_machine.params import FloatArray
 

@@ -10,7 +10,7 @@ from rolling_rover import DT, RollingRover
 
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.planning.goal_follower import FollowerState, Phase
+from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState
 from sojourn_flight.supervision.astern import choose_sense, is_answered, trailing_helps
 from sojourn_flight.supervision.drive import DriveModel
 from sojourn_flight.supervision.drive_types import DriveState
@@ -54,7 +54,7 @@ def sent(made: RollingRover) -> FollowerState:
         made._step(None)
     made._step(Goal.at(8.0, 0.0))
     way = made.state.follower
-    assert way is not None and way.phase is Phase.DRIVE
+    assert way is not None and way.phase is FollowerPhase.DRIVE
     return way
 
 
@@ -84,7 +84,7 @@ def test_wheels_that_slip_make_it_look_and_then_turn_about() -> None:
     assert is_answered(model, way, front) and is_answered(model, observes.way, front)
     observed = replace(observes.way, phase_elapsed=2.0)
     turns = choose_sense(model, seen, observed, front, False, odometry).way
-    assert turns.astern and turns.phase is Phase.ALIGN and is_answered(model, turns, front)
+    assert turns.astern and turns.phase is FollowerPhase.ALIGN and is_answered(model, turns, front)
     blind = replace(seen, map=replace(seen.map, layers=np.zeros_like(seen.map.layers)))
     assert choose_sense(model, blind, observed, front, True, odometry).way == observed, "nothing has been seen"
     given_up = replace(observed, phase_elapsed=3.0)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from kinds import MACHINES, RADIUS, articulated, mecanum, odd, skid
 from pydantic import ValidationError
 
+from mecanum import kinematic_matrix
 from sojourn_analysis.vehicle import articulated as two_bodies
 from sojourn_flight.mobility.kinematics import (
     PlanarTwist,
@@ -23,7 +24,6 @@ from sojourn_flight.mobility.wheel_commands import command_wheels, expected_slip
 from sojourn_flight.mobility.wheel_table import scrubs
 from sojourn_flight.mobility.wheel_twist import twist_from_wheels, velocity_kernel
 from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams
-from sojourn_physics.contact.roller_wheel import kinematic_matrix
 
 DT = 0.02
 

@@ -11,7 +11,7 @@ from sojourn_flight.mobility.turning_limits import TurningLimits
 from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.goal import Goal, GoalOutcome, path_lengths
-from sojourn_flight.planning.goal_follower import FollowerLimits, FollowerState, FollowerStep, Phase
+from sojourn_flight.planning.goal_follower import FollowerLimits, FollowerPhase, FollowerState, FollowerStep
 from sojourn_flight.planning.goal_follower import accept as accept_from
 from sojourn_flight.planning.goal_follower import follow as follow_from
 from sojourn_flight.supervision.params import DriveParams, GoalFollowerParams
@@ -138,7 +138,7 @@ def test_every_waypoint_is_passed_and_only_the_last_is_a_stop(
         assert min(math.dist(place[:2], point) for place in track) <= params.corner_cut + 0.1
     assert math.dist((rover.x, rover.y), points[-1]) <= params.position_tolerance
     assert [state.index for state in states] == sorted(state.index for state in states)
-    settled = {state.index for state in states if state.phase is Phase.SETTLE}
+    settled = {state.index for state in states if state.phase is FollowerPhase.SETTLE}
     assert settled <= {len(points) - 1}
 
 
@@ -146,7 +146,7 @@ def test_a_gentle_path_is_driven_without_a_stop(params: GoalFollowerParams) -> N
     points = [(2.0, 0.0), (4.0, 0.6), (6.0, 1.8), (8.0, 3.0)]
     rover = Slipping(slip=0.15)
     _, track, states = go(params, rover, Goal.along(points))
-    assert {state.phase for state in states} == {Phase.DRIVE, Phase.SETTLE}
+    assert {state.phase for state in states} == {FollowerPhase.DRIVE, FollowerPhase.SETTLE}
     # distance to the polyline, by the nearest of many points on it
     line = [(0.0, 0.0), *points]
     fine = [
@@ -224,8 +224,8 @@ def test_a_heading_that_cannot_be_held_ends_after_some_attempts(params: GoalFoll
     outcome, settles = None, 0
     for _ in range(200):
         # something turns the rover away whenever it stands
-        yaw = 0.5 if state.phase is Phase.SETTLE else 0.0
-        settles += state.phase is Phase.SETTLE
+        yaw = 0.5 if state.phase is FollowerPhase.SETTLE else 0.0
+        settles += state.phase is FollowerPhase.SETTLE
         result = follow(params, state, (0.0, 0.0, yaw), False, LIMITS, DT)
         state, outcome = result.state, result.outcome
         if outcome is not None:

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from placements import geometry_from_placements
 from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
 from sojourn_flight.odometry.odometry import (
     OdometryInput,
@@ -23,7 +24,6 @@ from sojourn_flight.supervision.params import (
     DriveParams,
     OdometryParams,
     SteeringGeometryParams,
-    geometry_from_placements,
 )
 from sojourn_machine.errors import MachineError
 from sojourn_machine.params import FloatArray

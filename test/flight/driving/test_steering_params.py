@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from placements import geometry_from_placements
 from sojourn_flight.supervision.params import (
     DriveParams,
     GoalFollowerParams,
     SteeringGeometryParams,
     SteeringTransitionParams,
     WheelGeometry,
-    geometry_from_placements,
 )
-from sojourn_machine.errors import MachineError
 
 
 def test_geometry_keeps_the_order_and_the_numbers_of_the_placements() -> None:
@@ -23,22 +22,6 @@ def test_geometry_keeps_the_order_and_the_numbers_of_the_placements() -> None:
     assert geometry.steered == (True, False)
     expected = np.array([[1.0, 2.0, 0.1, 1.0, -0.5, 0.7], [3.0, 4.0, 0.2, 0.0, 0.0, 0.0]])
     np.testing.assert_array_equal(geometry.table()[:, :6], expected)
-
-
-@pytest.mark.parametrize(
-    ("positions", "radii", "limits", "name"),
-    [
-        ([[0.0, 1.0]], [0.1, 0.1], [None, None], "wheel positions"),
-        ([[0.0], [1.0]], [0.1, 0.1], [None, None], "wheel positions"),
-        ([[0.0, 1.0], [0.0, -1.0]], [0.1], [None, None], "wheel radii"),
-        ([[0.0, 1.0], [0.0, -1.0]], [0.1, 0.1], [None], "steer limits"),
-    ],
-)
-def test_placements_of_different_lengths_are_refused(
-    positions: list[list[float]], radii: list[float], limits: list[None], name: str
-) -> None:
-    with pytest.raises(MachineError, match=name):
-        geometry_from_placements(["left", "right"], positions, radii, limits)
 
 
 def wheel(name: str, **changes: object) -> dict[str, object]:

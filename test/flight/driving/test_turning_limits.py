@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from placements import geometry_from_placements
 from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
 from sojourn_flight.mobility.turning_limits import turning_limits
-from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams, geometry_from_placements
+from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams
 
 PLACES = [(x, y, 0.0) for x in (1.0, -1.0) for y in (0.5, -0.5)]
 

@@ -12,7 +12,7 @@ from sojourn_config.scenario import load_scenario
 from sojourn_flight.hazards.clearance import ClearanceMap, clearance_in
 from sojourn_flight.hazards.obstacle_map import empty_map
 from sojourn_flight.planning.clothoid import Pose
-from sojourn_flight.planning.way_back import SET_DOWN, SPACING, Track, driven_on, end_of_way, go_back, way_back
+from sojourn_flight.planning.way_back import SET_DOWN, SPACING, Track, driven_on, go_back, way_back
 
 FOLLOWER = load_scenario("flat_drive").drive.follower
 TURNING = PARAMS.outline.turn_radius + PARAMS.margin
@@ -41,10 +41,10 @@ def test_it_ends_where_there_is_room_to_turn() -> None:
     track, here = driven(0.0, 4.0, Pose(-2.0, 0.0, 0.0))
     way = way_back(track, here, walls(0.0), TURNING, 10.0)
     assert way is not None
-    x, y = end_of_way(way)
+    x, y = way.leg.end.x, way.leg.end.y
     assert walls(0.0).at(x, y) >= TURNING and -0.8 < x < 0.0 and y == pytest.approx(0.0)
     short = way_back(track, here, walls(0.0), TURNING, 0.5)
-    assert short is not None and end_of_way(short)[0] == pytest.approx(1.5, abs=SPACING)
+    assert short is not None and short.leg.end.x == pytest.approx(1.5, abs=SPACING)
 
 
 @settings(max_examples=8, deadline=None)
@@ -99,4 +99,4 @@ def test_set_down_before_an_obstacle_it_goes_straight_back_for_its_own_length() 
     here = Pose(1.0, 0.0, 0.0)
     way = way_back(driven_on((), here), here, walls(-9.0), TURNING, 4.0)
     assert way is not None and way.leg.length == pytest.approx(SET_DOWN)
-    assert end_of_way(way) == pytest.approx((0.0, 0.0))
+    assert (way.leg.end.x, way.leg.end.y) == pytest.approx((0.0, 0.0))

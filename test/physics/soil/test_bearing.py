@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sojourn_machine.errors import InvalidValueError
-from sojourn_physics.soil.bearing import bearing_capacity, bearing_factors, bulldozing_resistance
+from sojourn_physics.soil.bearing import bearing_factors, bulldozing_resistance
 
 LRV_SINKAGE = (3.0 * 253.0 / (2.0 * (1400.0 + 0.229 * 820e3) * math.sqrt(0.813))) ** (2.0 / 3.0)
 
@@ -60,17 +60,6 @@ def test_bulldozing_is_finite_and_grows_with_sinkage(
     assert 0.0 <= force <= deeper
 
 
-def test_bearing_capacity_is_the_sum_of_its_parts() -> None:
-    angle = math.radians(33.0)
-    cohesive = bearing_capacity(angle, 170.0, 0.0, 0.3)
-    weight = bearing_capacity(angle, 0.0, 2470.0, 0.3)
-    buried = bearing_capacity(angle, 0.0, 0.0, 0.3, surcharge=100.0)
-    assert cohesive == pytest.approx(170.0 * 48.09, rel=1e-3)
-    assert weight == pytest.approx(0.5 * 2470.0 * 0.3 * 33.27, rel=1e-3)
-    assert buried == pytest.approx(100.0 * 32.23, rel=1e-3)
-    assert bearing_capacity(angle, 170.0, 2470.0, 0.3, 100.0) == pytest.approx(cohesive + weight + buried)
-
-
 @pytest.mark.parametrize("angle", [-0.1, 1.1, float("nan")])
 def test_bad_friction_angle_is_refused(angle: float) -> None:
     with pytest.raises(InvalidValueError, match="friction_angle"):
@@ -91,5 +80,3 @@ def test_bad_friction_angle_is_refused(angle: float) -> None:
 def test_bad_wheel_is_refused(arguments: tuple[float, ...], name: str) -> None:
     with pytest.raises(InvalidValueError, match=name):
         bulldozing_resistance(*arguments)
-    with pytest.raises(InvalidValueError, match="surcharge"):
-        bearing_capacity(0.5, 1.0, 1.0, 0.2, surcharge=-1.0)

@@ -12,7 +12,7 @@ from sojourn_analysis.soil import footing
 from sojourn_config.load import load_params
 from sojourn_machine.errors import InvalidValueError
 from sojourn_physics.soil import regolith
-from sojourn_physics.soil.bearing import bearing_capacity
+from sojourn_physics.soil.bearing import bearing_factors
 from sojourn_physics.soil.params import SoilParams
 from sojourn_physics.soil.relative_density import density_at, relative_density_at
 from sojourn_physics.soil.spread import draw_soils
@@ -26,7 +26,8 @@ def soil(name: str = "lunar_nominal", **changes: object) -> SoilParams:
 
 def test_strip_footing_is_terzaghi() -> None:
     lunar = soil()
-    expected = bearing_capacity(lunar.friction_angle, 170.0, lunar.unit_weight(MOON), 0.1, 20.0)
+    factors, weight = bearing_factors(lunar.friction_angle), lunar.unit_weight(MOON)
+    expected = 170.0 * factors.n_c + 20.0 * factors.n_q + 0.5 * weight * 0.1 * factors.n_gamma
     assert footing.ultimate_pressure(lunar, 0.1, MOON, "strip", 20.0) == pytest.approx(expected)
 
 

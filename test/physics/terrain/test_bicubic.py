@@ -72,9 +72,9 @@ def test_bilinear_gradient_does_jump() -> None:
 
 
 def test_off_the_map_is_told() -> None:
-    assert not ROUGH.contains(-1.01, 3.0) and not ROUGH.contains(float("nan"), 3.0)
-    with pytest.raises(OutsideTerrainError):
-        ROUGH.height(5.0, 3.0)
+    for x in (-1.01, float("nan"), 5.0):
+        with pytest.raises(OutsideTerrainError):
+            ROUGH.height(x, 3.0)
 
 
 def test_too_small_or_unknown_is_refused() -> None:

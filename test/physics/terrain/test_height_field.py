@@ -93,7 +93,7 @@ def test_height_is_continuous_across_cell_edges(column: int, y: float, step: flo
 def test_outside_gives_the_value_of_the_edge_and_says_so(x: float, y: float) -> None:
     height, dh_dx, dh_dy, inside = sample_height(FIELD.heights, X_MIN, Y_MIN, RESOLUTION, x, y)
     is_on_map = X_MIN <= x <= X_MAX and Y_MIN <= y <= Y_MAX
-    assert inside == is_on_map == FIELD.contains(x, y)
+    assert inside == is_on_map
     edge_x, edge_y = min(max(x, X_MIN), X_MAX), min(max(y, Y_MIN), Y_MAX)
     assert height == pytest.approx(FIELD.height(edge_x, edge_y), abs=1e-9)
     assert math.isfinite(dh_dx) and math.isfinite(dh_dy)

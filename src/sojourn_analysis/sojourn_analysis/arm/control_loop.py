@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm
 
-from sojourn_flight.arm.control_laws import Gains, LawName, Reference, effort_of, feedback_of, gains_for
+from sojourn_flight.arm.control_laws import Gains, LawName, MeasuredJoints, Reference, effort_of, feedback_of, gains_for
 from sojourn_flight.arm.dynamics import mass_matrix, rigid_effort
 from sojourn_flight.arm.friction import friction_effort
 from sojourn_flight.arm.kinematics import forward_kinematics
@@ -131,7 +131,7 @@ def run(
         reference = Reference(*motion.sample(k * settings.sample_time))
         read = _encoder(arm, settings, q)
         speed, before = (read - before) / settings.sample_time, read
-        asked = effort_of(law, model, gains, reference, read, speed, integral, gravity)
+        asked = effort_of(law, model, gains, reference, MeasuredJoints(read, speed, integral), gravity)
         given = np.clip(asked, -arm.max_effort, arm.max_effort)
         free = given == asked
         integral = integral + np.where(free, (reference.position - read) * settings.sample_time, 0.0)

@@ -24,6 +24,9 @@ def general(subject: Subject) -> Section:
     figures = [
         Figure("mass", "Mass", vehicle.mass, "kg"),
         Figure("weight", "Weight here", vehicle.mass * subject.gravity, "N"),
+        Figure(
+            "sunlight", "Sunlight here, above any air", subject.body.solar_flux, "W/m²", "mean distance from the Sun"
+        ),
         Figure("wheelbase", "Wheelbase, first to last axle", vehicle.wheelbase, "m"),
         Figure("track", "Track, widest axle", max(axle.track for axle in vehicle.axles), "m"),
         Figure("centre_of_mass_height", "Height of the centre of mass", vehicle.height, "m"),

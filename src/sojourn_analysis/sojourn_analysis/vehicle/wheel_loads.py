@@ -164,10 +164,6 @@ class StandingMachine:
         """In the world, shape (3,) [m]."""
         return np.array(pin.centerOfMass(self.model, self.data, configuration))
 
-    def joint_angle(self, configuration: FloatArray, name: str) -> float:
-        """Angle of a passive joint [rad]."""
-        return float(configuration[self.model.joints[self._joint(name)].idx_q])
-
     def _joint(self, name: str) -> int:
         if not self.model.existJointName(name):
             raise InvalidValueError("joint", name, "one of " + ", ".join(list(self.model.names)[2:]))

@@ -31,9 +31,10 @@ import numpy as np
 from sojourn_analysis.wheels.wheel_bench import RESULT_COLUMNS, shape_row, solve
 from sojourn_machine.errors import InvalidValueError
 from sojourn_physics.contact.wheel_shape import WheelShape
-from sojourn_physics.soil.bearing import bulldozing_resistance
+from sojourn_physics.soil.bearing import bulldozing_resistance, failure_strength
 from sojourn_physics.soil.params import SoilParams, kernel_row
 from sojourn_physics.soil.pressure_sinkage import compaction_resistance, wheel_sinkage
+from sojourn_physics.soil.shear import contact_thrust
 
 BULLDOZING_SINKAGE = 0.06
 """Of the diameter: below it no bulldozing is counted in the closed form."""
@@ -99,14 +100,15 @@ class ClosedFormWheel:
         bulldozing = 0.0
         if sinkage > BULLDOZING_SINKAGE * diameter:
             weight = self.soil.unit_weight(self.gravity)
+            failing = failure_strength(
+                self.soil.cohesion, self.soil.friction_angle, self.soil.bulldozing_failure == "local"
+            )
             bulldozing = bulldozing_resistance(
-                self.soil.friction_angle, self.soil.cohesion, weight, self.width, diameter, sinkage
+                failing.friction_angle, failing.cohesion, weight, self.width, diameter, sinkage
             )
         length = self.radius * math.acos(1.0 - sinkage / self.radius)
         limit = self.width * length * self.soil.cohesion + load * math.tan(self.soil.friction_angle)
-        ratio = abs(slip) * length / self.soil.shear_modulus
-        mobilised = 1.0 + math.expm1(-ratio) / ratio if ratio > 1e-8 else 0.5 * ratio
-        thrust = math.copysign(limit * mobilised, slip)
+        thrust = math.copysign(contact_thrust(limit, length, abs(slip), self.soil.shear_modulus), slip)
         rolling = self.loss.force(load, speed)
         pull = thrust - compaction - bulldozing
         return WheelForces(pull, self.radius * (thrust + rolling), sinkage, rolling, compaction, bulldozing)

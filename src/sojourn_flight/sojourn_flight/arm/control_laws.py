@@ -59,6 +59,16 @@ class Reference:
     acceleration: FloatArray
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasuredJoints:
+    """Position and velocity (n,) each that the joints have, and the integral of the position's error over time (n,)."""
+
+    position: FloatArray
+    velocity: FloatArray
+    integral: FloatArray
+    """Only pid uses it."""
+
+
 def gains_for(model: SerialArm, postures: FloatArray, bandwidth: float) -> Gains:
     """Gains of a bandwidth [rad/s] for a posture (n,), or several (k, n): the smallest inertias among them count."""
     joints, tip = [], []
@@ -79,21 +89,16 @@ def effort_of(
     model: SerialArm,
     gains: Gains,
     reference: Reference,
-    q: FloatArray,
-    qd: FloatArray,
-    integral: FloatArray,
+    measured: MeasuredJoints,
     gravity: FloatArray,
 ) -> FloatArray:
-    """Efforts (n,) that a law asks for, before they are cut to what the motors can give.
-
-    Args:
-        q, qd: measured (n,). integral: of the error over time (n,); only pid uses it.
-    """
+    """Efforts (n,) that a law asks for, before they are cut to what the motors can give."""
+    q, qd = measured.position, measured.velocity
     error, rate = reference.position - q, reference.velocity - qd
     if law == "pd":
         return gains.proportional * error + gains.derivative * rate
     if law == "pid":
-        return gains.proportional * error + gains.derivative * rate + gains.integral * integral
+        return gains.proportional * error + gains.derivative * rate + gains.integral * measured.integral
     if law == "pd_gravity":
         return gravity_effort(model, q, gravity) + gains.proportional * error + gains.derivative * rate
     rubbing = friction_effort(model.friction, reference.velocity)

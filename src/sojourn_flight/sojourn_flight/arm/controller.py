@@ -66,7 +66,7 @@ from sojourn_flight.arm.relief import flat_relief
 from sojourn_flight.arm.state import ArmInput, ArmOutput, ArmState, Target, initial_state
 from sojourn_flight.arm.tasks.tip_motion import TipMotion
 from sojourn_flight.arm.trajectory import JointReference, TrajectoryError, at_rest, point_to_point, stop
-from sojourn_flight.arm.ways import Plan
+from sojourn_flight.arm.ways import Departure, Plan
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
@@ -196,9 +196,9 @@ def _take_goal(
             return pause(state), ACCEPTED
         if isinstance(goal, ResumeGoal):
             return resume(state), ACCEPTED
-        way_out, gravity = state.way_out, inputs.gravity_in_base
+        departure = Departure(state.reference, state.target.joints, state.way_out)
         granted = with_granted_power(params, inputs.granted)
-        plan = plan_goal(granted, model, goal, state.reference, state.target.joints, way_out, inputs.ground, gravity)
+        plan = plan_goal(granted, model, goal, departure, inputs.ground, inputs.gravity_in_base)
     except GoalRefusedError as error:
         if is_busy(state.phase):
             state = replace(state, reason=f"new goal refused: {error}")

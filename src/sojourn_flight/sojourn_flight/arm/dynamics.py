@@ -88,36 +88,9 @@ def inverse_dynamics(
     return effort
 
 
-def forward_dynamics(
-    arm: SerialArm,
-    positions: FloatArray,
-    velocities: FloatArray,
-    efforts: FloatArray,
-    gravity: FloatArray,
-    tip_wrench: FloatArray | None = None,
-) -> FloatArray:
-    """Joint accelerations (n,) [rad/s2 or m/s2] under `efforts` (n,) of the drives. Arguments as above."""
-    net = efforts - friction_effort(arm.friction, velocities)
-    if tip_wrench is not None:
-        net = net + effort_of_wrench(arm, positions, tip_wrench)
-    arm.pinocchio_model.gravity.linear = gravity
-    return np.array(pinocchio.aba(arm.pinocchio_model, arm.data, positions, velocities, net))
-
-
 def effort_of_wrench(arm: SerialArm, positions: FloatArray, wrench: FloatArray) -> FloatArray:
     """J' f (n,): joint efforts that a force and moment (6,) on the tip amount to [N m or N]."""
     return np.asarray(tip_jacobian(arm, positions).T @ wrench)
-
-
-def wrench_of_effort(arm: SerialArm, positions: FloatArray, efforts: FloatArray) -> tuple[FloatArray, float]:
-    """Force and moment (6,) on the tip that amount to joint `efforts` (n,), the smallest if there are many.
-
-    Returns:
-        the wrench, and the norm of the efforts that no wrench amounts to [N m or N].
-    """
-    transposed = tip_jacobian(arm, positions).T
-    wrench = np.linalg.pinv(transposed, rcond=1e-9) @ efforts
-    return wrench, float(np.linalg.norm(transposed @ wrench - efforts))
 
 
 def _effort_on_moving_base(

@@ -36,12 +36,6 @@ class JointFriction:
                 raise InvalidValueError(f"friction {name}", values.tolist(), f"finite numbers of at least {smallest:g}")
 
 
-def no_friction(count: int) -> JointFriction:
-    """Joints that turn freely."""
-    zero = np.zeros(count)
-    return JointFriction(zero, zero, zero, zero, np.ones(count))
-
-
 def friction_effort(friction: JointFriction, velocities: FloatArray) -> FloatArray:
     """What the drives must give to overcome friction at joint `velocities` (n,): efforts (n,) [N m or N]."""
     coulomb = np.where(velocities >= 0.0, friction.forward, friction.backward)

@@ -22,9 +22,10 @@ from sojourn_flight.arm.collision import check_posture, check_samples
 from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION
 from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.kinematics import forward_kinematics
+from sojourn_flight.arm.law_params import JoggingParams, SearchParams
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import share_within
-from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.param_groups import PoseGoalParams
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground
 from sojourn_flight.arm.tip_plan import task_of
@@ -78,7 +79,7 @@ class Surroundings:
 
 
 def begin_jog(
-    params: ArmParams, model: ArmModel, command: JogCommand, posture: FloatArray, ground: Ground | None
+    params: JoggingParams, model: ArmModel, command: JogCommand, posture: FloatArray, ground: Ground | None
 ) -> Jogging:
     """The jog that a command asks for, with the arm at joint positions (n,).
 
@@ -93,7 +94,7 @@ def begin_jog(
         size = float(np.linalg.norm(vector))
         if not size <= most * (1.0 + 1e-9):
             raise GoalRefusedError(f"{name} velocity of {size:.3f} {unit}: allowed is at most {most:g} {unit}")
-    turn, task = np.array(command.angular), _task(params, command)
+    turn, task = np.array(command.angular), _task(params, model, command)
     if np.any(turn) and task == POSITION:
         raise GoalRefusedError("angular velocity: this arm can be told the place of its tip alone: allowed is zero")
     if np.any(turn) and task == POSE and model.joint_count < 6 and not _can_turn(params, model, command, posture):
@@ -112,7 +113,7 @@ def begin_jog(
 
 
 def jog_on(
-    params: ArmParams, model: ArmModel, jogging: Jogging, here: JointReference, around: Surroundings, dt: float
+    params: JoggingParams, model: ArmModel, jogging: Jogging, here: JointReference, around: Surroundings, dt: float
 ) -> tuple[Jogging, JointReference]:
     """The jog, and the joints' reference, a period of `dt` [s] later."""
     command, reason, share, held = jogging.command, "", 1.0, ""
@@ -135,7 +136,7 @@ def jog_on(
 
 
 def _wanted_rates(
-    params: ArmParams, model: ArmModel, command: JogCommand, positions: FloatArray, around: Surroundings
+    params: JoggingParams, model: ArmModel, command: JogCommand, positions: FloatArray, around: Surroundings
 ) -> tuple[FloatArray, str]:
     """Joint rates (n,) [rad/s or m/s] for a command, and why the tip is slower than it asks for."""
     matrix, wanted = _task_matrix(params, model, command, positions), _wanted(params, model, command, positions)
@@ -151,20 +152,20 @@ def _wanted_rates(
     return rates, reason
 
 
-def _task(params: ArmParams, command: JogCommand) -> int:
-    return task_of(params, bool(np.any(command.angular)))
+def _task(params: PoseGoalParams, model: ArmModel, command: JogCommand) -> int:
+    return task_of(params, model, bool(np.any(command.angular)))
 
 
-def _wanted(params: ArmParams, model: ArmModel, command: JogCommand, positions: FloatArray) -> FloatArray:
+def _wanted(params: SearchParams, model: ArmModel, command: JogCommand, positions: FloatArray) -> FloatArray:
     """(v; L w) of a command in base_link (6,) [m/s]."""
     turn = forward_kinematics(model, positions).rotation if command.of_tool else np.eye(3)
     length = params.inverse_kinematics.characteristic_length
     return np.concatenate([turn @ np.array(command.linear), length * (turn @ np.array(command.angular))])
 
 
-def _task_matrix(params: ArmParams, model: ArmModel, command: JogCommand, positions: FloatArray) -> FloatArray:
+def _task_matrix(params: JoggingParams, model: ArmModel, command: JogCommand, positions: FloatArray) -> FloatArray:
     """(J_lin; L J_ang), (6, n), or its first rows for a place alone (3, n) [m]."""
-    tip, task = forward_kinematics(model, positions), _task(params, command)
+    tip, task = forward_kinematics(model, positions), _task(params, model, command)
     if task == POSITION:
         return tip.jacobian[:3]
     turning = tip.jacobian[3:]
@@ -173,22 +174,22 @@ def _task_matrix(params: ArmParams, model: ArmModel, command: JogCommand, positi
     return np.vstack([tip.jacobian[:3], params.inverse_kinematics.characteristic_length * turning])
 
 
-def _can_turn(params: ArmParams, model: ArmModel, command: JogCommand, positions: FloatArray) -> bool:
+def _can_turn(params: JoggingParams, model: ArmModel, command: JogCommand, positions: FloatArray) -> bool:
     """Whether few joints can do all that a command asks for."""
     matrix, wanted = _task_matrix(params, model, command, positions), _wanted(params, model, command, positions)
     done = matrix @ np.linalg.lstsq(matrix, wanted, rcond=1e-9)[0]
     return float(np.linalg.norm(done - wanted)) <= _LEFT_UNDONE * float(np.linalg.norm(wanted))
 
 
-def _least_singular_value(params: ArmParams, model: ArmModel, command: JogCommand, positions: FloatArray) -> float:
+def _least_singular_value(params: JoggingParams, model: ArmModel, command: JogCommand, positions: FloatArray) -> float:
     """Of the matrix [m], leaving out those that are always zero."""
-    task = _task(params, command)
+    task = _task(params, model, command)
     rank = min(3 if task == POSITION else 5 if task == POINTING else 6, model.joint_count)
     return float(np.linalg.svd(_task_matrix(params, model, command, positions), compute_uv=False)[rank - 1])
 
 
 def _as_is_safe(
-    params: ArmParams,
+    params: JoggingParams,
     model: ArmModel,
     jogging: Jogging,
     here: JointReference,
@@ -210,7 +211,7 @@ def _as_is_safe(
 
 
 def _hindrance(
-    params: ArmParams,
+    params: JoggingParams,
     model: ArmModel,
     jogging: Jogging,
     brake: JointPath,

@@ -1,6 +1,6 @@
 """Forward and inverse kinematics of the tip in base_link.
 
-The direction of a goal is that of the tool axis (`ArmParams.tool_axis`, fixed in the tip frame). A goal
+The direction of a goal is that of the tool axis (`PoseGoalParams.tool_axis`, fixed in the tip frame). A goal
 given as a pose asks for the position of the tip and for the direction that its orientation gives to the
 tool axis; the roll about the tool axis is left free, so that a five-joint arm can answer. An arm whose
 `goal_orientation` is full is asked for the roll, too: six joints and more reach any, fewer those that they can (a SCARA
@@ -23,9 +23,9 @@ import numpy as np
 
 from sojourn_flight.arm.chain import ChainArm, tip_kinematics
 from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION, SearchSettings, TipTarget, search, spread
+from sojourn_flight.arm.law_params import PoseSearchParams, SearchParams
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.param_groups import PoseGoalParams
-from sojourn_flight.arm.params import ArmParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
@@ -86,7 +86,7 @@ def direction_from_quaternion(params: PoseGoalParams, quaternion_xyzw: FloatArra
 
 
 def inverse_kinematics(
-    params: ArmParams,
+    params: PoseSearchParams,
     model: ArmModel,
     position: FloatArray,
     direction: FloatArray | None,
@@ -124,7 +124,7 @@ def inverse_kinematics(
 
 
 def nearby_solution(
-    params: ArmParams, model: ArmModel, position: FloatArray, direction: FloatArray | None, start: FloatArray
+    params: PoseSearchParams, model: ArmModel, position: FloatArray, direction: FloatArray | None, start: FloatArray
 ) -> FloatArray | None:
     """One search from `start` only: joint positions (n,) on the same branch, or None. Arguments as above."""
     settings = _settings(params)
@@ -134,7 +134,7 @@ def nearby_solution(
 
 
 def _explain(
-    params: ArmParams,
+    params: PoseSearchParams,
     model: ArmModel,
     position: FloatArray,
     direction: FloatArray | None,
@@ -176,7 +176,7 @@ def _explain(
     return InverseResult("unreachable", (), nearest, angle, f"target {where} is unreachable: {off}")
 
 
-def _target(params: ArmParams, position: FloatArray, direction: FloatArray | None) -> TipTarget:
+def _target(params: SearchParams, position: FloatArray, direction: FloatArray | None) -> TipTarget:
     weight = params.inverse_kinematics.characteristic_length
     wanted = np.eye(3)
     if direction is None:
@@ -191,12 +191,12 @@ def _where(position: FloatArray) -> str:
     return f"({position[0]:.3f}, {position[1]:.3f}, {position[2]:.3f}) m in base_link"
 
 
-def _settings(params: ArmParams) -> SearchSettings:
+def _settings(params: SearchParams) -> SearchSettings:
     s = params.inverse_kinematics
     return SearchSettings(s.position_tolerance, s.pointing_tolerance, s.damping_bias, s.max_step, s.max_iterations)
 
 
-def _starts(params: ArmParams, model: ArmModel, start: FloatArray) -> list[FloatArray]:
+def _starts(params: PoseSearchParams, model: ArmModel, start: FloatArray) -> list[FloatArray]:
     """The same list of starts for the same start position."""
     count, n = params.inverse_kinematics.starts, model.joint_count
     named = [np.array(values) for values in params.named_poses.values()]

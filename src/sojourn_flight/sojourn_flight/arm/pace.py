@@ -8,13 +8,15 @@ Of a guided motion, the velocity that a task wants is made smaller at every peri
 are counted, the inertia of its slow changes is not.
 """
 
+from typing import TypeVar
+
 import numpy as np
 
 from sojourn_flight.arm.joint_path import JointPath
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import rate_within, share_within
-from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.param_groups import ArmDriveParams
 from sojourn_flight.arm.path_clock import ClockLimits, advance, sample
 from sojourn_flight.arm.phases import Moving, Paused, Pausing
 from sojourn_flight.arm.refusal import GoalRefusedError
@@ -28,8 +30,10 @@ _STILL = 1.0e-9
 """A rate that counts as none [-]."""
 _ROUNDING = 1.0 + 1.0e-6
 
+Drives = TypeVar("Drives", bound=ArmDriveParams)
 
-def with_granted_power(params: ArmParams, granted: Granted) -> ArmParams:
+
+def with_granted_power(params: Drives, granted: Granted) -> Drives:
     """The parameters with the smaller of the arm's own limits and what is granted: power, and torque by the current."""
     update: dict[str, float | tuple[float, ...]] = {}
     if granted.power is not None and (params.power_limit is None or params.power_limit > granted.power):
@@ -39,7 +43,7 @@ def with_granted_power(params: ArmParams, granted: Granted) -> ArmParams:
     return params.model_copy(update=update) if update else params
 
 
-def follow_granted_power(params: ArmParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:
+def follow_granted_power(params: ArmDriveParams, model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:
     """Set the pace of the motion under way to what is granted from now on."""
     state, moving = replace(state, granted=inputs.granted), state.phase
     if not isinstance(moving, Moving):
@@ -56,7 +60,7 @@ def follow_granted_power(params: ArmParams, model: ArmModel, state: ArmState, in
 
 
 def granted_velocity(
-    params: ArmParams, model: ArmModel, inputs: ArmInput, motion: TipMotion, wanted: FloatArray, force: FloatArray
+    params: ArmDriveParams, model: ArmModel, inputs: ArmInput, motion: TipMotion, wanted: FloatArray, force: FloatArray
 ) -> tuple[float, str]:
     """The share of a wanted velocity of the tip that what is granted allows, and why it is less than 1, in words.
 

@@ -40,22 +40,21 @@ from sojourn_flight.arm.kinematics import (
     inverse_kinematics,
     nearby_solution,
 )
+from sojourn_flight.arm.law_params import PlanningParams
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import peak, slower
 from sojourn_flight.arm.param_groups import ClearanceParams, PoseGoalParams
-from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.redundancy import Sphere, better_posture, measure_of
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground, GroundRelief, depth_below
 from sojourn_flight.arm.sampling_planner import Detours
 from sojourn_flight.arm.tip_plan import checked_path, timed_path
 from sojourn_flight.arm.trajectory import (
-    JointReference,
     TrajectoryError,
     stop,
     through_points,
 )
-from sojourn_flight.arm.ways import Plan, any_way
+from sojourn_flight.arm.ways import Departure, Plan, any_way
 from sojourn_machine.params import FloatArray
 
 _SLOWER_TRIES = 6
@@ -65,7 +64,7 @@ _SLOWEST_STEP = 0.4
 
 
 def solve_pose(
-    params: ArmParams,
+    params: PlanningParams,
     model: ArmModel,
     position: FloatArray,
     direction: FloatArray | None,
@@ -105,21 +104,16 @@ def _with_spare_joints(
 
 
 def plan_goal(
-    params: ArmParams,
+    params: PlanningParams,
     model: ArmModel,
     goal: ArmGoal,
-    reference: JointReference,
-    present: FloatArray,
-    retreat: FloatArray | None = None,
+    departure: Departure,
     ground: Ground | None = None,
     gravity: FloatArray | None = None,
 ) -> Plan:
-    """Plan a motion from the present reference to a goal, slower where the drives could not follow it.
+    """Plan a motion from where the arm is to a goal, slower where the drives could not follow it.
 
     Args:
-        reference: where the arm is on its present motion.
-        present: target of the present goal (n,), for joints that a goal does not name.
-        retreat: joint positions (n,) to go through first, or None.
         ground: plane in base_link that the arm keeps above, or None.
         gravity: in base_link (3,), pointing down [m/s2]; None: torque and power are not looked at.
 
@@ -130,7 +124,7 @@ def plan_goal(
         for point in goal.points:
             if ground is not None and not point.on_arc:
                 _refuse_buried(params, pose_target(point.pose)[0], ground)
-        path = checked_path(params, model, goal, reference, ground)
+        path = checked_path(params, model, goal, departure.reference, ground)
 
         def plan_for(arm: ArmModel) -> Plan:
             return timed_path(params, arm, path)
@@ -138,7 +132,7 @@ def plan_goal(
         detours = Detours(params, model, ground)
 
         def plan_for(arm: ArmModel) -> Plan:
-            return _plan(params, arm, goal, reference, present, retreat, detours)
+            return _plan(params, arm, goal, departure, detours)
 
     plan = plan_for(model)
     if gravity is None or isinstance(goal, StopGoal):
@@ -150,7 +144,7 @@ def plan_goal(
             break
         factor *= min(max(0.98 / load.share, _SLOWEST_STEP), 0.9)
         reason = load.text
-        plan = plan_for(slower(model, factor, reference))
+        plan = plan_for(slower(model, factor, departure.reference))
         plan = replace(plan, note="; ".join(filter(None, (plan.note, f"slower, or {reason}"))))
         load = peak(params, model, plan.path, gravity)
     if load.share > 1.0:
@@ -159,51 +153,48 @@ def plan_goal(
 
 
 def _plan(
-    params: ArmParams,
+    params: PlanningParams,
     model: ArmModel,
     goal: ArmGoal,
-    reference: JointReference,
-    present: FloatArray,
-    retreat: FloatArray | None,
+    departure: Departure,
     detours: Detours,
 ) -> Plan:
     """A motion within the limits of position, speed, acceleration and jerk, that collides with nothing."""
     if isinstance(goal, PoseGoal):
-        return _plan_pose(params, model, goal, reference, retreat, detours)
+        return _plan_pose(params, model, goal, departure, detours)
     if isinstance(goal, TrajectoryGoal):
-        return _plan_trajectory(params, model, goal, reference, present, detours.ground)
+        return _plan_trajectory(params, model, goal, departure, detours.ground)
     if isinstance(goal, JointGoal):
-        target = joint_target(model, goal, present)
+        target = joint_target(model, goal, departure.present)
     elif isinstance(goal, NamedGoal):
         if goal.name not in params.named_poses:
             raise GoalRefusedError(f"unknown pose '{goal.name}': there are {', '.join(sorted(params.named_poses))}")
         target = np.array(params.named_poses[goal.name])
     else:
-        path = stop(model, reference)
+        path = stop(model, departure.reference)
         end = path.sample(path.duration)[0]
         return Plan(path, end, forward_kinematics(model, end).position, None, 0.0, None, 0.0, "")
-    return any_way(params, model, reference, [[(target, None)]], retreat, detours)
+    return any_way(params, model, departure, [[(target, None)]], detours)
 
 
 def _plan_pose(
-    params: ArmParams,
+    params: PlanningParams,
     model: ArmModel,
     goal: PoseGoal,
-    reference: JointReference,
-    retreat: FloatArray | None,
+    departure: Departure,
     detours: Detours,
 ) -> Plan:
     position, direction = pose_target(goal)
-    ground = detours.ground
+    here, ground = departure.reference.position, detours.ground
     if ground is not None:
         _refuse_buried(params, position, ground)
-    asked = solve_pose(params, model, position, direction, reference.position, ground)
+    asked = solve_pose(params, model, position, direction, here, ground)
     wishes = [(direction, asked)]
     if asked.status in ("unreachable", "limits"):
         raise GoalRefusedError(asked.message)
     if direction is None and params.preferred_direction is not None:
         wish = np.array(params.preferred_direction)
-        preferred = solve_pose(params, model, position, wish, reference.position, ground, explain=False)
+        preferred = solve_pose(params, model, position, wish, here, ground, explain=False)
         wishes.insert(0, (wish, preferred))
     choices = [
         [(q, _approach(params, model, position, wish_direction, q)) for q in found.solutions]
@@ -212,7 +203,7 @@ def _plan_pose(
     ]
     if not choices:
         raise GoalRefusedError(next(found.message for _, found in reversed(wishes) if found.message))
-    return any_way(params, model, reference, choices, retreat, detours)
+    return any_way(params, model, departure, choices, detours)
 
 
 def _refuse_buried(params: ClearanceParams, position: FloatArray, ground: Ground) -> None:
@@ -230,7 +221,7 @@ def _refuse_buried(params: ClearanceParams, position: FloatArray, ground: Ground
 
 
 def _approach(
-    params: ArmParams,
+    params: PlanningParams,
     model: ArmModel,
     position: FloatArray,
     direction: FloatArray | None,
@@ -252,16 +243,15 @@ def _approach(
 
 
 def _plan_trajectory(
-    params: ArmParams,
+    params: PlanningParams,
     model: ArmModel,
     goal: TrajectoryGoal,
-    reference: JointReference,
-    present: FloatArray,
+    departure: Departure,
     ground: Ground | None,
 ) -> Plan:
-    points, times, velocities = trajectory_target(model, goal, present)
+    points, times, velocities = trajectory_target(model, goal, departure.present)
     try:
-        path, stretched = through_points(model, reference, points, times, velocities, params.retime)
+        path, stretched = through_points(model, departure.reference, points, times, velocities, params.retime)
     except TrajectoryError as error:
         raise GoalRefusedError(str(error)) from error
     collision = check_path(params, model, path, ground)

@@ -17,8 +17,8 @@ from itertools import pairwise
 import numpy as np
 
 from sojourn_flight.arm.collision import check_posture, check_samples, refined
+from sojourn_flight.arm.law_params import WayParams
 from sojourn_flight.arm.model import ArmModel
-from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.relief import Ground
 from sojourn_machine.params import FloatArray
 
@@ -71,7 +71,7 @@ class SamplingPlanner:
         ground: that the arm keeps above, or None.
     """
 
-    def __init__(self, params: ArmParams, model: ArmModel, ground: Ground | None) -> None:
+    def __init__(self, params: WayParams, model: ArmModel, ground: Ground | None) -> None:
         self._params, self._model, self._ground = params, model, ground
         self._generator = np.random.default_rng(SEED)
         self._tight = False
@@ -186,7 +186,7 @@ class Detours:
         ground: that the arm keeps above, or None.
     """
 
-    def __init__(self, params: ArmParams, model: ArmModel, ground: Ground | None) -> None:
+    def __init__(self, params: WayParams, model: ArmModel, ground: Ground | None) -> None:
         self.ground = ground
         self._params, self._model = params, model
         self._found: dict[bytes, list[FloatArray] | None] = {}

@@ -18,8 +18,9 @@ from sojourn_flight.arm.goals import PathGoal, PoseGoal, pose_target
 from sojourn_flight.arm.inverse_search import POINTING, POSE, POSITION
 from sojourn_flight.arm.joint_path import JointPath, join
 from sojourn_flight.arm.kinematics import TipPose, forward_kinematics
+from sojourn_flight.arm.law_params import TipPlanParams
 from sojourn_flight.arm.model import ArmModel
-from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.param_groups import PoseGoalParams
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground
 from sojourn_flight.arm.tip_following import CartesianPathError, FollowedPath, joints_along
@@ -45,7 +46,7 @@ class CheckedPath:
 
 
 def checked_path(
-    params: ArmParams, model: ArmModel, goal: PathGoal, reference: JointReference, ground: Ground | None
+    params: TipPlanParams, model: ArmModel, goal: PathGoal, reference: JointReference, ground: Ground | None
 ) -> CheckedPath:
     """The joints that take the tip along a path, from where the arm is.
 
@@ -60,7 +61,7 @@ def checked_path(
     try:
         legs = _legs(params, goal, tip)
         turning = any(float(np.linalg.norm(leg.turn)) > _NO_WAY for leg in legs)
-        task = task_of(params, turning)
+        task = task_of(params, model, turning)
         if turning and task == POSITION:
             raise GoalRefusedError("this arm can be told the place of its tip alone: allowed is no orientation")
         for route in routes_along(legs, params.tip_path.corner):
@@ -77,7 +78,7 @@ def checked_path(
     return CheckedPath(brake, tuple(runs))
 
 
-def timed_path(params: ArmParams, model: ArmModel, path: CheckedPath) -> Plan:
+def timed_path(params: TipPlanParams, model: ArmModel, path: CheckedPath) -> Plan:
     """The motion along a path within the limits of the joints and of the tip's speed.
 
     Raises:
@@ -93,14 +94,14 @@ def timed_path(params: ArmParams, model: ArmModel, path: CheckedPath) -> Plan:
     return Plan(whole, end, forward_kinematics(model, end).position, None, 0.0, None, 0.0, note)
 
 
-def task_of(params: ArmParams, turning: bool) -> int:
+def task_of(params: PoseGoalParams, model: ArmModel, turning: bool) -> int:
     """What a motion of the tip asks of this arm: POSE, POINTING or POSITION; `turning`: a turn is asked for."""
-    if params.joint_count > 5 or (turning and params.goal_orientation == "full"):
+    if model.joint_count > 5 or (turning and params.goal_orientation == "full"):
         return POSE
-    return POINTING if params.joint_count == 5 else POSITION
+    return POINTING if model.joint_count == 5 else POSITION
 
 
-def _legs(params: ArmParams, goal: PathGoal, tip: TipPose) -> list[TipPath]:
+def _legs(params: PoseGoalParams, goal: PathGoal, tip: TipPose) -> list[TipPath]:
     """Lines and arcs from the tip through all points."""
     if not goal.points:
         raise GoalRefusedError("path without points: at least one is needed")
@@ -131,7 +132,7 @@ def _legs(params: ArmParams, goal: PathGoal, tip: TipPose) -> list[TipPath]:
     return legs
 
 
-def _turned(params: ArmParams, pose: PoseGoal, before: FloatArray) -> FloatArray:
+def _turned(params: PoseGoalParams, pose: PoseGoal, before: FloatArray) -> FloatArray:
     """Rotation of the tip frame (3, 3) at a point of the path."""
     wanted = pose_target(pose)[1]
     if wanted is None:

@@ -15,10 +15,10 @@ import numpy as np
 from sojourn_flight.arm.collision import check_path, check_samples, refined
 from sojourn_flight.arm.joint_path import JointPath, join
 from sojourn_flight.arm.kinematics import forward_kinematics
+from sojourn_flight.arm.law_params import WayParams
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.motion_load import slower
 from sojourn_flight.arm.param_groups import NamedPoseParams
-from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground
 from sojourn_flight.arm.sampling_planner import MARGINS, Detours
@@ -44,6 +44,18 @@ class Plan:
     note: str  # what the operator should know: retimed, by way of a named pose
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Departure:
+    """Where a motion begins."""
+
+    reference: JointReference
+    """On the present motion."""
+    present: FloatArray
+    """Target of the present goal (n,), for joints that a goal does not name."""
+    retreat: FloatArray | None = None
+    """Joint positions (n,) to go through first."""
+
+
 def _ways(
     params: NamedPoseParams, target: FloatArray, approach: FloatArray | None, retreat: FloatArray | None
 ) -> Iterator[tuple[list[FloatArray], str]]:
@@ -60,36 +72,35 @@ def _ways(
 
 
 def any_way(
-    params: ArmParams,
+    params: WayParams,
     model: ArmModel,
-    reference: JointReference,
+    departure: Departure,
     choices: list[list[End]],
-    retreat: FloatArray | None,
     detours: Detours,
 ) -> Plan:
     """A way to an end of the first of `choices` that has one: a direct one, or over a named pose, or else a detour."""
     reason = ""
     for ends in choices:
         try:
-            return _first_way(params, model, reference, ends, retreat, detours.ground)
+            return _first_way(params, model, departure, ends, detours.ground)
         except GoalRefusedError as error:
             reason = str(error)
     for ends in choices:
-        plan = _detour(params, model, reference, ends, retreat, detours)
+        plan = _detour(params, model, departure, ends, detours)
         if plan is not None:
             return plan
     raise GoalRefusedError(reason)
 
 
 def _detour(
-    params: ArmParams,
+    params: WayParams,
     model: ArmModel,
-    reference: JointReference,
+    departure: Departure,
     ends: list[End],
-    retreat: FloatArray | None,
     detours: Detours,
 ) -> Plan | None:
     """A way that the sampling planner finds, from where the arm comes to rest, or from where it has left its target."""
+    reference, retreat = departure.reference, departure.retreat
     brake = stop(model, reference)
     rest = [] if brake.duration == 0.0 else [brake.sample(brake.duration)[0]]
     heads: list[list[FloatArray]] = [rest] if retreat is None else [[retreat], rest]
@@ -111,7 +122,7 @@ def _detour(
     return None
 
 
-def _tail(params: ArmParams, model: ArmModel, end: End, ground: Ground | None) -> list[FloatArray]:
+def _tail(params: WayParams, model: ArmModel, end: End, ground: Ground | None) -> list[FloatArray]:
     """Approach and target, or the target alone where the approach is not free."""
     target, approach = end
     if approach is None:
@@ -145,33 +156,32 @@ def _plan_of(
 
 
 def _first_way(
-    params: ArmParams,
+    params: WayParams,
     model: ArmModel,
-    reference: JointReference,
+    departure: Departure,
     ends: list[End],
-    retreat: FloatArray | None,
     ground: Ground | None,
 ) -> Plan:
     """The first way to one of `ends` that keeps limits and collides with nothing."""
     reason = ""
-    candidates = [(end, way) for end in ends for way in _ways(params, *end, retreat)]
+    candidates = [(end, way) for end in ends for way in _ways(params, *end, departure.retreat)]
     # Direct ways to every posture come before detours to any.
     candidates.sort(key=lambda candidate: bool(candidate[1][1]))
     for (_, approach), (corners, note) in candidates[: params.planning_attempts]:
         try:
-            pieces = _pieces(params, model, reference, corners, approach is not None)
+            pieces = _pieces(params, model, departure.reference, corners, approach is not None)
         except TrajectoryError as error:
             reason = reason or str(error)
             continue
         collision = check_path(params, model, join(pieces), ground)
         if collision is None:
-            return _plan_of(model, pieces, corners, approach, retreat, note)
+            return _plan_of(model, pieces, corners, approach, departure.retreat, note)
         reason = reason or collision.text()
     raise GoalRefusedError(reason)
 
 
 def _pieces(
-    params: ArmParams, model: ArmModel, reference: JointReference, corners: list[FloatArray], approaches: bool
+    params: WayParams, model: ArmModel, reference: JointReference, corners: list[FloatArray], approaches: bool
 ) -> list[JointPath]:
     """Motions from corner to corner; `approaches`: the last one runs at the approach's speed."""
     pieces = [point_to_point(model, reference, corners[0])]

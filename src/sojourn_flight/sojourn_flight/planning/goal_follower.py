@@ -49,7 +49,7 @@ SAME_POINT = 1e-6
 """Points so near to each other are one [m]."""
 
 
-class Phase(StrEnum):
+class FollowerPhase(StrEnum):
     """What the follower is doing."""
 
     ALIGN = "align"
@@ -64,7 +64,7 @@ class FollowerState:
 
     goal: Goal
     path: PlannedPath
-    phase: Phase
+    phase: FollowerPhase
     leg: int = 0
     """Leg of the path."""
     on_leg: float = 0.0
@@ -147,7 +147,7 @@ def accept(params: GoalFollowerParams, machine: TurningLimits, goal: Goal, pose:
     path = plan_path(params, machine, pose, goal) if reason is None else reason
     if isinstance(path, str):
         return GoalOutcome("refused", path, goal, math.nan)
-    return _on_path(params, FollowerState(goal, path, Phase.DRIVE), path, pose)
+    return _on_path(params, FollowerState(goal, path, FollowerPhase.DRIVE), path, pose)
 
 
 def rerouted(state: FollowerState, there: FollowerState, pose: Pose) -> FollowerState:
@@ -180,7 +180,7 @@ def rerouted(state: FollowerState, there: FollowerState, pose: Pose) -> Follower
 
 def turned_about(state: FollowerState, astern: bool) -> FollowerState:
     """The same way, to be driven backwards or forwards from here: first it turns on the spot."""
-    return replace(_enter(state, Phase.ALIGN), astern=astern, drift=0.0)
+    return replace(_enter(state, FollowerPhase.ALIGN), astern=astern, drift=0.0)
 
 
 def stop(state: FollowerState, reason: str) -> GoalOutcome:
@@ -198,17 +198,17 @@ def _on_path(params: GoalFollowerParams, state: FollowerState, path: PlannedPath
     if path.legs:
         return _enter_leg(params, replace(state, distance_to_go=path.length), 0, pose.heading)
     x, y = state.goal.points[-1]
-    return _enter(replace(state, distance_to_go=math.hypot(x - pose.x, y - pose.y)), Phase.DRIVE)
+    return _enter(replace(state, distance_to_go=math.hypot(x - pose.x, y - pose.y)), FollowerPhase.DRIVE)
 
 
 def _enter_leg(params: GoalFollowerParams, state: FollowerState, leg: int, yaw: float) -> FollowerState:
     """The state at the begin of a leg: driving, or turning to its heading first."""
     off = wrap_angle(state.path.legs[leg].start.heading - yaw)
-    phase = Phase.DRIVE if abs(off) <= params.align_tolerance else Phase.ALIGN
+    phase = FollowerPhase.DRIVE if abs(off) <= params.align_tolerance else FollowerPhase.ALIGN
     return _enter(replace(state, leg=leg, on_leg=0.0), phase)
 
 
-def _enter(state: FollowerState, phase: Phase) -> FollowerState:
+def _enter(state: FollowerState, phase: FollowerPhase) -> FollowerState:
     """The same way in another phase, with that phase's clocks at zero."""
     return replace(state, phase=phase, phase_elapsed=0.0, best_yaw_error=math.inf, turn_stall=0.0)
 
@@ -250,10 +250,10 @@ def _watch(params: GoalFollowerParams, state: FollowerState, yaw_error: float, d
     best_distance, drive_stall = state.best_distance, state.drive_stall
     if state.distance_to_go < best_distance - params.progress_distance:
         best_distance, drive_stall = state.distance_to_go, 0.0
-    elif state.phase is Phase.DRIVE:
+    elif state.phase is FollowerPhase.DRIVE:
         drive_stall += dt
     best_yaw_error, turn_stall = state.best_yaw_error, 0.0
-    if state.phase in (Phase.ALIGN, Phase.FINAL_ALIGN):
+    if state.phase in (FollowerPhase.ALIGN, FollowerPhase.FINAL_ALIGN):
         turn_stall = state.turn_stall + dt
         if abs(yaw_error) < best_yaw_error - params.progress_angle:
             best_yaw_error, turn_stall = abs(yaw_error), 0.0
@@ -285,7 +285,7 @@ def _finish(
         return state, stop(state, reason)
     state = replace(state, attempts=state.attempts + 1)
     if distance <= params.position_tolerance and limits.turning.on_the_spot:
-        return _enter(state, Phase.FINAL_ALIGN), None
+        return _enter(state, FollowerPhase.FINAL_ALIGN), None
     path = plan_path(params, limits.turning, pose, replace(goal, points=goal.points[-1:]))
     if isinstance(path, str):
         return state, stop(state, f"{distance:.3f} m from the goal, and no path from there: {path}")
@@ -305,7 +305,7 @@ def _arrived(params: GoalFollowerParams, state: FollowerState, pose: Pose) -> Fo
         return None
     if legs and state.leg + 1 < len(legs):
         return _enter_leg(params, state, state.leg + 1, pose.heading)
-    return _enter(state, Phase.FINAL_ALIGN if state.goal.yaw is not None else Phase.SETTLE)
+    return _enter(state, FollowerPhase.FINAL_ALIGN if state.goal.yaw is not None else FollowerPhase.SETTLE)
 
 
 def follow(
@@ -328,7 +328,7 @@ def follow(
         limits: what the machine can do at the moment.
         dt: period [s].
     """
-    if not state.astern or state.phase in (Phase.FINAL_ALIGN, Phase.SETTLE):
+    if not state.astern or state.phase in (FollowerPhase.FINAL_ALIGN, FollowerPhase.SETTLE):
         return _followed(params, state, pose, drift, moving, limits, dt)
     ahead = pose._replace(heading=wrap_angle(pose.heading + math.pi))
     step = _followed(params, state, ahead, drift, moving, limits, dt)
@@ -346,13 +346,13 @@ def _followed(
 ) -> FollowerStep:
     """What `follow` answers, `pose` with the heading of the motion."""
     goal = state.goal
-    if state.phase in (Phase.FINAL_ALIGN, Phase.SETTLE):
+    if state.phase in (FollowerPhase.FINAL_ALIGN, FollowerPhase.SETTLE):
         x, y = goal.points[-1]
         state = replace(state, distance_to_go=math.hypot(x - pose.x, y - pose.y), passed=len(goal.points))
         yaw_error = wrap_angle(goal.yaw - pose.heading) if goal.yaw is not None else 0.0
         place = None
     else:
-        state, place = _locate(state, pose, drift if state.phase is Phase.DRIVE else None)
+        state, place = _locate(state, pose, drift if state.phase is FollowerPhase.DRIVE else None)
         tracking = (
             track(place, pose.heading, state.drift, params.lateral_length, params.heading_length) if place else None
         )
@@ -362,22 +362,22 @@ def _followed(
         reason = f"no progress for {params.progress_timeout:.0f} s, {state.distance_to_go:.2f} m to go"
         return FollowerStep(state, 0.0, 0.0, stop(state, reason))
 
-    if state.phase is Phase.SETTLE:
+    if state.phase is FollowerPhase.SETTLE:
         state, outcome = _finish(params, state, limits, pose, moving)
         return FollowerStep(state, 0.0, 0.0, outcome)
-    if state.phase is Phase.FINAL_ALIGN:
+    if state.phase is FollowerPhase.FINAL_ALIGN:
         if abs(yaw_error) <= 0.5 * params.yaw_tolerance or not limits.turning.on_the_spot:
-            return FollowerStep(_enter(state, Phase.SETTLE), 0.0, 0.0, None)
+            return FollowerStep(_enter(state, FollowerPhase.SETTLE), 0.0, 0.0, None)
         return FollowerStep(state, 0.0, _turn(params, yaw_error, limits), None)
-    if state.phase is Phase.ALIGN:
+    if state.phase is FollowerPhase.ALIGN:
         if abs(yaw_error) <= params.align_tolerance:
-            return FollowerStep(_enter(state, Phase.DRIVE), 0.0, 0.0, None)
+            return FollowerStep(_enter(state, FollowerPhase.DRIVE), 0.0, 0.0, None)
         return FollowerStep(state, 0.0, _turn(params, yaw_error, limits), None)
     arrived = _arrived(params, state, pose)
     if arrived is not None or tracking is None:
         return FollowerStep(arrived or state, 0.0, 0.0, None)
     if abs(yaw_error) > params.realign_angle and limits.turning.on_the_spot:
-        return FollowerStep(_enter(state, Phase.ALIGN), 0.0, 0.0, None)
+        return FollowerStep(_enter(state, FollowerPhase.ALIGN), 0.0, 0.0, None)
     return FollowerStep(state, *_drive(params, state, tracking, limits), None)
 
 

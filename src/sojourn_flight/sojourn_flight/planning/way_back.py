@@ -16,7 +16,6 @@ from sojourn_flight.hazards.clearance import ClearanceMap
 from sojourn_flight.mobility.kinematics import PlanarTwist
 from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Pose
-from sojourn_flight.planning.goal import Point
 from sojourn_flight.planning.path import Leg
 from sojourn_flight.planning.path_tracking import track
 from sojourn_flight.supervision.params import GoalFollowerParams
@@ -92,8 +91,3 @@ def go_back(params: GoalFollowerParams, way: WayBack, here: Pose, speed: float) 
     steering = track(place, here.heading + math.pi, 0.0, params.lateral_length, params.heading_length)
     curvature = min(max(steering.curvature, -params.max_curvature), params.max_curvature)
     return way._replace(gone=place.distance), PlanarTwist(-speed, 0.0, curvature * speed)
-
-
-def end_of_way(way: WayBack) -> Point:
-    """Where it leads [m]."""
-    return way.leg.end.x, way.leg.end.y

@@ -24,7 +24,7 @@ from sojourn_flight.hazards.obstacle_map import HIDDEN
 from sojourn_flight.mobility.motor_watch import MotorState
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
 from sojourn_flight.odometry.odometry import OdometryState
-from sojourn_flight.planning.goal_follower import FollowerState, Phase, turned_about
+from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState, turned_about
 from sojourn_flight.planning.route import advanced
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState
 from sojourn_flight.supervision.driven_machine import DrivenMachine
@@ -63,7 +63,7 @@ def is_answered(machine: DrivenMachine, way: FollowerState, motors: MotorState) 
 
     There it takes a while until they are through what they have loosened; the time-out ends what gets nowhere.
     """
-    if way.phase is not Phase.DRIVE or way.astern:
+    if way.phase is not FollowerPhase.DRIVE or way.astern:
         return way.trails
     return trailing_helps(machine, motors) and (not way.trails or _is_observing(way))
 
@@ -83,7 +83,7 @@ def choose_sense(
     """
     if not trailing_helps(machine, motors):
         return Sense(turned_about(way, astern=False) if way.astern else replace(way, trails=False), seen)
-    if way.phase is not Phase.DRIVE or not (way.astern or way.trails or slipping):
+    if way.phase is not FollowerPhase.DRIVE or not (way.astern or way.trails or slipping):
         return Sense(way, seen)
     if not way.trails:
         way = replace(way, trails=True, phase_elapsed=0.0)
@@ -104,7 +104,7 @@ def choose_sense(
 
 
 def _is_observing(way: FollowerState) -> bool:
-    return way.trails and not way.astern and way.phase is Phase.DRIVE and way.phase_elapsed <= OBSERVATION_TIME
+    return way.trails and not way.astern and way.phase is FollowerPhase.DRIVE and way.phase_elapsed <= OBSERVATION_TIME
 
 
 def _seen_length(avoidance: Avoidance, seen: AvoidanceState, way: FollowerState) -> float:

@@ -38,7 +38,7 @@ from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.detour import Maps, plan_detour
 from sojourn_flight.planning.detour_search import Slopes, static_costs, sure_slopes
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.planning.goal_follower import FollowerState, Phase, accept, rerouted, stop
+from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState, accept, rerouted, stop
 from sojourn_flight.planning.route import advanced, route_of
 from sojourn_flight.planning.way_back import driven_on, go_back, way_back
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, ClosedPlace, Guidance
@@ -203,7 +203,7 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
     if stuck:
         return _go_back(avoidance, state, way, odometry, FREE_WAY)
     narrow = state.clearance.at(*position) < params.outline.turn_radius + params.guard_margin
-    if answer.phase is Phase.ALIGN and narrow and not backed:
+    if answer.phase is FollowerPhase.ALIGN and narrow and not backed:
         return _go_back(avoidance, state, way, odometry, params.back_off)
     return _go_round(state, way, answer, odometry)
 

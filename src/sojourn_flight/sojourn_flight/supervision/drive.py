@@ -46,7 +46,7 @@ from sojourn_flight.odometry.slip_correction import counted_slip, no_headway, st
 from sojourn_flight.odometry.slip_estimation import SlipState
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.planning.goal_follower import FollowerLimits, Phase, follow, stop
+from sojourn_flight.planning.goal_follower import FollowerLimits, FollowerPhase, follow, stop
 from sojourn_flight.supervision.arbiter import NO_MOTION, Arbiter
 from sojourn_flight.supervision.astern import choose_sense, is_answered
 from sojourn_flight.supervision.avoidance import (
@@ -181,7 +181,7 @@ def _mean_slip(
     """The slip by which a goal is driven, see `slip_policy`; a rover that goes back or turns counts none."""
     back = state.avoidance is not None and state.avoidance.back is not None
     policy = model.params.slip_policy
-    if policy is None or state.follower is None or back or state.follower.phase is not Phase.DRIVE:
+    if policy is None or state.follower is None or back or state.follower.phase is not FollowerPhase.DRIVE:
         return 0.0
     return mean_slip(policy, state.mean_slip, counted_slip(slip, odometry, policy.least_pace), dt)
 

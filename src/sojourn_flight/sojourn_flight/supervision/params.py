@@ -7,11 +7,9 @@ positive to the left. Arrays of wheels are always in the order of `SteeringGeome
 """
 
 import math
-from collections.abc import Sequence
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
@@ -21,7 +19,6 @@ from sojourn_flight.odometry.slip_params import SlipParams
 from sojourn_flight.odometry.terrain_match_params import TerrainMatchParams
 from sojourn_flight.planning.energy_params import EnergyParams
 from sojourn_flight.supervision.slip_policy import SlipPolicyParams
-from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray, Params
 
 SMALLEST_BASE = 1e-3
@@ -129,47 +126,6 @@ class SteeringGeometryParams(Params):
     def table(self, track_ratio: float = 1.0) -> FloatArray:
         """Array for the kernels, one row a wheel, see `wheel_table`."""
         return wheel_table(self.wheels, track_ratio)
-
-
-def geometry_from_placements(
-    names: Sequence[str],
-    positions: ArrayLike,
-    radii: Sequence[float],
-    steer_limits: Sequence[tuple[float, float] | None],
-) -> SteeringGeometryParams:
-    """Geometry from where a machine description puts its wheels.
-
-    Args:
-        names: names of the wheels.
-        positions: wheel centres in base_link [m], shape (wheels, 2) or (wheels, 3); z is not used.
-        radii: rolling radii [m].
-        steer_limits: (smallest, largest) steer angle [rad] of each wheel, None where it is fixed.
-
-    Raises:
-        InvalidValueError: if the lengths differ.
-        pydantic.ValidationError: if a number is out of range.
-    """
-    places = np.asarray(positions, dtype=np.float64)
-    count = len(names)
-    if places.ndim != 2 or places.shape[0] != count or places.shape[1] not in (2, 3):
-        raise InvalidValueError("shape of wheel positions", places.shape, f"({count}, 2) or ({count}, 3)")
-    if len(radii) != count:
-        raise InvalidValueError("number of wheel radii", len(radii), f"{count}, one for each wheel")
-    if len(steer_limits) != count:
-        raise InvalidValueError("number of steer limits", len(steer_limits), f"{count}, one for each wheel")
-    wheels = tuple(
-        WheelGeometry(
-            name=name,
-            x=float(place[0]),
-            y=float(place[1]),
-            radius=float(radius),
-            steered=limits is not None,
-            steer_min=0.0 if limits is None else limits[0],
-            steer_max=0.0 if limits is None else limits[1],
-        )
-        for name, place, radius, limits in zip(names, places, radii, steer_limits, strict=True)
-    )
-    return SteeringGeometryParams(wheels=wheels)
 
 
 class MotionLimits(Params):

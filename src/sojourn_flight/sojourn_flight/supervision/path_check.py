@@ -9,7 +9,7 @@ from sojourn_flight.hazards.settling import settled, tilts_along
 from sojourn_flight.hazards.traversability import SLOPES, Obstacle, obstacle_at
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.goal import Point
-from sojourn_flight.planning.goal_follower import FollowerState, Phase
+from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, ClosedPlace
 from sojourn_machine.params import FloatArray
 
@@ -51,7 +51,7 @@ def path_ahead(way: FollowerState) -> tuple[FloatArray, FloatArray]:
 
     Headings are those of the body: where it slides downhill, it is turned off the path by the angle of the slide.
     """
-    if not way.path.legs or way.phase in (Phase.FINAL_ALIGN, Phase.SETTLE):
+    if not way.path.legs or way.phase in (FollowerPhase.FINAL_ALIGN, FollowerPhase.SETTLE):
         return np.empty(0), np.empty((0, 3))
     rest = [leg.samples for leg in way.path.legs[way.leg :]]
     rest[0] = rest[0][np.searchsorted(rest[0][:, 0], way.on_leg) :]

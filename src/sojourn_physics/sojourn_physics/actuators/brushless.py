@@ -31,14 +31,6 @@ def electromagnetic_torque(motor: BrushlessMotorParams, current_d: float, curren
     return 1.5 * motor.pole_pairs * (motor.flux * current_q + saliency)
 
 
-def steady_voltage(motor: BrushlessMotorParams, current_d: float, current_q: float, rate: float) -> tuple[float, float]:
-    """v_d, v_q [V] that hold currents [A] at a rate [rad/s]."""
-    electrical = motor.pole_pairs * rate
-    v_d = motor.phase_resistance * current_d - electrical * motor.inductance_q * current_q
-    v_q = motor.phase_resistance * current_q + electrical * (motor.inductance_d * current_d + motor.flux)
-    return v_d, v_q
-
-
 def largest_torque(motor: BrushlessMotorParams, rate: float, bus_voltage: float) -> tuple[float, float, float]:
     """Largest torque of the air gap at a rate of at least 0, with its i_d and i_q: (T [N m], i_d, i_q [A]).
 

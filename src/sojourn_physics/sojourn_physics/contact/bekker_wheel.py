@@ -93,9 +93,8 @@ def bekker_wheel(
     n = soil[SoilColumn.N]
     compaction = width * pressure_modulus(soil, width) * sinkage ** (n + 1.0) / (n + 1.0)
     unit_weight = soil[SoilColumn.DENSITY] * wheel[WheelColumn.GRAVITY]
-    bulldozing = wheel_bulldozing(
-        sinkage, radius, width, soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI], unit_weight
-    )
+    wall_cohesion, wall_tan_phi = soil[SoilColumn.BULLDOZING_COHESION], soil[SoilColumn.BULLDOZING_TAN_PHI]
+    bulldozing = wheel_bulldozing(sinkage, radius, width, wall_cohesion, wall_tan_phi, unit_weight)
     cos_camber = math.sqrt(max(1.0 - motion[MotionColumn.CAMBER] ** 2, 0.0))
     out[OutColumn.FORCE_X] = thrust - (compaction + bulldozing) * headway
     out[OutColumn.FORCE_Y] = shear * j_y

@@ -212,7 +212,8 @@ def compliant_wheel_on_soil(
     force_x, force_y, force_z, along, sinkage, deflection = soft_rim_forces(wheel, soil, contact, QUADRATURE)
     force_z *= clip(1.0 - soil[SoilColumn.CONTACT_DAMPING] * motion[MotionColumn.V_NORMAL], 0.0, MAX_DAMPING_GAIN)
     unit_weight = soil[SoilColumn.DENSITY] * wheel[WheelColumn.GRAVITY]
-    pushed = wheel_bulldozing(sinkage, radius, width, soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI], unit_weight)
+    wall_cohesion, wall_tan_phi = soil[SoilColumn.BULLDOZING_COHESION], soil[SoilColumn.BULLDOZING_TAN_PHI]
+    pushed = wheel_bulldozing(sinkage, radius, width, wall_cohesion, wall_tan_phi, unit_weight)
     bulldozing = min(pushed, obstacle_resistance(sinkage, radius, force_z))
     cos_camber = math.sqrt(max(1.0 - motion[MotionColumn.CAMBER] ** 2, 0.0))
     out[OutColumn.FORCE_X] = sense * force_x - bulldozing * headway

@@ -48,7 +48,8 @@ class FootPadParams(ContactLawParams):
 def pad_pressure(radius: float, sinkage: float, soil: FloatArray, unit_weight: float) -> float:
     """Mean pressure under a pad at a depth [Pa]."""
     bekker = pressure_modulus(soil, radius) * sinkage ** soil[SoilColumn.N]
-    capacity = round_bearing_capacity(sinkage, radius, soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI], unit_weight)
+    cohesion, tan_phi = soil[SoilColumn.BULLDOZING_COHESION], soil[SoilColumn.BULLDOZING_TAN_PHI]
+    capacity = round_bearing_capacity(sinkage, radius, cohesion, tan_phi, unit_weight)
     low, high = min(bekker, capacity), max(bekker, capacity)
     if low <= 0.0:
         return 0.0
@@ -94,7 +95,9 @@ def foot_pad(
     wall = (
         2.0
         * radius
-        * wall_resistance(sinkage, soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI], unit_weight)
+        * wall_resistance(
+            sinkage, soil[SoilColumn.BULLDOZING_COHESION], soil[SoilColumn.BULLDOZING_TAN_PHI], unit_weight
+        )
         * wall_gain
     )
     out[OutColumn.FORCE_X] = (friction + wall) * u_x

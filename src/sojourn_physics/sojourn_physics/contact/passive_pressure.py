@@ -4,7 +4,8 @@
     rigid wheel    Hegedus 1960 in Bekker 1969, sec. 2.8; the formula is that of `soil.bearing`
     round footing  p_u = 1.3 c N_c + γ z N_q + 0.6 γ a N_γ, radius a                          (Terzaghi 1943)
 
-with Terzaghi's factors of `soil.bearing` from tan φ.
+with Terzaghi's factors of `soil.bearing` from tan φ. A law gives c and tan φ of the failure that the soil's file names,
+general or local (columns BULLDOZING_ of a soil's row).
 """
 
 import math

@@ -17,11 +17,9 @@ inertia. Range: firm ground, where rollers turn.
 """
 
 import math
-from collections.abc import Sequence
 from enum import IntEnum
 from typing import ClassVar, Literal
 
-import numpy as np
 from pydantic import Field, field_validator
 
 from sojourn_machine.errors import InvalidValueError
@@ -78,27 +76,6 @@ class RollerWheelParams(CompliantWheelParams):
         row[RollerColumn.SIN_ANGLE] = math.sin(angle)
         row[RollerColumn.COS_ANGLE] = math.cos(angle)
         row[RollerColumn.ROLLER_FRICTION] = self.roller_friction
-
-
-def kinematic_matrix(
-    positions: Sequence[tuple[float, float]], roller_angles: Sequence[float], radius: float
-) -> FloatArray:
-    """Rates of the wheels [rad/s] from the twist (v_x, v_y, yaw rate) of a platform: (wheels, 3).
-
-    Args:
-        positions: of the wheels from the platform's reference point, axles across it [m].
-        roller_angles: η of each wheel [rad]. radius: of the wheels [m].
-
-    Raises:
-        InvalidValueError: rollers along the axle, or a radius that is not positive.
-    """
-    if not radius > 0.0:
-        raise InvalidValueError("radius", radius, "more than 0 m")
-    rows = []
-    for (x, y), angle in zip(positions, roller_angles, strict=True):
-        cotangent = 1.0 / math.tan(_checked(angle))
-        rows.append((1.0, cotangent, -y + x * cotangent))
-    return np.array(rows) / radius
 
 
 def _checked(angle: float) -> float:

@@ -156,7 +156,8 @@ def track(
     thrust = sense * force_x
     compaction = width * greatest * sinkage / (n + 1.0)
     unit_weight = soil[SoilColumn.DENSITY] * wheel[WheelColumn.GRAVITY]
-    bulldozing = width * wall_resistance(sinkage, soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI], unit_weight)
+    wall_cohesion, wall_tan_phi = soil[SoilColumn.BULLDOZING_COHESION], soil[SoilColumn.BULLDOZING_TAN_PHI]
+    bulldozing = width * wall_resistance(sinkage, wall_cohesion, wall_tan_phi, unit_weight)
     out[OutColumn.FORCE_X] = thrust - (compaction + bulldozing) * headway
     out[OutColumn.FORCE_Y] = force_y
     out[OutColumn.FORCE_Z] = load

@@ -91,32 +91,6 @@ def failure_strength(cohesion: float, friction_angle: float, local: bool) -> Fai
     return FailureStrength(cohesion, angle, bearing_factors(angle))
 
 
-def bearing_capacity(
-    friction_angle: float, cohesion: float, unit_weight: float, width: float, surcharge: float = 0.0
-) -> float:
-    """Pressure that a strip footing can carry [Pa].
-
-    Args:
-        friction_angle: [rad].
-        cohesion: [Pa].
-        unit_weight: weight of the soil on that body [N/m3].
-        width: the smaller side of the footing [m].
-        surcharge: pressure on the soil beside the footing, gamma z for one sunk by z [Pa].
-
-    Raises:
-        InvalidValueError: a negative or non-finite argument, or as `bearing_factors`.
-    """
-    factors = bearing_factors(friction_angle)
-    for name, value in (
-        ("cohesion", cohesion),
-        ("unit_weight", unit_weight),
-        ("width", width),
-        ("surcharge", surcharge),
-    ):
-        _require_not_negative(name, value)
-    return cohesion * factors.n_c + surcharge * factors.n_q + 0.5 * unit_weight * width * factors.n_gamma
-
-
 def bulldozing_resistance(
     friction_angle: float, cohesion: float, unit_weight: float, width: float, diameter: float, sinkage: float
 ) -> float:

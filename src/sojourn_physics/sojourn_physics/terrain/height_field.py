@@ -287,10 +287,6 @@ class HeightField:
             self.origin_y + (rows - 1) * self.resolution,
         )
 
-    def contains(self, x: float, y: float) -> bool:
-        """Whether there is ground at (x, y) in `map` [m]."""
-        return self._call_kernel(x, y)[3]
-
     def height(self, x: float, y: float) -> float:
         """Height of the ground at (x, y) [m].
 

@@ -54,13 +54,6 @@ def decay_rate(area_fraction: float) -> float:
     return 1.79 + 0.152 / area_fraction
 
 
-def covered_fraction(area_fraction: float, diameter: float) -> float:
-    """Part of the ground under rocks of this diameter [m] and more, F_k(D) [-]; 0 for k = 0."""
-    if area_fraction == 0.0:
-        return 0.0
-    return area_fraction * math.exp(-decay_rate(area_fraction) * diameter)
-
-
 def _cumulative_number(law: RockLawParams) -> tuple[FloatArray, FloatArray]:
     """Diameters [m] and number of rocks on a square metre from diameter_min up to each, by Simpson's rule."""
     diameters = np.geomspace(law.diameter_min, law.diameter_max, TABLE_SIZE)

@@ -1,13 +1,16 @@
 """From a request to a task under way: the directions and lines that it asks for, checked before anything moves."""
 
 import math
+from dataclasses import dataclass
 from typing import TypeVar, get_args
 
 import numpy as np
 
 from sojourn_flight.arm.collision import check_samples, refined
+from sojourn_flight.arm.force_control import ForceControlParams
 from sojourn_flight.arm.goals import NamedGoal, PoseGoal
 from sojourn_flight.arm.kinematics import forward_kinematics, nearby_solution
+from sojourn_flight.arm.law_params import LineParams
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.refusal import GoalRefusedError
@@ -45,26 +48,34 @@ _STEP = 0.01
 """Distance of the places of a line that are looked at [m]."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Beginning:
+    """What a task begins with."""
+
+    posture: FloatArray
+    """Joint positions (n,) [rad or m]."""
+    feels: bool
+    """Whether the wrist's sensor gives its wrench."""
+    ground: Ground | None
+    """That all but the tool keeps above; None for none."""
+    tool: ToolParams | None
+    """At the arm's end."""
+    gravity: float
+    """Where the arm is [m/s2]."""
+
+
 def start_task(
     params: ArmParams,
     model: ArmModel,
     request: TaskRequest,
-    posture: FloatArray,
-    feels: bool,
-    ground: Ground | None = None,
-    tool: ToolParams | None = None,
-    gravity: float = 0.0,
+    beginning: Beginning,
 ) -> Task:
     """The task that a request asks for.
-
-    Args:
-        posture: joint positions (n,) from which it starts. feels: whether the wrist's sensor tells its wrench.
-        ground: plane in base_link that all but the tool keeps above, or None.
-        tool: at the arm's end. gravity: where the arm is [m/s2].
 
     Raises:
         GoalRefusedError: a task that needs what this arm has not, or a line that it cannot follow.
     """
+    posture, ground, tool = beginning.posture, beginning.ground, beginning.tool
     match request:
         case Unfold() | Stow():
             return Go(NamedGoal(request.task))
@@ -81,8 +92,8 @@ def start_task(
         case Release():
             return ReleaseTask(_tool(request, tool, GripperToolParams).stroke)
         case Pick():
-            return _pick(request, _tool(request, tool, GripperToolParams), params, gravity)
-    if not feels:
+            return _pick(request, _tool(request, tool, GripperToolParams), params.force_control, beginning.gravity)
+    if not beginning.feels:
         raise GoalRefusedError(f"{request.task}: this arm feels no forces: its wrist's sensor says nothing")
     start = forward_kinematics(model, posture).position
     match request:
@@ -156,12 +167,12 @@ def _tool(request: TaskRequest, tool: ToolParams | None, needed: type[Tool]) -> 
     raise GoalRefusedError(f"{request.task}: this arm {has}: allowed is a {' or '.join(get_args(kind))}")
 
 
-def _pick(request: Pick, gripper: GripperToolParams, params: ArmParams, gravity: float) -> PickTask:
+def _pick(request: Pick, gripper: GripperToolParams, params: ForceControlParams, gravity: float) -> PickTask:
     """The task, if the grasp force is one that the gripper has, and that holds the object."""
     if request.force > gripper.force:
         raise GoalRefusedError(f"pick: force = {request.force:g} N: allowed is at most {gripper.force:g} N")
     if request.mass is not None and request.friction is not None:
-        acceleration = gravity + params.force_control.tip_acceleration
+        acceleration = gravity + params.tip_acceleration
         needed = grasp_needed(0.5 * gripper.stroke, request.mass, request.friction, acceleration)
         if needed > request.force:
             holds = f"{request.mass:g} kg with a friction of {request.friction:g}"
@@ -202,7 +213,7 @@ def _direction(model: ArmModel, asked: tuple[float, float, float] | None, postur
 
 
 def check_line(
-    params: ArmParams,
+    params: LineParams,
     model: ArmModel,
     posture: FloatArray,
     direction: FloatArray,

@@ -50,7 +50,7 @@ from sojourn_flight.arm.tasks.jog_control import go_on_with_jog, held_back, take
 from sojourn_flight.arm.tasks.outcome import report_of, with_outcome
 from sojourn_flight.arm.tasks.relaxed import Relaxed
 from sojourn_flight.arm.tasks.requests import Pause, Resume, TaskRequest
-from sojourn_flight.arm.tasks.start import start_task
+from sojourn_flight.arm.tasks.start import Beginning, start_task
 from sojourn_flight.arm.tasks.task import Doing, Task, TaskView
 from sojourn_flight.arm.tasks.task_state import TaskInput, TaskReport, TaskState, initial_state
 from sojourn_flight.arm.tasks.tip_motion import (
@@ -161,9 +161,9 @@ def _take_task(
         if under_way and not request.preempt:
             raise GoalRefusedError(f"{request.task}: {under_way} is under way (preempt: true would replace it)")
         posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
-        feels, ground = inputs.wrench is not None, inputs.arm.ground
         gravity = float(np.linalg.norm(inputs.arm.gravity_in_base))
-        task = start_task(params, model, request, posture, feels, ground, state.tool, gravity)
+        beginning = Beginning(posture, inputs.wrench is not None, inputs.arm.ground, state.tool, gravity)
+        task = start_task(params, model, request, beginning)
     except GoalRefusedError as error:
         return state, GoalEvent("refused", str(error))
     return replace(state, activity=_doing(request.task, task, Doing(), state.motion)), ACCEPTED
