@@ -86,7 +86,7 @@ def test_one_that_is_interrupted_leaves_a_complete_bag(ros: None, tmp_path: Path
     run(tmp_path / "bag", near=True, interrupted_at=period)
     bag = read_bag(tmp_path / "bag")
     assert bag.whole and bag.records[RECORD]["complete"] == "true", bag.records[RECORD]["gaps"]
-    assert len(bag["/wheel_command"]) == len(bag["/truth/odom"]) >= period
+    assert len(bag["/drive_command"]) == len(bag["/truth/odom"]) >= period
 
 
 def test_what_one_says_at_a_rate_has_no_reader_of_the_middleware(ros: None, tmp_path: Path) -> None:

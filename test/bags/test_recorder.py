@@ -113,7 +113,7 @@ def test_bag_tells_where_it_is_from_and_what_it_holds(tmp_path: Path) -> None:
     account = bag.records[RECORD]
     assert account["complete"] == "true"
     topics = json.loads(account["topics"])
-    assert topics["/wheel_command"] == {"published": 60, "recorded": 60, "due": 60}
+    assert topics["/drive_command"] == {"published": 60, "recorded": 60, "due": 60}
     # seven nodes a heartbeat in the one full second; their farewells are no part of the record
     assert topics["/diagnostics"]["published"] == topics["/diagnostics"]["recorded"] == 7
     metadata = yaml.safe_load((tmp_path / "bag" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
@@ -239,7 +239,7 @@ def test_a_run_that_is_interrupted_leaves_a_complete_bag(tmp_path: Path, periods
         rclpy.try_shutdown()
     bag = read_bag(tmp_path / "bag")
     assert bag.whole and bag.records[RECORD]["complete"] == "true", bag.records[RECORD]["gaps"]
-    assert len(bag["/wheel_command"]) == len(bag["/truth/odom"]) >= periods
+    assert len(bag["/drive_command"]) == len(bag["/truth/odom"]) >= periods
 
 
 def test_a_bag_that_is_removed_while_it_is_written_is_noticed_at_once(tmp_path: Path) -> None:

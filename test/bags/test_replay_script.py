@@ -45,7 +45,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Bag:
         if period == 33:
             run.write("/goal_pose", 0, PoseStamped(), log_time=stamp)
         run.write("/odom", stamp, Odometry())
-        run.write("/wheel_command", stamp, JointState())
+        run.write("/drive_command", stamp, JointState())
         if period % 5 == 0:
             run.write("/power/switches", stamp, DiagnosticArray())
             counts = {"/goal_pose": 1} if period >= 10 else {}
@@ -80,7 +80,7 @@ def test_every_input_stands_in_the_step_of_its_stamp(bag: Bag) -> None:
     seldom = {"/hazcam/points", "/sun_direction", "/battery_state"}
     assert set(names[49]) == {*names[4], *seldom} and len(names[49]) == len(names[4]) + len(seldom)
     assert {name: len(messages) for name, messages in script.recorded.items()} == {
-        "/odom": 60, "/wheel_command": 60, "/drive/status": 1, "/diagnostics": 1,
+        "/odom": 60, "/drive_command": 60, "/drive/status": 1, "/diagnostics": 1,
     }  # fmt: skip
 
 
@@ -101,7 +101,7 @@ def test_a_bag_cut_off_is_replayed_up_to_its_last_whole_period(bag: Bag) -> None
     assert script.participants == tuple(ROLES.split(","))
 
 
-@pytest.mark.parametrize("missing", ["/imu/data", "/joint_states", "/power/switches", "/odom", "/wheel_command"])
+@pytest.mark.parametrize("missing", ["/imu/data", "/joint_states", "/power/switches", "/odom", "/drive_command"])
 def test_a_topic_that_is_missing_is_named(bag: Bag, missing: str) -> None:
     topics = {name: messages for name, messages in bag.topics.items() if name != missing}
     with pytest.raises(ReplayError, match=f"lacks {missing}") as caught:
@@ -179,7 +179,7 @@ def test_a_silent_candidate_is_not_waited_for_without_end() -> None:
 @settings(max_examples=50, deadline=None)
 @given(st.integers(0, 3), st.integers(1, 40))
 def test_one_topic_that_never_comes_does_not_stop_the_others(seed: int, periods: int) -> None:
-    due = {"/odom": [n * PERIOD for n in range(1, periods + 1)], "/wheel_command": [seed * PERIOD + PERIOD]}
+    due = {"/odom": [n * PERIOD for n in range(1, periods + 1)], "/drive_command": [seed * PERIOD + PERIOD]}
     answers = Answers(due, lead=0)
     moments = 0
     for period in range(1, periods + 1):

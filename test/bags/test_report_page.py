@@ -90,7 +90,7 @@ def test_refusals_stalls_and_texts_of_nodes(tmp_path: Path) -> None:
         stamp = period * PERIOD
         run.truth(stamp, (0.0, 0.0, 0.4, 0.0), {"wheel_front_left_joint": 0.0}, 0.0)
         if period == 100:
-            counters.count_refused("/wheel_command", "velocity = nan: <b>allowed</b> is a number")
+            counters.count_refused("/drive_command", "velocity = nan: <b>allowed</b> is a number")
         if period % 50 == 0 and period != 150:
             run.write("/diagnostics", stamp, heartbeat_message("plant", "running", stamp, counters))
         if period in (50, 150):
@@ -100,7 +100,7 @@ def test_refusals_stalls_and_texts_of_nodes(tmp_path: Path) -> None:
     page = tmp_path / "report.html"
     write_page(read_bag(tmp_path / "bag"), page, judged=False)
     text = Page(page).text
-    assert "1 of /wheel_command" in text and "velocity = nan: <b>allowed</b> is a number" in text
+    assert "1 of /drive_command" in text and "velocity = nan: <b>allowed</b> is a number" in text
     assert "2.00" in text  # the longest gap between heartbeats [s]
     assert "off, 3.00 to 4.00 s" in text and "50 %, 1.00 to 4.00 s" in text
     assert "the arm was not asked to move" in text.lower() or "tells of no arm" in text

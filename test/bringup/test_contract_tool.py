@@ -215,13 +215,13 @@ def test_endpoints_of_a_running_stack() -> None:
     live = stack()
     live.endpoints["/odom"] = [entry for entry in live.endpoints["/odom"] if entry[0] != "drive"]
     live.endpoints["/waypoints"] = [entry for entry in live.endpoints["/waypoints"] if entry[0] != "drive"]
-    live.endpoints["/wheel_command"].append(("another", Endpoint("sensor_msgs/JointState")))
+    live.endpoints["/drive_command"].append(("another", Endpoint("sensor_msgs/JointState")))
     asks_for_more = Endpoint("sensor_msgs/Imu", durability="transient_local", publishes=False)
     live.endpoints["/imu/data"].append(("viewer", asks_for_more))
     assert endpoint_kinds(live, "drive") == {
         ("endpoint", "/odom", "publisher of drive"),
         ("endpoint", "/waypoints", "subscription of drive"),
-        ("endpoint", "/wheel_command", "publishers"),
+        ("endpoint", "/drive_command", "publishers"),
     }
     assert not endpoint_kinds(live, "arm"), "the affair of others"
 

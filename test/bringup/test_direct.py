@@ -20,7 +20,7 @@ def test_it_runs_beside_a_run_on_its_domain(tmp_path: Path, domain: int, capsys:
     assert status == 1 and "timed out" in said and "the run's limit of 0.4 s is over" in said
     bag = read_bag(tmp_path / "run")
     assert bag.whole and bag["/clock"].times[-1] == pytest.approx(0.5, abs=0.05)
-    assert len(bag["/wheel_command"]) == len(bag["/clock"])
+    assert len(bag["/drive_command"]) == len(bag["/clock"])
 
 
 def test_the_demo_writes_its_summary_and_picture(tmp_path: Path, domain: int) -> None:

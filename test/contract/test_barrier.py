@@ -121,6 +121,6 @@ def test_a_slow_row_is_refused_between_its_stamps() -> None:
 
 def test_only_participants_are_awaited() -> None:
     assert awaited_inputs("plant", ("plant",)) == ()
-    assert {row.name for row in awaited_inputs("plant", ("plant", "drive"))} == {"/wheel_command"}
+    assert {row.name for row in awaited_inputs("plant", ("plant", "drive"))} == {"/drive_command"}
     assert all(row.lag == 0 for row in awaited_inputs("recorder", EVERYBODY))
     assert not any(row.is_event for role in ROLES for row in awaited_inputs(role, EVERYBODY))

@@ -124,20 +124,20 @@ def test_measured_joints_are_complete() -> None:
 
 
 def test_ranges_of_the_table() -> None:
-    row = topic("/wheel_command")
+    row = topic("/drive_command")
     check_ranges(row, value_of(JointState(name=["a"], position=[0.0], velocity=[200.0])))
     for field, value in (("velocity", 200.1), ("velocity", -1e300), ("position", 1e7)):
-        with pytest.raises(RefusedMessageError, match=rf"/wheel_command\.{field}.*allowed is -"):
+        with pytest.raises(RefusedMessageError, match=rf"/drive_command\.{field}.*allowed is -"):
             check_ranges(row, value_of(JointState(name=["a"], **{field: [value]})))
 
 
 def test_joint_names() -> None:
     known = {"a": 0, "b": 1}
-    check_names("/wheel_command", ["b", "a"], known)
+    check_names("/drive_command", ["b", "a"], known)
     with pytest.raises(RefusedMessageError, match="c: allowed is one of a, b"):
-        check_names("/wheel_command", ["a", "c"], known)
+        check_names("/drive_command", ["a", "c"], known)
     with pytest.raises(RefusedMessageError, match="each joint once"):
-        check_names("/wheel_command", ["a", "a"], known)
+        check_names("/drive_command", ["a", "a"], known)
 
 
 def test_types_without_numbers_pass() -> None:

@@ -106,16 +106,16 @@ DEFECTS: dict[str, tuple[str, Edit, str, str]] = {
     "wrong child frame": ("/odom", set_at("child_frame_id", "base"), "frame", "child_frame_id"),
     "a joint left out of the truth": ("/truth/joint_states", without("bogie_left_joint"), "joints", "name"),
     "a joint left out by the sensors": ("/joint_states", without(WHEELS), "joints", "name"),
-    "an unknown joint": ("/wheel_command", set_at("name.0", "wheel_7"), "joints", "name"),
-    "a joint of the arm in a wheel command": ("/wheel_command", set_at("name.0", "arm_wrist_joint"), "joints", "name"),
+    "an unknown joint": ("/drive_command", set_at("name.0", "wheel_7"), "joints", "name"),
+    "a joint of the arm in a wheel command": ("/drive_command", set_at("name.0", "arm_wrist_joint"), "joints", "name"),
     "a wheel in an arm command": ("/arm_command", set_at("name.0", WHEELS), "joints", "name"),
     "a joint named twice": ("/arm_command", name_twice, "joints", "name"),
     "too few positions": ("/arm_command", set_at("position", [0.0]), "joints", "position"),
     "too few efforts": ("/truth/joint_states", set_at("effort", [0.0]), "joints", "effort"),
     "no efforts where they are asked for": ("/truth/joint_states", set_at("effort", []), "joints", "effort"),
-    "no rates for wheels": ("/wheel_command", set_at("velocity", []), "joints", "velocity"),
-    "no positions for steering": ("/wheel_command", set_at("position", []), "joints", "position"),
-    "degrees for radians": ("/wheel_command", degrees("velocity"), "limit", "velocity"),
+    "no rates for wheels": ("/drive_command", set_at("velocity", []), "joints", "velocity"),
+    "no positions for steering": ("/drive_command", set_at("position", []), "joints", "position"),
+    "degrees for radians": ("/drive_command", degrees("velocity"), "limit", "velocity"),
     "an angle beyond the stop": ("/arm_command", set_at("position.0", 2.0), "limit", "position"),
     "a quaternion that is none": ("/odom", set_at("pose.pose.orientation.w", 0.9), "orientation",
                                   "pose.pose.orientation"),
@@ -174,7 +174,7 @@ def test_a_violation_names_topic_stamp_field_value_and_what_is_allowed(defect: s
     texts = {
         "NaN in a position": "/odom at 0.82 s: pose.pose.position.x = NaN (allowed: a finite number)",
         "wrong frame": "/odom at 0.82 s: header.frame_id = 'map' (allowed: 'odom')",
-        "an unknown joint": "/wheel_command at 0.82 s: name = wheel_7 (allowed: one of wheel_front_left_joint,",
+        "an unknown joint": "/drive_command at 0.82 s: name = wheel_7 (allowed: one of wheel_front_left_joint,",
     }
     assert line.startswith(texts[defect])
 

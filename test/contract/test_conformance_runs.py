@@ -28,7 +28,7 @@ def counters_too(found: set[tuple[str, str, str]], name: str) -> set[tuple[str, 
     return found - {("counter", "/diagnostics", f"status.values.published {name}")}
 
 
-@pytest.mark.parametrize("name", ["/odom", "/wheel_command", "/truth/odom", "/imu/data", "/power/switches", "/clock"])
+@pytest.mark.parametrize("name", ["/odom", "/drive_command", "/truth/odom", "/imu/data", "/power/switches", "/clock"])
 def test_a_dropped_message_is_missed_by_name_and_stamp(name: str) -> None:
     run = CleanRun()
     run.drop(name, lambda entry: entry.stamp == AT)
@@ -42,7 +42,7 @@ def test_a_dropped_message_is_missed_by_name_and_stamp(name: str) -> None:
 
 def test_an_answer_cannot_come_where_nothing_was_asked() -> None:
     run = CleanRun()
-    for name in ("/imu/data", "/odom", "/wheel_command", "/arm_command"):
+    for name in ("/imu/data", "/odom", "/drive_command", "/arm_command"):
         run.drop(name, lambda entry: entry.stamp == AT)
     report = run.judge()
     answers = {group.topic for group in report.groups if group.rule == "answer"}
@@ -51,12 +51,12 @@ def test_an_answer_cannot_come_where_nothing_was_asked() -> None:
 
 def test_a_silent_role_is_found_on_each_of_its_topics() -> None:
     run = CleanRun()
-    for name in ("/odom", "/wheel_command", "/drive/status"):
+    for name in ("/odom", "/drive_command", "/drive/status"):
         run.drop(name, lambda entry: entry.stamp > AT)
     report = run.judge()
     assert {group.topic for group in report.groups if group.rule == "answer"} == {
         "/odom",
-        "/wheel_command",
+        "/drive_command",
         "/drive/status",
     }
     counts = {group.topic: group.count for group in report.groups if group.rule == "answer"}
@@ -81,13 +81,13 @@ def test_a_message_twice() -> None:
 def test_a_stale_stamp() -> None:
     """A message that carries the stamp of the period before: twice there, and none here."""
     run = CleanRun()
-    entry = next(entry for entry in run.of("/wheel_command") if entry.stamp == AT)
+    entry = next(entry for entry in run.of("/drive_command") if entry.stamp == AT)
     set_stamp(entry.message, AT - PERIOD)
     found = kinds(run.judge())
     assert found == {
-        ("stamp", "/wheel_command", "header.stamp"),
-        ("stamp", "/wheel_command", "age"),
-        ("answer", "/wheel_command", "header.stamp"),
+        ("stamp", "/drive_command", "header.stamp"),
+        ("stamp", "/drive_command", "age"),
+        ("answer", "/drive_command", "header.stamp"),
     }
 
 
@@ -282,7 +282,7 @@ def test_roles_that_are_not_judged_are_listened_to() -> None:
     run.one("/odom").header.frame_id = "wrong"
     report = run.judge(roles=("drive",))
     assert kinds(report) == {("frame", "/odom", "header.frame_id")}
-    assert set(report.messages) == {"/odom", "/wheel_command", "/drive/status", "/diagnostics"}
+    assert set(report.messages) == {"/odom", "/drive_command", "/drive/status", "/diagnostics"}
     assert report.messages["/diagnostics"] == 2
 
 

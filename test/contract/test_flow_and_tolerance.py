@@ -35,7 +35,7 @@ def test_every_topic_comes_after_what_its_publisher_waits_for() -> None:
 
 def test_a_goal_stands_just_before_the_node_that_it_is_for() -> None:
     assert place_of("/power/status") < place_of("/goal_pose") < place_of("/odom")
-    assert place_of("/wheel_command") < place_of("/arm/goal_pose") < place_of("/arm_command")
+    assert place_of("/drive_command") < place_of("/arm/goal_pose") < place_of("/arm_command")
 
 
 def test_a_rule_holds_for_all_that_is_in_its_field() -> None:
@@ -46,13 +46,13 @@ def test_a_rule_holds_for_all_that_is_in_its_field() -> None:
     assert rule_of("/odom", "pose.pose.positional") is None
     assert rule_of("/odom", "header.frame_id") is None and rule_of("/tf", "transforms[0]") is None
     assert tolerance_of(None) == 0.0
-    assert is_angle(rule_of("/wheel_command", "position")) and not is_angle(rule_of("/wheel_command", "velocity"))
+    assert is_angle(rule_of("/drive_command", "position")) and not is_angle(rule_of("/drive_command", "velocity"))
 
 
 def test_single_precision_in_place_of_double_is_beyond_every_tolerance_of_a_double() -> None:
     """Of values of the size that the machine has."""
     sizes = {"pose.pose.position": 3.3, "position": 1.3, "velocity": 0.3, "effort": 30.3}
-    for name in ("/odom", "/wheel_command", "/arm_command", "/joint_states"):
+    for name in ("/odom", "/drive_command", "/arm_command", "/joint_states"):
         for rule in topic(name).fields:
             size = sizes.get(rule.path)
             if size is not None:

@@ -89,7 +89,7 @@ def test_rows_stand_in_the_order_of_the_flow() -> None:
 
 
 def test_unknown_names_are_answered_with_the_known_ones() -> None:
-    with pytest.raises(UnknownTopicError, match=r"/nowhere.*/wheel_command"):
+    with pytest.raises(UnknownTopicError, match=r"/nowhere.*/drive_command"):
         topic("/nowhere")
     with pytest.raises(UnknownRoleError, match=r"pilot.*plant, sensors"):
         inputs_of("pilot")

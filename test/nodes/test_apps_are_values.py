@@ -105,7 +105,7 @@ def test_a_drive_is_gone_on_with_from_a_kept_state_as_if_nothing_had_happened(ap
     names = loop.goes_on_from(33, 20)
     assert {"/imu/data", "/joint_states", "/hazcam/points", "/power/switches", "/truth/contacts", "/odom"} <= names
     assert all(topic(name).publisher in ROLES for name in names)
-    assert max(np.abs(loop.messages["/wheel_command"].velocity)) > 0.1
+    assert max(np.abs(loop.messages["/drive_command"].velocity)) > 0.1
 
 
 def test_a_motion_of_the_arm_is_gone_on_with_from_a_kept_state_too(apps: dict[str, App[Any]]) -> None:

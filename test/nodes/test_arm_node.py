@@ -64,7 +64,7 @@ class ArmBench:
             if self.with_drive:
                 self.here.header.stamp = ros_time(at(self.period))
                 self.bench.send("/odom", self.here)
-                self.bench.send("/wheel_command", wheel_command(WHEELS, self.period, rate))
+                self.bench.send("/drive_command", wheel_command(WHEELS, self.period, rate))
             command = self.bench.answer("/arm_command", self.period)
             if command.name:
                 self.angles = dict(zip(command.name, command.position, strict=True))

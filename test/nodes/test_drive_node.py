@@ -39,7 +39,7 @@ def step(bench: Bench, *periods: int, angles: dict[str, float] | None = None) ->
     for period in periods:
         measure(bench, period, joints(period, angles))
         bench.answer("/odom", period)
-        command = bench.answer("/wheel_command", period)
+        command = bench.answer("/drive_command", period)
     return command
 
 
@@ -87,7 +87,7 @@ def test_a_goal_makes_it_move(bench: Bench, drive: DriveNode) -> None:
     assert set(command.name) == set((*WHEELS, *STEERS)) and rates(command) == [0.0] * 6
     send_event(bench, drive, "/goal_pose", pose(2.0, 0.0, stamp=at(4)))
     step(bench, 2, 3)
-    assert rates(bench.answer("/wheel_command", 3)) == [0.0] * 6, "its stamp has not come yet"
+    assert rates(bench.answer("/drive_command", 3)) == [0.0] * 6, "its stamp has not come yet"
     command = step(bench, *range(4, 51))
     assert min(rates(command)) > 0.1
     status = bench.status("/drive/status", 50)
@@ -148,7 +148,7 @@ def test_a_goal_that_is_no_number_does_not_stop_the_lock_step(bench: Bench) -> N
     assert node.now == at(9), "it waits for the goal that the tick has announced"
     assert node._waits_for() == ("operator", "the goals that its tick announces")
     bench.send("/goal_pose", pose(math.nan, 0.0))
-    bench.answer("/wheel_command", 10)
+    bench.answer("/drive_command", 10)
     assert node.counters.refused == {"/goal_pose": 1}
 
 
@@ -199,7 +199,7 @@ def test_measurements_that_cannot_be_used_stop_the_wheels(bench: Bench, drive: D
         bad = joints(period)
         bad.position[3] = math.nan
         measure(bench, period, bad)
-        assert rates(bench.answer("/wheel_command", period)) == [0.0] * 6
+        assert rates(bench.answer("/drive_command", period)) == [0.0] * 6
         bench.answer("/odom", period)
         if period == 60:
             send_event(bench, drive, "/goal_pose", pose(0.0, 0.0, stamp=at(61)))
@@ -226,7 +226,7 @@ def test_joint_states_that_lack_something_are_refused(bench: Bench, drive: Drive
         bad.velocity = []
     bench.send("/joint_states", bad)
     bench.send("/imu/data", imu(2))
-    assert rates(bench.answer("/wheel_command", 2)) == [0.0] * 6
+    assert rates(bench.answer("/drive_command", 2)) == [0.0] * 6
     step(bench, 3)
     assert drive.counters.refused == {"/joint_states": 1}
 
@@ -279,7 +279,7 @@ def test_started_in_the_middle_of_a_run_in_real_time(bench: Bench) -> None:
     bench.connect(node, lockstep=False)
     assert not bench.heartbeats("drive") or bench.heartbeats("drive")[-1].stamp == 0
     bench.send("/imu/data", imu(5000))
-    assert rates(bench.answer("/wheel_command", 5000)) == [0.0] * 6
+    assert rates(bench.answer("/drive_command", 5000)) == [0.0] * 6
     step(bench, 5001, 5002)
     send_event(bench, node, "/cmd_vel", twist(0.03))
     command = step(bench, *range(5003, 5012))
@@ -310,7 +310,7 @@ def test_in_real_time_an_old_measurement_is_lost(bench: Bench) -> None:
     assert min(rates(step(bench, *range(2, 12)))) > 0.0
     for period in range(12, 18):  # the encoders are silent, the IMU is not
         bench.send("/imu/data", imu(period))
-        command = bench.answer("/wheel_command", period)
+        command = bench.answer("/drive_command", period)
     assert rates(command) == [0.0] * 6
     bench.send("/imu/data", imu(3))
     bench.until(lambda: node.counters.refused, "a stamp from the past is refused")
@@ -380,7 +380,7 @@ def see(bench: Bench, period: int, points: Any) -> None:
     bench.send("/imu/data", imu(period))
     bench.send("/sun_direction", sun(period))
     bench.send("/hazcam/points", cloud(period, points))
-    bench.answer("/wheel_command", period)
+    bench.answer("/drive_command", period)
 
 
 def test_a_goal_in_an_obstacle_that_has_been_seen_is_refused(bench: Bench, drive: DriveNode) -> None:
@@ -414,5 +414,5 @@ def test_a_cloud_that_is_no_cloud_is_refused_and_the_period_is_answered(bench: B
     bench.send("/imu/data", imu(50))
     bench.send("/sun_direction", sun(50))
     bench.send("/hazcam/points", bad)
-    bench.answer("/wheel_command", 50)
+    bench.answer("/drive_command", 50)
     assert drive.counters.refused == {"/hazcam/points": 1} and "z[0] = nan" in drive.counters.last_refusal

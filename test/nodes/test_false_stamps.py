@@ -42,7 +42,7 @@ class Case(NamedTuple):
 
 MEASURED = ("/joint_states", "/imu/data")
 CASES = {
-    "drive": Case(DriveNode, ("sensors", "drive", "operator"), ("/operator/tick", *MEASURED), "/wheel_command"),
+    "drive": Case(DriveNode, ("sensors", "drive", "operator"), ("/operator/tick", *MEASURED), "/drive_command"),
     "arm": Case(
         ArmNode, ("sensors", "arm", "operator"), ("/operator/tick", "/wrist/wrench", *MEASURED), "/arm_command"
     ),

@@ -72,8 +72,8 @@ def test_garbage_over_the_wire_is_counted_with_its_reason(bench: Bench) -> None:
     node = bench.start(ArmNode, "sensors", "drive", "arm")
     bench.connect(node)
     before = len(bench.nodes)
-    bench.send("/wheel_command", b"\0\1\0\0" + struct.pack("<iI", 0, CONTROL_PERIOD_NS) + b"\xff" * 8)
-    bench.until(lambda: node.counters.refused.get("/wheel_command"), "it is refused")
+    bench.send("/drive_command", b"\0\1\0\0" + struct.pack("<iI", 0, CONTROL_PERIOD_NS) + b"\xff" * 8)
+    bench.until(lambda: node.counters.refused.get("/drive_command"), "it is refused")
     assert "allowed is a serialised sensor_msgs/JointState" in node.counters.last_refusal and len(bench.nodes) == before
 
 
@@ -105,7 +105,7 @@ def test_in_real_time_a_false_first_stamp_is_got_over(bench: Bench) -> None:
     for period in range(100, 104):
         bench.send("/joint_states", joints(period))
         bench.send("/imu/data", imu(period))
-    bench.answer("/wheel_command", 103)
+    bench.answer("/drive_command", 103)
     send_event(bench, node, "/goal_pose", pose(2.0, 0.0))
     assert min(rates(step(bench, *range(104, 160)))) > 0.0
 
@@ -126,7 +126,7 @@ def test_a_goal_fails_with_the_reason_where_its_inputs_cannot_be_used(bench: Ben
         if period % 50 == 0:
             bench.send("/sun_direction", sun(period))
             bench.send("/hazcam/points", cloud(period))
-        command = bench.answer("/wheel_command", period)
+        command = bench.answer("/drive_command", period)
     assert rates(command) == [0.0] * 6
     status = bench.status("/drive/status", 250)
     assert status["state"] == "failed" and "no usable /joint_states or /imu/data for 3" in status["reason"]

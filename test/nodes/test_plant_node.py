@@ -48,7 +48,7 @@ def drive(bench: Bench, first: int, last: int, make: Callable[[int], Any]) -> No
     """Answer periods with a command, in lock-step."""
     for period in range(first, last + 1):
         bench.answer("/truth/joint_states", period)
-        bench.send("/wheel_command", make(period))
+        bench.send("/drive_command", make(period))
     bench.answer("/truth/joint_states", last + 1)
 
 
@@ -66,7 +66,7 @@ def test_begins_when_all_are_ready(bench: Bench) -> None:
     bench.say_ready("arm")
     bench.answer("/clock", 1)
     bench.answer("/truth/odom", 1)
-    bench.send("/wheel_command", command(DRIVEN, 1))
+    bench.send("/drive_command", command(DRIVEN, 1))
     bench.spin(0.1)
     assert len(bench.received["/clock"]) == 1, "it waits for the arm"
     bench.send("/arm_command", command(ARM, 1))
@@ -77,7 +77,7 @@ def test_begins_when_all_are_ready(bench: Bench) -> None:
 def test_nothing_acts_before_the_run(bench: Bench) -> None:
     plant = bench.start(PlantNode, "plant", "drive", "arm")
     bench.connect(plant)
-    bench.send("/wheel_command", command(DRIVEN, 1))
+    bench.send("/drive_command", command(DRIVEN, 1))
     bench.send("/arm_command", command(ARM, 1))
     bench.until(lambda: plant.barrier.is_complete(), "the commands have come")
     bench.spin(0.1)
@@ -87,7 +87,7 @@ def test_nothing_acts_before_the_run(bench: Bench) -> None:
 def test_who_never_shows_up_is_named(bench: Bench) -> None:
     plant = bench.start(PlantNode, "plant", "sensors", "drive", "arm", lockstep_timeout_s=0.3)
     bench.listen("/diagnostics")
-    bench.speak("/diagnostics", "/arm_command", "/wheel_command")
+    bench.speak("/diagnostics", "/arm_command", "/drive_command")
     for role in ("arm", "drive"):
         bench.send("/diagnostics", heartbeat_message(role, "waiting for other nodes", 0, Counters(), "no publisher"))
     bench.until(lambda: plant.finished, "the plant gives up")
@@ -117,13 +117,13 @@ def spoilt(period: int, stamp: int) -> Any:
 
 
 REASONS = {
-    3: "/wheel_command.velocity[0] = nan: allowed is a finite number",
-    4: "/wheel_command.velocity[1] = inf",
-    5: "/wheel_command.name = wheel_seventh_joint: allowed is one of ",
-    6: "/wheel_command.velocity = 3 numbers",
-    7: "/wheel_command.name = rocker_left_joint: allowed is one of ",
-    8: "/wheel_command.velocity = 1e+200: allowed is -200 to 200 rad/s",
-    9: "/wheel_command.position = 0 numbers: allowed is one for steer_",
+    3: "/drive_command.velocity[0] = nan: allowed is a finite number",
+    4: "/drive_command.velocity[1] = inf",
+    5: "/drive_command.name = wheel_seventh_joint: allowed is one of ",
+    6: "/drive_command.velocity = 3 numbers",
+    7: "/drive_command.name = rocker_left_joint: allowed is one of ",
+    8: "/drive_command.velocity = 1e+200: allowed is -200 to 200 rad/s",
+    9: "/drive_command.position = 0 numbers: allowed is one for steer_",
     10: "allowed is each joint once",
 }
 
@@ -137,17 +137,17 @@ def test_commands_that_cannot_be_followed_are_refused_and_shown(bench: Bench) ->
             for stamp in (at(2), at(19), at(20) + 1):
                 late = command(DRIVEN, 1)
                 late.header.stamp = ros_time(stamp)
-                bench.send("/wheel_command", late)
-        bench.send("/wheel_command", spoilt(period, period))
+                bench.send("/drive_command", late)
+        bench.send("/drive_command", spoilt(period, period))
         bench.answer("/truth/joint_states", period + 1)
         seen[period] = plant.counters.last_refusal
     for period, reason in REASONS.items():
         assert reason in seen[period]
-    assert "/wheel_command.header.stamp" in seen[20]
-    assert plant.counters.refused == {"/wheel_command": len(REASONS) + 3}
+    assert "/drive_command.header.stamp" in seen[20]
+    assert plant.counters.refused == {"/drive_command": len(REASONS) + 3}
     bench.until(lambda: bench.heartbeats("plant")[-1].stamp == at(50), "the heartbeat of the first second")
     beat = bench.heartbeats("plant")[-1]
-    assert beat.values["refused /wheel_command"] == "11"
+    assert beat.values["refused /drive_command"] == "11"
     assert beat.values["last refusal"] == seen[20]
     final = bench.answer("/truth/joint_states", 51)
     assert all(map(math.isfinite, (*final.position, *final.velocity, *final.effort)))
@@ -166,7 +166,7 @@ def test_a_last_good_command_ages_out_in_lock_step(bench: Bench) -> None:
     assert min(wheel_rates(bench.answer("/truth/joint_states", 39))) > 0.2, "not too old yet"
     drive(bench, 39, 70, no_number)
     assert wheel_rates(bench.answer("/truth/joint_states", 71)) == pytest.approx([0.0] * 6, abs=0.01)
-    assert plant.heartbeat_values()["lost commands"] == "/wheel_command"
+    assert plant.heartbeat_values()["lost commands"] == "/drive_command"
     drive(bench, 71, 100, lambda period: command(DRIVEN, period, rate=0.3))
     assert min(wheel_rates(bench.answer("/truth/joint_states", 101))) > 0.2
     assert plant.heartbeat_values()["lost commands"] == ""
@@ -200,7 +200,7 @@ def test_in_real_time_old_commands_stop_the_wheels(bench: Bench) -> None:
     answered = 0
     ahead = command(DRIVEN, 1, rate=5.0)
     ahead.header.stamp.sec = 1_700_000_000
-    bench.send("/wheel_command", ahead)
+    bench.send("/drive_command", ahead)
     bench.until(lambda: plant.counters.refused, "a stamp of the wall clock is refused: it would never age")
     assert "allowed is simulation time" in plant.counters.last_refusal
 
@@ -209,18 +209,18 @@ def test_in_real_time_old_commands_stop_the_wheels(bench: Bench) -> None:
         newest = stamp_of(bench.received["/truth/joint_states"][-1]) // at(1)
         if newest > answered:
             answered = newest
-            bench.send("/wheel_command", command(DRIVEN, newest, rate=0.3))
+            bench.send("/drive_command", command(DRIVEN, newest, rate=0.3))
         return answered >= 25 and min(wheel_rates(bench.received["/truth/joint_states"][-1])) > 0.2
 
     bench.until(follow, "the wheels turn")
     silent_from = plant.now
     bench.until(lambda: plant.now > silent_from + at(30), "30 periods of silence")
     assert wheel_rates(bench.received["/truth/joint_states"][-1]) == pytest.approx([0.0] * 6, abs=0.01)
-    bench.until(lambda: bench.heartbeats("plant")[-1].values["lost commands"] == "/wheel_command", "it says so")
-    before = plant.counters.refused["/wheel_command"]
-    bench.send("/wheel_command", command(DRIVEN, 2, rate=0.3))
-    bench.until(lambda: plant.counters.refused["/wheel_command"] > before, "a stamp from the past is refused")
-    assert "/wheel_command.header.stamp = 0.040 s" in plant.counters.last_refusal
+    bench.until(lambda: bench.heartbeats("plant")[-1].values["lost commands"] == "/drive_command", "it says so")
+    before = plant.counters.refused["/drive_command"]
+    bench.send("/drive_command", command(DRIVEN, 2, rate=0.3))
+    bench.until(lambda: plant.counters.refused["/drive_command"] > before, "a stamp from the past is refused")
+    assert "/drive_command.header.stamp = 0.040 s" in plant.counters.last_refusal
 
 
 def silent(bench: Bench, plant: PlantNode) -> str:
@@ -249,42 +249,42 @@ def test_who_is_silent_from_the_first_period_on_is_named(bench: Bench) -> None:
     """The drive's command is missing, but the drive has had nothing to act on: the sensors are to blame."""
     plant = chain(bench, DriveNode)
     bench.speak(*MEASURED)
-    bench.listen("/wheel_command", "/odom")
+    bench.listen("/drive_command", "/odom")
     bench.met()
     bench.say_ready("sensors")
-    assert "node 'sensors' did not answer: /wheel_command stamped 0.02 s" in silent(bench, plant)
+    assert "node 'sensors' did not answer: /drive_command stamped 0.02 s" in silent(bench, plant)
 
 
 def test_who_falls_silent_later_is_named(bench: Bench) -> None:
     plant = chain(bench, DriveNode)
     bench.speak(*MEASURED)
-    bench.listen("/wheel_command", "/odom")
+    bench.listen("/drive_command", "/odom")
     bench.met()
     bench.say_ready("sensors")
     for period in range(1, 11):
         bench.answer("/truth/joint_states", period)
         bench.send("/joint_states", joints(period))
         bench.send("/imu/data", imu(period))
-    assert "node 'sensors' did not answer: /wheel_command stamped 0.22 s" in silent(bench, plant)
+    assert "node 'sensors' did not answer: /drive_command stamped 0.22 s" in silent(bench, plant)
 
 
 @pytest.mark.parametrize("answered", [0, 5])
 def test_the_last_of_the_chain_is_named_itself(bench: Bench, answered: int) -> None:
     plant = chain(bench, SensorsNode)
-    bench.speak("/wheel_command")
+    bench.speak("/drive_command")
     bench.listen(*MEASURED)
     bench.met()
     bench.say_ready("drive")
     for period in range(1, answered + 1):
         bench.answer("/joint_states", period)
-        bench.send("/wheel_command", command(DRIVEN, period))
+        bench.send("/drive_command", command(DRIVEN, period))
     assert "node 'drive' did not answer" in silent(bench, plant)
 
 
 def test_an_old_word_of_waiting_does_not_excuse(bench: Bench) -> None:
     """The drive waited for the sensors once, went on, and is silent now: it is the drive."""
     plant = chain(bench)
-    bench.speak("/wheel_command", "/joint_states", "/imu/data")
+    bench.speak("/drive_command", "/joint_states", "/imu/data")
     bench.until(lambda: bench.received["/diagnostics"], "the plant is heard")
     bench.say_ready("drive", "sensors")
     bench.listen("/joint_states", "/imu/data")

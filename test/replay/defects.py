@@ -123,7 +123,7 @@ def set_parameters(node: Any, **changes: Any) -> None:
 # Drive
 
 
-@defect("drive", replay="/wheel_command.velocity")
+@defect("drive", replay="/drive_command.velocity")
 def a_gain_is_one_percent_off(drive: Any) -> None:
     set_parameters(drive, distance_gain=1.01 * drive.app.model.params.follower.distance_gain)
 
@@ -139,12 +139,12 @@ def the_gyro_has_the_wrong_sign(drive: Any) -> None:
     drive.app._measurements.drive_input = flipped
 
 
-@defect("drive", replay="/wheel_command.position", judge="/wheel_command.position")
+@defect("drive", replay="/drive_command.position", judge="/drive_command.position")
 def steering_is_commanded_in_degrees(drive: Any) -> None:
     def change(message: Any) -> None:
         message.position = np.degrees(message.position).tolist()
 
-    alter(drive, "/wheel_command", change)
+    alter(drive, "/drive_command", change)
 
 
 @defect("drive", replay="/odom.header.frame_id", judge="/odom.header.frame_id")
@@ -157,9 +157,9 @@ def velocity_is_given_in_odom(drive: Any) -> None:
     rotate_velocity(drive, "/odom")
 
 
-@defect("drive", replay="/wheel_command.velocity")
+@defect("drive", replay="/drive_command.velocity")
 def commands_come_a_period_late(drive: Any) -> None:
-    one_behind(drive, "/wheel_command", "position", "velocity")
+    one_behind(drive, "/drive_command", "position", "velocity")
 
 
 @defect("drive", replay="/odom missing", judge="/odom.header.stamp")
@@ -167,9 +167,9 @@ def one_message_in_a_hundred_is_lost(drive: Any) -> None:
     lose(drive, "/odom", 100)
 
 
-@defect("drive", replay="/wheel_command missing", judge="/wheel_command.header.stamp")
+@defect("drive", replay="/drive_command missing", judge="/drive_command.header.stamp")
 def stamps_are_those_of_the_last_period(drive: Any) -> None:
-    restamp(drive, "/wheel_command", lambda stamp: stamp - CONTROL_PERIOD_NS)
+    restamp(drive, "/drive_command", lambda stamp: stamp - CONTROL_PERIOD_NS)
 
 
 @defect("drive", replay="/odom missing", judge="/odom.header.stamp")
@@ -177,18 +177,18 @@ def the_clock_drifts(drive: Any) -> None:
     restamp(drive, "/odom", lambda stamp: stamp + stamp // 100_000)
 
 
-@defect("drive", replay="/wheel_command.velocity")
+@defect("drive", replay="/drive_command.velocity")
 def a_pair_of_wheels_is_swapped(drive: Any) -> None:
-    alter(drive, "/wheel_command", lambda message: swap(message.velocity, 0, 1))
+    alter(drive, "/drive_command", lambda message: swap(message.velocity, 0, 1))
 
 
-@defect("drive", replay="/wheel_command.velocity", judge="/wheel_command.velocity")
+@defect("drive", replay="/drive_command.velocity", judge="/drive_command.velocity")
 def a_rate_is_nan_once(drive: Any) -> None:
     def change(message: Any) -> None:
         if value_of(message).stamp == 3 * SECOND:
             message.velocity[2] = math.nan
 
-    alter(drive, "/wheel_command", change)
+    alter(drive, "/drive_command", change)
 
 
 @defect("drive", replay="/odom.pose.pose.position.x")

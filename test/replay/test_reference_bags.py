@@ -89,7 +89,7 @@ class WeakDrive(DriveNode):
     """Its wheels turn slower by a ten-thousandth."""
 
     def publish(self, topic: str, message: Any) -> None:
-        if topic == "/wheel_command":
+        if topic == "/drive_command":
             message = message._replace(velocity=0.9999 * message.velocity)
         super().publish(topic, message)
 
@@ -131,7 +131,7 @@ class StaleDrive(DriveNode):
     """Stamps its wheel commands a period too early."""
 
     def publish(self, topic: str, message: Any) -> None:
-        if topic == "/wheel_command":
+        if topic == "/drive_command":
             message = message._replace(stamp=message.stamp - 20_000_000)
         super().publish(topic, message)
 
@@ -150,7 +150,7 @@ def judged(node_class: Any, domain: int) -> Comparison:
 def test_a_gain_that_is_off_is_named(domain: int) -> None:
     comparison = judged(WeakDrive, domain)
     (found,) = beyond(comparison.fields)
-    assert found.name == "/wheel_command.velocity"
+    assert found.name == "/drive_command.velocity"
     assert found.largest.difference == pytest.approx(1e-4 * abs(found.largest.one))
 
 
@@ -169,13 +169,13 @@ def test_messages_that_are_left_out_are_named(domain: int) -> None:
     )
     assert len(topics["/odom"].missing) >= 4
     assert topics["/diagnostics"].missing == (3 * 10**9,)
-    assert not topics["/wheel_command"].missing
+    assert not topics["/drive_command"].missing
 
 
 def test_a_stale_stamp_is_named(domain: int) -> None:
     topics = {topic.topic: topic for topic in judged(StaleDrive, domain).topics}
-    assert topics["/wheel_command"].extra == (0,)
-    assert len(topics["/wheel_command"].missing) == 1
+    assert topics["/drive_command"].extra == (0,)
+    assert len(topics["/drive_command"].missing) == 1
     assert not beyond(topics["/odom"].fields)
 
 

@@ -62,7 +62,7 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> dict[int, tuple[Path, str]
 @pytest.mark.parametrize("periods", [3, 49, 110])
 def test_another_stack_goes_on_from_the_file(kept: dict[int, tuple[Path, str]], periods: int) -> None:
     file, told = kept[periods]
-    assert said_in(made(), load(file), 12) == told and "/wheel_command" in told
+    assert said_in(made(), load(file), 12) == told and "/drive_command" in told
 
 
 def test_another_process_goes_on_from_the_file(kept: dict[int, tuple[Path, str]]) -> None:

@@ -40,7 +40,7 @@ def test_a_kept_state_is_gone_on_from_as_if_nothing_had_happened(stack: Stack, p
     gone_on(stack, state, 5)
     again, second = gone_on(stack, kept, 12)
     assert second == first and again.period == state.period == periods + 13
-    assert {"/wheel_command", "/truth/odom", "/joint_states"} <= {name for name, _ in first}
+    assert {"/drive_command", "/truth/odom", "/joint_states"} <= {name for name, _ in first}
 
 
 def test_goals_take_effect_and_heartbeats_count(stack: Stack) -> None:
@@ -51,7 +51,7 @@ def test_goals_take_effect_and_heartbeats_count(stack: Stack) -> None:
     assert state.now == 150 * CONTROL_PERIOD_NS
     beats = {beat.role: beat for _, message in stack.farewells(state) for beat in read_heartbeats(message)}
     assert set(beats) == set(ROLES)
-    assert beats["drive"].published["/wheel_command"] == 150
+    assert beats["drive"].published["/drive_command"] == 150
     assert beats["plant"].published["/clock"] == 151
     assert all(not beat.refused for beat in beats.values())
 
@@ -84,7 +84,7 @@ def test_a_run_with_a_bag_and_another_after_it(tmp_path: Any) -> None:
     assert [step.outcome for step in result.steps] == ["timed out"]
     assert result.completeness is not None and not result.completeness.gaps
     bag = read_bag(tmp_path / "bag")
-    assert bag.whole and len(bag["/wheel_command"]) == len(bag["/clock"])
+    assert bag.whole and len(bag["/drive_command"]) == len(bag["/clock"])
     again = run(RunSpec("flat_drive", ROLES, ("duration_limit_s=1.0",)))
     assert again.state.now == result.state.now and again.completeness is None
 

@@ -66,7 +66,7 @@ GOALS = {"goal_pose": PoseStamped, "waypoints": Path, "cmd_vel": TwistStamped}
 OUTPUTS = {
     "odom": (Odometry, {"recorder"}),
     "drive/status": (DiagnosticArray, {"operator", "recorder"}),
-    "wheel_command": (JointState, {"plant", "recorder"}),
+    "drive_command": (JointState, {"plant", "recorder"}),
     "diagnostics": (DiagnosticArray, {"plant", "recorder"}),
 }
 """Type, and the roles that listen."""
@@ -327,7 +327,7 @@ class FlightDrive(Node):
         command = JointState(header=header, name=names)
         command.position = array("d", [0.0] * len(WHEELS) + [drive.steer[name] for name in STEERED])
         command.velocity = array("d", [drive.rates[name] for name in WHEELS] + [0.0] * len(STEERED))
-        self.publish("wheel_command", command)
+        self.publish("drive_command", command)
         odometry = Odometry(header=Header(stamp=header.stamp, frame_id="odom"), child_frame_id="base_link")
         odometry.pose.pose.position.x, odometry.pose.pose.position.y = drive.x, drive.y
         odometry.pose.pose.orientation.z = math.sin(0.5 * drive.yaw)

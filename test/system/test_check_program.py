@@ -21,7 +21,7 @@ class Drowsy(DriveNode):
     def publish(self, topic, message):
         if topic == "/odom" and message.stamp == 4_000_000_000:
             return
-        if topic == "/wheel_command" and message.stamp == 6_000_000_000:
+        if topic == "/drive_command" and message.stamp == 6_000_000_000:
             message = message._replace(velocity=np.array([math.nan, *message.velocity[1:]]))
         super().publish(topic, message)
 
@@ -48,7 +48,7 @@ def test_what_a_program_does_wrong_is_told_with_topic_stamp_and_field(
     options = ("--role", "drive", "--domain", domain, "--json", verdict, *PATIENT_BENCH)
     program = start("contract_tool", "check", "--exec", command, *options)
     assert program.wait() == 1, program.text
-    assert "/wheel_command at 6.00 s: velocity[wheel_front_left_joint] = NaN" in program.text
+    assert "/drive_command at 6.00 s: velocity[wheel_front_left_joint] = NaN" in program.text
     assert "/odom at 4.00 s: header.stamp = missing" in program.text
     assert program.text.splitlines()[-1].startswith("2 violations on 2 topics")
     assert json.loads(verdict.read_text())["participants"] == ["drive"]

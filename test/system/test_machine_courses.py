@@ -1,4 +1,4 @@
-"""Every rover drives its course in lock-step, with its bag: a square, a step of 0.1 m if it can, 10 degrees; on tracks 15."""
+"""Every rover drives its course in lock-step: a square, a step of 0.1 m if it can, 10 degrees; on tracks 15."""
 
 import json
 from pathlib import Path

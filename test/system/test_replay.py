@@ -112,7 +112,7 @@ def test_a_program_that_drives_in_another_way_is_told_apart(start: Start, domain
     command = f"{sys.executable} {FLIGHT_DRIVE}"
     program = start("replay", BAG, "--exec", command, "--role", "drive", "--domain", domain, *PATIENT_BENCH)
     assert program.wait() == 1, program.text
-    assert "/wheel_command.velocity" in program.text
+    assert "/drive_command.velocity" in program.text
     assert "first divergence upstream: " in program.text
     assert not program.leaves_processes()
 

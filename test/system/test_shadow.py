@@ -34,12 +34,12 @@ def test_shadows_are_judged_and_change_nothing(tmp_path: Path, start: Callable[.
     (commands,) = (topic for topic in arm["result"]["topics"] if topic["topic"] == "/arm_command")
     assert commands["matched"] == periods
     assert (drive["state"], drive["detail"]) == ("done", "different")
-    assert any("/wheel_command" in line for line in drive["lines"])
+    assert any("/drive_command" in line for line in drive["lines"])
     assert "shadow of drive: differs from ours since" in beside.text
     assert "shadow of arm: differs" not in beside.text
 
     both = read_bag(tmp_path / "beside" / "shadow_drive")
-    assert len(both["/wheel_command"]) == len(both["/shadow/wheel_command"]) == periods
+    assert len(both["/drive_command"]) == len(both["/shadow/drive_command"]) == periods
 
 
 def test_a_shadow_that_cannot_start_stops_the_run_before_it_begins(

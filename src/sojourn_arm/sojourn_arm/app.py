@@ -2,7 +2,7 @@
 `sojourn_flight.arm`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -32,7 +32,6 @@ from sojourn_flight.arm.tasks import task_control
 from sojourn_flight.arm.tasks.task_control import TaskState
 from sojourn_machine.evolution import replace
 
-ARM_LOAD = "arm"
 STATUS, SWITCHES = "/arm/status", "/power/switches"
 
 
@@ -67,7 +66,8 @@ class ArmApp(App[ArmAppState]):
         self.params = scenario.carried_arm()
         self.model = build_arm_model(scenario.urdf_xml, self.params)
         self._tool = scenario.tool
-        self._rated_power = next((load.power_w for load in scenario.bus.loads if load.name == ARM_LOAD), 0.0)
+        self._loads = scenario.machine.loads_of(self.params.joint_names)
+        self._rated_power = sum(load.power_w for load in scenario.bus.loads if load.name in self._loads)
         self._measurements = Measurements(self.params.joint_names, scenario.urdf_xml, scenario.gravity)
         self._rover = RoverWatch(self.params.interlock, [wheel.joint for wheel in scenario.machine.rolling])
         self._ground = GroundWatch(self.params, scenario, reach_from_base(self.model))
@@ -93,7 +93,7 @@ class ArmApp(App[ArmAppState]):
         measured = self._measurements.read(inputs, refusals)
         state = replace(
             state,
-            granted=_granted(inputs.get(SWITCHES), state.granted),
+            granted=_granted(inputs.get(SWITCHES), self._loads, state.granted),
             ground=ground,
             usable_at=seen_usable(stamp, state.usable_at, measured is not None),
         )
@@ -161,12 +161,15 @@ class ArmApp(App[ArmAppState]):
         )
 
 
-def _granted(switches: Any, before: float) -> float:
-    """Share of its power that the arm has by a message of the power manager; as before where there is none."""
+def _granted(switches: Any, loads: Sequence[str], before: float) -> float:
+    """Share of its power that the arm has by a message of the power manager, of several loads the least; as before
+    where there is none.
+    """
     if switches is None:
         return before
-    fraction = fraction_of(status_values(switches).get(ARM_LOAD, "on"))
-    return 1.0 if fraction is None else fraction
+    said = status_values(switches)
+    fractions = (fraction_of(said.get(load, "on")) for load in loads)
+    return min((1.0 if fraction is None else fraction for fraction in fractions), default=1.0)
 
 
 def _messages(state: ArmAppState, stamp: int) -> Iterator[tuple[str, Any]]:

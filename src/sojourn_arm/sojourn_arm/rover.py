@@ -15,7 +15,7 @@ from sojourn_flight.arm.interlock import InterlockParams
 BASE_FRAME = "base_link"
 GROUND_FRAMES = ("map", "odom")
 """They coincide at the start of a run, and nobody here knows better afterwards."""
-ODOMETRY, WHEELS = "/odom", "/wheel_command"
+ODOMETRY, WHEELS = "/odom", "/drive_command"
 STILL_RATE = 0.02
 """A wheel that turns slower stands still [rad/s]: 2.5 mm/s at the rim of the explorer's."""
 

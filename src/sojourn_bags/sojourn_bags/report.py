@@ -69,7 +69,7 @@ def write_report(
     else:
         _draw_attitude(arm_axes, bag)
     if run.machine.fixed_base:
-        draw_standing_arm(wheel_axes, bag, run.arm_joints, _draw_curves)
+        draw_standing_arm(wheel_axes, bag, run.machine, run.arm_joints, _draw_curves)
     else:
         _draw_wheels(wheel_axes, bag, run)
     times = (charge_axes, arm_axes, *wheel_axes)

@@ -8,16 +8,20 @@ from matplotlib.axes import Axes
 from sojourn_bags.curves import short_name
 from sojourn_bags.machine import FloatArray
 from sojourn_bags.reading import Bag
+from sojourn_machine.machine import MachineParams
 
 Curves = Callable[[Axes, FloatArray, FloatArray, Sequence[str]], None]
 """Draws columns of values over time, with names."""
 
 
-def draw_standing_arm(panels: Sequence[Axes], bag: Bag, joints: Sequence[str], curves: Curves) -> None:
+def draw_standing_arm(
+    panels: Sequence[Axes], bag: Bag, machine: MachineParams, joints: Sequence[str], curves: Curves
+) -> None:
     """Fill four panels.
 
     Args:
-        joints: of the arm. curves: draws columns of values over times into axes, with their names.
+        machine: that carries it. joints: of the arm. curves: draws columns of values over times into axes, with their
+        names.
     """
     states = bag["/truth/joint_states"]
     truth = states.joints()
@@ -31,8 +35,9 @@ def draw_standing_arm(panels: Sequence[Axes], bag: Bag, joints: Sequence[str], c
     curves(panels[2], states.times, 1e3 * (positions - _commanded(bag, joints, states.times)), names)
     panels[2].set(title="Truth less command", ylabel="[mrad], [mm]")
     loads = bag["/truth/loads"]
-    power = np.array([float(status.get("power arm", "nan")) for status in loads.statuses()])
-    curves(panels[3], loads.times, power[:, np.newaxis], ["arm"])
+    names = list(machine.loads_of(joints))
+    power = np.array([[float(status.get(f"power {name}", "nan")) for name in names] for status in loads.statuses()])
+    curves(panels[3], loads.times, power, names)
     panels[3].set(title="Power of the arm's motors", ylabel="power [W]")
 
 

@@ -192,7 +192,7 @@ def _rover(machine: JudgedMachine) -> str:
     counts = ", ".join(f"{len(joints)} {name}" for name, joints in groups)
     return (
         f"<p>{len(machine.joints)} joints move: {counts}, the others have no motor. <code>/joint_states</code> and "
-        f"<code>/truth/joint_states</code> hold all {len(machine.joints)}; <code>/wheel_command</code> at most "
+        f"<code>/truth/joint_states</code> hold all {len(machine.joints)}; <code>/drive_command</code> at most "
         f"{len(machine.drive) + len(machine.steer)}; <code>/arm_command</code> {len(machine.arm)}; "
         f"<code>/truth/contacts</code> {machine.contacts} points, wheels first.</p>"
         + _table(head, rows, numbers=("rate limit [rad/s]",))

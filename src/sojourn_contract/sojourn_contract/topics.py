@@ -258,7 +258,7 @@ TOPICS: tuple[Topic, ...] = (
         (TEXTS,),
     ),
     Topic(
-        "/wheel_command",
+        "/drive_command",
         "sensor_msgs/JointState",
         "drive",
         ("plant", "arm"),

@@ -95,7 +95,7 @@ class DriveApp(App[DriveAppState]):
         self.model = DriveModel(scenario.drive, scenario.steering, hazard_camera_of(scenario), scenario.wheel_loads())
         self._measurements = WheelMeasurements(scenario.machine, scenario.urdf_xml)
         self._sun = SunSightings(scenario)
-        self._charge = ChargeGauge(scenario.power_manager)
+        self._charge = ChargeGauge(scenario.power_manager, self._measurements.loads)
         self._interlock = ArmInterlock(scenario.arm)
 
     def warm_up(self) -> None:
@@ -219,7 +219,7 @@ class DriveApp(App[DriveAppState]):
         return measured, replace(heard, sun=sun_at)
 
     def _messages(self, state: DriveAppState, output: DriveOutput, stamp: int) -> Iterator[tuple[str, Any]]:
-        yield "/wheel_command", self._measurements.command(stamp, output)  # first: the plant waits for it
+        yield "/drive_command", self._measurements.command(stamp, output)  # first: the plant waits for it
         yield "/odom", odometry_report(stamp, output, state.tilt_rates)
         if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
             status = {} if output.pace is None else drive_status(self.model, state.drive, output.pace)

@@ -16,8 +16,6 @@ from sojourn_machine.params import FloatArray
 
 Triple = tuple[float, float, float]
 """Along x, y, z."""
-DRIVE_LOADS = ("drive", "steer")
-"""Loads without which the rover does not move."""
 
 
 class WheelMeasurements:
@@ -37,6 +35,8 @@ class WheelMeasurements:
         self._drive_places = JointPlaces("/joint_states", self._drive_joints)
         self._steer_places = JointPlaces("/joint_states", [joint for joint in turned_by if joint is not None])
         self._commanded = (*self._drive_joints, *self._steer_joints)
+        self.loads = machine.loads_of(self._commanded)
+        """Without which the rover does not move."""
         self._imu_to_base, self._imu_lever = mounting(urdf_xml, IMU_LINK)
 
     def drive_input(
@@ -83,7 +83,7 @@ class WheelMeasurements:
         """Factor on all speeds from the power manager's switches; `present` where they do not name the
         drive.
         """
-        fractions = (fraction_of(switches[load]) for load in DRIVE_LOADS if load in switches)
+        fractions = (fraction_of(switches[load]) for load in self.loads if load in switches)
         return min((fraction for fraction in fractions if fraction is not None), default=present)
 
     def _felt(self, imu: Imu) -> tuple[Triple, Triple]:

@@ -1,5 +1,6 @@
 """Parameters of the plant: what the URDF does not say about a machine."""
 
+from collections.abc import Collection
 from typing import Self
 
 from pydantic import Field, model_validator
@@ -117,6 +118,10 @@ class MachineParams(Params):
     def supports(self) -> tuple[SupportParams, ...]:
         """All that may meet the ground, in the order of all reports."""
         return (*self.stands_on, *self.pads)
+
+    def loads_of(self, joints: Collection[str]) -> tuple[str, ...]:
+        """Loads of the bus that feed the drives of any of these joints, each once."""
+        return tuple(dict.fromkeys(drive.load for drive in self.drives if set(drive.joints) & set(joints)))
 
     @property
     def steer_joints(self) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantCommand, zeros_command
 
 POSITION, RATE, EFFORT = 0, 1, 2
-JOINT_TOPICS = ("/wheel_command", "/arm_command")
+JOINT_TOPICS = ("/drive_command", "/arm_command")
 SWITCHES = "/power/switches"
 COMMANDS = (*JOINT_TOPICS, SWITCHES)
 

@@ -1,7 +1,7 @@
-"""Bench of the commands: how long it takes in real time from a /cmd_vel to the /wheel_command that obeys it.
+"""Bench of the commands: how long it takes in real time from a /cmd_vel to the /drive_command that obeys it.
 
 All nodes run as processes, the recorder among them. The rover drives straight ahead, and this process changes its
-speed a little, again and again, at moments spread evenly over the control period. The first /wheel_command whose
+speed a little, again and again, at moments spread evenly over the control period. The first /drive_command whose
 rates go another way than the last one's is the answer; the time is that from before publishing to the callback here,
 with both ways through the middleware. The drive acts once a period of 20 ms, on the measurements of that period, as
 it does in lock-step: so a command waits for 10 ms on average and for 20 ms at most, and the rest is computing and
@@ -36,7 +36,7 @@ SPACING_S = 0.1
 CHANGE = 0.004
 """Change of a wheel's rate within a period that a new speed makes, and noise does not [rad/s]."""
 START_S, ANSWER_S, END_S = 60.0, 1.0, 20.0
-P99 = "/cmd_vel to /wheel_command, 99th percentile [ms]"
+P99 = "/cmd_vel to /drive_command, 99th percentile [ms]"
 TARGETS = {P99: ("<=", 25.0)}
 
 
@@ -59,7 +59,7 @@ class CommandClock:
         self._node = rclpy.create_node("command_clock", context=self._context, enable_rosout=False)
         row = topic("/cmd_vel")
         self._sender = self._node.create_publisher(TwistStamped, row.name.lstrip("/"), qos.profile(row, False))
-        row = topic("/wheel_command")
+        row = topic("/drive_command")
         self._reader = self._node.create_subscription(
             JointState, row.name.lstrip("/"), self._hear, qos.profile(row, False)
         )
@@ -126,9 +126,9 @@ def bench_commands(domain: int, commands: int) -> dict[str, float]:
                 stack.wait()
     milliseconds = 1e3 * np.array(times)
     return {
-        "/cmd_vel to /wheel_command, median [ms]": float(np.median(milliseconds)),
+        "/cmd_vel to /drive_command, median [ms]": float(np.median(milliseconds)),
         P99: float(np.percentile(milliseconds, 99.0)),
-        "/cmd_vel to /wheel_command, longest [ms]": float(milliseconds.max()),
+        "/cmd_vel to /drive_command, longest [ms]": float(milliseconds.max()),
         "load of the machine before (2 cores are meant)": load,
     }
 

@@ -103,7 +103,7 @@ class ClosedLoop:
 
     def _move(self, stamp: int) -> None:
         """The plant's part of the period that ends at `stamp` [ns]."""
-        self._held = self._commands.take(self._held, {"/wheel_command": self._wheels.command(stamp, self.output)})
+        self._held = self._commands.take(self._held, {"/drive_command": self._wheels.command(stamp, self.output)})
         asked = self._commands.at(self._held, stamp)
         command, self._locked = self._faults.on(asked, self._locked, self.truth.joints[0], stamps.seconds(stamp))
         self.truth, self.plant_output = step_plant(self.plant, self.truth, command)
