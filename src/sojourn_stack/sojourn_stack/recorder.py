@@ -36,14 +36,6 @@ class DirectRecorder:
         for row, message in said:
             if row.logged:
                 self._take(row, message)
-        self._recording.writer.flush_if_due()
-
-    def finish(self) -> Completeness:
-        """Write what is left and close the bag, with its account."""
-        return self._recording.finish(self._run.record())
-
-    def _take(self, row: Topic, message: Message) -> None:
-        self._recording.take(row, message.stamp, encode(row, message))
         while collected := self._recording.collect():
             before, self._now = self._now, collected
             if beats(before, collected):
@@ -52,6 +44,14 @@ class DirectRecorder:
         while period := self._recording.write_period():
             if period % TICK_PERIODS == 0:
                 self._counters.count_published(TICK)
+        self._recording.writer.flush_if_due()
+
+    def finish(self) -> Completeness:
+        """Write what is left and close the bag, with its account."""
+        return self._recording.finish(self._run.record())
+
+    def _take(self, row: Topic, message: Message) -> None:
+        self._recording.take(row, message.stamp, encode(row, message))
 
     def _refuse(self, name: str, refusal: Exception) -> None:
         self._counters.count_refused(name, str(refusal))

@@ -12,10 +12,10 @@ The cornering stiffness is -dF_y/da at a = 0. Range: |a| up to a right angle; on
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
-from sojourn_analysis.vehicle.wheel_traction import bench_state
+from sojourn_analysis.vehicle.wheel_traction import WheelBench
 from sojourn_physics.contact.wheel_shape import WheelShape
 from sojourn_physics.soil.params import SoilParams
 
@@ -64,12 +64,16 @@ class SoilSideForce:
     shape: WheelShape
     gravity: float
     slip: float = 0.0
+    bench: WheelBench = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "bench", WheelBench(self.soil, self.shape, self.gravity))
 
     def force(self, load: float, slip_angle: float) -> float:
         """As `SideForce.force`."""
         if load <= 0.0:
             return 0.0
-        return bench_state(self.soil, self.shape, self.gravity, load, self.slip, slip_angle)[2]
+        return self.bench.state(load, self.slip, slip_angle)[2]
 
 
 def cornering_stiffness(law: SideForce, load: float, angle: float = 1e-3) -> float:

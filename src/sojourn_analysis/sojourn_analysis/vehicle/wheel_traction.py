@@ -23,7 +23,7 @@ Range: |s| <= 1, loads of more than 0 N, sinkage up to half the diameter.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -125,6 +125,10 @@ class RimStressWheel:
     shape: WheelShape
     gravity: float
     loss: RollingLoss = NO_LOSS
+    bench: "WheelBench" = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "bench", WheelBench(self.soil, self.shape, self.gravity))
 
     @property
     def radius(self) -> float:
@@ -134,26 +138,30 @@ class RimStressWheel:
     def forces(self, load: float, slip: float, speed: float = 0.0) -> WheelForces:
         """As `WheelTraction.forces`."""
         _check(load, slip)
-        sinkage, pull, _, torque, _, _, compaction, bulldozing = bench_state(
-            self.soil, self.shape, self.gravity, load, slip
-        )
+        sinkage, pull, _, torque, _, _, compaction, bulldozing = self.bench.state(load, slip)
         rolling = self.loss.force(load, speed)
         return WheelForces(pull, torque + self.radius * rolling, sinkage, rolling, compaction, bulldozing)
 
 
-def bench_state(
-    soil: SoilParams, shape: WheelShape, gravity: float, load: float, slip: float, slip_angle: float = 0.0
-) -> list[float]:
-    """One row of `wheel_bench.solve`'s results.
+class WheelBench:
+    """The test bed with one wheel on one soil; gravity in m/s^2."""
 
-    Raises:
-        InvalidValueError: a load that the soil does not carry.
-    """
-    results = np.empty((1, RESULT_COLUMNS))
-    solve(shape_row(shape)[None], np.array([[load, slip, slip_angle, gravity]]), kernel_row(soil), results)
-    if math.isnan(results[0, 0]):
-        raise InvalidValueError("load", load, f"one that {soil.name} carries under this wheel")
-    return [float(value) for value in results[0]]
+    def __init__(self, soil: SoilParams, shape: WheelShape, gravity: float) -> None:
+        self._name, self._gravity = soil.name, gravity
+        self._shape, self._soil = shape_row(shape)[None], kernel_row(soil)
+
+    def state(self, load: float, slip: float, slip_angle: float = 0.0) -> list[float]:
+        """One row of `wheel_bench.solve`'s results.
+
+        Raises:
+            InvalidValueError: a load that the soil does not carry.
+        """
+        results = np.empty((1, RESULT_COLUMNS))
+        solve(self._shape, np.array([[load, slip, slip_angle, self._gravity]]), self._soil, results)
+        row: list[float] = results[0].tolist()
+        if math.isnan(row[0]):
+            raise InvalidValueError("load", load, f"one that {self._name} carries under this wheel")
+        return row
 
 
 @dataclass(frozen=True, slots=True)

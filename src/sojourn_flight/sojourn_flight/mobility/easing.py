@@ -44,6 +44,7 @@ def eased(rolled: OdometryState, fixed: OdometryState, behind: Behind, dt: float
     left = max(1.0 - speed * dt / size, 0.0)
     x, y, turn = left * x, left * y, turn - min(max(turn, -CORRECTION_RATE * dt), CORRECTION_RATE * dt)
     covariance = fixed.covariance.copy()
-    covariance[:3, :3] += np.outer((x, y, turn), (x, y, turn))
+    off = np.array((x, y, turn))
+    covariance[:3, :3] += off[:, np.newaxis] * off
     pose = fixed.x - x, fixed.y - y, wrap_angle(fixed.yaw - turn)
     return replace(fixed, x=pose[0], y=pose[1], yaw=pose[2], covariance=covariance), (x, y, turn)

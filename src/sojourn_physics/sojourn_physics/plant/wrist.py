@@ -59,7 +59,7 @@ class WristLoad:
         pin.rnea(self._multibody, self._data, configuration, velocity, acceleration)
         load = -np.array(self._data.f[self._joint].vector)
         touching = report[self.contacts]
-        if touching[:, FORCE].any():  # an arm seldom touches anything
+        if np.count_nonzero(touching[:, FORCE]):  # an arm seldom touches anything
             pin.updateGlobalPlacements(self._multibody, self._data)
             placement = self._data.oMi[self._joint]
             for contact in touching:

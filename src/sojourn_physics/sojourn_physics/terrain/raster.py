@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy import interpolate, ndimage
+from scipy import ndimage
 
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.kernels import njit
@@ -60,9 +60,11 @@ def filled(heights: FloatArray, how: Literal["no", "nearest", "linear"]) -> Floa
     nearest = ndimage.distance_transform_edt(holes, return_distances=False, return_indices=True)
     whole = heights[tuple(nearest)]
     if how == "linear":
+        from scipy.interpolate import LinearNDInterpolator  # here: most runs have no raster, and it loads half of scipy
+
         rim = ndimage.binary_dilation(holes, structure=np.ones((3, 3))) & ~holes
         if rim.sum() >= 4 and np.ptp(np.argwhere(rim), axis=0).min() > 0:
-            linear = interpolate.LinearNDInterpolator(np.argwhere(rim), heights[rim])(np.argwhere(holes))
+            linear = LinearNDInterpolator(np.argwhere(rim), heights[rim])(np.argwhere(holes))
             whole[holes] = np.where(np.isfinite(linear), linear, whole[holes])
     return np.asarray(whole)
 
