@@ -5,11 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from dh_chain import tip_transform
 from sojourn_config.arms import arm_names, dh_file, generated_urdf, load_arm, read_dh
 from sojourn_config.dh_to_urdf import GENERATED
 from sojourn_config.errors import ConfigError
 from sojourn_config.paths import urdf_folder
-from sojourn_flight.arm.dh import geometry_of, tip_transform
+from sojourn_flight.arm.dh import geometry_of
 from sojourn_flight.arm.dh_urdf import urdf_from_dh
 from sojourn_flight.arm.kinematics import forward_kinematics
 

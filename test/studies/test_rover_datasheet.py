@@ -94,3 +94,14 @@ def test_a_folder_is_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 )  # fmt: skip
 def test_numbers_are_readable(value: float | str | None, text: str) -> None:
     assert number_text(value) == text
+
+
+def test_a_machine_that_stands_tells_of_its_motors(capsys: pytest.CaptureFixture[str]) -> None:
+    """Brushless ones with heat: what they bear for ever lies below what they give, and their magnets below the knee."""
+    assert main(["srms", "--body", "low_earth_orbit", "--json"]) == 0
+    figures = {key: figure["value"] for key, figure in json.loads(capsys.readouterr().out)["figures"].items()}
+    for joint in ("arm_shoulder_yaw", "arm_elbow_pitch", "arm_wrist_roll"):
+        assert 0.0 < figures[f"continuous_torque_{joint}"] <= figures[f"motor_torque_{joint}"]
+        assert 0.0 < figures[f"demagnetisation_warm_{joint}"] < figures[f"demagnetisation_cold_{joint}"]
+        assert figures[f"weakened_torque_{joint}"] > 0.0
+    assert "mass" not in figures

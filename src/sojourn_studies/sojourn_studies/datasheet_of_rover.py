@@ -4,15 +4,17 @@ import argparse
 import json
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+from sojourn_analysis.datasheet.motors import motors_of
 from sojourn_analysis.datasheet.sheet import Datasheet, datasheet
 from sojourn_analysis.datasheet.subject import Subject
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
 from sojourn_config.bundle import read_machine
 from sojourn_config.command_errors import UsageError
+from sojourn_config.machine_reader import machine_config
 from sojourn_config.scenario import STOWED
-from sojourn_config.vehicle import vehicle_of_machine
+from sojourn_config.vehicle import supply_of, vehicle_of_machine
 from sojourn_machine.errors import MachineError
 from sojourn_studies.linear_rover import linear_plants
 
@@ -31,21 +33,62 @@ def subject_of(machine: str, body: str, soil: str) -> Subject:
     return Subject(vehicle, bundle.soil, bundle.body, standing_machine, angles, standing, driving)
 
 
-def figures_of(sheet: Datasheet, subject: Subject) -> dict[str, Any]:
-    """The figures as plain data: numbers, words, or null where a figure does not apply or is without bound."""
-    return {
+class Told(NamedTuple):
+    """What a sheet tells."""
+
+    name: str
+    figures: dict[str, Any]
+    """As plain data, for JSON."""
+    sheet: Datasheet
+    lead: list[str]
+    sources: str
+
+
+def of_a_rover(machine: str, body: str, soil: str) -> Told:
+    """All figures of a machine that drives. Raises as `subject_of`."""
+    subject = subject_of(machine, body, soil)
+    try:
+        sheet = datasheet(subject)
+    except MachineError as error:
+        raise UsageError(f"{machine} on {soil}, {body}: {error}") from error
+    lead = [
+        f"On soil {subject.soil.name}, {subject.body.name} (gravity {subject.gravity:.3f} m/s²). Computed from the "
+        "vehicle's files; nothing here is measured."
+    ]
+    if subject.vehicle.estimates:
+        lead.append("Estimates, for want of a source: " + ", ".join(subject.vehicle.estimates) + ".")
+    figures = {
         "vehicle": subject.vehicle.name,
         "body": subject.body.name,
         "soil": subject.soil.name,
-        "figures": {
-            figure.key: {"value": _plain(figure.value), "unit": figure.unit, "label": figure.label, "note": figure.note}
-            for section in sheet.sections
-            for figure in section.figures
-        },
+        "figures": _figures(sheet),
         "published": [
             {**entry._asdict(), "own": _plain(entry.own), "published": list(entry.published)}
             for entry in sheet.comparisons
         ],
+    }
+    return Told(subject.vehicle.name, figures, sheet, lead, subject.vehicle.citation)
+
+
+def of_a_stand(machine: str, body: str, soil: str) -> Told:
+    """Of a machine that stands fast: its motors.
+
+    Raises:
+        ConfigError: files that do not fit together, such as an arm that cannot hold itself on that body.
+    """
+    bundle = read_machine(machine, body, soil)
+    sheet = Datasheet((motors_of(bundle.machine.drives, supply_of(bundle).voltage),), ())
+    lead = ["It stands fast: its motors, computed from its files; nothing here is measured."]
+    figures = {"vehicle": machine, "body": body, "figures": _figures(sheet)}
+    return Told(Path(machine).name, figures, sheet, lead, f"config/machines/{Path(machine).name}")
+
+
+def _figures(sheet: Datasheet) -> dict[str, Any]:
+    """Numbers, words, or null where a figure does not apply or is without bound."""
+    return {
+        figure.key: {"value": _plain(figure.value), "unit": figure.unit, "label": figure.label, "note": figure.note}
+        for section in sheet.sections
+        for figure in section.figures
     }
 
 
@@ -55,30 +98,20 @@ def _plain(value: float | str | None) -> float | str | None:
 
 def run(given: argparse.Namespace) -> int:
     """Compute the sheet and write or print it."""
-    subject = subject_of(given.machine, given.body, given.soil)
-    try:
-        sheet = datasheet(subject)
-    except MachineError as error:
-        raise UsageError(f"{given.machine} on {given.soil}, {given.body}: {error}") from error
+    tell = of_a_stand if machine_config(given.machine).fixed_base else of_a_rover
+    told = tell(given.machine, given.body, given.soil)
     if given.json:
-        print(json.dumps(figures_of(sheet, subject), indent=2, ensure_ascii=False))
+        print(json.dumps(told.figures, indent=2, ensure_ascii=False))
         if given.out is None:
             return 0
     # here and not above: it loads matplotlib, which the figures alone do not need
     from sojourn_studies.datasheet_page import page
 
-    out = given.out or Path(f"{subject.vehicle.name}_datasheet.html")
-    title = f"{subject.vehicle.name}: data sheet"
-    lead = [
-        f"On soil {subject.soil.name}, {subject.body.name} (gravity {subject.gravity:.3f} m/s²). Computed from the "
-        "vehicle's files; nothing here is measured."
-    ]
-    if subject.vehicle.estimates:
-        lead.append("Estimates, for want of a source: " + ", ".join(subject.vehicle.estimates) + ".")
+    out = given.out or Path(f"{told.name}_datasheet.html")
     try:
-        out.write_text(page(sheet, title, lead, subject.vehicle.citation), encoding="utf-8")
+        out.write_text(page(told.sheet, f"{told.name}: data sheet", told.lead, told.sources), encoding="utf-8")
     except OSError as error:
         raise UsageError(f"--out {out}: cannot be written: {error.strerror}") from error
     if not given.json:
-        print(f"{out} written: {sum(len(section.figures) for section in sheet.sections)} figures")
+        print(f"{out} written: {sum(len(section.figures) for section in told.sheet.sections)} figures")
     return 0

@@ -12,10 +12,11 @@ def parser() -> argparse.ArgumentParser:
     """Options of scripts/rover_datasheet."""
     result = command_line.Parser(
         prog="rover_datasheet",
-        description="Figures and plots of a rover: loads, tip-over, steps, traction, grade, energy, steering, ride.",
+        description="Figures and plots of a rover: loads, tip-over, steps, traction, grade, energy, steering, ride. Of "
+        "a machine that stands: its motors.",
     )
     known = ", ".join(available("machines"))
-    result.add_argument("machine", help=f"a machine that drives: the path of its folder, or one of {known}")
+    result.add_argument("machine", help=f"the path of its folder, or one of {known}")
     result.add_argument("--body", default="moon", help="name in config/bodies (default: %(default)s)")
     result.add_argument("--soil", default="lunar_nominal", help="name in config/soils (default: %(default)s)")
     result.add_argument(

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from dh_chain import tip_transform
 from sojourn_flight.arm.chain import Chain
-from sojourn_flight.arm.dh import DhTable, geometry_of, in_convention, pose, tip_transform
+from sojourn_flight.arm.dh import DhTable, geometry_of, in_convention, pose
 from sojourn_flight.arm.dh_extract import dh_of_chain
 from sojourn_flight.arm.dh_urdf import urdf_from_dh
 from sojourn_flight.arm.kinematics import forward_kinematics

@@ -59,7 +59,7 @@ def test_the_arm_gives_way_to_loose_soil(rover_arm: Callable[..., Any], depth: f
     touch = int(np.argmax(force > 0.5))
     assert 0 < touch < len(force) - 200
     assert force.max() < 20.0
-    assert force[touch + 100 :].max() < 12.0 and force[touch + 200 :].max() < 10.0
+    assert force[touch + 100 :].max() < 9.0 and force[touch + 250 :].max() < 5.0, "9 N after 5 s with a stiffer law"
     assert rover.report.doing.state == "failed" and "gives way" in rover.report.doing.reason
 
 

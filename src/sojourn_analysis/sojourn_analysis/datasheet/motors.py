@@ -1,6 +1,7 @@
 """Motors: what each kind of drive of a machine gives, bears and holds."""
 
 import math
+from collections.abc import Iterable
 
 from sojourn_analysis.datasheet.figures import Figure, Section
 from sojourn_analysis.datasheet.subject import Subject
@@ -12,17 +13,25 @@ from sojourn_physics.actuators.dc_motor import (
     no_load_rate,
     stall_torque,
 )
-from sojourn_physics.actuators.motor_thermal import continuous_current
+from sojourn_physics.actuators.motor_thermal import (
+    continuous_current,
+    demagnetisation_current,
+    steady_temperatures,
+    warm_resistance,
+)
 
 
 def motors(subject: Subject) -> Section | None:
     """Of a machine of the plant, at the bus voltage; one set of figures for each drive of its file."""
     if subject.machine is None:
         return None
-    figures: list[Figure] = []
-    for drive in subject.machine.machine.drives:
-        figures += _drive(drive, subject.vehicle.bus_voltage)
-    text = f"At {subject.vehicle.bus_voltage:.3g} V, torques at the joint without its friction; of each kind of drive, "
+    return motors_of(subject.machine.machine.drives, subject.vehicle.bus_voltage)
+
+
+def motors_of(drives: Iterable[JointDriveParams], voltage: float) -> Section:
+    """Figures of each drive at a voltage of the bus [V]."""
+    figures = [figure for drive in drives for figure in _drive(drive, voltage)]
+    text = f"At {voltage:.3g} V, torques at the joint without its friction; of each kind of drive, "
     return Section("Motors", tuple(figures), (), text + "named by its first joint.")
 
 
@@ -63,4 +72,18 @@ def _drive(drive: JointDriveParams, voltage: float) -> list[Figure]:
         current = min(continuous_current(drive.thermal, motor.resistance), motor.max_current)
         lasting = current * motor.torque_constant * gear.ratio
         figures.append(Figure(f"continuous_torque_{joint}", f"Torque that it bears for ever, {name}", lasting, unit))
+        loss = current**2 * warm_resistance(motor.resistance, drive.thermal.largest_temperature)
+        for state, housing in (
+            ("cold", drive.thermal.surroundings),
+            ("warm", steady_temperatures(drive.thermal, loss).housing),
+        ):
+            figures.append(
+                Figure(
+                    f"demagnetisation_{state}_{joint}",
+                    f"Current that takes the magnets past their knee, {state}, {name}",
+                    demagnetisation_current(drive.thermal, housing),
+                    "A",
+                    f"magnets at {housing - 273.15:.0f} °C",
+                )
+            )
     return figures

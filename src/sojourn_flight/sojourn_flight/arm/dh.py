@@ -177,16 +177,6 @@ def in_convention(geometry: DhGeometry, convention: Convention) -> DhGeometry:
     return DhGeometry(geometry.revolute, geometry.theta, geometry.d, a, alpha, base, tool)
 
 
-def tip_transform(geometry: DhGeometry, positions: FloatArray) -> FloatArray:
-    """Tip in the base (4, 4) at joint `positions` (n,) [rad or m]."""
-    transform = geometry.base @ twist(geometry.a[0], geometry.alpha[0])
-    for i, revolute in enumerate(geometry.revolute):
-        turn = geometry.theta[i] + (positions[i] if revolute else 0.0)
-        shift = geometry.d[i] + (0.0 if revolute else positions[i])
-        transform = transform @ screw(turn, shift) @ twist(geometry.a[i + 1], geometry.alpha[i + 1])
-    return np.asarray(transform @ geometry.tool, dtype=np.float64)
-
-
 def twist(a: float, alpha: float) -> FloatArray:
     """Tx(a) Rx(alpha), (4, 4)."""
     c, s = _cosine_sine(alpha)
