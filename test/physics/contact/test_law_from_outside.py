@@ -1,4 +1,4 @@
-"""A contact law from a package that is not ours: registered by an entry point, with nothing of this repository edited."""
+"""A contact law from a package that is not ours: registered by an entry point; nothing of this repository is edited."""
 
 import os
 import subprocess
