@@ -13,7 +13,9 @@ from sojourn_machine.params import Params
 from sojourn_machine.registry import Registry
 
 CONTACT_LAWS: "Registry[type[ContactChoice]]" = Registry("sojourn.contact_laws", "contact model")
-"""Parameter sets of the laws that a wheel or a foot may have, by their names."""
+"""Parameter sets of the laws that a wheel may have, by their names."""
+FOOT_LAWS: "Registry[type[ContactChoice]]" = Registry("sojourn.foot_laws", "contact model of a foot")
+"""Likewise of a foot."""
 
 
 class ContactChoice(Params):
@@ -28,6 +30,8 @@ class _Name(Params):
     model_config = ConfigDict(extra="ignore")
     model: str
 
+
+class _WheelLawName(_Name):
     @field_validator("model")
     @classmethod
     def _registered(cls, name: str) -> str:
@@ -35,14 +39,30 @@ class _Name(Params):
         return name
 
 
-def _chosen(value: Any) -> Any:
+class _FootLawName(_Name):
+    @field_validator("model")
+    @classmethod
+    def _registered(cls, name: str) -> str:
+        FOOT_LAWS.get(name)
+        return name
+
+
+def _wheel_law(value: Any) -> Any:
     """The parameter set of the law that a table names, read from the table."""
     if not isinstance(value, Mapping):
         return value
-    return CONTACT_LAWS.get(_Name.model_validate(value).model).model_validate(value)
+    return CONTACT_LAWS.get(_WheelLawName.model_validate(value).model).model_validate(value)
 
 
-Contact = Annotated[SerializeAsAny[ContactChoice], BeforeValidator(_chosen)]
+def _foot_law(value: Any) -> Any:
+    """Likewise, of a foot."""
+    if not isinstance(value, Mapping):
+        return value
+    return FOOT_LAWS.get(_FootLawName.model_validate(value).model).model_validate(value)
+
+
+Contact = Annotated[SerializeAsAny[ContactChoice], BeforeValidator(_wheel_law)]
+FootContact = Annotated[SerializeAsAny[ContactChoice], BeforeValidator(_foot_law)]
 DEFAULT_CONTACT: Any = {"model": "rigid_wheel_on_soil"}
 """What a wheel has where its file says nothing; read like a file's."""
 DEFAULT_FOOT_CONTACT: Any = {"model": "foot_pad"}

@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from sojourn_machine.contact_choice import DEFAULT_CONTACT, DEFAULT_FOOT_CONTACT, Contact
+from sojourn_machine.contact_choice import DEFAULT_CONTACT, DEFAULT_FOOT_CONTACT, Contact, FootContact
 from sojourn_machine.params import Params
 
 
@@ -73,7 +73,7 @@ class FootParams(SupportParams):
     link: str = Field(min_length=1, description="link of the URDF that carries it; it stands on the link's z axis")
     position: tuple[float, float, float] = Field(description="middle of its sole in the link's frame, shape (3,) [m]")
     radius: float = Field(gt=0.0, le=2.0, description="of its sole [m]")
-    contact: Contact = Field(default=DEFAULT_FOOT_CONTACT, description="contact model and its own parameters")
+    contact: FootContact = Field(default=DEFAULT_FOOT_CONTACT, description="contact model and its own parameters")
 
 
 class ScoopParams(Params):

@@ -13,7 +13,7 @@ from sojourn_flight.arm.inverse import pose_goal
 from sojourn_flight.arm.spline_path import spline_through
 from sojourn_flight.arm.time_optimal import JointLimits, fastest_timing
 from sojourn_flight.mobility.kinematics import PlanarTwist, allowed_twist
-from sojourn_machine.contact_choice import CONTACT_LAWS
+from sojourn_machine.contact_choice import CONTACT_LAWS, FOOT_LAWS
 from sojourn_physics.contact.law_call import row_entry
 from sojourn_physics.contact.law_params import ContactLawParams
 from sojourn_physics.contact.wheel_shape import WheelShape
@@ -31,8 +31,7 @@ SCENARIO = "lunar_sample"
 def main() -> None:
     """Compile; prints nothing, takes about a minute the first time and some seconds after."""
     scenario = load_scenario(SCENARIO)
-    for name in CONTACT_LAWS.names():
-        kind = CONTACT_LAWS.get(name)
+    for kind in (laws.get(name) for laws in (CONTACT_LAWS, FOOT_LAWS) for name in laws.names()):
         if issubclass(kind, ContactLawParams):
             row_entry(kind.law())
     _step_plant(scenario)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sojourn_analysis.wheels.examples import LAWS
-from sojourn_machine.contact_choice import CONTACT_LAWS
+from sojourn_machine.contact_choice import CONTACT_LAWS, FOOT_LAWS
 from sojourn_machine.errors import InvalidValueError
 from sojourn_physics.contact.contact_law import STATE_COLUMNS, StateColumn, WheelColumn
 from sojourn_physics.contact.law_call import row_entry
@@ -189,7 +189,7 @@ def test_travel_reversed_is_mirrored(law: Maker, model: str) -> None:
 
 
 def test_every_law_that_is_registered_has_an_example() -> None:
-    assert set(CONTACT_LAWS.names()) <= set(LAWS)
+    assert {*CONTACT_LAWS.names(), *FOOT_LAWS.names()} <= set(LAWS)
 
 
 def test_a_row_without_a_law_is_refused(law: Maker) -> None:

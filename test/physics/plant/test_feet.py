@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from sojourn_config.scenario import load_scenario
 from sojourn_machine.contact_report import FORCE, PLACE, ReportColumn
 from sojourn_machine.drives import JointFrictionParams
-from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.machine import MachineParams
 from sojourn_machine.supports import FootParams, PadParams
 from sojourn_physics.contact.foot_pad import pad_pressure
@@ -86,5 +86,5 @@ def test_dropped_it_comes_to_rest_and_no_energy_is_made() -> None:
 
 
 def test_a_foot_has_a_law_of_a_foot() -> None:
-    with pytest.raises(InvalidValueError, match=r"contact model of a foot.*not of a wheel"):
-        lander("flat_drive", contact={"model": "rigid_wheel_on_soil"})
+    with pytest.raises(ValidationError, match=r"contact model of a foot.*foot_pad"):
+        feet(contact={"model": "rigid_wheel_on_soil"})

@@ -15,7 +15,7 @@ Range of validity: flat round pads, z up to their radius.
 """
 
 import math
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -40,7 +40,6 @@ SHARPNESS = 4.0
 class FootPadParams(ContactLawParams):
     """Law 13: nothing beside the pad's radius and the soil."""
 
-    support: ClassVar[str] = "foot"
     model: Literal["foot_pad"] = Field(description="contact model")
 
     @classmethod

@@ -24,8 +24,6 @@ YIELDING_SOIL = (
 class ContactLawParams(ContactChoice):
     """One contact law with its own parameters. Each law has a subclass, registered under the value of its `model`."""
 
-    support: ClassVar[str] = "wheel"
-    """Kind of support that it is a law of."""
     needs: ClassVar[tuple[str, ...]] = YIELDING_SOIL
     """Fields of `SoilParams` without which the law cannot be used."""
     columns: ClassVar[type[IntEnum] | None] = None

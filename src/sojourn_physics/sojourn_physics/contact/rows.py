@@ -18,18 +18,10 @@ from sojourn_physics.soil.digging import CutCoefficients, DiggingSoil, cut_coeff
 from sojourn_physics.soil.params import SoilParams
 
 
-def law_of(choice: ContactChoice, support: str = "wheel") -> ContactLawParams:
-    """The contact law that was chosen for a kind of support.
-
-    Raises:
-        InvalidValueError: what is registered under its name is none, or is one of another kind of support.
-    """
+def law_of(choice: ContactChoice) -> ContactLawParams:
+    """The contact law that was chosen. Raises InvalidValueError where what is registered under its name is none."""
     if not isinstance(choice, ContactLawParams):
         raise InvalidValueError("contact model", choice.model, "a law derived from ContactLawParams")
-    if choice.support != support:
-        raise InvalidValueError(
-            f"contact model of a {support}", choice.model, f"one of a {support}, not of a {choice.support}"
-        )
     return choice
 
 
@@ -65,7 +57,7 @@ def foot_rows(feet: Sequence[FootParams], gravity: float) -> FloatArray:
     rows = np.zeros((len(feet), WHEEL_COLUMNS))
     for row, foot in zip(rows, feet, strict=True):
         row[WheelColumn.RADIUS] = row[WheelColumn.SHEAR_RADIUS] = foot.radius
-        _fill_law(row, law_of(foot.contact, "foot"), gravity)
+        _fill_law(row, law_of(foot.contact), gravity)
     return rows
 
 

@@ -15,4 +15,4 @@ def needs_of_soil(machine: MachineParams, soil: SoilParams) -> Iterator[tuple[st
     for track in machine.tracks:
         yield track.name, "track", soil.missing(YIELDING_SOIL)
     for foot in machine.feet:
-        yield foot.name, foot.contact.model, law_of(foot.contact, "foot").missing_in(soil)
+        yield foot.name, foot.contact.model, law_of(foot.contact).missing_in(soil)

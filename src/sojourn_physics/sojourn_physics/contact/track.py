@@ -61,7 +61,6 @@ class LevelTrackParams(ContactLawParams):
     """Law 12."""
 
     columns: ClassVar[type[IntEnum]] = LevelTrackColumn
-    support: ClassVar[str] = "track"
     model: Literal["track"] = Field(description="contact model")
     length: float = Field(gt=0.0, le=10.0, description="of the track on the ground [m]")
     road_wheels: int = Field(default=1, ge=1, le=8, description="number of road wheels [-]")
