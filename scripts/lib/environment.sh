@@ -62,7 +62,7 @@ sojourn_fingerprint() {
                 echo src/*/setup.py
                 cat src/*/setup.py src/*/setup.cfg
                 ;;
-            kernels) grep -rlZ --include='*.py' njit src | sort -z | xargs -0r sha256sum ;; # with their names
+            kernels) grep -rlZE --include='*.py' 'sojourn_machine\.kernels|njit|IntEnum|compiled into kernels' src | sort -z | xargs -0r sha256sum ;; # with their names
         esac
     ) | sha256sum
 }

@@ -139,18 +139,20 @@ def test_links_lead_to_files_and_examples_are_python(manual: Path) -> None:
         compile(code, str(manual), "exec")
 
 
-def test_the_example_wheel_is_valid() -> None:
-    from sojourn_machine.supports import WheelParams
+def test_the_example_supports_are_valid() -> None:
+    from sojourn_machine.supports import FootParams, TrackParams, WheelParams
 
-    *_, text = blocks(THE_FILES, "yaml")
-    (wheel,) = yaml.safe_load(text)["wheels"]
+    *_, wheels, others = (yaml.safe_load(text) for text in blocks(THE_FILES, "yaml"))
+    (wheel,), (track,), (foot,) = wheels["wheels"], others["tracks"], others["feet"]
     assert WheelParams.model_validate(wheel).contact.model == "brush"
+    assert TrackParams.model_validate(track).name == "left"
+    assert FootParams.model_validate(foot).contact.model == "foot_pad"
 
 
 def test_every_contact_model_is_in_the_manual() -> None:
     from sojourn_machine.contact_choice import CONTACT_LAWS
 
-    assert len(CONTACT_LAWS.names()) == 9
+    assert len(CONTACT_LAWS.names()) == 10
     for name in CONTACT_LAWS.names():
         assert f"| `{name}` |" in THE_FILES
 

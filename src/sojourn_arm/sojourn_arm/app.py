@@ -63,6 +63,7 @@ class ArmApp(App[ArmAppState]):
     acts_in_silence = True
 
     def __init__(self, scenario: LoadedScenario) -> None:
+        scenario = scenario.as_believed()
         self.params = scenario.carried_arm()
         self.model = build_arm_model(scenario.urdf_xml, self.params)
         self._tool = scenario.tool

@@ -114,6 +114,11 @@ def count(text: str) -> int:
     return int(text)
 
 
+def say(text: str) -> None:
+    """A line of what a long command is at, shown at once."""
+    print(text, flush=True)
+
+
 def run_script(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | None = None) -> NoReturn:
     """Main of a script: its errors as one sentence on the standard error, its status as ours."""
     collect_seldom()

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from sojourn_config.errors import MISSING, single
 from sojourn_config.yaml_file import MOST_DEPTH, Data, KeyPath, YamlDocument, parse_value
 
+BELIEF = "belief"
+"""First word of an override that changes what the machine's own computer takes for true."""
 _PART = re.compile(r"([^\[\].=]+)((?:\[[0-9]{1,6}\])*)")
 
 
@@ -99,3 +101,23 @@ def _set(data: dict[str, Data], path: KeyPath, value: Data, text: str) -> None:
             raise single(f"--set {text}", "", MISSING, allowed)
         else:
             raise single(f"--set {text}", "", MISSING, f"{part!r} is asked of a value that is no table")
+
+
+def split_beliefs(overrides: Sequence[str], heads: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Those that are true, and those that are believed alone, `belief.battery.capacity_ah=20`, without that word.
+
+    Raises:
+        ConfigError: it is not KEY=VALUE, or a belief about what is in none of the files of `heads`.
+    """
+    true: list[str] = []
+    believed: list[str] = []
+    for text in overrides:
+        path, _ = split_override(text)
+        if path[0] != BELIEF:
+            true.append(text)
+        elif len(path) > 2 and path[1] in heads:
+            believed.append(text.strip().partition(".")[2])
+        else:
+            allowed = f"allowed is {BELIEF}.FILE.KEY=VALUE with FILE one of " + ", ".join(sorted(heads))
+            raise single(f"--set {text}", ".".join(map(str, path)), MISSING, allowed)
+    return true, believed

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ from sojourn_config.bundle import Bundle, BundleReader, Driving
 from sojourn_config.errors import ConfigError, single
 from sojourn_config.extends import read_document
 from sojourn_config.load import validate
-from sojourn_config.overrides import override_document, route_overrides
+from sojourn_config.overrides import override_document, route_overrides, split_beliefs
 from sojourn_config.paths import resolve
 from sojourn_config.scenario_checks import scenario_problems
 from sojourn_config.steps import FARTHEST, LONGEST, StepConfig
@@ -33,6 +33,8 @@ STOWED = "stow"
 """Pose of the arm while the rover drives."""
 HEADS = ("body", "soil", "rock_soil", "arm", "tool", *machine_reader.HEADS)
 """First word of an override that is for another file than the scenario's."""
+TRUTH_ALONE = ("battery", "bus")
+"""Of these, what a run does to the machine behind the back of its computer, which goes by the files."""
 
 
 class StartConfig(Params):
@@ -95,6 +97,7 @@ class LoadedScenario(Bundle):
         overrides: the KEY=VALUE texts that went over the files.
         raster: what was read from the file of the terrain, if it has one.
         digests: SHA-256 of the data files that were read (elevation model, soil raster), by name.
+        belief: what the machine's own computer goes by, where that is not the truth.
     """
 
     name: str
@@ -102,6 +105,11 @@ class LoadedScenario(Bundle):
     overrides: tuple[str, ...]
     raster: "Raster | None" = None
     digests: dict[str, str] = field(default_factory=dict)
+    belief: Bundle | None = None
+
+    def as_believed(self) -> "LoadedScenario":
+        """The scenario as the roles that would fly know it."""
+        return self if self.belief is None else replace(self, **self.belief.fields(), belief=None)
 
     @property
     def terrain(self) -> TerrainParams:
@@ -157,18 +165,28 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
         name: name in `config/scenarios`, or the path of a file.
         overrides: `KEY=VALUE` texts. A first word of HEADS means the file that scenario or machine name:
             `soil.k_c=1400`, `machine.drives[0].gear.ratio=500`; all others to the scenario: `battery_soc=0.5`.
+            What begins with `belief.` is what the machine's own computer takes for true, and nothing else:
+            `belief.battery.capacity_ah=20`; heads of TRUTH_ALONE are what it does not know of.
 
     Raises:
         ConfigError: with every problem of every file in it.
     """
     path = resolve("scenarios", name, ("command line", "scenario"))
-    own, routed = route_overrides(overrides, HEADS)
+    told, beliefs = split_beliefs(overrides, HEADS)
+    own, routed = route_overrides(told, HEADS)
     document = override_document(read_document(path, "scenarios"), own)
     config = validate(document, ScenarioConfig)
     reader = BundleReader(document, path, routed)
     soils = config.soil, config.rock_soil, config.terrain.extra_soils
     bundle = reader.read(config.machine, config.body, *soils, config.tool)
     problems = [*reader.problems, *scenario_problems(config, bundle, document)]
+    belief = None
+    if not problems and (beliefs or any(routed[head] for head in TRUTH_ALONE)):
+        _, known = route_overrides([*told, *beliefs], HEADS)
+        alone = {head: route_overrides(beliefs, HEADS)[1][head] for head in TRUTH_ALONE}
+        reader = BundleReader(document, path, known | alone)
+        belief = reader.read(config.machine, config.body, *soils, config.tool)
+        problems += reader.problems
     raster, digests = None, {}
     if config.terrain.file is not None:
         from sojourn_config.raster_file import RasterReader  # loads scipy and GDAL
@@ -180,15 +198,22 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
             problems += error.problems
     if problems or bundle is None:
         raise ConfigError(problems)
-    fields = bundle.fields()
-    if config.blind_drive and bundle.driving is not None:
-        blind = bundle.drive.model_copy(update={"obstacles": None, "terrain_match": None})
-        fields["driving"] = Driving(blind, bundle.steering)
+    if config.blind_drive:
+        bundle, belief = _blind(bundle), belief and _blind(belief)
     return LoadedScenario(
-        **fields,
+        **bundle.fields(),
+        belief=belief,
         name=Path(name).stem,
         config=config,
         overrides=tuple(overrides),
         raster=raster,
         digests=digests,
     )
+
+
+def _blind(bundle: Bundle) -> Bundle:
+    """The same, its drive without the camera."""
+    if bundle.driving is None:
+        return bundle
+    blind = bundle.drive.model_copy(update={"obstacles": None, "terrain_match": None})
+    return replace(bundle, driving=Driving(blind, bundle.steering))

@@ -91,6 +91,7 @@ class DriveApp(App[DriveAppState]):
     acts_in_silence = True
 
     def __init__(self, scenario: LoadedScenario) -> None:
+        scenario = scenario.as_believed()
         self._start = scenario.config.start
         self.model = DriveModel(scenario.drive, scenario.steering, hazard_camera_of(scenario), scenario.wheel_loads())
         self._measurements = WheelMeasurements(scenario.machine, scenario.urdf_xml)

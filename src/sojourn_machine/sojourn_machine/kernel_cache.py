@@ -17,8 +17,9 @@ HOME = Path(__file__).resolve().parent / "__pycache__"
 PACKAGES = ("sojourn_machine", "sojourn_physics", "sojourn_flight", "sojourn_analysis")
 """Those with kernels in them; one that is not installed is left out."""
 PREFIX = "kernels-"
-MARKS = (b"njit", b"@kernel", b"IntEnum")
-"""What tells a file that counts: kernels, and columns that are compiled into them as numbers."""
+MARKS = (b"sojourn_machine.kernels", b"njit", b"IntEnum", b"compiled into kernels")
+"""What tells a file that counts: kernels, columns that are compiled into them as numbers, and constants of which it is
+said. `scripts/lib/environment.sh` asks the same."""
 KEPT_S = 86400.0
 """A folder that was touched within this time may be in use by another process [s]."""
 

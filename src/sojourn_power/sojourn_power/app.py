@@ -38,7 +38,7 @@ class PowerApp(App[PowerState]):
     role = "power"
 
     def __init__(self, scenario: LoadedScenario) -> None:
-        self.params = scenario.power_manager
+        self.params = scenario.as_believed().power_manager
 
     def warm_up(self) -> None:
         """Those of the manager's law."""

@@ -4,10 +4,10 @@
 
 Plant, sensors and drive run in one loop without ROS (closed_loop). The machine goes straight to a goal on planes of the
 scenario's soil, up and down; energy and time for each metre of way are those between the first 1.5 m, after which rear
-wheels run in the ruts of the front ones, and the last half metre. Energy is that of the loads `drive` and `steer` at
-the bus: motors, gears, soil and grade together. The cost of a stop is what the whole drive takes more than its metres.
-A turn on the spot is measured twice: what a larger angle takes more is the cost of a radian, the rest that of a turn;
-a machine that does not turn on the spot has none. A fast one needs more way to speed up and to brake.
+wheels run in the ruts of the front ones, and the last half metre. Energy is that of the loads that feed drive
+and steering, at the bus: motors, gears, soil and grade together. The cost of a stop is what the whole drive takes more
+than its metres. A turn on the spot is measured twice: what a larger angle takes more is the cost of a radian, the rest
+that of a turn; a machine that does not turn on the spot has none. A fast one needs more way to speed up and to brake.
 """
 
 import math
@@ -25,7 +25,6 @@ from sojourn_studies.measure_slip import on_plane
 GRADES_DEG = (-8.0, -4.0, 0.0, 4.0, 8.0)
 FIRST, MEASURED, LAST = 1.5, 4.0, 0.5
 TURNS = (0.25 * math.pi, 0.75 * math.pi)
-MOTION = ("drive", "steer")
 
 
 class Spent(NamedTuple):
@@ -46,7 +45,9 @@ class MeteredLoop(ClosedLoop):
     def __init__(self, scenario: LoadedScenario) -> None:
         super().__init__(scenario)
         self.spent = Spent()
-        self._moves = [load.name in MOTION for load in self.plant.bus.loads]
+        machine = scenario.machine
+        moving = machine.loads_of([*(one.joint for one in machine.rolling), *machine.steer_joints])
+        self._moves = [load.name in moving for load in self.plant.bus.loads]
 
     def tick(self, goal: Goal | None = None) -> DriveOutput:
         """One period, with what it took."""
@@ -105,6 +106,24 @@ def turning(scenario: str, overrides: Sequence[str]) -> tuple[Spent, Spent]:
     return radian, found[0].since(Spent(*(value * TURNS[0] for value in radian)))
 
 
+def cost_of_driving(scenario: str, overrides: Sequence[str]) -> dict[str, float | list[float]]:
+    """What driving costs, by the keys of `drive.energy`. A stop or a turn that gives energy back costs none."""
+    grades = {grade: on_grade(scenario, overrides, grade) for grade in GRADES_DEG}
+    (metre, stop), (radian, turn) = grades[0.0], turning(scenario, overrides)
+    return {
+        "grades_deg": list(GRADES_DEG),
+        "energy_per_metre": [round(max(one.motion, 0.0), 1) for one, _ in grades.values()],
+        "time_per_metre": [round(one.seconds, 2) for one, _ in grades.values()],
+        "stop_energy": round(max(stop.motion, 0.0), 1),
+        "stop_time": round(max(stop.seconds, 0.0), 1),
+        "turn_energy": round(max(turn.motion, 0.0), 1),
+        "turn_time": round(max(turn.seconds, 0.0), 1),
+        "energy_per_radian": round(max(radian.motion, 0.0), 1),
+        "time_per_radian": round(radian.seconds, 2),
+        "house_power": round(metre.house / metre.seconds, 1),
+    }
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print, as flight.yaml has it."""
     parser = command_line.Parser(prog="measure_energy", description="Measure what driving costs.")
@@ -113,16 +132,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
     given = parser.parse_args(arguments)
     overrides = [*given.set, *([] if given.machine is None else [f"machine={given.machine}"])]
-    grades = {grade: on_grade(given.scenario, overrides, grade) for grade in GRADES_DEG}
-    print(f"grades_deg: {list(GRADES_DEG)}")
-    print(f"energy_per_metre: {[round(metre.motion, 1) for metre, _ in grades.values()]}")
-    print(f"time_per_metre: {[round(metre.seconds, 2) for metre, _ in grades.values()]}")
-    metre, stop = grades[0.0]
-    print(f"stop_energy: {stop.motion:.1f}\nstop_time: {stop.seconds:.1f}")
-    print(f"house_power: {metre.house / metre.seconds:.1f}")
-    radian, turn = turning(given.scenario, overrides)
-    print(f"turn_energy: {turn.motion:.1f}\nturn_time: {turn.seconds:.1f}")
-    print(f"energy_per_radian: {radian.motion:.1f}\ntime_per_radian: {radian.seconds:.2f}")
+    for name, value in cost_of_driving(given.scenario, overrides).items():
+        print(f"{name}: {value}")
     return 0
 
 

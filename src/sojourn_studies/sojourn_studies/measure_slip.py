@@ -9,7 +9,7 @@ rear wheels run in the ruts of the front ones.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pinocchio as pin
@@ -61,6 +61,23 @@ def drive(scenario: LoadedScenario) -> tuple[float, float]:
     return 1.0 - float(way[0]) / turned, float(way[1] / way[0])
 
 
+def expected_slip(scenario: str, overrides: Sequence[str], say: Callable[[str], None]) -> dict[str, float]:
+    """What the odometry expects, by the keys of `drive.odometry`; `say` hears of each plane."""
+    slips, aside = {}, {}
+    for grade in GRADES_DEG:
+        slips[grade], _ = drive(on_plane(scenario, overrides, abs(grade), 0.0 if grade > 0.0 else 180.0))
+        say(f"grade {grade:+.0f} deg: slip {slips[grade]:.3f}")
+    for slope in ACROSS_DEG:
+        _, drift = drive(on_plane(scenario, overrides, slope, 90.0))
+        aside[slope] = -drift / math.tan(math.radians(slope))
+        say(f"across {slope:.0f} deg: side slip for each grade {aside[slope]:.2f}")
+    return {
+        "mean_slip": round(slips[0.0], 3),
+        "slip_per_grade": round((slips[4.0] - slips[-4.0]) / (2.0 * math.tan(math.radians(4.0))), 2),
+        "side_slip_per_grade": round(aside[4.0], 2),
+    }
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print."""
     parser = command_line.Parser(prog="measure_slip", description="Measure the slip that the odometry should expect.")
@@ -69,18 +86,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
     given = parser.parse_args(arguments)
     overrides = [*given.set, *([] if given.machine is None else [f"machine={given.machine}"])]
-    slips = {}
-    for grade in GRADES_DEG:
-        slips[grade], _ = drive(on_plane(given.scenario, overrides, abs(grade), 0.0 if grade > 0.0 else 180.0))
-        print(f"grade {grade:+.0f} deg: slip {slips[grade]:.3f}", flush=True)
-    rise = math.tan(math.radians(4.0))
-    print(f"mean_slip: {slips[0.0]:.3f}")
-    print(f"slip_per_grade: {(slips[4.0] - slips[-4.0]) / (2.0 * rise):.2f}")
-    for slope in ACROSS_DEG:
-        _, aside = drive(on_plane(given.scenario, overrides, slope, 90.0))
-        print(
-            f"across {slope:.0f} deg: side slip for each grade {-aside / math.tan(math.radians(slope)):.2f}", flush=True
-        )
+    for name, value in expected_slip(given.scenario, overrides, command_line.say).items():
+        print(f"{name}: {value}")
     return 0
 
 

@@ -16,7 +16,7 @@ al. (2007), IEEE/RSJ Int. Conf. Intelligent Robots and Systems, 1222 (centres of
 how they are measured); Wong (2008), Theory of Ground Vehicles, sec. 6.1 (turning with slip of the two sides).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -83,6 +83,22 @@ def track_ratio(turns: Sequence[MeasuredTurn], track: float, slip: float) -> flo
     return float(kinematic @ kinematic / (kinematic @ rates))
 
 
+def measured_ratio(scenario: LoadedScenario, say: Callable[[str], None]) -> float:
+    """Over all motions of a machine that scrubs, on the level; `say` hears of each."""
+    limits, slip = scenario.drive.limits, scenario.drive.odometry.mean_slip
+    sides = [wheel.y for wheel in scenario.steering.wheels]
+    track, turns = max(sides) - min(sides), []
+    for part_of_speed, part_of_rate in PARTS:
+        speed, rate = part_of_speed * limits.max_speed, part_of_rate * limits.max_yaw_rate
+        one = turn(scenario, speed, rate)
+        turns.append(one)
+        say(
+            f"{speed:.3f} m/s, {rate:+.3f} rad/s: turns at {one.yaw_rate:+.4f} rad/s, ratio "
+            f"{track_ratio([one], track, slip):.2f}, centre {one.ahead:+.3f} m ahead, slip {one.slip:.3f}"
+        )
+    return track_ratio(turns, track, slip)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print."""
     parser = command_line.Parser(
@@ -98,19 +114,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise UsageError(
             f"{scenario.config.machine}: all of its wheels can roll in a turn; allowed is a machine that skids"
         )
-    limits, slip = scenario.drive.limits, scenario.drive.odometry.mean_slip
-    sides = [wheel.y for wheel in scenario.steering.wheels]
-    track, turns = max(sides) - min(sides), []
-    for part_of_speed, part_of_rate in PARTS:
-        speed, rate = part_of_speed * limits.max_speed, part_of_rate * limits.max_yaw_rate
-        one = turn(scenario, speed, rate)
-        turns.append(one)
-        print(
-            f"{speed:.3f} m/s, {rate:+.3f} rad/s: turns at {one.yaw_rate:+.4f} rad/s, ratio "
-            f"{track_ratio([one], track, slip):.2f}, centre {one.ahead:+.3f} m ahead, slip {one.slip:.3f}",
-            flush=True,
-        )
-    print(f"track_ratio: {track_ratio(turns, track, slip):.2f}")
+    print(f"track_ratio: {measured_ratio(scenario, command_line.say):.2f}")
     return 0
 
 

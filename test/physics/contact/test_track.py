@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from sojourn_analysis.wheels.examples import TRACK, TRACK_SIZE, example_row
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.passive_pressure import wall_resistance
-from sojourn_physics.contact.track import TrackColumn, track_shear
+from sojourn_physics.contact.track import LevelTrackColumn, track_shear
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus
 from sojourn_physics.soil.params import SoilColumn
 
@@ -20,7 +20,7 @@ LENGTH, WIDTH = TRACK.length, TRACK_SIZE["width"]
 
 def even() -> FloatArray:
     row = example_row("track")
-    row[TrackColumn.PEAKEDNESS] = 0.0
+    row[LevelTrackColumn.PEAKEDNESS] = 0.0
     return row
 
 
@@ -83,7 +83,7 @@ def test_road_wheels_sink_deeper_and_leave_the_load_as_it_is(law: Maker) -> None
 @pytest.mark.parametrize("wheels", [1, 5, 8])
 def test_shear_with_peaks_is_the_integral_along_the_track(law: Maker, wheels: int) -> None:
     row = example_row("track")
-    row[TrackColumn.ROAD_WHEELS] = wheels
+    row[LevelTrackColumn.ROAD_WHEELS] = wheels
     soil = law(row, "dry_sand").soil
     k_x, k_y = soil[SoilColumn.SHEAR_MODULUS], soil[SoilColumn.SHEAR_MODULUS_LATERAL]
     mean, slip, side, turn = 3e3, 0.15, 0.05, 0.3

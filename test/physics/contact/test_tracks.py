@@ -19,7 +19,7 @@ from sojourn_physics.contact.hysteresis import ON_BACKBONE
 from sojourn_physics.contact.passive_pressure import wall_resistance
 from sojourn_physics.contact.rows import track_plates, track_rows
 from sojourn_physics.contact.tables import Ground, Kinematics, Touch, TrackTable, make_workspace
-from sojourn_physics.contact.track import TrackColumn, track_shear
+from sojourn_physics.contact.track import LevelTrackColumn, track_shear
 from sojourn_physics.contact.track_on_soil import RUT, PlateColumn
 from sojourn_physics.contact.wheel_on_soil import pressure_modulus
 from sojourn_physics.soil.params import SoilColumn
@@ -109,7 +109,7 @@ def test_a_level_track_in_steady_rolling_is_the_closed_form(soil: str, slip: flo
     rig, depth, belt = level(soil, plates=36), 0.01, 0.5 * sense
     found = rig.roll(depth, belt * (1.0 - slip), belt, 8.0 * LENGTH / (1.0 - slip))
     row = example_row("track")
-    row[WheelColumn.WIDTH], row[TrackColumn.LENGTH], row[TrackColumn.PEAKEDNESS] = WIDTH, LENGTH, 0.0
+    row[WheelColumn.WIDTH], row[LevelTrackColumn.LENGTH], row[LevelTrackColumn.PEAKEDNESS] = WIDTH, LENGTH, 0.0
     k, n = pressure_modulus(rig.soil, WIDTH), rig.soil[SoilColumn.N]
     load = WIDTH * LENGTH * k * depth**n
     assert found[2] == pytest.approx(load, rel=1e-6)

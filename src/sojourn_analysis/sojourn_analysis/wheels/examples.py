@@ -17,7 +17,7 @@ from sojourn_physics.contact.foot_pad import FootPadParams
 from sojourn_physics.contact.law_call import row_entry
 from sojourn_physics.contact.law_params import ContactLawParams
 from sojourn_physics.contact.rows import wheel_rows
-from sojourn_physics.contact.track import TrackParams
+from sojourn_physics.contact.track import LevelTrackParams
 
 LRV_SIZE = {"radius": 0.4065, "width": 0.229}
 LRV_MESH = {
@@ -60,7 +60,7 @@ WHEELS: dict[str, dict[str, Any]] = {
     "roller_wheel": {**ROVER_SIZE, "contact": {"model": "roller_wheel", "roller_angle_deg": 45.0}},
 }
 TRACK_SIZE = {"radius": 0.1, "width": 0.2}
-TRACK = TrackParams(model="track", length=0.9, road_wheels=5, peakedness=0.6)
+TRACK = LevelTrackParams(model="track", length=0.9, road_wheels=5, peakedness=0.6)
 FOOT_RADIUS = 0.12
 LAWS = (*WHEELS, "track", "foot_pad")
 """All that there are examples of."""

@@ -27,7 +27,7 @@ from sojourn_physics.contact.track_on_soil import PlateColumn
 from sojourn_physics.soil.params import SoilParams
 
 
-class Footing(NamedTuple):
+class StandingPoints(NamedTuple):
     """The points on which a machine stands on plane ground."""
 
     bodies: tuple[int, ...]
@@ -43,12 +43,12 @@ class SupportTables:
     """The supports of a machine.
 
     Args:
-        names: of all, in the order of the report. tables: for the kernels. footing: what it stands on.
+        names: of all, in the order of the report. tables: for the kernels. standing: what it stands on.
     """
 
     names: tuple[str, ...]
     tables: Supports
-    footing: Footing
+    standing: StandingPoints
 
     @property
     def bodies(self) -> IntArray:
@@ -97,7 +97,7 @@ def support_tables(
         ),
     )  # fmt: skip
     return SupportTables(
-        tuple(support.name for support in machine.supports), tables, _footing(multibody, machine, tables)
+        tuple(support.name for support in machine.supports), tables, _standing(multibody, machine, tables)
     )
 
 
@@ -172,7 +172,7 @@ def _tools(pads: Sequence[PadParams]) -> FloatArray:
     return rows
 
 
-def _footing(multibody: pin.Model, machine: MachineParams, tables: Supports) -> Footing:
+def _standing(multibody: pin.Model, machine: MachineParams, tables: Supports) -> StandingPoints:
     """Centres of wheels, both ends of the flat runs of tracks, soles of feet."""
     points = [
         (int(body), np.zeros(3), wheel.radius)
@@ -185,7 +185,7 @@ def _footing(multibody: pin.Model, machine: MachineParams, tables: Supports) -> 
             points.append((int(frame.parentJoint), frame.placement.act(place), 0.0))
     for foot in machine.feet:
         points.append((*_on_link(multibody, "foot", foot), 0.0))
-    return Footing(
+    return StandingPoints(
         tuple(body for body, _, _ in points),
         np.reshape([offset for _, offset, _ in points], (-1, 3)),
         tuple(below for _, _, below in points),

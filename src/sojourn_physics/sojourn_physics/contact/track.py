@@ -49,7 +49,7 @@ TWIST_ARM = 1.0 / math.sqrt(12.0)
 """Root of the mean square of the places along a track, over its length: the arm at which a twist counts as shear."""
 
 
-class TrackColumn(IntEnum):
+class LevelTrackColumn(IntEnum):
     """Own parameters."""
 
     LENGTH = WheelColumn.OWN
@@ -57,10 +57,10 @@ class TrackColumn(IntEnum):
     PEAKEDNESS = WheelColumn.OWN + 2
 
 
-class TrackParams(ContactLawParams):
+class LevelTrackParams(ContactLawParams):
     """Law 12."""
 
-    columns: ClassVar[type[IntEnum]] = TrackColumn
+    columns: ClassVar[type[IntEnum]] = LevelTrackColumn
     support: ClassVar[str] = "track"
     model: Literal["track"] = Field(description="contact model")
     length: float = Field(gt=0.0, le=10.0, description="of the track on the ground [m]")
@@ -89,14 +89,14 @@ def track_shear(
         mean_pressure: p_m [Pa]. slip, side_slip: s, s_y [-]. turn: ψ [1/m]. rolling: 0..1, where 0 shears all of the
             length by the same displacement.
     """
-    length, width = wheel[TrackColumn.LENGTH], wheel[WheelColumn.WIDTH]
-    wave = 2.0 * math.pi * wheel[TrackColumn.ROAD_WHEELS]
+    length, width = wheel[LevelTrackColumn.LENGTH], wheel[WheelColumn.WIDTH]
+    wave = 2.0 * math.pi * wheel[LevelTrackColumn.ROAD_WHEELS]
     step = length / POINTS
     force_x = force_y = moment = 0.0
     for i in range(POINTS):
         part = (i + 0.5) / POINTS
         x = (part - 0.5) * length
-        pressure = mean_pressure * (1.0 - wheel[TrackColumn.PEAKEDNESS] * math.cos(wave * part))
+        pressure = mean_pressure * (1.0 - wheel[LevelTrackColumn.PEAKEDNESS] * math.cos(wave * part))
         passed = rolling * (1.0 - part) * length + (1.0 - rolling) * length
         j_x = slip * passed / soil[SoilColumn.SHEAR_MODULUS]
         j_y = (side_slip + turn * x) * passed / soil[SoilColumn.SHEAR_MODULUS_LATERAL]
@@ -115,7 +115,7 @@ def track(
 ) -> None:
     """The law; arguments as in `contact_law`."""
     length, width, sinkage = (
-        float(wheel[TrackColumn.LENGTH]),
+        float(wheel[LevelTrackColumn.LENGTH]),
         float(wheel[WheelColumn.WIDTH]),
         float(motion[MotionColumn.PENETRATION]),
     )
@@ -146,7 +146,7 @@ def track(
 
     modulus = pressure_modulus(soil, min(width, length))
     greatest = modulus * sinkage**n
-    load = width * length * greatest / (1.0 + wheel[TrackColumn.PEAKEDNESS])
+    load = width * length * greatest / (1.0 + wheel[LevelTrackColumn.PEAKEDNESS])
     load *= clip(1.0 - soil[SoilColumn.CONTACT_DAMPING] * motion[MotionColumn.V_NORMAL], 0.0, MAX_DAMPING_GAIN)
     lead = shear_lead(transport)
     slip = clip((shear_x + lead * slip_speed) / length, -1.0, 1.0)

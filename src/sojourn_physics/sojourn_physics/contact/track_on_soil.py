@@ -88,7 +88,7 @@ GREATEST, RUT = int(StateColumn.TWIST), int(StateColumn.TRAVEL)
 others, and the depth of their rut [m]."""
 
 
-class Sliding(NamedTuple):
+class LinkSliding(NamedTuple):
     """How the links of a plate move over the ground under it [m/s]."""
 
     along: float
@@ -186,7 +186,7 @@ def pass_ground(
 
 @kernel
 def plate_force(
-    track: FloatArray, plate: Plate, soil: FloatArray, sliding: Sliding, dt: float, state: FloatArray
+    track: FloatArray, plate: Plate, soil: FloatArray, sliding: LinkSliding, dt: float, state: FloatArray
 ) -> PlateForce:
     """One plate on the ground, after `shift`.
 

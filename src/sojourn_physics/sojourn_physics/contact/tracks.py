@@ -19,9 +19,9 @@ from sojourn_physics.contact.tables import Ground, Kinematics, Touch, TrackTable
 from sojourn_physics.contact.track_on_soil import (
     GREATEST,
     RUT,
+    LinkSliding,
     Plate,
     PlateColumn,
-    Sliding,
     TrackColumn,
     pass_ground,
     plate_force,
@@ -41,7 +41,7 @@ LEAST_LEVEL = 1e-6
 """A plate that stands so nearly upright has no direction over the ground [-]."""
 
 
-class Sums(NamedTuple):
+class TrackSums(NamedTuple):
     """A track's forces as they are summed up, plate after plate."""
 
     frame: FloatArray
@@ -112,7 +112,7 @@ def _lift(state: FloatArray) -> None:
 
 @small_kernel
 def _press(
-    track: FloatArray, plate: Plate, belt: float, soil: FloatArray, dt: float, state: FloatArray, sums: Sums
+    track: FloatArray, plate: Plate, belt: float, soil: FloatArray, dt: float, state: FloatArray, sums: TrackSums
 ) -> float:
     """One plate that lies on the ground: its force goes to the sums. Returns the load on it [N].
 
@@ -129,7 +129,7 @@ def _press(
         v_side += velocity[k] * side[k]
         v_normal += velocity[k] * normal[k]
         runs += ahead[k] * along[k]
-    found = plate_force(track, plate, soil, Sliding(belt * runs - v_along, -v_side, v_along, v_normal), dt, state)
+    found = plate_force(track, plate, soil, LinkSliding(belt * runs - v_along, -v_side, v_along, v_normal), dt, state)
     resisting = found.shear_along - (found.compaction + found.bulldozing) * found.headway
     arm, force = sums.arm, sums.force
     for k in range(3):
@@ -150,7 +150,7 @@ def _press(
 
 
 @small_kernel
-def _leave_rut(ground: Ground, track: FloatArray, state: FloatArray, depth: float, sums: Sums) -> None:
+def _leave_rut(ground: Ground, track: FloatArray, state: FloatArray, depth: float, sums: TrackSums) -> None:
     """Write behind the last plate what the track has done to the ground, down to a depth below what it met [m]."""
     headway = state[StateColumn.HEADWAY]
     if abs(headway) < ROLLING:
@@ -208,7 +208,7 @@ def _track(
     """One track, its middle placed and moved: its wrench, states and report. Returns whether it is on the map."""
     track, first, count = tracks.rows[number], tracks.belts[number, 1], tracks.belts[number, 2]
     frame, wrench, grid, middle = work.meeting.frame, work.wrench, ground.grid, work.body.centre
-    sums = Sums(frame, middle, wrench, report, work.vectors[0], work.vectors[1])
+    sums = TrackSums(frame, middle, wrench, report, work.vectors[0], work.vectors[1])
     ahead = frame[1]
     wrench[:] = 0.0
     report[:] = 0.0

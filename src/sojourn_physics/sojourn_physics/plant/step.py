@@ -347,10 +347,10 @@ def _ground(model: PlantModel, x: float, y: float) -> tuple[float, float, float]
 
 
 def _standing_points(model: PlantModel) -> FloatArray:
-    """Points of the machine's footing in map, as Pinocchio's data have it placed: (n, 3) [m]."""
-    footing, placements = model.supports.footing, model.data.oMi
+    """Points of the machine's standing in map, as Pinocchio's data have it placed: (n, 3) [m]."""
+    standing, placements = model.supports.standing, model.data.oMi
     return np.array(
-        [placements[body].act(offset) for body, offset in zip(footing.bodies, footing.offsets, strict=True)]
+        [placements[body].act(offset) for body, offset in zip(standing.bodies, standing.offsets, strict=True)]
     )
 
 
@@ -360,7 +360,7 @@ def _standing_height(model: PlantModel, configuration: FloatArray) -> float:
     level[:7] = 0.0
     level[6] = 1.0
     pin.forwardKinematics(model.multibody, model.data, level)
-    below = model.supports.footing.below
+    below = model.supports.standing.below
     if not below:
         return 0.0
     return float(max(np.array(below) - _standing_points(model)[:, 2]))

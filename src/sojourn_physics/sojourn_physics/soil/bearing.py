@@ -26,7 +26,7 @@ MAX_FRICTION_ANGLE = math.radians(60.0)
 """Beyond this the factors have no meaning for a soil [rad]."""
 
 COHESION_FACTOR_WITHOUT_FRICTION = 1.5 * math.pi + 1.0
-"""Limit of N_c at phi = 0 (Terzaghi's 5.7)."""
+"""Limit of N_c at phi = 0 (Terzaghi's 5.7); compiled into kernels."""
 
 
 @dataclass(frozen=True, slots=True)

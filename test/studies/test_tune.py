@@ -1,0 +1,38 @@
+"""scripts/tune: measures a machine in a folder of its own and writes what its drive goes by."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+import yaml
+
+from sojourn_config.command_errors import UsageError
+from sojourn_config.paths import config_folder
+from sojourn_config.scenario import load_scenario
+from sojourn_studies import tune
+
+
+def test_a_machine_that_was_never_measured_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """From guesses the same comes out as from what was measured before."""
+    machine = tmp_path / "mine"
+    shutil.copytree(config_folder() / "machines" / "tracked", machine)
+    before = yaml.safe_load((machine / tune.FILE).read_text(encoding="utf-8"))
+    (machine / tune.FILE).unlink()
+    assert tune.main([str(machine)]) == 0
+    assert "measured.yaml written" in capsys.readouterr().out
+    after = yaml.safe_load((machine / tune.FILE).read_text(encoding="utf-8"))
+    assert after["track_ratio"] == pytest.approx(before["track_ratio"], abs=0.02)
+    assert after["odometry"] == pytest.approx(before["odometry"], abs=0.01)
+    for key, value in before["energy"].items():
+        assert after["energy"][key] == pytest.approx(value, rel=0.05, abs=0.5), key
+    scenario = load_scenario("flat_drive", [f"machine={machine}"])
+    assert scenario.drive.track_ratio == after["track_ratio"]
+    assert scenario.drive.energy.house_power == after["energy"]["house_power"]
+
+
+def test_a_machine_whose_drive_does_not_build_on_the_file_is_left_alone() -> None:
+    with pytest.raises(UsageError, match="drive does not build on"):
+        tune.main(["skid"])
+    assert not (config_folder() / "machines" / "skid" / tune.FILE).exists()
+    with pytest.raises(UsageError, match=r"flight\.yaml"):
+        tune.main(["no_such_machine"])
