@@ -197,7 +197,8 @@ def climbing(subject: TrackedSubject) -> Section:
 def turning(subject: TrackedSubject) -> Section:
     """Moment and power over the radius."""
     ground, vehicle, rate = subject.ground, subject.vehicle, subject.yaw_rate
-    turns = [steady_turn(ground, rate, float(radius)) for radius in RADII]
+    rates = np.minimum(rate, subject.cruise_speed / np.maximum(RADII, 1e-9))
+    turns = [steady_turn(ground, float(r), float(radius)) for r, radius in zip(rates, RADII, strict=True)]
     spot = turns[0]
     moments = np.array([turn.moment for turn in turns])
     figures = (
@@ -226,9 +227,12 @@ def turning(subject: TrackedSubject) -> Section:
     }
     curves = (
         Curve("Moment that resists a turn", abscissa, "moment [N m]", lines),
-        Curve(f"Power of a turn at {rate:g} rad/s", abscissa, "power [W]", powers),
+        Curve("Power of a turn", abscissa, "power [W]", powers),
     )
-    text = f"Level ground, low speed, {rate:g} rad/s. No soil pushed aside by the flanks of the tracks."
+    text = (
+        f"Level ground, low speed: {rate:g} rad/s, and {subject.cruise_speed:g} m/s in wide turns. Nothing is pushed "
+        "aside by the flanks of the tracks. Shear has no memory of its direction here; in the plant it has, and resists less."
+    )
     return Section("Turning", figures, curves, text)
 
 

@@ -29,7 +29,7 @@ from sojourn_analysis.vehicle.track_traction import TrackGround, footing
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_physics.contact.contact_law import WHEEL_COLUMNS, WheelColumn
-from sojourn_physics.contact.track import TrackColumn, track_shear
+from sojourn_physics.contact.track import LevelTrackColumn, track_shear
 from sojourn_physics.soil.params import SoilColumn
 
 LEAST_BELT = 1e-6
@@ -78,8 +78,8 @@ def track_row(ground: TrackGround) -> FloatArray:
     row = np.zeros(WHEEL_COLUMNS)
     row[WheelColumn.RADIUS], row[WheelColumn.WIDTH] = track.radius, track.width
     row[WheelColumn.GRAVITY] = ground.gravity
-    row[TrackColumn.LENGTH], row[TrackColumn.ROAD_WHEELS] = track.length, track.road_wheels
-    row[TrackColumn.PEAKEDNESS] = track.peakedness
+    row[LevelTrackColumn.LENGTH], row[LevelTrackColumn.ROAD_WHEELS] = track.length, track.road_wheels
+    row[LevelTrackColumn.PEAKEDNESS] = track.peakedness
     return row
 
 
