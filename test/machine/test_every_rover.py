@@ -86,3 +86,13 @@ def test_it_stands_level_on_all_of_its_wheels_and_drives_ahead(rover: str) -> No
     assert 0.6 * 4.0 * speed < ahead < 1.02 * 4.0 * speed
     assert abs(state.configuration[1] - standing.configuration[1]) < 0.02 * ahead
     assert state.energy.balance_error(standing.energy) < 0.01
+
+
+@pytest.mark.parametrize(("machine", "word"), [("explorer", "wheel"), ("tracked", "track")])
+def test_what_it_stands_on_has_a_word(machine: str, word: str) -> None:
+    config = machine_config(machine)
+    assert config.support_word == word
+    both = config.model_copy(
+        update={"wheels": machine_config("skid").wheels, "tracks": machine_config("tracked").tracks}
+    )
+    assert both.support_word == "support"

@@ -105,3 +105,24 @@ def test_a_machine_that_stands_tells_of_its_motors(capsys: pytest.CaptureFixture
         assert 0.0 < figures[f"demagnetisation_warm_{joint}"] < figures[f"demagnetisation_cold_{joint}"]
         assert figures[f"weakened_torque_{joint}"] > 0.0
     assert "mass" not in figures
+
+
+def test_a_machine_on_tracks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "tracked.html"
+    assert main(["tracked", "--json", "--out", str(out)]) == 0
+    found = json.loads(capsys.readouterr().out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    figures = found["figures"]
+    assert figures["ground_pressure"]["value"] == pytest.approx(120.0 * 1.6242 / 0.224 / 1000.0, rel=1e-3)
+    assert 0.0 < figures["spin_moment"]["value"] < figures["steeds_moment"]["value"]
+    assert figures["highest_step"]["value"] > 0.1, "its course has a step of 0.1 m"
+    assert figures["greatest_grade"]["value"] > 15.0, "and a slope of 15 degrees"
+    assert figures["spin_torque"]["value"] < figures["spin_torque_available"]["value"]
+    text = out.read_text(encoding="utf-8")
+    for title in ("Vehicle", "Standing", "Ground pressure and traction", "Climbing", "Turning", "Motors"):
+        assert f"<h2>{title}</h2>" in text
+    assert text.count("<svg") == text.count("</svg>") == 7
+
+
+def test_tracks_on_rock_are_refused() -> None:
+    with pytest.raises(UsageError, match="gives way"):
+        main(["tracked", "--soil", "rigid_rock"])

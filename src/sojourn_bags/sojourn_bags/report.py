@@ -102,13 +102,14 @@ def _title(summary: dict[str, Any]) -> str:
 
 def _draw_wheels(panels: Sequence[Axes], bag: Bag, run: Run) -> None:
     """Four panels of a machine with wheels or tracks."""
-    _draw_contacts(panels[0], bag, run, "sinkage", 1000.0, "Sinkage of each wheel", "sinkage [mm]")
+    each = f"each {run.machine.support_word}"
+    _draw_contacts(panels[0], bag, run, "sinkage", 1000.0, f"Sinkage of {each}", "sinkage [mm]")
     _draw_slip(panels[1], bag, run)
     _draw_joints(panels[2], bag, [wheel.joint for wheel in run.machine.rolling], "Torque of the drives")
     if run.machine.steer_joints:
         _draw_joints(panels[3], bag, list(run.machine.steer_joints), "Torque of the steering joints")
     else:
-        _draw_contacts(panels[3], bag, run, "slip_angle", 180.0 / np.pi, "Slip angle of each wheel", "angle [°]")
+        _draw_contacts(panels[3], bag, run, "slip_angle", 180.0 / np.pi, f"Slip angle of {each}", "angle [°]")
 
 
 def _draw_contacts(axes: Axes, bag: Bag, run: Run, field: str, scale: float, title: str, label: str) -> None:
@@ -121,7 +122,7 @@ def _draw_contacts(axes: Axes, bag: Bag, run: Run, field: str, scale: float, tit
 
 
 def _draw_slip(axes: Axes, bag: Bag, run: Run) -> None:
-    """One curve a wheel; of one that stands on a rover that stands, slip is a quotient of two trembles."""
+    """One curve a wheel or track; of one that stands on a rover that stands, slip is a quotient of two trembles."""
     contacts, truth, states = bag["/truth/contacts"], bag["/truth/odom"], bag["/truth/joint_states"]
     velocity = truth.columns(*(f"twist.twist.linear.{axis}" for axis in "xyz"))
     speed = np.interp(contacts.times, truth.times, np.linalg.norm(velocity, axis=1))
@@ -133,7 +134,7 @@ def _draw_slip(axes: Axes, bag: Bag, run: Run) -> None:
         )
         slip[np.maximum(rim, speed) < STANDING, number] = 0.0
     _draw_curves(axes, contacts.times, slip, [wheel.name.replace("_", " ") for wheel in run.machine.rolling])
-    axes.set(title="Slip of each wheel (0 where it stands)", ylabel="slip ratio [-]")
+    axes.set(title=f"Slip of each {run.machine.support_word} (0 where it stands)", ylabel="slip ratio [-]")
 
 
 def _draw_joints(axes: Axes, bag: Bag, names: Sequence[str], title: str, label: str = "torque [N m]") -> None:

@@ -115,6 +115,12 @@ class MachineParams(Params):
         return (*self.wheels, *self.tracks)
 
     @property
+    def support_word(self) -> str:
+        """What to call one thing that it stands on: wheel, track or foot; support where they are of several kinds."""
+        kinds = [name for name, those in (("wheel", self.wheels), ("track", self.tracks), ("foot", self.feet)) if those]
+        return kinds[0] if len(kinds) == 1 else "support"
+
+    @property
     def supports(self) -> tuple[SupportParams, ...]:
         """All that may meet the ground, in the order of all reports."""
         return (*self.stands_on, *self.pads)

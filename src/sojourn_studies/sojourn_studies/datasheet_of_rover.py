@@ -3,12 +3,15 @@
 import argparse
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from sojourn_analysis.datasheet.motors import motors_of
+from sojourn_analysis.datasheet.on_tracks import TrackedSubject, tracked_sections
 from sojourn_analysis.datasheet.sheet import Datasheet, datasheet
 from sojourn_analysis.datasheet.subject import Subject
+from sojourn_analysis.vehicle.tracked_vehicle import tracked_vehicle_of
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
 from sojourn_config.bundle import read_machine
 from sojourn_config.command_errors import UsageError
@@ -31,6 +34,15 @@ def subject_of(machine: str, body: str, soil: str) -> Subject:
     vehicle = vehicle_of_machine(machine, bundle, standing_machine)
     standing, driving = linear_plants(bundle, angles, vehicle.cruise_speed)
     return Subject(vehicle, bundle.soil, bundle.body, standing_machine, angles, standing, driving)
+
+
+def tracked_subject_of(machine: str, body: str, soil: str) -> TrackedSubject:
+    """A machine of `config/machines` on tracks, or that in a folder. Raises as `subject_of`."""
+    bundle = read_machine(machine, body, soil)
+    standing = StandingMachine(bundle.urdf_xml, bundle.machine, bundle.gravity)
+    vehicle = tracked_vehicle_of(standing, supply_of(bundle).voltage, bundle.arm_pose(STOWED))
+    limits = bundle.drive.limits
+    return TrackedSubject(standing, vehicle, bundle.soil, bundle.body, limits.max_speed, limits.max_yaw_rate)
 
 
 class Told(NamedTuple):
@@ -70,6 +82,27 @@ def of_a_rover(machine: str, body: str, soil: str) -> Told:
     return Told(subject.vehicle.name, figures, sheet, lead, subject.vehicle.citation)
 
 
+def of_tracks(machine: str, body: str, soil: str) -> Told:
+    """Of a machine on tracks.
+
+    Raises:
+        ConfigError: files that do not fit together.
+        UsageError: a soil that the closed forms of tracks do not take.
+    """
+    subject = tracked_subject_of(machine, body, soil)
+    try:
+        sheet = Datasheet(tracked_sections(subject), ())
+    except MachineError as error:
+        raise UsageError(f"{machine} on {soil}, {body}: {error}") from error
+    lead = [
+        f"On soil {subject.soil.name}, {subject.body.name} (gravity {subject.ground.gravity:.3f} m/s²), on two tracks. "
+        "Computed from the machine's files; nothing here is measured."
+    ]
+    name = Path(machine).name
+    figures = {"vehicle": name, "body": subject.body.name, "soil": subject.soil.name, "figures": _figures(sheet)}
+    return Told(name, figures, sheet, lead, f"config/machines/{name}")
+
+
 def of_a_stand(machine: str, body: str, soil: str) -> Told:
     """Of a machine that stands fast: its motors.
 
@@ -96,10 +129,16 @@ def _plain(value: float | str | None) -> float | str | None:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
+def _teller(machine: str) -> Callable[[str, str, str], Told]:
+    config = machine_config(machine)
+    if config.fixed_base:
+        return of_a_stand
+    return of_tracks if config.tracks and not config.wheels else of_a_rover
+
+
 def run(given: argparse.Namespace) -> int:
     """Compute the sheet and write or print it."""
-    tell = of_a_stand if machine_config(given.machine).fixed_base else of_a_rover
-    told = tell(given.machine, given.body, given.soil)
+    told = _teller(given.machine)(given.machine, given.body, given.soil)
     if given.json:
         print(json.dumps(told.figures, indent=2, ensure_ascii=False))
         if given.out is None:

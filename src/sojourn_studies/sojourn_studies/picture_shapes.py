@@ -9,6 +9,7 @@ from matplotlib.patches import Polygon
 from scipy.spatial import ConvexHull
 
 from sojourn_config.scenario import LoadedScenario
+from sojourn_machine.supports import TrackParams
 from sojourn_studies.picture_style import GREY
 
 
@@ -50,6 +51,30 @@ def outline(shape: Any) -> np.ndarray:
     return np.vstack(
         [np.column_stack([circle * np.cos(a), np.full(len(turn), shape.radius * np.sin(a))]) for a in rings]
     )
+
+
+def track_shapes(track: TrackParams) -> list[tuple[np.ndarray, np.ndarray]]:
+    """A track as its plates lie, and its road wheels before it: points whose convex hull each is, in the frame of its
+    link (n, 3), and its colour.
+    """
+    turn = np.linspace(0.0, 2.0 * np.pi, 49)
+    circle = np.column_stack([np.cos(turn), np.zeros(len(turn)), np.sin(turn)])
+    belt = [np.array([[end * track.length, 0.0, 0.0] for end in (0.5, -0.5)])]
+    for sense, end in ((1.0, track.front), (-1.0, track.rear)):
+        angle = np.radians(end.angle_deg)
+        ahead = 0.5 * track.length + end.length * np.cos(angle) - end.radius * np.sin(angle)
+        up = end.length * np.sin(angle) + end.radius * np.cos(angle)
+        belt.append(end.radius * circle + np.array([sense * ahead, 0.0, up]))
+    points = np.vstack(belt)
+    size = 0.4 * min(track.length / track.road_wheels, points[:, 2].max())
+    shapes = [(points, np.array([0.2, 0.2, 0.2, 1.0]))]
+    for part in (np.arange(track.road_wheels) + 0.5) / track.road_wheels - 0.5:
+        wheel = size * circle + np.array([part * track.length, 0.0, 1.2 * size])
+        shapes.append((wheel, np.array([0.45, 0.45, 0.48, 1.0])))
+    outside = [np.array([0.0, side * 0.5 * track.width, 0.0]) for side in (1.0, -1.0)]
+    return [
+        (np.vstack([points + edge for edge in outside]) + np.array(track.position), color) for points, color in shapes
+    ]
 
 
 def draw_shapes(axis: Axes, geometry: pin.GeometryModel, placed: tuple, plane: tuple[int, int]) -> None:

@@ -1,5 +1,6 @@
 """Pictures of the manuals: machines, where an arm reaches, how wheels steer, a course driven."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -20,7 +21,15 @@ from sojourn_flight.arm.kinematics import inverse_kinematics
 from sojourn_flight.arm.model import ArmModel, build_arm_model
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
-from sojourn_studies.picture_shapes import dimension, draw_shapes, outline, placed_joint, placed_shapes
+from sojourn_machine.supports import TrackParams
+from sojourn_studies.picture_shapes import (
+    dimension,
+    draw_shapes,
+    outline,
+    placed_joint,
+    placed_shapes,
+    track_shapes,
+)
 from sojourn_studies.picture_style import BLUE, GREY, ORANGE, PINK
 
 GROUND_IN_BASE = -0.47
@@ -167,6 +176,23 @@ def steering(scenario: LoadedScenario) -> Figure:
     return figure
 
 
+def _with_tracks(shapes: list[tuple], tracks: Sequence[TrackParams], model: pin.Model, data: pin.Data) -> list[tuple]:
+    """The shapes with the tracks as they meet the ground, in place of their frames and sprockets."""
+    links = {track.link for track in tracks}
+    links |= {frame.name for frame in model.frames for track in tracks if _turns(model, frame, track)}
+    kept = [shape for shape in shapes if shape[2].rsplit("_", 1)[0] not in links]
+    for track in tracks:
+        frame = model.frames[model.getFrameId(track.link)]
+        place = data.oMi[frame.parentJoint].act(frame.placement)
+        for points, color in track_shapes(track):
+            kept.append((points @ place.rotation.T + place.translation, color, track.name))
+    return kept
+
+
+def _turns(model: pin.Model, frame: pin.Frame, track: TrackParams) -> bool:
+    return frame.type == pin.FrameType.BODY and frame.parentJoint == model.getJointId(track.joint)
+
+
 def course(run: Path) -> None:
     """A machine from the right, and its track over the heights of its course, from a run of the demo with --machine."""
     bag = read_bag(run)
@@ -180,6 +206,7 @@ def course(run: Path) -> None:
         (outline(shape.geometry) @ place.rotation.T + place.translation, shape.meshColor, shape.name)
         for shape, place in zip(geometry.geometryObjects, places.oMg, strict=True)
     ]
+    shapes = _with_tracks(shapes, story.machine.tracks, model, data)
     figure, (side, above) = plt.subplots(
         1, 2, figsize=(10.0, 3.6), layout="constrained", gridspec_kw={"width_ratios": [1.0, 1.25]}
     )

@@ -97,7 +97,9 @@ def test_energy_of_the_lunar_rover_by_every_law(sheet: Datasheet) -> None:
 
 def test_tip_over_in_every_direction(rover: Subject) -> None:
     """Over the sides half the track counts, over the ends half the wheelbase, over a corner the diagonal."""
-    angles = tip_over_angles(rover, np.array([0.0, 0.5 * math.pi, math.atan2(0.9145, 1.143)]))
+    angles = tip_over_angles(
+        rover.places, rover.vehicle.height, np.array([0.0, 0.5 * math.pi, math.atan2(0.9145, 1.143)])
+    )
     assert np.tan(angles) * rover.vehicle.height == pytest.approx([1.143, 0.9145, math.hypot(1.143, 0.9145)])
 
 

@@ -60,7 +60,7 @@ def standing(subject: Subject) -> Section:
             )
         )
     directions = np.linspace(0.0, 2.0 * math.pi, 181)
-    angles = np.degrees(tip_over_angles(subject, directions))
+    angles = np.degrees(tip_over_angles(subject.places, vehicle.height, directions))
     named = (
         ("forward", "ahead", 0),
         ("left", "to the left", 45),
@@ -132,16 +132,19 @@ def _friction_for_diameter(side: SideView, gravity: float) -> float | str:
     return needed if math.isfinite(needed) else "not climbed"
 
 
-def tip_over_angles(subject: Subject, directions: FloatArray) -> FloatArray:
-    """Slope [rad] at which the machine tips over downhill, by direction from x to y [rad], shape (n,)."""
-    places = subject.places
+def tip_over_angles(places: FloatArray, height: float, directions: FloatArray) -> FloatArray:
+    """Slope [rad] at which a machine tips over downhill, by direction from x to y [rad], shape (n,).
+
+    Args:
+        places: of its contacts, from under its centre of mass, (contacts, 2) [m]. height: of that centre [m].
+    """
     hull = ConvexHull(places)
     normals, offsets = hull.equations[:, :2], -hull.equations[:, 2]
     ways = np.column_stack([np.cos(directions), np.sin(directions)])
     speed = ways @ normals.T
     with np.errstate(divide="ignore"):
         distance = np.where(speed > 1e-12, offsets / np.where(speed > 1e-12, speed, 1.0), np.inf).min(axis=1)
-    return np.asarray(np.arctan(distance / subject.vehicle.height))
+    return np.asarray(np.arctan(distance / height))
 
 
 def _contacts(subject: Subject) -> FloatArray:

@@ -12,20 +12,42 @@ motors alike at all wheels. Feeding energy back is left to the motor: a permanen
 series motor cannot brake, so its machine brakes with friction.
 """
 
+from typing import Protocol
+
 from sojourn_analysis.vehicle.params import VehicleParams
-from sojourn_machine.drives import MotorParams, SeriesMotorParams
+from sojourn_machine.drives import GearParams, MotorParams, SeriesMotorParams
 from sojourn_physics.actuators.dc_motor import WorkingPoint, largest_torque, working_point
 from sojourn_physics.actuators.series_motor import series_largest_torque, series_working_point
 
 
-def motor_torque(vehicle: VehicleParams, wheel_torque: float, wheel_rate: float) -> float:
+class Driveline(Protocol):
+    """A vehicle with one motor and gear at each wheel or sprocket."""
+
+    @property
+    def motor(self) -> MotorParams | SeriesMotorParams:
+        """Of each."""
+
+    @property
+    def gear(self) -> GearParams:
+        """Of each."""
+
+    @property
+    def bus_voltage(self) -> float:
+        """[V]"""
+
+    @property
+    def controller_efficiency(self) -> float:
+        """[-]"""
+
+
+def motor_torque(vehicle: Driveline, wheel_torque: float, wheel_rate: float) -> float:
     """Torque of one motor [N m] for a torque [N m] and a rate of at least 0 [rad/s] at its wheel."""
     gear = vehicle.gear
     through = wheel_torque + (gear.friction_torque if wheel_rate > 0.0 else 0.0) + gear.viscous_friction * wheel_rate
     return through / gear.ratio / gear.efficiency if through >= 0.0 else through / gear.ratio * gear.efficiency
 
 
-def motor_point(vehicle: VehicleParams, wheel_torque: float, wheel_rate: float) -> WorkingPoint:
+def motor_point(vehicle: Driveline, wheel_torque: float, wheel_rate: float) -> WorkingPoint:
     """Working point of one motor. A series motor that would have to brake takes no current: its brake does it."""
     torque, rate = motor_torque(vehicle, wheel_torque, wheel_rate), vehicle.gear.ratio * wheel_rate
     motor = vehicle.motor
@@ -35,13 +57,13 @@ def motor_point(vehicle: VehicleParams, wheel_torque: float, wheel_rate: float) 
     return series_working_point(motor, try_torque, rate) if torque > 0.0 else WorkingPoint(rate, 0.0, 0.0, 0.0, 0.0)
 
 
-def bus_power(vehicle: VehicleParams, point: WorkingPoint) -> float:
+def bus_power(vehicle: Driveline, point: WorkingPoint) -> float:
     """Power that one motor draws from the bus through its controller, negative where it feeds back [W]."""
     efficiency = vehicle.controller_efficiency
     return point.power / efficiency if point.power > 0.0 else point.power * efficiency
 
 
-def largest_wheel_torque(vehicle: VehicleParams, wheel_rate: float) -> float:
+def largest_wheel_torque(vehicle: Driveline, wheel_rate: float) -> float:
     """Largest driving torque at one wheel [N m] at a rate of at least 0 [rad/s]: bus voltage and current limit."""
     gear, motor = vehicle.gear, vehicle.motor
     rate = gear.ratio * wheel_rate

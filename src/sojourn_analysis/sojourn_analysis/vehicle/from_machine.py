@@ -130,6 +130,4 @@ def _suspension(machine: StandingMachine, configuration: FloatArray, wheel: int)
 def _pad_height(machine: StandingMachine, index: int) -> float:
     """Of the lowest point of a pad over flat ground, at the last kinematics [m]."""
     pad = machine.machine.pads[index]
-    frame = machine.model.frames[machine.model.getFrameId(pad.link)]
-    place = machine.data.oMi[frame.parentJoint].act(frame.placement.act(np.array(pad.position)))
-    return float(place[2] - pad.radius)
+    return float(machine.place(pad.link, pad.position)[2] - pad.radius)

@@ -102,11 +102,9 @@ class StandingMachine:
         Raises:
             InvalidValueError: no pose was found.
         """
-        start = pin.neutral(self.model)
+        start = self.posture(angles)
         start[:2] = x, y
         start[3:7] = pin.Quaternion(pin.rpy.rpyToMatrix(0.0, 0.0, yaw)).coeffs()
-        for name, angle in (angles or {}).items():
-            start[self.model.joints[self._joint(name)].idx_q] = angle
         lowest = min(self._places(start)[:, 2] - self.radii)
         start[2] = ground(x, y) - lowest
         # turn about the heading and slide along the ground stay as asked: heave, roll, pitch, passive joints are free
@@ -121,6 +119,18 @@ class StandingMachine:
         configuration = self._moved(start, motions @ found.x)
         contacts, normals, left = self._gaps(configuration, ground)
         return Stance(configuration, contacts, normals, left)
+
+    def posture(self, angles: Mapping[str, float] | None = None) -> FloatArray:
+        """Configuration (nq,) with base_link level at the origin; angles as in `stand`."""
+        configuration = np.array(pin.neutral(self.model))
+        for name, angle in (angles or {}).items():
+            configuration[self.model.joints[self._joint(name)].idx_q] = angle
+        return configuration
+
+    def place(self, link: str, position: tuple[float, float, float]) -> FloatArray:
+        """Of a point of a link, in the world at the last kinematics, shape (3,) [m]."""
+        frame = self.model.frames[self.model.getFrameId(link)]
+        return np.array(self.data.oMi[frame.parentJoint].act(frame.placement.act(np.array(position))))
 
     def loads(self, stance: Stance, compliance: FloatArray | float | None = None) -> WheelLoads:
         """Forces on the wheels at rest.

@@ -14,8 +14,11 @@ MER_CLASS_DEG = 45.0
 _QUATERNION = tuple(f"orientation.{axis}" for axis in "xyzw")
 
 
+HEADINGS = {"wheel": "Wheels", "track": "Tracks", "foot": "Feet", "support": "Supports"}
+
+
 def wheels(story: Story) -> PageSection:
-    """Slip, sinkage, loads and torques of the wheels."""
+    """Slip, sinkage, loads and torques of what it stands on."""
     contacts = story.find("/truth/contacts", CLOUD)
     if contacts is None or story.run is None:
         return PageSection(
@@ -24,39 +27,40 @@ def wheels(story: Story) -> PageSection:
     times, parts = story.times(contacts), []
     drives = [wheel.joint for wheel in story.run.machine.rolling]
     driven = story.moved(drives)
+    word = story.run.machine.support_word
     if not driven:
-        parts.append(paragraph("No wheel has turned: slip and drive torque are left out."))
+        parts.append(paragraph(f"No {word} has turned: slip and drive torque are left out."))
     count = len(story.wheels)
 
     def draw(title: str, values: FloatArray, label: str, note: str = "") -> None:
         parts.append(figure(title, chart(story.axis, wheel_curves(times, values, story.wheels), label), note))
 
     if driven and "slip_ratio" in story.points:
-        note = "1: the wheel spins on the spot; 0: it rolls; below: it skids. At standstill it has no meaning."
-        draw("Slip of each wheel", story.points["slip_ratio"][:, :count], "slip ratio [-]", note)
+        note = "1: it turns on the spot; 0: it rolls; below: it skids. At standstill it has no meaning."
+        draw(f"Slip of each {word}", story.points["slip_ratio"][:, :count], "slip ratio [-]", note)
     if driven and "slip_angle" in story.points:
-        draw("Slip angle of each wheel", np.degrees(story.points["slip_angle"][:, :count]), "slip angle [degree]")
+        draw(f"Slip angle of each {word}", np.degrees(story.points["slip_angle"][:, :count]), "slip angle [degree]")
     if "sinkage" in story.points:
-        draw("Sinkage of each wheel", 1000.0 * story.points["sinkage"][:, :count], "sinkage [mm]")
+        draw(f"Sinkage of each {word}", 1000.0 * story.points["sinkage"][:, :count], "sinkage [mm]")
     if "force_z" in story.points:
-        draw("Upward contact force of each wheel", story.points["force_z"][:, :count], "force [N]")
+        draw(f"Upward contact force of each {word}", story.points["force_z"][:, :count], "force [N]")
         level = np.hypot(story.points["force_x"], story.points["force_y"])
-        draw("Horizontal contact force of each wheel", level[:, :count], "force [N]")
-        parts.append(_pads(story, times))
-    parts.append(_torques(story, drives if driven else [], "Torque of the wheel drives"))
+        draw(f"Horizontal contact force of each {word}", level[:, :count], "force [N]")
+        parts.append(_pads(story, times, HEADINGS[word].lower()))
+    parts.append(_torques(story, drives if driven else [], f"Torque of the {word} drives"))
     steered = list(story.run.machine.steer_joints)
     parts.append(_torques(story, steered if story.moved(steered) else [], "Torque of the steering joints"))
-    return PageSection("wheels", "Wheels", "".join(parts))
+    return PageSection("wheels", HEADINGS[word], "".join(parts))
 
 
-def _pads(story: Story, times: FloatArray) -> str:
-    """Forces on what else touches the ground: belly, deck, arm."""
+def _pads(story: Story, times: FloatArray, supports: str) -> str:
+    """Forces on what else touches the ground than its supports: belly, deck, arm."""
     count = len(story.wheels)
     forces = np.sqrt(sum(story.points[f"force_{axis}"][:, count:] ** 2 for axis in "xyz"))
     pads = [(name, forces[:, column]) for column, name in enumerate(story.pads) if column < forces.shape[1]]
     touched = [(name, force) for name, force in pads if np.nanmax(np.append(force, 0.0)) > 0.0]
     if not touched:
-        return paragraph("Nothing but the wheels has touched the ground.", quiet=True)
+        return paragraph(f"Nothing but the {supports} has touched the ground.", quiet=True)
     curves = [ChartLine(times, force, name.replace("_", " "), COLORS[number % len(COLORS)], number // len(COLORS))
               for number, (name, force) in enumerate(touched)]  # fmt: skip
     return figure("Contact force of what else has touched the ground", chart(story.axis, curves, "force [N]"))
@@ -128,8 +132,8 @@ def _margin(story: Story) -> str:
             "The tip-over margin cannot be known: that takes the machine and its true contacts and joints."
         )
     note = (
-        "Angle by which the line of gravity, through the true centre of mass, is inside the outline of the wheels that "
-        "carry; at 0 the rover tips. A gap: fewer than three wheels carry, or they stand in a line."
+        "Angle by which the line of gravity, through the true centre of mass, is inside the outline of what carries; "
+        "at 0 the rover tips. A gap: fewer than three supports carry, or they stand in a line."
     )
     curves = [ChartLine(story.margin.times, np.degrees(story.margin.values), "least over all edges")]
     marks = [(MER_CLASS_DEG, f"{MER_CLASS_DEG:.0f}°: rovers of the MER class, on the level")]
