@@ -52,7 +52,7 @@ class TrackGround(NamedTuple):
         return self.vehicle.mass * self.gravity
 
 
-class Footing(NamedTuple):
+class TrackFooting(NamedTuple):
     """The runs on the soil."""
 
     pressure: FloatArray
@@ -64,7 +64,7 @@ class Footing(NamedTuple):
     bulldozing: float
 
 
-def footing(ground: TrackGround, grade: float = 0.0) -> Footing:
+def footing(ground: TrackGround, grade: float = 0.0) -> TrackFooting:
     """How the machine stands on a grade [rad], uphill positive.
 
     Raises:
@@ -96,10 +96,10 @@ def footing(ground: TrackGround, grade: float = 0.0) -> Footing:
         depth, soil[SoilColumn.COHESION], soil[SoilColumn.TAN_PHI], soil[SoilColumn.DENSITY] * ground.gravity
     )
     pressure = greatest * (shape if lean >= 0.0 else shape[::-1])
-    return Footing(pressure, depth, compaction, 2.0 * track.width * wall)
+    return TrackFooting(pressure, depth, compaction, 2.0 * track.width * wall)
 
 
-def thrust(ground: TrackGround, found: Footing, slip: float) -> float:
+def thrust(ground: TrackGround, found: TrackFooting, slip: float) -> float:
     """Of both tracks [N]; negative for a slip below 0, where they brake."""
     track, soil = ground.vehicle.track, ground.soil
     passed = track.length * (np.arange(POINTS) + 0.5) / POINTS
