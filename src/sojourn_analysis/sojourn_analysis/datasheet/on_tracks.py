@@ -231,7 +231,7 @@ def turning(subject: TrackedSubject) -> Section:
     )
     text = (
         f"Level ground, low speed: {rate:g} rad/s, and {subject.cruise_speed:g} m/s in wide turns. Nothing is pushed "
-        "aside by the flanks of the tracks. Shear has no memory of its direction here; in the plant it has: less resists."
+        "aside by the flanks of the tracks. Shear forgets its direction here; with it, in the plant, less resists."
     )
     return Section("Turning", figures, curves, text)
 
