@@ -20,9 +20,6 @@ from sojourn_physics.sensors.params import JointGroupParams, SensorSuiteParams
 
 AnyArm = TypeVar("AnyArm", bound=ArmParams)
 
-SAME_LENGTH = 1e-6
-"""Largest difference of two lengths that are meant to be one [m]."""
-
 
 def machine_problems(sets: MachineSets) -> list[Problem]:
     """All that does not fit together."""

@@ -13,7 +13,7 @@ from sojourn_config.bundle import Bundle, BundleReader, Driving
 from sojourn_config.errors import ConfigError, single
 from sojourn_config.extends import read_document
 from sojourn_config.load import validate
-from sojourn_config.overrides import override_document, route_overrides, split_beliefs
+from sojourn_config.overrides import override_document, route_overrides, split_beliefs, split_override
 from sojourn_config.paths import resolve
 from sojourn_config.scenario_checks import scenario_problems
 from sojourn_config.steps import FARTHEST, LONGEST, StepConfig
@@ -182,9 +182,8 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
     problems = [*reader.problems, *scenario_problems(config, bundle, document)]
     belief = None
     if not problems and (beliefs or any(routed[head] for head in TRUTH_ALONE)):
-        _, known = route_overrides([*told, *beliefs], HEADS)
-        alone = {head: route_overrides(beliefs, HEADS)[1][head] for head in TRUTH_ALONE}
-        reader = BundleReader(document, path, known | alone)
+        known = [text for text in told if split_override(text)[0][0] not in TRUTH_ALONE]
+        reader = BundleReader(document, path, route_overrides([*known, *beliefs], HEADS)[1])
         belief = reader.read(config.machine, config.body, *soils, config.tool)
         problems += reader.problems
     raster, digests = None, {}

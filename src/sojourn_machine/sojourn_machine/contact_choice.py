@@ -7,7 +7,7 @@ machine's file knows no law, and a law may come from any package.
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, ConfigDict, Field, SerializeAsAny, field_validator
+from pydantic import BeforeValidator, ConfigDict, Field, SerializeAsAny, ValidationInfo, field_validator
 
 from sojourn_machine.params import Params
 from sojourn_machine.registry import Registry
@@ -25,44 +25,34 @@ class ContactChoice(Params):
 
 
 class _Name(Params):
-    """The key of the table that says which law it is; the others are that law's to judge."""
+    """The key of the table that says which law it is, of the registry that is the context of the validation; the other
+    keys are that law's to judge.
+    """
 
     model_config = ConfigDict(extra="ignore")
     model: str
 
-
-class _WheelLawName(_Name):
     @field_validator("model")
     @classmethod
-    def _registered(cls, name: str) -> str:
-        CONTACT_LAWS.get(name)
+    def _registered(cls, name: str, info: ValidationInfo) -> str:
+        laws: Any = info.context
+        laws.get(name)
         return name
 
 
-class _FootLawName(_Name):
-    @field_validator("model")
-    @classmethod
-    def _registered(cls, name: str) -> str:
-        FOOT_LAWS.get(name)
-        return name
+def _law_among(laws: "Registry[type[ContactChoice]]") -> BeforeValidator:
+    """Reads the parameter set of the law of a registry that a table names from the table."""
+
+    def law(value: Any) -> Any:
+        if not isinstance(value, Mapping):
+            return value
+        return laws.get(_Name.model_validate(value, context=laws).model).model_validate(value)
+
+    return BeforeValidator(law)
 
 
-def _wheel_law(value: Any) -> Any:
-    """The parameter set of the law that a table names, read from the table."""
-    if not isinstance(value, Mapping):
-        return value
-    return CONTACT_LAWS.get(_WheelLawName.model_validate(value).model).model_validate(value)
-
-
-def _foot_law(value: Any) -> Any:
-    """Likewise, of a foot."""
-    if not isinstance(value, Mapping):
-        return value
-    return FOOT_LAWS.get(_FootLawName.model_validate(value).model).model_validate(value)
-
-
-Contact = Annotated[SerializeAsAny[ContactChoice], BeforeValidator(_wheel_law)]
-FootContact = Annotated[SerializeAsAny[ContactChoice], BeforeValidator(_foot_law)]
+Contact = Annotated[SerializeAsAny[ContactChoice], _law_among(CONTACT_LAWS)]
+FootContact = Annotated[SerializeAsAny[ContactChoice], _law_among(FOOT_LAWS)]
 DEFAULT_CONTACT: Any = {"model": "rigid_wheel_on_soil"}
 """What a wheel has where its file says nothing; read like a file's."""
 DEFAULT_FOOT_CONTACT: Any = {"model": "foot_pad"}
