@@ -7,7 +7,7 @@ import numpy as np
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_flight.hazards.stereo_camera import StereoCamera
-from sojourn_flight.mobility.mobility import NOT_MEASURED, BodyMotion, Felt, MeasuredJoints
+from sojourn_flight.mobility.mobility import NOT_MEASURED, BodyMotion, InertialMeasurement, MobilityJoints
 from sojourn_flight.mobility.rate_limiter import LimiterState
 from sojourn_flight.mobility.rolling import RollingMobility
 from sojourn_flight.mobility.rolling_limits import RollingLimits
@@ -104,10 +104,10 @@ class WheelDrive(DriveModel):
         angles = np.asarray(inputs.steer_angles, dtype=np.float64)[first]
         still = np.zeros(len(first))
         efforts = NOT_MEASURED if inputs.wheel_efforts is None else np.append(inputs.wheel_efforts, still)
-        joints = MeasuredJoints(
+        joints = MobilityJoints(
             np.append(inputs.wheel_positions, angles), np.append(inputs.wheel_rates, still), efforts
         )
-        felt = Felt(inputs.gyro, inputs.specific_force, inputs.roll_pitch, inputs.accelerometer_ahead)
+        felt = InertialMeasurement(inputs.gyro, inputs.specific_force, inputs.roll_pitch, inputs.accelerometer_ahead)
         names = ("sun", "cloud", "twist", "goal", "stop", "stop_reason", "supply", "power_limit")
         return DriveInput(joints, felt, **{name: getattr(inputs, name) for name in names})
 

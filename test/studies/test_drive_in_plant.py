@@ -44,15 +44,16 @@ def test_steering_keeps_within_its_limits_and_the_body_does_not_rock_at_the_end(
     loop = ClosedLoop(load_scenario("lunar_route"))
     joints = [wheel.steer_joint for wheel in loop.plant.machine.wheels if wheel.steer_joint]
     rows = loop.plant.reference_rows(joints)
-    efforts, rates, commanded, after = [], [], [loop.output.steer_rates], []
+    efforts, rates, commanded, after = [], [], [], []
     goal: Goal | None = Goal.along([(1.2, 0.3)])
     while len(after) < 100:
         output, goal = loop.step(goal=goal), None
         assert loop.plant_output is not None
         efforts.append(loop.plant_output.efforts[rows])
         rates.append(loop.truth.velocity[loop.plant.joints.columns[rows]])
-        commanded.append(output.steer_rates)
-        if loop.drive_state.last_outcome is not None and not output.wheel_rates.any():
+        wheels, steers = np.split(output.references.velocity, [len(loop.plant.machine.wheels)])
+        commanded.append(steers)
+        if loop.drive_state.last_outcome is not None and not wheels.any():
             after.append(abs(loop.truth.velocity[0]))
     most = loop.scenario.drive.mobility.max_steer_acceleration
     assert np.abs(np.diff(commanded, axis=0)).max() <= most * CONTROL_PERIOD_S * (1.0 + 1e-9)

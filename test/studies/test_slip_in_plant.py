@@ -37,7 +37,7 @@ def test_slip_of_each_wheel_up_a_slope_of_twelve_degrees() -> None:
     assert np.all(np.median(np.abs(late), axis=0) < 0.05)
     assert np.mean(np.abs(deviations[50:]) < 2.0) > 0.9, "the stated deviation holds"
     assert loop.plant_output is not None
-    wheels = loop.drive.geometry.names
+    wheels = loop.drive.mobility.names
     reported = np.array([loop.output.status[f"slip_{name}"] for name in wheels])
     true = loop.plant_output.contacts[: len(wheels), 4]
     np.testing.assert_allclose(reported, true, atol=0.1)  # the same slip as in /truth/contacts, on the rim
@@ -89,7 +89,7 @@ def test_wheels_that_spin_on_the_spot_end_a_goal_within_two_seconds() -> None:
     assert outcome.kind == "stopped"
     assert outcome.reason.startswith("spinning without headway")
     assert all(wheel in outcome.reason for wheel in ("front_left", "middle_right", "rear_left"))
-    assert outcome.reason == trouble(params, slip, loop.drive.geometry.names)
+    assert outcome.reason == trouble(params, slip, loop.drive.mobility.names)
 
 
 def test_a_dead_front_wheel_is_trailed_up_a_slope() -> None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from sojourn_contract.joint_places import JointPlaces
 from sojourn_contract.switches import fraction_of
 from sojourn_contract.values import Imu, JointState
-from sojourn_flight.mobility.mobility import NOT_MEASURED, Felt, MeasuredJoints, Triple
+from sojourn_flight.mobility.mobility import NOT_MEASURED, InertialMeasurement, MobilityJoints, Triple
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput
 from sojourn_machine.machine import MachineParams
 from sojourn_machine.mounting import IMU_LINK, mounting
@@ -32,9 +32,9 @@ class JointMeasurements:
         """Input of the drive's step. Raises RefusedMessageError if a joint is missing."""
         places = self._places.places(joints)
         effort = joints.effort[places] if len(joints.effort) else NOT_MEASURED
-        measured = MeasuredJoints(joints.position[places], joints.velocity[places], effort)
+        measured = MobilityJoints(joints.position[places], joints.velocity[places], effort)
         gyro, force = self._felt(imu)
-        felt = Felt(gyro, force, self._roll_pitch(imu.orientation), float(self._imu_lever[0]))
+        felt = InertialMeasurement(gyro, force, self._roll_pitch(imu.orientation), float(self._imu_lever[0]))
         return DriveInput(measured, felt)
 
     def command(self, stamp: int, output: DriveOutput) -> JointState:

@@ -23,7 +23,7 @@ NOT_MEASURED: FloatArray = np.empty(0)
 """Efforts of joints that do not tell them."""
 
 
-class MeasuredJoints(NamedTuple):
+class MobilityJoints(NamedTuple):
     """The joints of a mobility, in its order."""
 
     position: FloatArray
@@ -47,7 +47,7 @@ class JointReferences(NamedTuple):
         return JointReferences(self.position, np.zeros_like(self.velocity))
 
 
-class Felt(NamedTuple):
+class InertialMeasurement(NamedTuple):
     """What an inertial measurement unit tells of base_link, in base_link. None: not measured."""
 
     gyro: Triple | None = None
@@ -60,15 +60,15 @@ class Felt(NamedTuple):
     """How far the accelerometers are before the origin of base_link [m]."""
 
 
-NOTHING_FELT = Felt()
+NOTHING_FELT = InertialMeasurement()
 """Of a machine without such a unit."""
 
 
 class MotionInput(NamedTuple):
     """What is known at the start of a period."""
 
-    joints: MeasuredJoints
-    felt: Felt
+    joints: MobilityJoints
+    felt: InertialMeasurement
     gyro_bias: float
     """Estimated bias of the gyro's z axis [rad/s]."""
     standing: bool
@@ -126,7 +126,7 @@ class Moves(NamedTuple):
     """What the kind makes its status of."""
 
 
-class Health(NamedTuple):
+class MobilityHealth(NamedTuple):
     """Why a goal cannot be pursued, in words; empty where it can."""
 
     shortcoming: str = ""
@@ -169,7 +169,7 @@ class Mobility(ABC, Generic[State]):
         """The motion that the machine can make in place of one that was asked for, and why it is refused: no motion."""
 
     @abstractmethod
-    def health(self, state: State, slip_error: float) -> Health:
+    def health(self, state: State, slip_error: float) -> MobilityHealth:
         """How it is. slip_error: what the camera has found the way to be shorter than was told, over it [-]."""
 
     def slip(self, state: State, slip_error: float, least_pace: float) -> float | None:

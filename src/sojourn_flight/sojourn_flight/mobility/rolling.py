@@ -21,11 +21,11 @@ from sojourn_flight.mobility.kinematics import limited_twist
 from sojourn_flight.mobility.mobility import (
     BodyMotion,
     Conditions,
-    Felt,
-    Health,
+    InertialMeasurement,
     JointReferences,
-    MeasuredJoints,
     Mobility,
+    MobilityHealth,
+    MobilityJoints,
     MotionInput,
     Moves,
 )
@@ -217,9 +217,9 @@ class RollingMobility(Mobility[RollingState]):
         """See Mobility and `allowed_motion`."""
         return self._allowed.fit(wanted)
 
-    def health(self, state: RollingState, slip_error: float) -> Health:
+    def health(self, state: RollingState, slip_error: float) -> MobilityHealth:
         """See Mobility."""
-        return Health(
+        return MobilityHealth(
             shortcoming(self.table, state.motors, self.names),
             no_headway(self.slip_model, state.slip, slip_error, self.names),
             endless_spin(self.params.spin, state.spin),
@@ -250,13 +250,13 @@ class RollingMobility(Mobility[RollingState]):
     def warm_up(self) -> None:
         """See Mobility."""
         zeros, state = np.zeros(len(self.joints)), self.initial_state()
-        felt = Felt((0.0, 0.0, 0.1), (0.0, 0.0, 1.0), (0.0, 0.0))
+        felt = InertialMeasurement((0.0, 0.0, 0.1), (0.0, 0.0, 1.0), (0.0, 0.0))
         for wanted in (PlanarTwist(0.0, 0.0, 0.0), PlanarTwist(0.1, 0.0, 0.1)):
-            inputs = MotionInput(MeasuredJoints(zeros, zeros + 1.0, zeros), felt, 0.0, False, True, False)
+            inputs = MotionInput(MobilityJoints(zeros, zeros + 1.0, zeros), felt, 0.0, False, True, False)
             state, _ = self.motion(state, inputs, 0.02)
             state, _ = self.command(state, wanted, Conditions(1.0, 0.0), 0.02)
 
-    def wheels(self, joints: MeasuredJoints) -> MeasuredWheels:
+    def wheels(self, joints: MobilityJoints) -> MeasuredWheels:
         """The joints, wheel by wheel. Raises InvalidValueError for a wrong shape, or a number that is not finite."""
         position = self._checked("position", joints.position)
         velocity = self._checked("rate", joints.velocity)
@@ -298,7 +298,7 @@ class RollingMobility(Mobility[RollingState]):
         return dragging(found) if np.count_nonzero(state.motors.drive_failed) else found
 
     def _step_spin(
-        self, state: RollingState, table: FloatArray, wheels: MeasuredWheels, felt: Felt, dt: float
+        self, state: RollingState, table: FloatArray, wheels: MeasuredWheels, felt: InertialMeasurement, dt: float
     ) -> tuple[WheelSpinState, float | None]:
         """The state of the spin, and the slip of wheels that do; None of those that do not."""
         params = self.params.spin

@@ -22,10 +22,10 @@ from sojourn_flight.mobility.easing import Behind, eased
 from sojourn_flight.mobility.mobility import (
     BodyMotion,
     Conditions,
-    Felt,
-    Health,
+    InertialMeasurement,
     JointReferences,
-    MeasuredJoints,
+    MobilityHealth,
+    MobilityJoints,
     MotionInput,
 )
 from sojourn_flight.mobility.twist import NO_MOTION, PlanarTwist
@@ -104,13 +104,13 @@ class DriveModel(DrivenMachine):
             key_frames.warm_up(self.terrain, state.odometry)
         if self.avoidance is not None and state.avoidance is not None:
             warm_up_guard(self.avoidance, state.avoidance)
-        level = Felt((0.0, 0.0, 0.1), (0.0, 0.0, 1.0), (0.0, 0.0))
+        level = InertialMeasurement((0.0, 0.0, 0.1), (0.0, 0.0, 1.0), (0.0, 0.0))
         for goal in (Goal.at(1.0, 1.0), None):
-            moving = DriveInput(MeasuredJoints(zeros, zeros + 1.0, zeros), level, goal=goal, cloud=EXAMPLE_CLOUD)
+            moving = DriveInput(MobilityJoints(zeros, zeros + 1.0, zeros), level, goal=goal, cloud=EXAMPLE_CLOUD)
             state, _ = self.step(state, moving, dt)
         ahead = np.array((1.0, 0.0, 0.0))
         still = level._replace(gyro=(0.0, 0.0, 0.0))
-        resting = DriveInput(MeasuredJoints(zeros, zeros, zeros), still, sun=SunSighting(ahead, ahead), stop=True)
+        resting = DriveInput(MobilityJoints(zeros, zeros, zeros), still, sun=SunSighting(ahead, ahead), stop=True)
         for _ in range(round(2.0 * self.params.odometry.standing_time / dt)):
             state, _ = self.step(state, resting, dt)
 
@@ -288,7 +288,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     return new_state, output
 
 
-def _why_not(arbiter: Arbiter, health: Health, rather_astern: bool) -> str:
+def _why_not(arbiter: Arbiter, health: MobilityHealth, rather_astern: bool) -> str:
     """Why the goal on its way ends here, in words; empty where it goes on."""
     reason = health.shortcoming
     if arbiter.follower is not None and not is_answered(arbiter.follower, rather_astern):

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 from sojourn_flight.mobility.easing import NOTHING, Behind
-from sojourn_flight.mobility.mobility import NOTHING_FELT, Felt, JointReferences, MeasuredJoints, Moves
+from sojourn_flight.mobility.mobility import NOTHING_FELT, InertialMeasurement, JointReferences, MobilityJoints, Moves
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.heading_fix import HeadingFixState, SunSighting
 from sojourn_flight.odometry.key_frames import TerrainMatchState
@@ -49,8 +49,8 @@ class TwistCommand:
 class DriveInput:
     """What is known at the start of a period."""
 
-    joints: MeasuredJoints
-    felt: Felt = NOTHING_FELT
+    joints: MobilityJoints
+    felt: InertialMeasurement = NOTHING_FELT
     sun: SunSighting | None = None
     """A reading of the sun sensor that came in this period."""
     cloud: FloatArray | None = None
