@@ -1,7 +1,7 @@
 """What the contract needs to know of a rover: its joints by group with their limits, its loads, its contacts."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
 
@@ -10,6 +10,9 @@ import numpy as np
 from sojourn_config.machine import MachineConfig
 from sojourn_config.scenario import LoadedScenario
 from sojourn_config.urdf import UrdfJoint, UrdfSummary
+from sojourn_contract.run_table import table_of
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topics import STANDARD
 from sojourn_machine.tools import TOOL_JOINT, ToolParams
 
 
@@ -20,7 +23,7 @@ class JudgedMachine:
     Args:
         name: of the robot. joints: those that move, by name. drive, steer, arm, tool: names of the joints with a motor.
         held: joints held by position; the others with a motor by rate. loads: what the power manager may switch.
-        poses: names of the arm's poses. contacts: of its supports.
+        poses: names of the arm's poses. contacts: of its supports. table: the topics of its runs.
     """
 
     name: str
@@ -33,6 +36,7 @@ class JudgedMachine:
     loads: tuple[str, ...]
     poses: tuple[str, ...]
     contacts: int
+    table: TopicTable = STANDARD
 
     @classmethod
     def of(
@@ -64,7 +68,7 @@ class JudgedMachine:
     @classmethod
     def of_scenario(cls, scenario: LoadedScenario) -> "JudgedMachine":
         """The machine of a scenario."""
-        return cls.of(
+        machine = cls.of(
             scenario.config.machine,
             scenario.machine,
             scenario.urdf,
@@ -73,6 +77,7 @@ class JudgedMachine:
             () if scenario.arm is None else tuple(scenario.arm.named_poses),
             scenario.tool,
         )
+        return replace(machine, table=table_of(scenario))
 
     @property
     def motors(self) -> tuple[str, ...]:
