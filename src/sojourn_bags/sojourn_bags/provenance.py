@@ -20,6 +20,7 @@ from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.description import contract_data
 from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topics import STANDARD
 
 RUN_NAME = "run.json"
 """Name of the attachment with the same content, which is there from the first moment: also in a bag cut off."""
@@ -66,7 +67,7 @@ def versions_attachment() -> Attachment:
     return Attachment(VERSIONS_NAME, "application/json", json.dumps(versions(), indent=2).encode())
 
 
-def contract_attachment(table: TopicTable) -> Attachment:
+def contract_attachment(table: TopicTable = STANDARD) -> Attachment:
     """The contract of a run with these topics."""
     return Attachment(CONTRACT_NAME, "application/json", json.dumps(contract_data(table), indent=1).encode())
 
