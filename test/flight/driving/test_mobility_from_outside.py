@@ -83,11 +83,12 @@ class TwoSides(Mobility):
 '''
 PROGRAM = """
 import sys
-from sojourn_bringup.start import main
+from sojourn_bringup import contract_tool, start
 from sojourn_config.scenario import load_scenario
 
 print(load_scenario(sys.argv[1]).mobility())
-raise SystemExit(main([sys.argv[1], "--direct", "--run-dir", sys.argv[2]]))
+started = start.main([sys.argv[1], "--direct", "--run-dir", sys.argv[2]])
+raise SystemExit(started or contract_tool.main(["check", "--bag", sys.argv[2]]))
 """
 
 
@@ -123,3 +124,4 @@ def test_a_mobility_of_another_package_is_driven_to_its_goal(tmp_path: Path) -> 
     )  # fmt: skip
     assert run.returncode == 0, run.stdout + run.stderr
     assert "TwoSides" in run.stdout and "reached" in run.stdout, run.stdout
+    assert "keeps the contract: no violation" in run.stdout, run.stdout

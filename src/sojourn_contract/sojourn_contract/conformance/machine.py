@@ -1,7 +1,7 @@
 """What the contract needs to know of a rover: its joints by group with their limits, its loads, its contacts."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
 
@@ -10,6 +10,9 @@ import numpy as np
 from sojourn_config.machine import MachineConfig
 from sojourn_config.scenario import LoadedScenario
 from sojourn_config.urdf import UrdfJoint, UrdfSummary
+from sojourn_contract.run_table import table_of
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topics import STANDARD
 from sojourn_machine.tools import TOOL_JOINT, ToolParams
 
 
@@ -21,7 +24,7 @@ class JudgedMachine:
         name: of the robot. joints: those that move, by name. arm, tool: names of joints with a motor.
         drive, steer: joints that move the machine, by rate and by position.
         held: joints held by position; the others with a motor by rate. loads: what the power manager may switch.
-        poses: names of the arm's poses. contacts: of its supports.
+        poses: names of the arm's poses. contacts: of its supports. table: the topics of its runs.
     """
 
     name: str
@@ -34,6 +37,7 @@ class JudgedMachine:
     loads: tuple[str, ...]
     poses: tuple[str, ...]
     contacts: int
+    table: TopicTable = STANDARD
 
     @classmethod
     def of(
@@ -66,7 +70,7 @@ class JudgedMachine:
     @classmethod
     def of_scenario(cls, scenario: LoadedScenario) -> "JudgedMachine":
         """The machine of a scenario."""
-        return cls.of(
+        machine = cls.of(
             scenario.config.machine,
             scenario.machine,
             scenario.urdf,
@@ -76,6 +80,7 @@ class JudgedMachine:
             scenario.tool,
             () if scenario.driving is None else scenario.driving.mobility.joints(scenario.machine),
         )
+        return replace(machine, table=table_of(scenario))
 
     @property
     def motors(self) -> tuple[str, ...]:
