@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from sojourn_config.command_errors import UsageError
+from sojourn_config.machine_reader import MEASURED
 from sojourn_config.paths import config_folder
 from sojourn_config.scenario import load_scenario
 from sojourn_studies import tune
@@ -16,11 +17,11 @@ def test_a_machine_that_was_never_measured_is(tmp_path: Path, capsys: pytest.Cap
     """From guesses the same comes out as from what was measured before."""
     machine = tmp_path / "mine"
     shutil.copytree(config_folder() / "machines" / "tracked", machine)
-    before = yaml.safe_load((machine / tune.FILE).read_text(encoding="utf-8"))
-    (machine / tune.FILE).unlink()
+    before = yaml.safe_load((machine / MEASURED).read_text(encoding="utf-8"))
+    (machine / MEASURED).unlink()
     assert tune.main([str(machine)]) == 0
     assert "measured.yaml written" in capsys.readouterr().out
-    after = yaml.safe_load((machine / tune.FILE).read_text(encoding="utf-8"))
+    after = yaml.safe_load((machine / MEASURED).read_text(encoding="utf-8"))
     assert after["mobility"]["track_ratio"] == pytest.approx(before["mobility"]["track_ratio"], abs=0.02)
     assert after["odometry"] == pytest.approx(before["odometry"], abs=0.01)
     for key, value in before["energy"].items():
@@ -30,9 +31,9 @@ def test_a_machine_that_was_never_measured_is(tmp_path: Path, capsys: pytest.Cap
     assert scenario.drive.energy.house_power == after["energy"]["house_power"]
 
 
-def test_a_machine_whose_drive_does_not_build_on_the_file_is_left_alone() -> None:
-    with pytest.raises(UsageError, match="drive does not build on"):
+def test_a_machine_that_says_itself_what_would_be_measured_is_left_alone() -> None:
+    with pytest.raises(UsageError, match=r"drive says mobility\.track_ratio.* itself"):
         tune.main(["skid"])
-    assert not (config_folder() / "machines" / "skid" / tune.FILE).exists()
-    with pytest.raises(UsageError, match=r"flight\.yaml"):
+    assert not (config_folder() / "machines" / "skid" / MEASURED).exists()
+    with pytest.raises(UsageError, match=r"machine\.yaml"):
         tune.main(["no_such_machine"])

@@ -100,7 +100,7 @@ class Bundle:
     @property
     def steering(self) -> SteeringGeometryParams:
         """The wheels and tracks as the drive node sees them."""
-        return steering_geometry(self.machine_body())
+        return steering_geometry(self.machine_body().layout)
 
     def mobility(self) -> "Mobility[Any]":
         """What moves the machine. Raises ConfigError for a machine that stands fast."""

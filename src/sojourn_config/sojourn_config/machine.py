@@ -116,7 +116,7 @@ class RoverConfig(MachineConfig):
     flight: ClassVar[type[FlightSet]] = RoverFlight
     defaults: ClassVar[Mapping[str, str]] = {
         "flight": "rover_flight",
-        "power": "rover_power",
+        "power": "default_power",
         "sensors": "rover_sensors",
     }
 

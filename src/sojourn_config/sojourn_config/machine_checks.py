@@ -6,7 +6,7 @@ from typing import TypeVar
 from sojourn_config.arm_config import ArmConfig
 from sojourn_config.errors import Problem
 from sojourn_config.machine import MachineConfig
-from sojourn_config.machine_body import joint_places
+from sojourn_config.machine_body import body_layout
 from sojourn_config.machine_reader import MachineSets
 from sojourn_config.mechanism_checks import BASE_LINK, mass_problems, mechanism_problems
 from sojourn_config.support_checks import joint_problem, support_problems
@@ -203,6 +203,6 @@ def _limit_problems(
     config: MachineConfig, urdf: UrdfSummary, drive: DriveParams, document: YamlDocument
 ) -> Iterator[Problem]:
     """The drive node may not ask for more than the joints can do."""
-    for key, value, most in drive.mobility.excesses(config, joint_places(urdf)):
+    for key, value, most in drive.mobility.excesses(body_layout(config, urdf)):
         allowed = f"allowed is at most {most:g} rad/s, the velocity of these joints in {urdf.file}"
         yield document.problem(("drive", "mobility", key), value, allowed)

@@ -3,18 +3,24 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from sojourn_config.arm_config import ArmConfig
+from sojourn_config.derived import laid_over, with_derived
+from sojourn_config.derived_flight import derived_flight
+from sojourn_config.derived_power import derived_power
+from sojourn_config.derived_sensors import derived_sensors
 from sojourn_config.errors import MISSING, ConfigError
 from sojourn_config.explain import problems_of
 from sojourn_config.extends import PARTS
 from sojourn_config.machine import MACHINE_KINDS, FlightSet, MachineConfig, PowerSet
+from sojourn_config.machine_body import body_layout
 from sojourn_config.mounting import LoadedMachine, join, mount_problems
 from sojourn_config.paths import SUFFIX, config_folder
 from sojourn_config.set_reader import ReadSet, Referrer, SetReader
+from sojourn_config.support_checks import support_problems
 from sojourn_config.tool_config import ToolSet, pad_problem
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
@@ -25,6 +31,13 @@ from sojourn_physics.sensors.params import SensorSuiteParams
 
 Model = TypeVar("Model", bound=BaseModel)
 MACHINES = "machines"
+MEASURED = "measured.yaml"
+"""What scripts/tune has measured of a machine's drive, beside machine.yaml."""
+DRIVE = "drive"
+COMPLETED = ("flight", "sensors")
+"""Files that need not say all: what stands for them where they are not there stands for what they leave out, too."""
+PARTS_OF_SENSORS: Mapping[str, str] = {"hazcam": "camera_flight", "sun": "sun_flight"}
+"""What the drive goes by of a machine that has a sensor: sets of `config/parts`."""
 COMMAND_LINE = Referrer(YamlDocument("command line", {}), Path("command line"))
 """Names a set where no file does."""
 FILES: Mapping[str, tuple[str, ...]] = {
@@ -55,6 +68,15 @@ class MachineSets:
     documents: Mapping[str, YamlDocument]
 
 
+class MachineFiles(NamedTuple):
+    """What `flight.yaml` builds on."""
+
+    config: MachineConfig
+    urdf: UrdfSummary
+    power: PowerSet
+    sensors: YamlDocument
+
+
 class MachineReader(SetReader):
     """Reads machines; what is wrong goes into `problems`, what was read into `files`."""
 
@@ -71,8 +93,10 @@ class MachineReader(SetReader):
         config = read.params
         urdf = self.urdf(config.urdf, read.asked)
         power = self._file(path, "power", PowerSet, config)
-        flight = self._file(path, "flight", config.flight, config)
-        sensors = self._file(path, "sensors", SensorSuiteParams, config)
+        sensors = None if urdf is None else self._sensors(path, config, urdf)
+        flight = None
+        if urdf is not None and sensors is not None and power is not None:
+            flight = self._flight(path, MachineFiles(config, urdf, power.params, sensors.document))
         arm = self._arm(name, read)
         tool = self._tool(read, asked, mounted)
         if urdf is None or power is None or flight is None or sensors is None:
@@ -113,13 +137,46 @@ class MachineReader(SetReader):
             return None
         return self.validated(document, path, kind)
 
+    def _sensors(self, path: Path, config: MachineConfig, urdf: UrdfSummary) -> ReadSet[SensorSuiteParams] | None:
+        """`sensors.yaml`, and encoders on all joints where it names none."""
+        own, document = self._document(path, "sensors", config)
+        if document is not None and "joint_groups" not in document.data:
+            document = with_derived(document, derived_sensors(config, urdf))
+        return None if document is None else self.validated(document, own, SensorSuiteParams)
+
+    def _flight(self, path: Path, files: "MachineFiles") -> ReadSet[FlightSet] | None:
+        """`flight.yaml`, over what was measured, what a machine with its sensors goes by, and what follows from its
+        battery and its size.
+        """
+        config, urdf, sensors = files.config, files.urdf, files.sensors.data
+        own, document = self._document(path, "flight", config)
+        if document is None:
+            return None
+        document = with_derived(document, derived_power(files.power.battery, files.power.bus))
+        fits = not any(support_problems(config, urdf, YamlDocument("", {})))  # they are told later, with their lines
+        if isinstance(document.data.get(DRIVE), dict) and fits:
+            below = [path.with_name(MEASURED)]
+            below += [_part(name) for sensor, name in PARTS_OF_SENSORS.items() if sensors.get(sensor) is not None]
+            for base in (self.document(each, PARTS) for each in below if each.is_file()):
+                document = document if base is None else laid_over(document, base, DRIVE)
+            document = with_derived(document, derived_flight(body_layout(config, urdf), sensors))
+        return self.validated(document, own, config.flight)
+
     def _file(self, path: Path, file: str, model: type[Model], config: MachineConfig) -> ReadSet[Model] | None:
         """One of the files beside `machine.yaml`, or what stands for it in machines of its kind."""
-        own = path.with_name(file + SUFFIX)
-        if not own.is_file() and file in config.defaults:
-            own = config_folder() / PARTS / (config.defaults[file] + SUFFIX)
-        document = self.document(own, MACHINES, self._overrides_of(file))
+        own, document = self._document(path, file, config)
         return None if document is None else self.validated(document, own, model)
+
+    def _document(self, path: Path, file: str, config: MachineConfig) -> tuple[Path, YamlDocument | None]:
+        own = path.with_name(file + SUFFIX)
+        default = _part(config.defaults[file]) if file in config.defaults else None
+        if not own.is_file() and default is not None:
+            own = default
+        document = self.document(own, MACHINES, self._overrides_of(file))
+        if document is not None and own != default and default is not None and file in COMPLETED:
+            base = self.document(default, PARTS)
+            document = document if base is None else laid_over(document, base)
+        return own, document
 
     def _overrides_of(self, file: str) -> list[str]:
         if not FILES[file]:
@@ -169,6 +226,10 @@ class MachineReader(SetReader):
             self.problems.append(asked.document.problem(("tool",), name, why))
             return None
         return self.load("tools", name, "tool", ToolSet, asked)
+
+
+def _part(name: str) -> Path:
+    return config_folder() / PARTS / (name + SUFFIX)
 
 
 def machine_config(name: str) -> MachineConfig:

@@ -53,6 +53,7 @@ class YamlDocument:
         overridden: text of the override that set a key, by path.
         origins: file in which a key is written, by path, where that is another one (`extends`).
         texts: text of every file that it is made of, by name.
+        derived: from what a value follows that no file says, by path, see `derived`.
     """
 
     file: str
@@ -61,14 +62,19 @@ class YamlDocument:
     overridden: dict[KeyPath, str] = field(default_factory=dict)
     origins: dict[KeyPath, Path] = field(default_factory=dict)
     texts: dict[str, str] = field(default_factory=dict)
+    derived: dict[KeyPath, str] = field(default_factory=dict)
 
     def place(self, path: KeyPath) -> tuple[str, int | None]:
-        """File and line of the key at `path`, or of the nearest table around it; or the override of it."""
+        """File and line of the key at `path`, or of the nearest table around it; or the override of it; or from what
+        it follows.
+        """
         if path and path not in self.lines:  # a table that only the command line has
             for inner, text in self.overridden.items():
                 if inner[: len(path)] == path:
                     return f"--set {text} (in {self.file})", None
         for length in range(len(path), 0, -1):
+            if path[:length] in self.derived:
+                return self.derived[path[:length]], None
             if path[:length] in self.overridden:
                 return f"--set {self.overridden[path[:length]]} (in {self.file})", None
             if path[:length] in self.lines:

@@ -19,16 +19,27 @@ class JointPlace(NamedTuple):
     """Limit, infinite where there is none [rad/s or m/s]."""
 
 
-class MachineBody(NamedTuple):
-    """What a mobility is made for."""
+class BodyLayout(NamedTuple):
+    """Where the parts of a machine are."""
 
     machine: MachineParams
-    urdf_xml: str
     joints: Mapping[str, JointPlace]
     """Of all joints that move and that base_link carries, by name."""
     tracks: Mapping[str, FloatArray]
     """Middle of the flat run of each track in base_link, shape (3,) [m], by name."""
+
+
+class MachineBody(NamedTuple):
+    """What a mobility is made for."""
+
+    layout: BodyLayout
+    urdf_xml: str
     gravity: float
     """[m/s^2]"""
     stowed: Mapping[str, float]
     """Joints of the arm while the machine drives, by name [rad]; none where there is no arm."""
+
+    @property
+    def machine(self) -> MachineParams:
+        """What it stands on, its drives and couplings."""
+        return self.layout.machine

@@ -3,8 +3,8 @@
     scripts/tune MACHINE
 
 The slip that its odometry expects, the track ratio of one that scrubs in a turn, what driving costs: all of it goes
-into `measured.yaml` in the machine's folder, on which `drive` in flight.yaml builds (`extends: ./measured.yaml`). The
-first time the file is begun with guesses, so that there is a machine to measure.
+into `measured.yaml` in the machine's folder, which stands for what the table `drive` of its flight.yaml leaves out;
+before it is there, guesses do.
 """
 
 import argparse
@@ -14,29 +14,14 @@ from typing import Any
 
 from sojourn_config import command_line
 from sojourn_config.command_errors import UsageError
-from sojourn_config.extends import EXTENDS
+from sojourn_config.derived_flight import UNMEASURED_SLIP
+from sojourn_config.machine_reader import MEASURED
 from sojourn_config.paths import config_folder, display, is_path
 from sojourn_config.yaml_file import read_yaml
 
-FILE = "measured.yaml"
 SCENARIO = "flat_drive"
-GUESSES: Mapping[str, Any] = {
-    "mobility": {"track_ratio": 1.0},
-    "odometry": {"mean_slip": 0.1, "slip_per_grade": 1.0, "side_slip_per_grade": 0.7},
-    "energy": {
-        "grades_deg": [-8.0, -4.0, 0.0, 4.0, 8.0],
-        "energy_per_metre": [100.0] * 5,
-        "time_per_metre": [10.0] * 5,
-        "stop_energy": 10.0,
-        "stop_time": 4.0,
-        "turn_energy": 10.0,
-        "turn_time": 4.0,
-        "energy_per_radian": 100.0,
-        "time_per_radian": 5.0,
-        "house_power": 50.0,
-    },
-}
-"""Of no machine: what stands in the file until it is measured."""
+MEASURED_KEYS = {"mobility": ("track_ratio",), "odometry": tuple(UNMEASURED_SLIP), "energy": ()}
+"""Keys of the table `drive` that are measured, by their tables; of energy all."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -44,7 +29,7 @@ def parser() -> argparse.ArgumentParser:
     result = command_line.Parser(
         prog="tune",
         description="Measure in the plant what a machine's drive goes by (slip, turning, energy), and write it into "
-        f"its {FILE}. Some minutes.",
+        f"its {MEASURED}. Some minutes.",
     )
     result.add_argument("machine", help="a machine that drives: its name in config/machines, or the path of its folder")
     result.add_argument("--body", default="moon", help="name in config/bodies (default: %(default)s)")
@@ -56,16 +41,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and write."""
     given = parser().parse_args(arguments)
     folder = Path(given.machine) if is_path(given.machine) else config_folder() / "machines" / given.machine
-    if not (folder / "flight.yaml").is_file():
-        raise UsageError(f"{given.machine}: there is no {folder / 'flight.yaml'}; allowed is a machine that drives")
-    if not builds_on_it(folder / "flight.yaml"):
+    if not (folder / "machine.yaml").is_file():
+        raise UsageError(f"{given.machine}: there is no {folder / 'machine.yaml'}; allowed is a machine that drives")
+    flight, file = folder / "flight.yaml", folder / MEASURED
+    if said := said_already(flight):
         raise UsageError(
-            f"{display(folder / 'flight.yaml')}: drive does not build on {FILE}: "
-            f"allowed is a table drive that begins with  extends: ./{FILE}"
+            f"{display(flight)}: drive says {', '.join(said)} itself, which comes before {MEASURED}: "
+            "allowed is a machine that leaves it to be measured"
         )
-    file = folder / FILE
-    if not file.exists():
-        write(file, GUESSES, "Guesses, to be measured by scripts/tune.")
     overrides = [f"machine={given.machine}", f"body={given.body}", f"soil={given.soil}"]
     found = measured(overrides, command_line.say)
     write(file, found, f"Measured in the plant on {given.soil}, {given.body}, by scripts/tune; written anew each time.")
@@ -73,10 +56,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def builds_on_it(flight: Path) -> bool:
-    """Whether the table `drive` of a flight.yaml extends the file."""
-    table = read_yaml(flight).data.get("drive")
-    return isinstance(table, dict) and str(table.get(EXTENDS)).removeprefix("./") == FILE
+def said_already(flight: Path) -> list[str]:
+    """Keys that the table `drive` of a flight.yaml has of those that are measured."""
+    table = read_yaml(flight).data.get("drive") if flight.is_file() else None
+    found = []
+    for name, keys in MEASURED_KEYS.items():
+        own = table.get(name) if isinstance(table, dict) else None
+        if isinstance(own, dict):
+            found += [f"{name}.{key}" for key in (keys or own) if key in own]
+    return found
 
 
 def measured(overrides: Sequence[str], say: Callable[[str], None]) -> dict[str, Any]:

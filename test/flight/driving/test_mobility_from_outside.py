@@ -45,7 +45,7 @@ class TwoSides(Mobility):
 
     def __init__(self, drive, params, body):
         self.params, self.joints, self.limits = params, params.joints(body.machine), drive.limits
-        places = np.array([body.joints[joint].place[:2] for joint in self.joints])
+        places = np.array([body.layout.joints[joint].place[:2] for joint in self.joints])
         self.left = places[:, 1] > 0.0
         self.ability = Ability(TurningLimits(drive.follower.max_curvature, 1.0, True),
                                float(np.hypot(*places.T).max()), places)

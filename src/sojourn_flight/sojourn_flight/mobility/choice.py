@@ -4,12 +4,12 @@ A kind is found by its name when it is needed (entry points `sojourn.mobility`),
 supervision know none of them, and one may come from any package. See `mobility` for what it must do.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, SerializeAsAny
 
-from sojourn_machine.body import JointPlace, MachineBody
+from sojourn_machine.body import BodyLayout, MachineBody
 from sojourn_machine.choice import kinds_of
 from sojourn_machine.machine import MachineParams
 from sojourn_machine.params import Params
@@ -32,9 +32,9 @@ class MobilityChoice(Params):
         """Joints of the machine that move it, in the order of its commands."""
         raise NotImplementedError
 
-    def excesses(self, machine: MachineParams, joints: Mapping[str, JointPlace]) -> Iterator[tuple[str, float, float]]:
+    def excesses(self, layout: BodyLayout) -> Iterator[tuple[str, float, float]]:
         """Keys that ask for more than the machine's joints can do: name, value, and the most that they can."""
-        del machine, joints
+        del layout
         yield from ()
 
     def build(self, drive: "DriveParams", body: MachineBody) -> "Mobility[Any]":

@@ -145,7 +145,7 @@ class RollingMobility(Mobility[RollingState]):
             from sojourn_flight.mobility.wheel_load_map import wheel_load_map  # loads Pinocchio
 
             loads = wheel_load_map(body.urdf_xml, body.machine, body.gravity, body.stowed)
-        return cls(drive, steering_geometry(body), loads, params.joints(body.machine))
+        return cls(drive, steering_geometry(body.layout), loads, params.joints(body.machine))
 
     def initial_state(self) -> RollingState:
         """See Mobility."""

@@ -1,6 +1,6 @@
 """Parameters of a machine that rolls, on wheels or on tracks: `drive.mobility` of kind rolling."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import Field, model_validator
@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from sojourn_flight.mobility.choice import MobilityChoice
 from sojourn_flight.mobility.wheel_spin_params import WheelSpinParams
 from sojourn_flight.odometry.slip_params import SlipParams
-from sojourn_machine.body import JointPlace, MachineBody
+from sojourn_machine.body import BodyLayout, MachineBody
 from sojourn_machine.machine import MachineParams
 from sojourn_machine.params import Params
 
@@ -93,13 +93,13 @@ class RollingParams(MobilityChoice):
         """Drive joints of wheels and tracks in their order, then the steering joints, each once."""
         return (*(one.joint for one in machine.rolling), *machine.steer_joints)
 
-    def excesses(self, machine: MachineParams, joints: Mapping[str, JointPlace]) -> Iterator[tuple[str, float, float]]:
+    def excesses(self, layout: BodyLayout) -> Iterator[tuple[str, float, float]]:
         """See MobilityChoice: the fastest of the joints counts, slower ones keep to their own limits."""
         for key, value, names in (
-            ("max_wheel_rate", self.max_wheel_rate, [wheel.joint for wheel in machine.wheels]),
-            ("max_steer_rate", self.max_steer_rate, machine.steer_joints),
+            ("max_wheel_rate", self.max_wheel_rate, [wheel.joint for wheel in layout.machine.wheels]),
+            ("max_steer_rate", self.max_steer_rate, layout.machine.steer_joints),
         ):
-            fastest = max((joints[name].velocity for name in names), default=value)
+            fastest = max((layout.joints[name].velocity for name in names), default=value)
             if value > fastest:
                 yield key, value, fastest
 

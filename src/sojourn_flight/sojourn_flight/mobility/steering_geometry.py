@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from sojourn_flight.mobility.wheel_table import wheel_table
-from sojourn_machine.body import MachineBody
+from sojourn_machine.body import BodyLayout
 from sojourn_machine.params import FloatArray, Params
 from sojourn_machine.supports import TrackParams, WheelParams
 
@@ -125,18 +125,18 @@ class SteeringGeometryParams(Params):
         return wheel_table(self.wheels, track_ratio)
 
 
-def steering_geometry(body: MachineBody) -> SteeringGeometryParams:
+def steering_geometry(layout: BodyLayout) -> SteeringGeometryParams:
     """The wheels and tracks of a machine. They roll on the circle on which the soil shears."""
-    wheels = (_wheel_geometry(wheel, body) for wheel in body.machine.wheels)
-    tracks = (_track_geometry(track, body) for track in body.machine.tracks)
+    wheels = (_wheel_geometry(wheel, layout) for wheel in layout.machine.wheels)
+    tracks = (_track_geometry(track, layout) for track in layout.machine.tracks)
     return SteeringGeometryParams(wheels=(*wheels, *tracks))
 
 
-def _wheel_geometry(wheel: WheelParams, body: MachineBody) -> WheelGeometry:
-    place = body.joints[wheel.joint].place
+def _wheel_geometry(wheel: WheelParams, layout: BodyLayout) -> WheelGeometry:
+    place = layout.joints[wheel.joint].place
     steering: dict[str, float | str | None] = {}
     if wheel.steer_joint is not None:
-        joint = body.joints[wheel.steer_joint]
+        joint = layout.joints[wheel.steer_joint]
         steering = {
             "steer_min": joint.lower,
             "steer_max": joint.upper,
@@ -154,15 +154,15 @@ def _wheel_geometry(wheel: WheelParams, body: MachineBody) -> WheelGeometry:
             "radius": wheel.shear_radius,
             "steered": wheel.steer_joint is not None,
             "roller_angle": None if rollers_deg is None else math.radians(rollers_deg),
-            "max_rate": _finite(body.joints[wheel.joint].velocity),
+            "max_rate": _finite(layout.joints[wheel.joint].velocity),
             **steering,
         }
     )
 
 
-def _track_geometry(track: TrackParams, body: MachineBody) -> WheelGeometry:
+def _track_geometry(track: TrackParams, layout: BodyLayout) -> WheelGeometry:
     """A track rolls as a wheel in the middle of its flat run would that scrubs in every turn."""
-    place = body.tracks[track.name]
+    place = layout.tracks[track.name]
     return WheelGeometry.model_validate(
         {
             "name": track.name,
@@ -171,7 +171,7 @@ def _track_geometry(track: TrackParams, body: MachineBody) -> WheelGeometry:
             "radius": track.radius,
             "steered": False,
             "scrubs": True,
-            "max_rate": _finite(body.joints[track.joint].velocity),
+            "max_rate": _finite(layout.joints[track.joint].velocity),
         }
     )
 

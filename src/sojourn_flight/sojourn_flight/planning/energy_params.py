@@ -11,7 +11,9 @@ from sojourn_machine.params import Params
 class EnergyParams(Params):
     """What driving costs, measured."""
 
-    grades_deg: tuple[float, ...] = Field(min_length=2, description="grades of the measurement, rising [deg]")
+    grades_deg: tuple[float, ...] = Field(
+        default=(-8.0, -4.0, 0.0, 4.0, 8.0), min_length=2, description="grades of the measurement, rising [deg]"
+    )
     energy_per_metre: tuple[float, ...] = Field(min_length=2, description="of drive and steering on them [J/m]")
     time_per_metre: tuple[float, ...] = Field(min_length=2, description="likewise [s/m]")
     stop_energy: float = Field(ge=0.0, le=1e6, description="for starting, slowing down and stopping once [J]")
@@ -21,8 +23,13 @@ class EnergyParams(Params):
     energy_per_radian: float = Field(ge=0.0, le=1e6, description="of a turn on the spot [J/rad]")
     time_per_radian: float = Field(ge=0.0, le=1e4, description="likewise [s/rad]")
     house_power: float = Field(ge=0.0, le=1e5, description="of all that goes on at a stand, too [W]")
-    margin: float = Field(ge=0.0, le=5.0, description="part of the forecast to be left over [-]")
-    refuse: bool = Field(description="refuse a goal for which the charge does not suffice")
+    margin: float = Field(
+        default=0.2,
+        ge=0.0,
+        le=5.0,
+        description="part of the forecast to be left over: side slopes, rocks, unknown climbs [-]",
+    )
+    refuse: bool = Field(default=True, description="refuse a goal for which the charge does not suffice")
 
     @model_validator(mode="after")
     def _table(self) -> Self:

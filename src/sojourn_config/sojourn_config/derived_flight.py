@@ -1,0 +1,166 @@
+"""What a machine's drive goes by where no file says it: from its size, its joints and its sensors.
+
+Rules of thumb, in the proportions of the rovers that were tuned here. What depends on soil is a guess until
+`scripts/tune` has measured it: its file, measured.yaml beside machine.yaml, comes before all that stands here.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from sojourn_config.derived import Derivation, Derived
+from sojourn_config.yaml_file import Data
+from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams, steering_geometry
+from sojourn_flight.mobility.wheel_table import scrubs
+from sojourn_machine.body import BodyLayout
+from sojourn_machine.supports import TrackParams
+
+GUESS = "a guess: scripts/tune measures it"
+LENGTHS_A_SECOND = 0.3
+"""Wheelbases that a rover drives in a second: the explorer 0.07, Lunokhod and the tracked rover 0.3, the lunar roving
+vehicle 1 [1/s].
+"""
+UNMEASURED_SLIP: Mapping[str, float] = {"mean_slip": 0.1, "slip_per_grade": 1.0, "side_slip_per_grade": 0.7}
+"""Of wheels on loose soil."""
+
+
+class _Size(NamedTuple):
+    """Of a machine that rolls [m]."""
+
+    front: float
+    rear: float
+    half_width: float
+    height: float
+    """Of base_link above level ground."""
+    wheelbase: float
+    """From the first to the last axle; the flat run of tracks."""
+    turn_radius: float
+    """Of the farthest support."""
+    radius: float
+    """Of the smallest wheel."""
+
+
+def derived_flight(layout: BodyLayout, sensors: Mapping[str, Data]) -> Derivation:
+    """Keys of flight.yaml; none of a machine that does not roll. sensors: its sensors.yaml."""
+    if not layout.machine.rolling:
+        return {}
+    geometry = steering_geometry(layout)
+    size = _size_of(layout, geometry)
+    fastest = _slowest(layout, [one.joint for one in layout.machine.rolling])
+    drive: dict[str, Derived | Derivation] = {
+        "mobility": dict(_mobility(layout, geometry, fastest)),
+        "odometry": {key: Derived(value, GUESS) for key, value in UNMEASURED_SLIP.items()},
+        "follower": dict(_following(geometry, size)),
+    }
+    if fastest is not None:
+        speed = _rounded(min(0.8 * fastest * size.radius, LENGTHS_A_SECOND * size.wheelbase))
+        drive["limits"] = dict(_limits(speed, size))
+        drive["follower"] = {
+            **dict(_following(geometry, size)),
+            "approach_speed": Derived(_rounded(0.2 * speed), f"a fifth of {speed:g} m/s"),
+        }
+    if isinstance(sensors.get("hazcam"), Mapping):
+        drive["obstacles"] = _passing(size)
+    sun = sensors.get("sun")
+    if isinstance(sun, Mapping):
+        drive["heading_fix"] = {
+            f"{name}_sigma": Derived(math.radians(float(degrees)), "the sun sensor of sensors.yaml")
+            for name in ("noise", "misalignment")
+            if isinstance(degrees := sun.get(f"{name}_deg"), int | float)
+        }
+    return {"drive": drive}
+
+
+def _mobility(
+    layout: BodyLayout, geometry: SteeringGeometryParams, fastest: float | None
+) -> Iterator[tuple[str, Derived]]:
+    yield "kind", Derived("rolling", "wheels or tracks of machine.yaml")
+    if fastest is not None:
+        yield "max_wheel_rate", Derived(fastest, "velocity of the drive joints in the URDF")
+        yield "plausible_wheel_rate", Derived(10.0 * fastest, "ten times the velocity of the drive joints in the URDF")
+    slides = scrubs(geometry.wheels)
+    why = "wheels slide sideways in every turn" if slides else "no wheel slides sideways by design"
+    yield "lateral_weight", Derived(0.1 if slides else 1.0, why)
+    steering = _slowest(layout, layout.machine.steer_joints)
+    if not layout.machine.steer_joints:
+        yield "max_steer_rate", Derived(1.0, "nothing steers")
+        yield "max_steer_acceleration", Derived(1.0, "nothing steers")
+    elif steering is not None:
+        rate = _rounded(0.85 * steering)
+        yield "max_steer_rate", Derived(rate, "0.85 of the velocity of the steering joints in the URDF")
+        yield "max_steer_acceleration", Derived(_rounded(rate / 0.3), f"{rate:g} rad/s after 0.3 s")
+
+
+def _limits(speed: float, size: _Size) -> Iterator[tuple[str, Derived]]:
+    why = f"0.8 of the rim's at the velocity of the drive joints, {LENGTHS_A_SECOND:g} wheelbases a second at most"
+    yield "max_speed", Derived(speed, why)
+    yaw_rate = _rounded(min(speed / size.turn_radius, 5.0))
+    yield "max_yaw_rate", Derived(yaw_rate, f"{speed:g} m/s at the farthest support, {size.turn_radius:.2f} m out")
+    yield "max_acceleration", Derived(min(speed, 0.3), "full speed after a second, 0.3 m/s^2 at most")
+    yield "max_deceleration", Derived(min(5.0 * speed, 0.5), "it stands after 0.2 s, 0.5 m/s^2 at most")
+
+
+def _following(geometry: SteeringGeometryParams, size: _Size) -> Iterator[tuple[str, Derived]]:
+    why = f"in proportion to the wheelbase, {size.wheelbase:.2f} m"
+    sharpest = (0.3 if scrubs(geometry.wheels) else 1.0) / size.wheelbase
+    yield "max_curvature", Derived(_rounded(min(sharpest, 20.0)), why)
+    for key, part in (("corner_cut", 0.3), ("lateral_length", 0.6), ("heading_length", 0.3)):
+        yield key, Derived(_rounded(part * size.wheelbase), why)
+
+
+def _passing(size: _Size) -> Derivation:
+    places = "places of wheels and tracks"
+    wheel = f"half the radius of the smallest wheel, {size.radius:.3f} m"
+    return {
+        "outline": {
+            "front": Derived(_rounded(size.front), places),
+            "rear": Derived(_rounded(size.rear), places),
+            "half_width": Derived(_rounded(size.half_width), places),
+            "ride_height": Derived(_rounded(size.height), places),
+        },
+        "passable": {
+            "max_step": Derived(_rounded(0.5 * size.radius), wheel),
+            "clearance": Derived(_rounded(0.5 * size.height), "half the height of base_link"),
+        },
+    }
+
+
+def _size_of(layout: BodyLayout, geometry: SteeringGeometryParams) -> _Size:
+    boxes = []
+    for support in layout.machine.rolling:
+        if isinstance(support, TrackParams):
+            x, y, z = layout.tracks[support.name].tolist()
+            ends = [
+                0.5 * support.length + end.length * math.cos(math.radians(end.angle_deg)) + end.radius
+                for end in (support.front, support.rear)
+            ]
+            boxes.append((x + ends[0], x - ends[1], abs(y) + 0.5 * support.width, z))
+        else:
+            x, y, z = layout.joints[support.joint].place.tolist()
+            radius = support.shear_radius
+            boxes.append((x + radius, x - radius, abs(y) + 0.5 * support.width, z - support.radius))
+    front, rear, side, ground = np.array(boxes).T
+    x = np.array([wheel.x for wheel in geometry.wheels])
+    run = max((track.length for track in layout.machine.tracks), default=0.0)
+    return _Size(
+        front=max(float(front.max()), 1e-3),
+        rear=max(float(-rear.min()), 1e-3),
+        half_width=float(side.max()),
+        height=max(float(-ground.min()), 1e-3),
+        wheelbase=max(float(np.ptp(x)), run, float(side.max())),
+        turn_radius=max(math.hypot(wheel.x, wheel.y) for wheel in geometry.wheels),
+        radius=min(wheel.radius for wheel in geometry.wheels),
+    )
+
+
+def _slowest(layout: BodyLayout, joints: Sequence[str]) -> float | None:
+    """The least limit of some joints' rates [rad/s]; None where one has none."""
+    rates = [layout.joints[joint].velocity for joint in joints]
+    return min(rates) if rates and all(map(math.isfinite, rates)) else None
+
+
+def _rounded(value: float) -> float:
+    """To two figures: it is a rule of thumb."""
+    return float(f"{value:.2g}")
