@@ -1,6 +1,7 @@
 """A machine whose folder has machine.yaml and wheels alone: everything else follows from it, and says from what."""
 
 import math
+import re
 import shutil
 from pathlib import Path
 
@@ -100,3 +101,18 @@ def test_a_camera_and_a_sun_sensor_bring_what_uses_them(tmp_path: Path) -> None:
     drive = loaded(folder).drive
     assert drive.obstacles is None and drive.terrain_match is None and drive.heading_fix is not None
     assert loaded(folder, "drive.heading_fix=null").drive.heading_fix is None
+
+
+def test_what_cannot_follow_is_asked_for_by_its_key(tmp_path: Path) -> None:
+    """Wheels whose rate the URDF does not limit: how fast it may go nobody knows."""
+    folder = bare("skid", tmp_path / "skid")
+    urdf = (config_folder().parent / "urdf" / "skid.urdf").read_text("utf-8")
+    (folder / "skid.urdf").write_text(re.sub(r' velocity="[^"]*"', "", urdf), "utf-8")
+    machine = folder / "machine.yaml"
+    machine.write_text(machine.read_text("utf-8").replace("urdf: skid.urdf", "urdf: ./skid.urdf"), "utf-8")
+    with pytest.raises(ConfigError) as caught:
+        loaded(folder)
+    told = str(caught.value)
+    assert "config/parts/rover_flight.yaml" in told
+    assert "drive.limits: the key is missing" in told and "drive.mobility.max_wheel_rate: the key is missing" in told
+    assert "corner_cut" not in told and "lateral_weight" not in told

@@ -181,16 +181,6 @@ def test_a_machine_of_ones_own_holds_what_differs_alone(tmp_path: Path) -> None:
     assert (joined.battery, joined.sensors, joined.law) == (own.battery, own.sensors, own.law)
 
 
-def test_a_file_that_a_folder_lacks_is_asked_for_by_its_keys(tmp_path: Path) -> None:
-    skid = config_folder() / "machines" / "skid" / "machine.yaml"
-    written(tmp_path, "machine.yaml", f"extends: {skid}\n")
-    with pytest.raises(ConfigError) as caught:
-        joined_machine(str(tmp_path))
-    told = str(caught.value)
-    assert "config/parts/rover_power.yaml: battery: the key is missing" in told
-    assert "config/parts/rover_flight.yaml" in told and "max_speed" in told
-
-
 @pytest.mark.parametrize("name", available("machines"))
 def test_what_a_machine_says_differs_from_what_it_builds_on(name: str) -> None:
     """Nothing is copied: a key whose value is that of the base is left out."""

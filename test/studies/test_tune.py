@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from sojourn_config.command_errors import UsageError
-from sojourn_config.machine_reader import MEASURED
+from sojourn_config.measured_file import MEASURED
 from sojourn_config.paths import config_folder
 from sojourn_config.scenario import load_scenario
 from sojourn_studies import tune

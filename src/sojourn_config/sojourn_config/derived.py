@@ -10,14 +10,14 @@ from typing import NamedTuple, TypeAlias
 from sojourn_config.yaml_file import Data, KeyPath, YamlDocument
 
 
-class Derived(NamedTuple):
+class DerivedValue(NamedTuple):
     """A value, and from what it follows, in words."""
 
     value: Data
     why: str
 
 
-Derivation: TypeAlias = Mapping[str, "Derived | Derivation"]
+Derivation: TypeAlias = Mapping[str, "DerivedValue | Derivation"]
 """Tables of such values, by key."""
 
 
@@ -43,7 +43,7 @@ def _filled(
     filled = dict(own)
     for key, found in derivation.items():
         path, said = (*at, key), own.get(key)
-        if isinstance(found, Derived):
+        if isinstance(found, DerivedValue):
             if key not in own:
                 filled[key], reasons[path] = found
         elif key not in own or isinstance(said, dict):
@@ -52,9 +52,11 @@ def _filled(
 
 
 def _as_derived(document: YamlDocument, table: Mapping[str, Data], at: KeyPath) -> Derivation:
-    found: dict[str, Derived | Derivation] = {}
+    found: dict[str, DerivedValue | Derivation] = {}
     for key, value in table.items():
         path = (*at, key)
         file, line = document.place(path)
-        found[key] = _as_derived(document, value, path) if isinstance(value, dict) else Derived(value, f"{file}:{line}")
+        found[key] = (
+            _as_derived(document, value, path) if isinstance(value, dict) else DerivedValue(value, f"{file}:{line}")
+        )
     return found

@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sojourn_config.derived import Derivation, Derived
+from sojourn_config.derived import Derivation, DerivedValue
+from sojourn_config.measured_file import UNMEASURED_SLIP
 from sojourn_config.yaml_file import Data
 from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams, steering_geometry
 from sojourn_flight.mobility.wheel_table import scrubs
@@ -22,8 +23,6 @@ LENGTHS_A_SECOND = 0.3
 """Wheelbases that a rover drives in a second: the explorer 0.07, Lunokhod and the tracked rover 0.3, the lunar roving
 vehicle 1 [1/s].
 """
-UNMEASURED_SLIP: Mapping[str, float] = {"mean_slip": 0.1, "slip_per_grade": 1.0, "side_slip_per_grade": 0.7}
-"""Of wheels on loose soil."""
 
 
 class _Size(NamedTuple):
@@ -42,6 +41,24 @@ class _Size(NamedTuple):
     """Of the smallest wheel."""
 
 
+def placeholders() -> Derivation:
+    """What stands for all that cannot be derived of a machine whose wheels do not fit its URDF: it is refused for that,
+    and not for keys that would follow.
+    """
+    size = _Size(1.0, 1.0, 0.5, 0.5, 1.0, 1.0, 0.2)
+    mobility = dict.fromkeys(("max_wheel_rate", "lateral_weight", "max_steer_rate", "max_steer_acceleration"), 1.0)
+    lengths = {
+        key: 1.0 for key in ("max_curvature", "corner_cut", "lateral_length", "heading_length", "approach_speed")
+    }
+    known = {"mobility": {**mobility, "plausible_wheel_rate": 10.0}, "follower": lengths, "odometry": UNMEASURED_SLIP}
+    return {
+        "drive": {
+            **{name: {key: DerivedValue(one, GUESS) for key, one in table.items()} for name, table in known.items()},
+            "limits": dict(_limits(0.1, size)),
+        }
+    }
+
+
 def derived_flight(layout: BodyLayout, sensors: Mapping[str, Data]) -> Derivation:
     """Keys of flight.yaml; none of a machine that does not roll. sensors: its sensors.yaml."""
     if not layout.machine.rolling:
@@ -49,9 +66,9 @@ def derived_flight(layout: BodyLayout, sensors: Mapping[str, Data]) -> Derivatio
     geometry = steering_geometry(layout)
     size = _size_of(layout, geometry)
     fastest = _slowest(layout, [one.joint for one in layout.machine.rolling])
-    drive: dict[str, Derived | Derivation] = {
+    drive: dict[str, DerivedValue | Derivation] = {
         "mobility": dict(_mobility(layout, geometry, fastest)),
-        "odometry": {key: Derived(value, GUESS) for key, value in UNMEASURED_SLIP.items()},
+        "odometry": {key: DerivedValue(value, GUESS) for key, value in UNMEASURED_SLIP.items()},
         "follower": dict(_following(geometry, size)),
     }
     if fastest is not None:
@@ -59,14 +76,14 @@ def derived_flight(layout: BodyLayout, sensors: Mapping[str, Data]) -> Derivatio
         drive["limits"] = dict(_limits(speed, size))
         drive["follower"] = {
             **dict(_following(geometry, size)),
-            "approach_speed": Derived(_rounded(0.2 * speed), f"a fifth of {speed:g} m/s"),
+            "approach_speed": DerivedValue(_rounded(0.2 * speed), f"a fifth of {speed:g} m/s"),
         }
     if isinstance(sensors.get("hazcam"), Mapping):
         drive["obstacles"] = _passing(size)
     sun = sensors.get("sun")
     if isinstance(sun, Mapping):
         drive["heading_fix"] = {
-            f"{name}_sigma": Derived(math.radians(float(degrees)), "the sun sensor of sensors.yaml")
+            f"{name}_sigma": DerivedValue(math.radians(float(degrees)), "the sun sensor of sensors.yaml")
             for name in ("noise", "misalignment")
             if isinstance(degrees := sun.get(f"{name}_deg"), int | float)
         }
@@ -75,39 +92,42 @@ def derived_flight(layout: BodyLayout, sensors: Mapping[str, Data]) -> Derivatio
 
 def _mobility(
     layout: BodyLayout, geometry: SteeringGeometryParams, fastest: float | None
-) -> Iterator[tuple[str, Derived]]:
-    yield "kind", Derived("rolling", "wheels or tracks of machine.yaml")
+) -> Iterator[tuple[str, DerivedValue]]:
+    yield "kind", DerivedValue("rolling", "wheels or tracks of machine.yaml")
     if fastest is not None:
-        yield "max_wheel_rate", Derived(fastest, "velocity of the drive joints in the URDF")
-        yield "plausible_wheel_rate", Derived(10.0 * fastest, "ten times the velocity of the drive joints in the URDF")
+        yield "max_wheel_rate", DerivedValue(fastest, "velocity of the drive joints in the URDF")
+        yield (
+            "plausible_wheel_rate",
+            DerivedValue(10.0 * fastest, "ten times the velocity of the drive joints in the URDF"),
+        )
     slides = scrubs(geometry.wheels)
     why = "wheels slide sideways in every turn" if slides else "no wheel slides sideways by design"
-    yield "lateral_weight", Derived(0.1 if slides else 1.0, why)
+    yield "lateral_weight", DerivedValue(0.1 if slides else 1.0, why)
     steering = _slowest(layout, layout.machine.steer_joints)
     if not layout.machine.steer_joints:
-        yield "max_steer_rate", Derived(1.0, "nothing steers")
-        yield "max_steer_acceleration", Derived(1.0, "nothing steers")
+        yield "max_steer_rate", DerivedValue(1.0, "nothing steers")
+        yield "max_steer_acceleration", DerivedValue(1.0, "nothing steers")
     elif steering is not None:
         rate = _rounded(0.85 * steering)
-        yield "max_steer_rate", Derived(rate, "0.85 of the velocity of the steering joints in the URDF")
-        yield "max_steer_acceleration", Derived(_rounded(rate / 0.3), f"{rate:g} rad/s after 0.3 s")
+        yield "max_steer_rate", DerivedValue(rate, "0.85 of the velocity of the steering joints in the URDF")
+        yield "max_steer_acceleration", DerivedValue(_rounded(rate / 0.3), f"{rate:g} rad/s after 0.3 s")
 
 
-def _limits(speed: float, size: _Size) -> Iterator[tuple[str, Derived]]:
+def _limits(speed: float, size: _Size) -> Iterator[tuple[str, DerivedValue]]:
     why = f"0.8 of the rim's at the velocity of the drive joints, {LENGTHS_A_SECOND:g} wheelbases a second at most"
-    yield "max_speed", Derived(speed, why)
+    yield "max_speed", DerivedValue(speed, why)
     yaw_rate = _rounded(min(speed / size.turn_radius, 5.0))
-    yield "max_yaw_rate", Derived(yaw_rate, f"{speed:g} m/s at the farthest support, {size.turn_radius:.2f} m out")
-    yield "max_acceleration", Derived(min(speed, 0.3), "full speed after a second, 0.3 m/s^2 at most")
-    yield "max_deceleration", Derived(min(5.0 * speed, 0.5), "it stands after 0.2 s, 0.5 m/s^2 at most")
+    yield "max_yaw_rate", DerivedValue(yaw_rate, f"{speed:g} m/s at the farthest support, {size.turn_radius:.2f} m out")
+    yield "max_acceleration", DerivedValue(min(speed, 0.3), "full speed after a second, 0.3 m/s^2 at most")
+    yield "max_deceleration", DerivedValue(min(5.0 * speed, 0.5), "it stands after 0.2 s, 0.5 m/s^2 at most")
 
 
-def _following(geometry: SteeringGeometryParams, size: _Size) -> Iterator[tuple[str, Derived]]:
+def _following(geometry: SteeringGeometryParams, size: _Size) -> Iterator[tuple[str, DerivedValue]]:
     why = f"in proportion to the wheelbase, {size.wheelbase:.2f} m"
     sharpest = (0.3 if scrubs(geometry.wheels) else 1.0) / size.wheelbase
-    yield "max_curvature", Derived(_rounded(min(sharpest, 20.0)), why)
+    yield "max_curvature", DerivedValue(_rounded(min(sharpest, 20.0)), why)
     for key, part in (("corner_cut", 0.3), ("lateral_length", 0.6), ("heading_length", 0.3)):
-        yield key, Derived(_rounded(part * size.wheelbase), why)
+        yield key, DerivedValue(_rounded(part * size.wheelbase), why)
 
 
 def _passing(size: _Size) -> Derivation:
@@ -115,14 +135,14 @@ def _passing(size: _Size) -> Derivation:
     wheel = f"half the radius of the smallest wheel, {size.radius:.3f} m"
     return {
         "outline": {
-            "front": Derived(_rounded(size.front), places),
-            "rear": Derived(_rounded(size.rear), places),
-            "half_width": Derived(_rounded(size.half_width), places),
-            "ride_height": Derived(_rounded(size.height), places),
+            "front": DerivedValue(_rounded(size.front), places),
+            "rear": DerivedValue(_rounded(size.rear), places),
+            "half_width": DerivedValue(_rounded(size.half_width), places),
+            "ride_height": DerivedValue(_rounded(size.height), places),
         },
         "passable": {
-            "max_step": Derived(_rounded(0.5 * size.radius), wheel),
-            "clearance": Derived(_rounded(0.5 * size.height), "half the height of base_link"),
+            "max_step": DerivedValue(_rounded(0.5 * size.radius), wheel),
+            "clearance": DerivedValue(_rounded(0.5 * size.height), "half the height of base_link"),
         },
     }
 

@@ -3,7 +3,7 @@
 They are those of the rovers that were tuned here, as parts of the span of volts from an empty to a full battery.
 """
 
-from sojourn_config.derived import Derivation, Derived
+from sojourn_config.derived import Derivation, DerivedValue
 from sojourn_machine.power.battery import SECONDS_PER_HOUR, BatteryParams
 from sojourn_machine.power.loads import BusParams
 
@@ -23,12 +23,12 @@ def derived_power(battery: BatteryParams, bus: BusParams) -> Derivation:
     empty, full = (battery.cells_series * battery.ocv_points[end] for end in (0, -1))
     why = f"in proportion to {battery.name}, {empty:.1f} V empty and {full:.1f} V full"
     found = {
-        key: Derived(round(part * (full - empty) + (0.0 if "hysteresis" in key else empty), 2), why)
+        key: DerivedValue(round(part * (full - empty) + (0.0 if "hysteresis" in key else empty), 2), why)
         for key, part in VOLTS.items()
     }
     rest = round(battery.charge_capacity / SECONDS_PER_HOUR / HOURS_OF_REST, 2)
-    found["rest_current"] = Derived(rest, f"a fifth of the capacity of {battery.name} in an hour")
+    found["rest_current"] = DerivedValue(rest, f"a fifth of the capacity of {battery.name} in an hour")
     driving = sum(load.power_w for load in bus.loads if load.group == "drive")
     if driving > 0.0:
-        found["drive_power_limit"] = Derived(driving, "all that the loads of the drive may draw")
+        found["drive_power_limit"] = DerivedValue(driving, "all that the loads of the drive may draw")
     return {"power_manager": found}

@@ -1,6 +1,6 @@
 """Encoders of a machine's joints where sensors.yaml names none: from its drives and its other joints that move."""
 
-from sojourn_config.derived import Derivation, Derived
+from sojourn_config.derived import Derivation, DerivedValue
 from sojourn_config.machine import MachineConfig
 from sojourn_config.urdf import UrdfSummary
 
@@ -18,12 +18,12 @@ def derived_sensors(config: MachineConfig, urdf: UrdfSummary) -> Derivation:
         why = f"drives[{place}] of machine.yaml"
         step = float(f"{drive.servo.max_torque / STEPS_OF_EFFORT:.2g}")
         groups[f"{drive.load}_{place}"] = {
-            "joints": Derived(list(drive.joints), why),
-            "encoder": Derived(
+            "joints": DerivedValue(list(drive.joints), why),
+            "encoder": DerivedValue(
                 {"bits": MOTOR_BITS, "side": "motor", "gear_ratio": drive.gear.ratio, "rate_window": 1}, why
             ),
-            "effort_resolution": Derived(step, why),
-            "effort_noise": Derived(2.0 * step, why),
+            "effort_resolution": DerivedValue(step, why),
+            "effort_noise": DerivedValue(2.0 * step, why),
         }
     driven = {joint for drive in config.drives for joint in drive.joints}
     passive = [name for name in urdf.moving_joints if name not in driven]
@@ -31,9 +31,9 @@ def derived_sensors(config: MachineConfig, urdf: UrdfSummary) -> Derivation:
     if passive and not with_arm:
         why = "joints of the URDF that no motor drives"
         groups["passive"] = {
-            "joints": Derived(list(passive), why),
-            "encoder": Derived({"bits": JOINT_BITS, "side": "output", "rate_window": 5}, why),
-            "effort_resolution": Derived(0.1, why),
-            "effort_noise": Derived(0.1, why),
+            "joints": DerivedValue(list(passive), why),
+            "encoder": DerivedValue({"bits": JOINT_BITS, "side": "output", "rate_window": 5}, why),
+            "effort_resolution": DerivedValue(0.1, why),
+            "effort_noise": DerivedValue(0.1, why),
         }
     return {"joint_groups": groups}

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 
 from sojourn_config.arm_config import ArmConfig
 from sojourn_config.derived import laid_over, with_derived
-from sojourn_config.derived_flight import derived_flight
+from sojourn_config.derived_flight import derived_flight, placeholders
 from sojourn_config.derived_power import derived_power
 from sojourn_config.derived_sensors import derived_sensors
 from sojourn_config.errors import MISSING, ConfigError
@@ -17,6 +17,7 @@ from sojourn_config.explain import problems_of
 from sojourn_config.extends import PARTS
 from sojourn_config.machine import MACHINE_KINDS, FlightSet, MachineConfig, PowerSet
 from sojourn_config.machine_body import body_layout
+from sojourn_config.measured_file import MEASURED
 from sojourn_config.mounting import LoadedMachine, join, mount_problems
 from sojourn_config.paths import SUFFIX, config_folder
 from sojourn_config.set_reader import ReadSet, Referrer, SetReader
@@ -31,8 +32,6 @@ from sojourn_physics.sensors.params import SensorSuiteParams
 
 Model = TypeVar("Model", bound=BaseModel)
 MACHINES = "machines"
-MEASURED = "measured.yaml"
-"""What scripts/tune has measured of a machine's drive, beside machine.yaml."""
 DRIVE = "drive"
 COMPLETED = ("flight", "sensors")
 """Files that need not say all: what stands for them where they are not there stands for what they leave out, too."""
@@ -153,13 +152,14 @@ class MachineReader(SetReader):
         if document is None:
             return None
         document = with_derived(document, derived_power(files.power.battery, files.power.bus))
-        fits = not any(support_problems(config, urdf, YamlDocument("", {})))  # they are told later, with their lines
-        if isinstance(document.data.get(DRIVE), dict) and fits:
+        if isinstance(document.data.get(DRIVE), dict):
             below = [path.with_name(MEASURED)]
             below += [_part(name) for sensor, name in PARTS_OF_SENSORS.items() if sensors.get(sensor) is not None]
             for base in (self.document(each, PARTS) for each in below if each.is_file()):
                 document = document if base is None else laid_over(document, base, DRIVE)
-            document = with_derived(document, derived_flight(body_layout(config, urdf), sensors))
+            fits = not any(support_problems(config, urdf, YamlDocument("", {})))  # told later, with their lines
+            derived = derived_flight(body_layout(config, urdf), sensors) if fits else placeholders()
+            document = with_derived(document, derived)
         return self.validated(document, own, config.flight)
 
     def _file(self, path: Path, file: str, model: type[Model], config: MachineConfig) -> ReadSet[Model] | None:

@@ -14,8 +14,7 @@ from typing import Any
 
 from sojourn_config import command_line
 from sojourn_config.command_errors import UsageError
-from sojourn_config.derived_flight import UNMEASURED_SLIP
-from sojourn_config.machine_reader import MEASURED
+from sojourn_config.measured_file import MEASURED, UNMEASURED_SLIP
 from sojourn_config.paths import config_folder, display, is_path
 from sojourn_config.yaml_file import read_yaml
 
