@@ -1,0 +1,133 @@
+"""A rover that is not ours, from a folder outside of the repository (test/system/stranger): its own soil, contact law and
+sensor, over an elevation model; nothing of this repository is edited, and what its files do not say follows from them.
+"""
+
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rasterio
+from programs import PATIENT, PATIENT_BENCH, Program
+from rasterio.transform import Affine
+
+from domains import domain_to_keep
+from sojourn_bags.comparison import compare
+from sojourn_bags.comparison_result import Verdict
+from sojourn_bags.comparison_words import comparison_lines
+from sojourn_bags.reading import Bag, read_bag
+
+BROUGHT = Path(__file__).parent / "stranger"
+LAYOUTS = {"direct": ("--direct",), "composed": ("--composed",), "processes": ()}
+
+
+@dataclass
+class Stranger:
+    """What he has, in a folder of his own."""
+
+    base: Path
+    programs: list[Program] = field(default_factory=list)
+
+    @property
+    def scenario(self) -> Path:
+        return self.base / "wandering.yaml"
+
+    def call(self, name: str, *arguments: object) -> Program:
+        """One of our programs, in his shell."""
+        outside = {"PYTHONPATH": os.pathsep.join([str(self.base), os.environ.get("PYTHONPATH", "")])}
+        log = self.base / f"{len(self.programs)}.log"
+        self.programs.append(Program(name, [str(argument) for argument in arguments], log, outside))
+        return self.programs[-1]
+
+    def bag(self, run: str) -> Bag:
+        return read_bag(self.base / run)
+
+
+def make_hills(file: Path) -> None:
+    """Hills of half a metre, up to 6 degrees steep: 30 m by 20 m, a pixel 0.25 m wide, in a projection in metres."""
+    x, y = np.meshgrid(np.arange(0.0, 30.0, 0.25), np.arange(20.0, 0.0, -0.25))
+    heights = 0.25 * np.sin(2.0 * np.pi * x / 18.0) * np.cos(2.0 * np.pi * y / 23.0)
+    raster = {
+        "driver": "GTiff", "height": heights.shape[0], "width": heights.shape[1], "count": 1, "dtype": "float32",
+        "crs": "EPSG:32633", "transform": Affine.translation(4.0e5, 5.0e6) * Affine.scale(0.25, -0.25),
+    }  # fmt: skip
+    with rasterio.open(file, "w", **raster) as dataset:
+        dataset.write(heights.astype(np.float32), 1)
+
+
+@pytest.fixture(scope="module")
+def stranger(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stranger]:
+    """With a run in each layout."""
+    base = tmp_path_factory.mktemp("stranger")
+    known = base / "wanderer_parts-1.0.dist-info"
+    known.mkdir()
+    (known / "METADATA").write_text("Metadata-Version: 2.1\nName: wanderer_parts\nVersion: 1.0\n", encoding="utf-8")
+    shutil.copy(BROUGHT / "parts" / "entry_points.txt", known)
+    shutil.copytree(BROUGHT / "parts", base / "wanderer_parts", ignore=shutil.ignore_patterns("*.txt", "__pycache__"))
+    (base / "wanderer_parts" / "__init__.py").write_text("", encoding="utf-8")
+    shutil.copytree(BROUGHT / "machine", base / "machine")
+    for name in ("ochre.yaml", "wandering.yaml"):
+        shutil.copy(BROUGHT / name, base)
+    make_hills(base / "hills.tif")
+    one = Stranger(base)
+    try:
+        for name, options in LAYOUTS.items():
+            given = (*PATIENT, "--domain", domain_to_keep(), *options, "--run-dir", base / name)
+            one.call("start", one.scenario, *given)
+            assert one.programs[-1].wait() == 0, one.programs[-1].text  # the first compiles his law
+        yield one
+    finally:
+        for program in one.programs:
+            program.end()
+
+
+def test_it_reaches_its_goals_over_his_hills(stranger: Stranger) -> None:
+    bag = stranger.bag("direct")
+    status = bag["/drive/status"]
+    assert "reached" in stranger.programs[0].text and "not reached" not in stranger.programs[0].text
+    x, y = (bag["/truth/odom"].column(f"pose.pose.position.{axis}") for axis in "xy")
+    assert np.hypot(x[-1] - 4.5, y[-1] + 0.5) < 0.5  # he has not measured its slip yet
+    assert len(status) > 20
+    height = bag["/truth/odom"].column("pose.pose.position.z")
+    assert np.ptp(height) > 0.2, "it goes up and down"
+    lean = np.abs([bag["/inclinometer"].column(f"vector.{axis}") for axis in "xy"]).max(axis=1)
+    assert 0.01 < lean.min() and lean.max() < 0.2
+
+
+@pytest.mark.parametrize("layout", ["composed", "processes"])
+def test_every_field_is_the_same_in_every_layout(stranger: Stranger, layout: str) -> None:
+    result = compare(stranger.bag("direct").topics, stranger.bag(layout).topics)
+    assert result.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result))
+
+
+def test_contract_replay_report_and_data_sheet_work_on_it(stranger: Stranger) -> None:
+    run, page, domain = stranger.base / "composed", stranger.base / "page.html", domain_to_keep()
+    bench = ("--exact", *PATIENT_BENCH, "--domain", domain)
+    replays = [stranger.call("replay", run, "--node", role, *bench) for role in ("plant", "sensors", "drive", "power")]
+    check = stranger.call("contract_tool", "check", "--bag", run)
+    report = stranger.call("report", run, "--html", page)
+    sheet = stranger.call("datasheet", "--machine", stranger.base / "machine", "--soil", stranger.base / "ochre.yaml")
+    for program in (*replays, check, report, sheet):
+        assert program.wait() == 0, program.text
+    assert all("identical" in replay.text for replay in replays)
+    assert "keeps the contract: no violation" in check.text
+    assert "inclinometer" in page.read_text("utf-8")
+    assert "Wheels" in sheet.text
+
+
+def test_what_he_did_not_say_says_from_what_it_follows(stranger: Stranger) -> None:
+    resolved = stranger.call("start", stranger.scenario, "--resolved")
+    assert resolved.wait() == 0, resolved.text
+    for key, why in (
+        ("max_speed", "0.3 wheelbases a second at most"),
+        ("max_steer_rate", "0.85 of the velocity of the steering joints in the URDF"),
+        ("mean_slip", "a guess: scripts/tune measures it"),
+        ("model: crust", "wheel.yaml"),
+    ):
+        line = next(line for line in resolved.text.splitlines() if line.strip().startswith(key))
+        assert why in line, line
+    assert json.dumps("inclinometer").strip('"') in resolved.text
