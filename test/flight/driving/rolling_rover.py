@@ -19,6 +19,7 @@ from sojourn_flight.supervision.drive import DriveModel
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput
 from sojourn_machine.params import FloatArray
 from sojourn_physics.sensors import hazcam
+from sojourn_physics.sensors.hazcam import HazcamParams
 
 DT = 0.1
 LOOK_EVERY = 10
@@ -43,7 +44,7 @@ class RollingRover:
     def __post_init__(self) -> None:
         scenario = self.scenario
         self.ground = scenario.height_field()
-        camera = scenario.sensors.hazcam
+        camera = scenario.sensors.first(HazcamParams)
         assert camera is not None
         self.camera = hazcam.hazcam_on(camera, scenario.urdf_xml)
         self.noise = hazcam.initial_state(self.camera, scenario.config.seed)
