@@ -20,6 +20,7 @@ from sojourn_contract.conformance.judge import CLOCK, Judge
 from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topics import ROLES, STANDARD, TOPICS
+from sojourn_machine.errors import UnknownNameError
 
 _RELIABILITY_CODES = {1: RELIABLE, 2: BEST_EFFORT}
 """Numbers that older recorders write for words."""
@@ -119,8 +120,9 @@ def machine_of(bag: Bag) -> JudgedMachine:
             [load["name"] for load in run.resolved["bus"]["loads"]],
             () if run.arm is None else tuple(run.arm["named_poses"]),
             run.tool,
+            run.moving_joints,
         )
-    except (IncompleteConfigError, ConfigError, KeyError) as error:
+    except (IncompleteConfigError, ConfigError, UnknownNameError, KeyError) as error:
         text = f"{bag.path} does not describe its rover ({error}): name a scenario with it, --scenario NAME"
         raise UnjudgeableBagError(text) from error
 

@@ -12,7 +12,7 @@ ROLES = ("plant", "sensors", "drive", "arm", "power", "operator", "recorder")
 JOINT_SETS = {
     "moving": "names every joint of the URDF that moves, and that of the arm's tool",
     "measured": "names every drive, steer, arm and tool joint, and no joint that the machine does not have",
-    "wheels": "names drive and steer joints only",
+    "drive": "names joints that move the machine only",
     "arm": "names arm joints only",
     "arm and tool": "names arm joints, and that of the tool, only",
 }

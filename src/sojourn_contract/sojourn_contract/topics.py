@@ -270,9 +270,9 @@ TOPICS: tuple[Topic, ...] = (
         ("plant", "arm"),
         1,
         0.2,
-        "drive joints: velocity; steer joints: position and velocity",
+        "references of all joints that move the machine: rate of those that are held by it, else position and rate",
         (replace(ANGLE, optional=True), replace(RATE, optional=True)),
-        joints="wheels",
+        joints="drive",
     ),
     Topic(
         "/arm_command",

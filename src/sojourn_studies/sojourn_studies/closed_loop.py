@@ -18,9 +18,9 @@ from sojourn_contract.clouds import points_of
 from sojourn_contract.hazcam import TOPIC as HAZCAM
 from sojourn_contract.hazcam import hazard_camera_of
 from sojourn_contract.values import JointState, Odometry
-from sojourn_drive.measurements import WheelMeasurements
+from sojourn_drive.measurements import JointMeasurements
 from sojourn_drive.sun import SunSightings
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.supervision.drive import DriveModel
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
@@ -50,7 +50,7 @@ class ClosedLoop:
         self.scenario = scenario
         self.plant, self.truth = build_plant(scenario) if placed is None else placed
         params = scenario.drive if avoids else scenario.drive.model_copy(update={"obstacles": None})
-        self.drive = DriveModel(params, scenario.steering, hazard_camera_of(scenario), loads=scenario.wheel_loads())
+        self.drive = DriveModel(params, scenario.mobility(), hazard_camera_of(scenario))
         self.drive.warm_up()
         start = scenario.config.start
         self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
@@ -58,7 +58,7 @@ class ClosedLoop:
         self.plant_output: PlantOutput | None = None
         """What the plant tells of the last period."""
         self.period = 0
-        self._wheels = WheelMeasurements(scenario.machine, scenario.urdf_xml)
+        self._wheels = JointMeasurements(scenario.machine, self.drive.mobility.joints, scenario.urdf_xml)
         self._camera, self._sightings, self._sighted = self.drive.camera, SunSightings(scenario), 0
         self._joint_names = (*self.plant.joints.names, *(() if self.plant.tool is None else (TOOL_JOINT,)))
         self._sensors = SensorsApp(scenario)
@@ -79,8 +79,8 @@ class ClosedLoop:
         self.period += 1
         stamp = self.period * stamps.CONTROL_PERIOD_NS
         measured = self._measure(stamp, goal, None if twist is None else TwistCommand(twist, 0.0))
-        if measured.gyro is not None:
-            self._tilt_rates = measured.gyro[:2]
+        if measured.felt.gyro is not None:
+            self._tilt_rates = measured.felt.gyro[:2]
         self.drive_state, self.output = self.drive.step(self.drive_state, change(measured), stamps.CONTROL_PERIOD_S)
         self._move(stamp)
         return self.output
@@ -133,7 +133,8 @@ class ClosedLoop:
         sun = None
         if "/sun_direction" in said:
             sun, self._sighted = self._sightings.sighting(stamp, said["/sun_direction"], self._sighted)
-        measured = self._wheels.drive_input(said["/joint_states"], said["/imu/data"], twist, goal, 1.0, sun)
+        measured = self._wheels.drive_input(said["/joint_states"], said["/imu/data"])
+        measured = replace(measured, sun=sun, twist=twist, goal=goal)
         if self._camera is not None and HAZCAM in said:
             measured = replace(measured, cloud=points_of(HAZCAM, said[HAZCAM]).astype(np.float64))
         return measured
