@@ -32,9 +32,11 @@ ELSEWHERE = {
 MODULES = {
     "compare": "sojourn_bags.compare_command",
     "contract_tool": "sojourn_bringup.contract_tool",
+    "datasheet": "sojourn_studies.rover_datasheet",
     "demo": "sojourn_bringup.demo",
     "goal_client": "sojourn_operator.goal_client",
     "replay": "sojourn_bringup.replay",
+    "report": "sojourn_bags.report_command",
     "start": "sojourn_bringup.start",
 }
 MARK = "SOJOURN_TEST_MARK"

@@ -78,16 +78,24 @@ def derived_flight(layout: BodyLayout, sensors: Mapping[str, Data]) -> Derivatio
             **dict(_following(geometry, size)),
             "approach_speed": DerivedValue(_rounded(0.2 * speed), f"a fifth of {speed:g} m/s"),
         }
-    if isinstance(sensors.get("hazcam"), Mapping):
+    if sensor_of(sensors, "hazcam"):
         drive["obstacles"] = _passing(size)
-    sun = sensors.get("sun")
-    if isinstance(sun, Mapping):
+    sun = sensor_of(sensors, "sun")
+    if sun:
         drive["heading_fix"] = {
             f"{name}_sigma": DerivedValue(math.radians(float(degrees)), "the sun sensor of sensors.yaml")
             for name in ("noise", "misalignment")
             if isinstance(degrees := sun.get(f"{name}_deg"), int | float)
         }
     return {"drive": drive}
+
+
+def sensor_of(sensors: Mapping[str, Data], kind: str) -> Mapping[str, Data]:
+    """The table of the first sensor of a kind in a sensors.yaml; empty where there is none."""
+    for name, table in sensors.items():
+        if isinstance(table, Mapping) and table.get("kind", name) == kind:
+            return table
+    return {}
 
 
 def _mobility(

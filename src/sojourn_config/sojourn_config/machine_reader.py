@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 
 from sojourn_config.arm_config import ArmConfig
 from sojourn_config.derived import laid_over, with_derived
-from sojourn_config.derived_flight import derived_flight, placeholders
+from sojourn_config.derived_flight import derived_flight, placeholders, sensor_of
 from sojourn_config.derived_power import derived_power
 from sojourn_config.derived_sensors import derived_sensors
 from sojourn_config.errors import MISSING, ConfigError
@@ -36,7 +36,7 @@ DRIVE = "drive"
 COMPLETED = ("flight", "sensors")
 """Files that need not say all: what stands for them where they are not there stands for what they leave out, too."""
 PARTS_OF_SENSORS: Mapping[str, str] = {"hazcam": "camera_flight", "sun": "sun_flight"}
-"""What the drive goes by of a machine that has a sensor: sets of `config/parts`."""
+"""What the drive goes by of a machine that has a sensor of a kind: sets of `config/parts`."""
 COMMAND_LINE = Referrer(YamlDocument("command line", {}), Path("command line"))
 """Names a set where no file does."""
 FILES: Mapping[str, tuple[str, ...]] = {
@@ -154,7 +154,7 @@ class MachineReader(SetReader):
         document = with_derived(document, derived_power(files.power.battery, files.power.bus))
         if isinstance(document.data.get(DRIVE), dict):
             below = [path.with_name(MEASURED)]
-            below += [_part(name) for sensor, name in PARTS_OF_SENSORS.items() if sensors.get(sensor) is not None]
+            below += [_part(name) for kind, name in PARTS_OF_SENSORS.items() if sensor_of(sensors, kind)]
             for base in (self.document(each, PARTS) for each in below if each.is_file()):
                 document = document if base is None else laid_over(document, base, DRIVE)
             fits = not any(support_problems(config, urdf, YamlDocument("", {})))  # told later, with their lines
