@@ -1,6 +1,6 @@
 """A wheel on a crust: a bed of springs under the rim (Winkler 1867), friction with break-away, rolling resistance.
 
-    N = 2/3 k b l z (1 - c dz/dt),   l = 2 sqrt(z (2 r - z)),   T = r (F_x + f N sign)
+N = 2/3 k b l z (1 - c dz/dt),   l = 2 sqrt(z (2 r - z)),   T = r (F_x + f N sign)
 """
 
 import math
@@ -46,7 +46,9 @@ def crust(wheel, soil, motion, dt, state, out):
     yielding = min(max(1.0 - DAMPING * motion[MotionColumn.V_NORMAL], 0.0), 2.0)
     load = 2.0 / 3.0 * wheel[CrustColumn.BED_STIFFNESS] * wheel[WheelColumn.WIDTH] * length * depth * yielding
     limit, rim = wheel[CrustColumn.FRICTION] * load, motion[MotionColumn.RIM_SPEED]
-    sliding = Sliding(rim - motion[MotionColumn.V_ALONG], -motion[MotionColumn.V_SIDE], motion[MotionColumn.YAW_RATE], rim)
+    sliding = Sliding(
+        rim - motion[MotionColumn.V_ALONG], -motion[MotionColumn.V_SIDE], motion[MotionColumn.YAW_RATE], rim
+    )
     stiffness = 3.0 * limit / wheel[CrustColumn.BREAK_AWAY]
     give = 0.5 * length + 1e-3
     force_x, force_y, moment, _ = bristle_forces(
