@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sojourn_flight.supervision.params import SteeringGeometryParams, WheelGeometry
+from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams, WheelGeometry
 
 
 def geometry_from_placements(

@@ -313,7 +313,7 @@ BODY = "config/bodies/moon.yaml"
         ),
         (
             "config/machines/explorer/flight.yaml", "max_wheel_rate: 1.0", "max_wheel_rate: 2.0",
-            ["drive.limits.max_wheel_rate = 2.0", "at most 1 rad/s", "urdf/explorer.urdf"],
+            ["drive.mobility.max_wheel_rate = 2.0", "at most 1 rad/s", "urdf/explorer.urdf"],
         ),
         ("urdf/explorer.urdf", "</robot>", "", ["urdf/explorer.urdf", "not an XML document"]),
         (ARM_URDF, '<link name="arm_tip_link"/>', "", ["arm_tip_link", "not a link"]),

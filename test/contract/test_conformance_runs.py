@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
 
+from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.conformance.answers import missing_answers
 from sojourn_contract.conformance.consistency import RateRule
 from sojourn_contract.conformance.endpoints import Endpoint
@@ -378,6 +379,7 @@ def test_exactly_the_dropped_stamps_are_missing(dropped: set[int], name: str) ->
         ]
         for row in rows
     }
-    missing = list(missing_answers(rows, stamps, ROLES, 0, (PERIODS - 1) * PERIOD))
+    awaited = {role: awaited_inputs(role, ROLES) for role in ROLES}
+    missing = list(missing_answers(rows, stamps, awaited, 0, (PERIODS - 1) * PERIOD))
     assert [(row.name, stamp // PERIOD) for row, stamp, _ in missing] == [(name, period) for period in sorted(dropped)]
     assert topic(name) in rows

@@ -134,7 +134,7 @@ def the_gyro_has_the_wrong_sign(drive: Any) -> None:
 
     def flipped(*given: Any) -> Any:
         measured = read(*given)
-        return replace(measured, gyro=tuple(-rate for rate in measured.gyro))
+        return replace(measured, felt=measured.felt._replace(gyro=tuple(-rate for rate in measured.felt.gyro)))
 
     drive.app._measurements.drive_input = flipped
 

@@ -8,7 +8,7 @@ import pytest
 
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.stamps import CONTROL_PERIOD_S
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.supervision.drive_types import TwistCommand
 from sojourn_studies.closed_loop import ClosedLoop
@@ -44,17 +44,18 @@ def test_steering_keeps_within_its_limits_and_the_body_does_not_rock_at_the_end(
     loop = ClosedLoop(load_scenario("lunar_route"))
     joints = [wheel.steer_joint for wheel in loop.plant.machine.wheels if wheel.steer_joint]
     rows = loop.plant.reference_rows(joints)
-    efforts, rates, commanded, after = [], [], [loop.output.steer_rates], []
+    efforts, rates, commanded, after = [], [], [], []
     goal: Goal | None = Goal.along([(1.2, 0.3)])
     while len(after) < 100:
         output, goal = loop.step(goal=goal), None
         assert loop.plant_output is not None
         efforts.append(loop.plant_output.efforts[rows])
         rates.append(loop.truth.velocity[loop.plant.joints.columns[rows]])
-        commanded.append(output.steer_rates)
-        if loop.drive_state.last_outcome is not None and not output.wheel_rates.any():
+        wheels, steers = np.split(output.references.velocity, [len(loop.plant.machine.wheels)])
+        commanded.append(steers)
+        if loop.drive_state.last_outcome is not None and not wheels.any():
             after.append(abs(loop.truth.velocity[0]))
-    most = loop.scenario.drive.limits.max_steer_acceleration
+    most = loop.scenario.drive.mobility.max_steer_acceleration
     assert np.abs(np.diff(commanded, axis=0)).max() <= most * CONTROL_PERIOD_S * (1.0 + 1e-9)
     assert np.abs(efforts).max() < 15.0  # of 40; with a step of the rate at each look it was 58
     assert np.abs(rates).max() < 0.35

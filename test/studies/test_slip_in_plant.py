@@ -10,7 +10,7 @@ from sojourn_contract.conformance.observation import Observation
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_contract.topics import topic
 from sojourn_drive.reports import odometry_report
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.slip_estimation import trouble
 from sojourn_flight.planning.goal import Goal
 from sojourn_studies.closed_loop import ClosedLoop
@@ -29,7 +29,7 @@ def test_slip_of_each_wheel_up_a_slope_of_twelve_degrees() -> None:
     errors, deviations = [], []
     for _ in range(round(22.0 / CONTROL_PERIOD_S)):
         loop.step(twist=PlanarTwist(0.06, 0.0, 0.0))
-        slip = loop.drive_state.slip
+        slip = loop.drive_state.mobility.slip
         assert slip is not None
         errors.append(slip.slip - loop.true_slip)
         deviations.append((slip.shared - float(loop.true_slip.mean())) / max(slip.sigma, 1e-6))
@@ -37,11 +37,11 @@ def test_slip_of_each_wheel_up_a_slope_of_twelve_degrees() -> None:
     assert np.all(np.median(np.abs(late), axis=0) < 0.05)
     assert np.mean(np.abs(deviations[50:]) < 2.0) > 0.9, "the stated deviation holds"
     assert loop.plant_output is not None
-    wheels = loop.drive.geometry.names
+    wheels = loop.drive.mobility.names
     reported = np.array([loop.output.status[f"slip_{name}"] for name in wheels])
     true = loop.plant_output.contacts[: len(wheels), 4]
     np.testing.assert_allclose(reported, true, atol=0.1)  # the same slip as in /truth/contacts, on the rim
-    np.testing.assert_allclose(reported - true, late[-1] / (1.0 - loop.drive.params.slip.free_slip), atol=2e-3)
+    np.testing.assert_allclose(reported - true, late[-1] / (1.0 - loop.drive.params.mobility.slip.free_slip), atol=2e-3)
     odometry = loop.drive_state.odometry
     error = odometry.x - loop.true_pose[0]
     assert abs(error) < 2.0 * np.sqrt(odometry.covariance[0, 0])
@@ -64,7 +64,7 @@ def test_stops_and_point_turns_leave_the_odometry_right() -> None:
             found += rule.judge(
                 Observation(row, ros_message(odometry_report(stamp, output, loop.tilt_rates)), stamp, stamp, stamp)
             )
-            odometry, slip = loop.drive_state.odometry, loop.drive_state.slip
+            odometry, slip = loop.drive_state.odometry, loop.drive_state.mobility.slip
             assert slip is not None and (slip.observable or slip.shared == 0.0)
             error = np.array(loop.true_pose[:2]) - (odometry.x, odometry.y)
             off.append((float(np.hypot(*error)), float(error @ np.linalg.solve(odometry.covariance[:2, :2], error))))
@@ -82,14 +82,14 @@ def test_wheels_that_spin_on_the_spot_end_a_goal_within_two_seconds() -> None:
     while not output.outcomes and loop.period * CONTROL_PERIOD_S < 30.0:
         output = loop.step()
         spinning = spinning + CONTROL_PERIOD_S if loop.true_slip.min() > 0.9 else 0.0
-    slip, params = loop.drive_state.slip, loop.drive.params.slip
+    slip, params = loop.drive_state.mobility.slip, loop.drive.params.mobility.slip
     assert slip is not None and params is not None
     assert spinning <= 2.0
     (outcome,) = output.outcomes
     assert outcome.kind == "stopped"
     assert outcome.reason.startswith("spinning without headway")
     assert all(wheel in outcome.reason for wheel in ("front_left", "middle_right", "rear_left"))
-    assert outcome.reason == trouble(params, slip, loop.drive.geometry.names)
+    assert outcome.reason == trouble(params, slip, loop.drive.mobility.names)
 
 
 def test_a_dead_front_wheel_is_trailed_up_a_slope() -> None:

@@ -21,12 +21,12 @@ def test_a_machine_that_was_never_measured_is(tmp_path: Path, capsys: pytest.Cap
     assert tune.main([str(machine)]) == 0
     assert "measured.yaml written" in capsys.readouterr().out
     after = yaml.safe_load((machine / tune.FILE).read_text(encoding="utf-8"))
-    assert after["track_ratio"] == pytest.approx(before["track_ratio"], abs=0.02)
+    assert after["mobility"]["track_ratio"] == pytest.approx(before["mobility"]["track_ratio"], abs=0.02)
     assert after["odometry"] == pytest.approx(before["odometry"], abs=0.01)
     for key, value in before["energy"].items():
         assert after["energy"][key] == pytest.approx(value, rel=0.05, abs=0.5), key
     scenario = load_scenario("flat_drive", [f"machine={machine}"])
-    assert scenario.drive.track_ratio == after["track_ratio"]
+    assert scenario.drive.mobility.track_ratio == after["mobility"]["track_ratio"]
     assert scenario.drive.energy.house_power == after["energy"]["house_power"]
 
 

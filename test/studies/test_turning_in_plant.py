@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from sojourn_flight.mobility.kinematics import PlanarTwist, wheel_rates
+from sojourn_flight.mobility.kinematics import wheel_rates
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_studies.measure_slip import on_plane
 from sojourn_studies.measure_turning import MeasuredTurn, track_ratio, turn
 
@@ -12,7 +13,10 @@ from sojourn_studies.measure_turning import MeasuredTurn, track_ratio, turn
 def test_a_machine_turns_at_the_rate_that_is_asked_for(rover: str) -> None:
     """On the spot, at the wheel rates that the drive commands; with a track ratio of 1 it was about half."""
     scenario = on_plane("flat_drive", [f"machine={rover}"], 0.0, 0.0)
-    table, asked = scenario.steering.table(scenario.drive.track_ratio), 0.8 * scenario.drive.limits.max_yaw_rate
+    table, asked = (
+        scenario.steering.table(scenario.drive.mobility.track_ratio),
+        0.8 * scenario.drive.limits.max_yaw_rate,
+    )
     none = np.zeros(len(table))
     rates = wheel_rates(table, PlanarTwist(0.0, 0.0, asked), none, none) / (1.0 - scenario.drive.odometry.mean_slip)
     right = [wheel.y < 0.0 for wheel in scenario.steering.wheels].index(True)

@@ -4,6 +4,8 @@ with run_configuration(bag) as configuration:
     report = judge_candidate(bag, "drive", NodeCandidate(DriveNode), configuration, ReplaySettings(domain=7))
 """
 
+from dataclasses import replace
+
 from sojourn_bags.candidate import Candidate
 from sojourn_bags.judging import machine_of
 from sojourn_bags.reading import Bag
@@ -17,7 +19,6 @@ from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.conformance.take_bytes import take_bytes
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import TOPICS, outputs_of, topic
 
 
 class CandidateJudge:
@@ -29,19 +30,19 @@ class CandidateJudge:
 
     def __init__(self, script: ReplayScript, machine: JudgedMachine) -> None:
         self._script = script
-        rows = {row.name for row in (*script.inputs, *outputs_of(script.role))}
+        rows = {row.name for row in (*script.inputs, *script.table.outputs_of(script.role))}
         self._judge = Judge(
-            machine,
+            replace(machine, table=script.table),
             lockstep=True,
             participants=script.participants,
             roles=(script.role,),
-            unseen=[row.name for row in TOPICS if row.name not in rows],
+            unseen=[row.name for row in script.table if row.name not in rows],
         )
 
     def sent(self, step: Step) -> None:
         """The judge knows by the inputs what the candidate was asked, and by /clock what time it is."""
         for name, data in (*step.goals, *step.inputs):
-            take_bytes(self._judge, topic(name), data)
+            take_bytes(self._judge, self._script.table.topic(name), data)
 
     def heard(self, row: Topic, _stamp: int, data: bytes) -> None:
         """Judge a message of the candidate."""

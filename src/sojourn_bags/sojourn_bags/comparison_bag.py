@@ -14,11 +14,10 @@ from sojourn_bags.reading import Bag, Messages
 from sojourn_bags.transforms import channel as transform_channel
 from sojourn_bags.writer import Attachment, BagWriter
 from sojourn_contract import qos
-from sojourn_contract.topics import TOPICS
+from sojourn_contract.run_table import row_named
 
 RECORD = "sojourn_comparison"
 """Name of the metadata record that holds the verdict."""
-_ROWS = {row.name: row for row in TOPICS}
 
 
 def write_both(
@@ -62,6 +61,6 @@ def _entries(sets: Iterable[Messages], first: int) -> list[tuple[int, int, int, 
 
 def _channel(name: str, messages: Messages, prefix: str = "") -> ChannelSpec:
     package, _, short = messages.type.partition("/msg/")
-    row = _ROWS.get(name)
+    row = row_named(name)
     entry = transform_channel().qos if row is None else qos_entry(qos.profile(row, True, row.publisher))
     return ChannelSpec(prefix + name, f"{package}/{short}", entry)

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_bags.reading import Messages
+from sojourn_contract.run_table import row_named
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topics import TOPICS
 
 _OF_EVERYBODY = frozenset(row.name for row in TOPICS if row.publisher == "all")
-_STAMPED = frozenset(row.name for row in TOPICS)
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def match(one: Messages, other: Messages) -> MatchedMessages:
 
 def stamps_of(messages: Messages) -> list[int]:
     """Stamps [ns]: of the header or clock for topics of the contract, for others the time in the file."""
-    if messages.topic not in _STAMPED and len(messages.log_times) == len(messages):
+    if row_named(messages.topic) is None and len(messages.log_times) == len(messages):
         return list(messages.log_times)
     found = np.frombuffer(b"".join(data[4:12] for data in messages.data), dtype="<u4").reshape(-1, 2)
     if any(not data[1] & 1 for data in messages.data):  # big endian

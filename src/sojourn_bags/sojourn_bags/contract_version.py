@@ -1,17 +1,23 @@
 """Whether a bag was recorded under our contract, so that it can be judged, compared or replayed."""
 
 import json
+from collections.abc import Mapping
+from typing import Any
 
 from sojourn_bags.definitions import full_type
 from sojourn_bags.errors import OtherContractError
 from sojourn_bags.provenance import CONTRACT_NAME, VERSIONS_NAME, versions
 from sojourn_bags.reading import Bag
-from sojourn_contract.description import contract_data, contract_differences, contract_name
-from sojourn_contract.topics import TOPICS
+from sojourn_contract.description import contract_data, contract_differences, contract_name, row_of_data
+from sojourn_contract.errors import TopicNameError
+from sojourn_contract.run_table import row_named
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topics import STANDARD
 
 PACKAGE = "sojourn_contract"
 _ADDED = ("/tf",)
 """Topics that the recorder adds to those of the table."""
+_UNREADABLE = (ValueError, KeyError, TypeError, AttributeError)
 _SHOWN = 3
 """Differences of two contracts that a sentence names."""
 
@@ -23,26 +29,23 @@ def check_contract(bag: Bag) -> None:
     recorded, ours = recorded_version(bag), versions()[PACKAGE]
     if not check_own_contract(bag) and recorded is not None and _release(recorded) != _release(ours):
         raise OtherContractError(bag.path, f"it was recorded with version {recorded} of the contract, this is {ours}")
-    types = {row.name: full_type(row.type) for row in TOPICS}
+    table = table_of_bag(bag)
     for name, messages in bag.topics.items():
-        if name not in types and name not in _ADDED:
+        row = table.get(name)
+        if row is None and name not in _ADDED:
             raise OtherContractError(bag.path, f"its topic {name} is not in the contract")
-        if name in types and messages.type != types[name]:
-            raise OtherContractError(bag.path, f"its {name} is a {messages.type}, the contract says {types[name]}")
+        if row is not None and messages.type != full_type(row.type):
+            kind = full_type(row.type)
+            raise OtherContractError(bag.path, f"its {name} is a {messages.type}, the contract says {kind}")
 
 
 def check_own_contract(bag: Bag) -> bool:
     """Whether the bag carries its contract. Raises OtherContractError if that is not ours, with the differences."""
-    text = bag.attachments.get(CONTRACT_NAME)
-    if text is None:
+    theirs = _own_contract(bag)
+    if theirs is None:
         return False
-    ours = contract_data()
-    try:
-        theirs = json.loads(text)
-        same = theirs["digest"] == ours["digest"]
-    except (ValueError, KeyError, TypeError) as error:
-        raise OtherContractError(bag.path, f"its {CONTRACT_NAME} cannot be read: {error}") from error
-    if not same:
+    ours = contract_data(table_of_bag(bag))
+    if theirs["digest"] != ours["digest"]:
         differences = list(contract_differences(theirs, ours))
         more = f"; and {len(differences) - _SHOWN} more" if len(differences) > _SHOWN else ""
         raise OtherContractError(
@@ -51,6 +54,38 @@ def check_own_contract(bag: Bag) -> bool:
             f"({'; '.join(differences[:_SHOWN])}{more}): use the Sojourn that recorded it",
         )
     return True
+
+
+def table_of_bag(bag: Bag) -> TopicTable:
+    """The topics of the run that is in a bag: those that every run has, and those that its machine brought, by the
+    contract that the bag carries, or else by its topics.
+
+    Raises:
+        OtherContractError: the contract that it carries cannot be read.
+    """
+    theirs = _own_contract(bag)
+    described: Mapping[str, Any] = dict.fromkeys(bag.topics) if theirs is None else theirs["topics"]
+    rows = []
+    try:
+        for name, data in described.items():
+            row = row_named(name) or (None if data is None else row_of_data(name, data))
+            if row is not None and name not in STANDARD:
+                rows.append(row)
+        return STANDARD.joined_with(rows)
+    except (TopicNameError, *_UNREADABLE) as error:
+        raise OtherContractError(bag.path, f"its {CONTRACT_NAME} cannot be read: {error}") from error
+
+
+def _own_contract(bag: Bag) -> dict[str, Any] | None:
+    """What the bag says of its contract, None where it says nothing. Raises OtherContractError."""
+    text = bag.attachments.get(CONTRACT_NAME)
+    if text is None:
+        return None
+    try:
+        found: dict[str, Any] = json.loads(text)
+        return found | {"digest": str(found["digest"]), "topics": dict(found["topics"])}
+    except _UNREADABLE as error:
+        raise OtherContractError(bag.path, f"its {CONTRACT_NAME} cannot be read: {error}") from error
 
 
 def recorded_version(bag: Bag) -> str | None:

@@ -15,6 +15,7 @@ from sojourn_bags.writer import Attachment
 from sojourn_config.machine import MACHINE_KINDS, MachineConfig
 from sojourn_config.scenario import LoadedScenario, ScenarioConfig
 from sojourn_config.urdf import parse_urdf
+from sojourn_flight.mobility.choice import MOBILITIES
 from sojourn_machine.tools import ToolParams, read_tool
 from sojourn_physics.terrain.generate import generate
 from sojourn_physics.terrain.height_field import HeightField
@@ -66,8 +67,8 @@ class Run:
         sets: dict[str, BaseModel | None] = {
             "scenario": loaded.config,
             **{name: getattr(loaded, name) for name in _SETS},
-            "drive": None if loaded.driving is None else loaded.driving.drive,
-            "steering": None if loaded.driving is None else loaded.driving.steering,
+            "drive": loaded.driving,
+            "steering": loaded.steering if loaded.machine.rolling else None,
         }
         return cls(
             name=loaded.name,
@@ -115,6 +116,18 @@ class Run:
     def arm_joints(self) -> tuple[str, ...]:
         """Joints of the arm; none where there is no arm."""
         return () if self.arm is None else tuple(self.arm["joint_names"])
+
+    @property
+    def moving_joints(self) -> tuple[str, ...]:
+        """Joints that move the machine over the ground; none of one that stands fast.
+
+        Raises:
+            UnknownNameError: it moves on what no package here knows.
+        """
+        drive = self.resolved.get("drive")
+        if drive is None:
+            return ()
+        return MOBILITIES.get(drive["mobility"]["kind"]).model_validate(drive["mobility"]).joints(self.machine)
 
     @property
     def tool(self) -> ToolParams | None:

@@ -16,6 +16,7 @@ from sojourn_bags.definitions import full_type
 from sojourn_bags.description import Run
 from sojourn_bags.errors import IncompleteConfigError, UnknownFieldError, UnknownTopicInBagError
 from sojourn_bags.reading import Bag, Messages
+from sojourn_contract.run_table import row_named
 from sojourn_contract.switches import fraction_of
 from sojourn_contract.topic_types import FieldRule
 from sojourn_contract.topics import TOPICS
@@ -85,8 +86,9 @@ def unit_of(messages: Messages, path: str) -> str:
         return "s"
     if bare.endswith("nanosec"):
         return "ns"
-    rows = [row for row in TOPICS if row.name == messages.topic]
-    rows = rows or [row for row in TOPICS if messages.type not in _SPARSE and full_type(row.type) == messages.type]
+    named = row_named(messages.topic)
+    alike = (row for row in TOPICS if messages.type not in _SPARSE and full_type(row.type) == messages.type)
+    rows = [named] if named is not None else list(alike)
     for row in rows:
         for rule in row.fields:
             if _covers(rule, bare):

@@ -1,12 +1,12 @@
 """Judges a bag by the contract: hands its messages, in the order of the file, to the judge of `sojourn_contract`."""
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import yaml
 
-from sojourn_bags.contract_version import check_own_contract
+from sojourn_bags.contract_version import check_own_contract, table_of_bag
 from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import Run
 from sojourn_bags.errors import BagsError, IncompleteConfigError, UnreadableMessageError
@@ -18,7 +18,9 @@ from sojourn_contract.conformance.endpoints import BEST_EFFORT, RELIABLE, Endpoi
 from sojourn_contract.conformance.findings import Finding, Report
 from sojourn_contract.conformance.judge import CLOCK, Judge
 from sojourn_contract.conformance.machine import JudgedMachine
-from sojourn_contract.topics import ROLES, TOPICS
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topics import ROLES, STANDARD, TOPICS
+from sojourn_machine.errors import UnknownNameError
 
 _RELIABILITY_CODES = {1: RELIABLE, 2: BEST_EFFORT}
 """Numbers that older recorders write for words."""
@@ -60,9 +62,10 @@ def judge_bag(
         if role not in run.participants:
             took_part = ", ".join(run.participants)
             raise UnjudgeableBagError(f"{bag.path}: role {role!r} took no part in this run, only {took_part}")
-    unseen = [row.name for row in TOPICS if not row.logged and row.name not in bag]
+    table = table_of_bag(bag)
+    unseen = [row.name for row in table if not row.logged and row.name not in bag]
     judge = Judge(
-        machine or machine_of(bag),
+        replace(machine or machine_of(bag), table=table),
         lockstep=run.lockstep,
         participants=run.participants,
         roles=roles,
@@ -73,7 +76,7 @@ def judge_bag(
             judge.endpoint(name, endpoint)
     for unusable in bag.unusable:
         judge.report.add("type", unusable.topic, unusable.log_time, [Finding("message", "unusable", unusable.reason)])
-    for messages, index in in_order(bag):
+    for messages, index in in_order(bag, table):
         logged = messages.log_times[index] if run.by_us else None
         try:
             judge.take(messages.topic, messages.decode(index), logged)
@@ -117,15 +120,16 @@ def machine_of(bag: Bag) -> JudgedMachine:
             [load["name"] for load in run.resolved["bus"]["loads"]],
             () if run.arm is None else tuple(run.arm["named_poses"]),
             run.tool,
+            run.moving_joints,
         )
-    except (IncompleteConfigError, ConfigError, KeyError) as error:
+    except (IncompleteConfigError, ConfigError, UnknownNameError, KeyError) as error:
         text = f"{bag.path} does not describe its rover ({error}): name a scenario with it, --scenario NAME"
         raise UnjudgeableBagError(text) from error
 
 
-def in_order(bag: Bag) -> Iterator[tuple[Messages, int]]:
+def in_order(bag: Bag, table: TopicTable = STANDARD) -> Iterator[tuple[Messages, int]]:
     """All messages by log time, and at the same time in the order of the topic table: topic and index."""
-    ranks = {row.name: rank for rank, row in enumerate(TOPICS)}
+    ranks = {row.name: rank for rank, row in enumerate(table)}
     order = sorted(
         (log_time, ranks.get(name, len(ranks)), name, index)
         for name, messages in bag.topics.items()

@@ -18,6 +18,9 @@ from sojourn_config.errors import ConfigError
 from sojourn_config.paths import repository_root
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.description import contract_data
+from sojourn_contract.run_table import table_of
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topics import STANDARD
 
 RUN_NAME = "run.json"
 """Name of the attachment with the same content, which is there from the first moment: also in a bag cut off."""
@@ -41,7 +44,7 @@ PACKAGES = (
 
 def attachments(scenario: LoadedScenario) -> list[Attachment]:
     """Files to put into the bag of a run of this scenario."""
-    return [*Run.of_scenario(scenario).attachments(), versions_attachment(), contract_attachment()]
+    return [*Run.of_scenario(scenario).attachments(), versions_attachment(), contract_attachment(table_of(scenario))]
 
 
 def run_attachment(run: Mapping[str, str]) -> Attachment:
@@ -64,9 +67,9 @@ def versions_attachment() -> Attachment:
     return Attachment(VERSIONS_NAME, "application/json", json.dumps(versions(), indent=2).encode())
 
 
-def contract_attachment() -> Attachment:
-    """The contract of the run."""
-    return Attachment(CONTRACT_NAME, "application/json", json.dumps(contract_data(), indent=1).encode())
+def contract_attachment(table: TopicTable = STANDARD) -> Attachment:
+    """The contract of a run with these topics."""
+    return Attachment(CONTRACT_NAME, "application/json", json.dumps(contract_data(table), indent=1).encode())
 
 
 def versions() -> dict[str, str]:

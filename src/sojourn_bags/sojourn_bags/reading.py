@@ -21,7 +21,7 @@ from sojourn_bags.definitions import RUN_RECORD, deserialized, learn
 from sojourn_bags.errors import UnknownTopicInBagError, UnreadableBagError, UnreadableMessageError
 from sojourn_bags.layout import MessageLayout, layout_of
 from sojourn_bags.salvage import Salvage
-from sojourn_contract.topics import TOPICS
+from sojourn_contract.run_table import row_named
 
 FloatArray = NDArray[np.float64]
 CLOUD = "sensor_msgs/msg/PointCloud2"
@@ -326,7 +326,7 @@ class Bag:
 
 def stamped_elsewhere(messages: Messages) -> dict[int, str]:
     """Messages of a periodic topic that no clock of the run has stamped. Bags of ours are filed by period."""
-    row = next((row for row in TOPICS if row.name == messages.topic), None)
+    row = row_named(messages.topic)
     if row is None or row.is_event or not len(messages):
         return {}
     apart = messages.times - np.array(messages.log_times) * 1e-9

@@ -14,7 +14,7 @@ from sojourn_config.paths import display
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_contract import qos
 from sojourn_contract.barrier import awaited_inputs
-from sojourn_contract.topics import inputs_of
+from sojourn_contract.run_table import table_of
 
 ROLE = "recorder"
 
@@ -61,12 +61,13 @@ class RecordedRun:
         Raises:
             BagsError: it cannot be written. ConfigError: the scenario is wrong.
         """
-        rows = inputs_of(ROLE)
+        scenario = self.loaded or load_scenario(self.scenario, self.overrides)
+        table = table_of(scenario)
+        rows = table.inputs_of(ROLE)
         channels = [
             ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, self.lockstep, row.publisher))) for row in rows
         ]
-        scenario = self.loaded or load_scenario(self.scenario, self.overrides)
         described = [*attachments(scenario), run_attachment(self.record())]
         writer = BagWriter(folder, [*channels, transform_channel()], described, offered)
-        awaited = awaited_inputs(ROLE, self.participants)
+        awaited = awaited_inputs(ROLE, self.participants, table)
         return Recording(writer, rows, awaited, self.participants, self.lockstep, refuse)

@@ -140,8 +140,8 @@ class RecorderNode(ContractNode):
             self.act(stamp, {})
 
     def _run(self) -> RecordedRun:
-        namespace = self.get_namespace()
-        return RecordedRun(self.scenario_name, self.scenario_overrides, self.participants, self.lockstep, namespace)
+        named = (self.scenario_name, self.scenario_overrides, self.participants)
+        return RecordedRun(*named, self.lockstep, self.get_namespace(), self.scenario)
 
     def _finish(self) -> None:
         """Close the bag, once."""

@@ -19,7 +19,7 @@ from sojourn_contract.events import parse_tick
 from sojourn_contract.heartbeat import HEARTBEAT_PERIODS, read_heartbeats
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import ROLES, topic
+from sojourn_contract.topics import ROLES
 
 CLOCK, TRUTH, ODOMETRY = "/clock", "/truth/odom", "/odom"
 
@@ -135,7 +135,7 @@ class Recording:
             self.writer.recorded(),
             self._published.totals(),
             self.last_stamp if self.lockstep else None,
-            [topic(row.name) for row in self._awaited],
+            [self._rows[self._channel_of[row.name]] for row in self._awaited],
         )
         record = {**run, "last_stamp_ns": str(self.last_stamp)}
         self.writer.close({RUN_RECORD: record, RECORD: completeness.as_record()})

@@ -24,7 +24,8 @@ from sojourn_bags.salvage import Salvage
 from sojourn_contract.codecs import decode
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import read_heartbeats
-from sojourn_contract.topics import TOPICS, topic
+from sojourn_contract.run_table import row_named
+from sojourn_contract.topics import topic
 
 RECOVERY_RECORD = "sojourn_recovery"
 """Name of the metadata record that says that a bag has been mended, and from what."""
@@ -68,10 +69,12 @@ class Findings:
 
     def _is_recorded(self, name: str) -> bool:
         """Whether the recorder wrote this topic: not the tick by which it answers the plant."""
-        return name in self.counts or name in _LOGGED
+        return name in self.counts or _is_logged(name)
 
 
-_LOGGED = frozenset(row.name for row in TOPICS if row.logged)
+def _is_logged(name: str) -> bool:
+    row = row_named(name)
+    return row is not None and row.logged
 
 
 def examine(path: Path) -> Findings:

@@ -12,7 +12,8 @@ from collections.abc import Mapping, Sequence
 from sojourn_bags.definitions import full_type
 from sojourn_bags.reading import Messages
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
-from sojourn_contract.topics import topic
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topics import STANDARD
 
 MOST_LAG = 5
 """Periods that the inputs may be ahead of a topic's answers. Under the depth of the topics' queues, so that a slow
@@ -25,9 +26,11 @@ class Answers:
     Args:
         due: stamps [ns] at which the run has an answer, by topic, rising; a range where nobody knows how long the run
             will be. lead: periods by which answers are stamped later than what they answer.
+        table: the topics of the run.
     """
 
-    def __init__(self, due: Mapping[str, Sequence[int]], lead: int) -> None:
+    def __init__(self, due: Mapping[str, Sequence[int]], lead: int, table: TopicTable = STANDARD) -> None:
+        self._table = table
         self.newest = 0
         """Latest stamp of all [ns]."""
         self.count = 0
@@ -92,6 +95,6 @@ class Answers:
     def messages(self) -> dict[str, Messages]:
         """Everything that has come, by topic, in order of arrival."""
         return {
-            name: Messages(name, full_type(topic(name).type), list(self._stamps[name]), list(data))
+            name: Messages(name, full_type(self._table.topic(name).type), list(self._stamps[name]), list(data))
             for name, data in self._data.items()
         }

@@ -31,7 +31,7 @@ from sojourn_contract.decoding import refusing, stamp_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import outputs_of, topic
+from sojourn_contract.topics import topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import Header
 
@@ -85,7 +85,7 @@ class ReplayHarness:
         self._domain = settings.domain
         self._timeout_s, self._ready_timeout_s = settings.timeout_s, settings.ready_timeout_s
         self._listener = listener
-        self.answers = Answers(script.due, script.lead)
+        self.answers = Answers(script.due, script.lead, script.table)
         self._heartbeats = Answers({}, 0)
         self._ready_state, self._ready_detail = "", ""
         self._candidate: Candidate | None = None
@@ -100,7 +100,7 @@ class ReplayHarness:
         """Never spun: its subscriptions are only counted by the candidate."""
         self._executor.add_node(self._node)
         self._senders = {row.name: self._sender(row) for row in self.script.inputs}
-        self._outputs = outputs_of(self.script.role)
+        self._outputs = self.script.table.outputs_of(self.script.role)
         for row in self._outputs:
             self._listen(row)
         return self

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from sojourn_bags.comparison import stamps_of, until
-from sojourn_bags.contract_version import check_contract
+from sojourn_bags.contract_version import check_contract, table_of_bag
 from sojourn_bags.errors import ReplayError
 from sojourn_bags.provenance import run_of
 from sojourn_bags.reading import Bag, Messages
@@ -18,8 +18,9 @@ from sojourn_bags.replay_choices import ROLES_TO_REPLAY
 from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.events import parse_tick
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import OPERATOR_LAG, inputs_of, outputs_of, topic
+from sojourn_contract.topics import OPERATOR_LAG, topic
 
 CLOCK, TICK, HEARTBEATS = "/clock", "/operator/tick", "/diagnostics"
 
@@ -47,6 +48,8 @@ class Script(Protocol):
     @property
     def participants(self) -> tuple[str, ...]: ...
     @property
+    def table(self) -> TopicTable: ...
+    @property
     def steps(self) -> tuple[Step, ...]: ...
     @property
     def inputs(self) -> tuple[Topic, ...]: ...
@@ -63,7 +66,7 @@ class ReplayScript:
     """All of a replay.
 
     Args:
-        role: who is replayed. participants: roles of the run.
+        role: who is replayed. participants: roles of the run. table: topics of the run.
         steps: by period, from the first. inputs: rows that the role hears; those after the first `awaited` are
             goals and others that it does not wait for.
         recorded: what the role answered in the run, by topic. cut_off: whether the bag is.
@@ -71,6 +74,7 @@ class ReplayScript:
 
     role: str
     participants: tuple[str, ...]
+    table: TopicTable
     steps: tuple[Step, ...]
     inputs: tuple[Topic, ...]
     recorded: Mapping[str, Messages]
@@ -114,11 +118,13 @@ def script_of(bag: Bag, role: str) -> ReplayScript:
         topics = until(topics, max((each.log_times[-1] for each in topics.values()), default=0))
     if not topics:
         raise ReplayError(f"{bag.path} holds no whole period")
-    inputs = _inputs(role, participants, topics)
-    recorded = {name: messages for name, messages in _answers(role, topics).items() if len(messages)}
-    _check_topics(bag, role, participants, topics, recorded)
+    table = table_of_bag(bag)
+    awaited, outputs = awaited_inputs(role, participants, table), table.outputs_of(role, participants)
+    inputs = _inputs(role, awaited, table, topics)
+    recorded = {name: messages for name, messages in _answers(role, outputs, topics).items() if len(messages)}
+    _check_topics(bag, role, (awaited, outputs), topics, recorded)
     end = max(stamps_of(messages)[-1] for messages in recorded.values())
-    return ReplayScript(role, participants, _steps(role, inputs, topics, end), inputs, recorded, not bag.whole)
+    return ReplayScript(role, participants, table, _steps(role, inputs, topics, end), inputs, recorded, not bag.whole)
 
 
 def own_heartbeats(messages: Messages, role: str) -> Messages:
@@ -133,30 +139,41 @@ def own_heartbeats(messages: Messages, role: str) -> Messages:
     )
 
 
-def _inputs(role: str, participants: Sequence[str], topics: Mapping[str, Messages]) -> tuple[Topic, ...]:
+def _inputs(
+    role: str, awaited: Sequence[Topic], table: TopicTable, topics: Mapping[str, Messages]
+) -> tuple[Topic, ...]:
     """Rows that the role may hear: what it waits for, goals, heartbeats, and the clock where the plant is another."""
-    awaited = {row.name for row in awaited_inputs(role, participants)}
-    rows = [row for row in inputs_of(role) if row.name in awaited or row.is_event or row.publisher == "all"]
-    clock = () if role == "plant" or CLOCK not in topics else (topic(CLOCK),)
+    names = {row.name for row in awaited}
+    rows = [row for row in table.inputs_of(role) if row.name in names or row.is_event or row.publisher == "all"]
+    clock = () if role == "plant" or CLOCK not in topics else (table.topic(CLOCK),)
     return (*clock, *rows)
 
 
-def _answers(role: str, topics: Mapping[str, Messages]) -> dict[str, Messages]:
-    found = {row.name: topics[row.name] for row in outputs_of(role) if row.name in topics}
+def _answers(role: str, outputs: Sequence[Topic], topics: Mapping[str, Messages]) -> dict[str, Messages]:
+    found = {row.name: topics[row.name] for row in outputs if row.name in topics}
     if HEARTBEATS in found:
         found[HEARTBEATS] = own_heartbeats(found[HEARTBEATS], role)
     return found
 
 
 def _check_topics(
-    bag: Bag, role: str, participants: Sequence[str], topics: Mapping[str, Messages], recorded: Mapping[str, Messages]
+    bag: Bag,
+    role: str,
+    rows: tuple[Sequence[Topic], Sequence[Topic]],
+    topics: Mapping[str, Messages],
+    recorded: Mapping[str, Messages],
 ) -> None:
-    """Raise ReplayError if a topic of the role is not in the bag, unless the run was too short for it."""
+    """Raise ReplayError if a topic of the role is not in the bag, unless the run was too short for it.
+
+    Args:
+        rows: what the role waits for, and what it says.
+    """
     periods = max(each.log_times[-1] for each in topics.values()) // CONTROL_PERIOD_NS
-    for row in awaited_inputs(role, participants):
+    awaited, outputs = rows
+    for row in awaited:
         if row.logged and row.name not in topics and periods >= row.every:
             raise ReplayError(f"{bag.path} lacks {row.name}, without which {role} cannot be replayed")
-    for row in outputs_of(role, participants):
+    for row in outputs:
         if not row.is_event and row.name not in recorded and periods > row.every:
             raise ReplayError(f"{bag.path} lacks {row.name} of {role}: there is nothing to compare its answers with")
 

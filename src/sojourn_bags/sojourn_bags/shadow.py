@@ -22,8 +22,8 @@ from sojourn_bags.replay_harness import DRAIN_S, POLL_S, ReplayHarness, ReplaySe
 from sojourn_bags.replay_script import CLOCK, HEARTBEATS, Step
 from sojourn_bags.shadow_tap import Tap
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import inputs_of, outputs_of, topic
 
 NAMESPACE = "/shadow"
 LOOK_S = 0.25
@@ -40,11 +40,12 @@ class LiveScript:
     """What the harness plays: it is not known beforehand, and has no end.
 
     Args:
-        role: whom the candidate stands in for. participants: of the run. inputs: rows that it hears.
+        role: whom the candidate stands in for. participants, table: of the run. inputs: rows that it hears.
     """
 
     role: str
     participants: tuple[str, ...]
+    table: TopicTable
     inputs: tuple[Topic, ...]
     lead: int = 0
     recorded: Mapping[str, Messages] = field(default_factory=dict)
@@ -55,7 +56,7 @@ class LiveScript:
         """Stamps [ns] at which an answer is due, by topic."""
         periods = {
             row.name: row.every * CONTROL_PERIOD_NS
-            for row in outputs_of(self.role, self.participants)
+            for row in self.table.outputs_of(self.role, self.participants)
             if row.name != HEARTBEATS
         }
         return {name: range(period, _FOR_EVER, period) for name, period in periods.items()}
@@ -79,12 +80,14 @@ class Shadow(ReplayHarness):
     """One candidate beside one node. A context manager; nothing is left behind.
 
     Args:
-        role: whom it shadows. participants: of the run. lockstep: mode of time. settings: of the stack.
+        role: whom it shadows. participants, table: of the run. lockstep: mode of time. settings: of the stack.
     """
 
-    def __init__(self, role: str, participants: Sequence[str], lockstep: bool, settings: ReplaySettings) -> None:
-        rows = (topic(CLOCK), *(row for row in inputs_of(role, participants) if row.publisher in participants))
-        script = LiveScript(role, tuple(participants), rows)
+    def __init__(
+        self, role: str, participants: Sequence[str], table: TopicTable, lockstep: bool, settings: ReplaySettings
+    ) -> None:
+        heard = (row for row in table.inputs_of(role, participants) if row.publisher in participants)
+        script = LiveScript(role, tuple(participants), table, (table.topic(CLOCK), *heard))
         super().__init__(script, replace(settings, namespace=settings.namespace + NAMESPACE))
         self._lockstep, self._stack = lockstep, settings.namespace
         self._divergence: Divergence | None = None
@@ -100,7 +103,7 @@ class Shadow(ReplayHarness):
             enable_rosout=False,
             start_parameter_services=False,
         )
-        self.tap = Tap(self.script.role, self.script.participants, self._lockstep, self._tap_node)
+        self.tap = Tap(self.script.role, self.script.participants, self.script.table, self._lockstep, self._tap_node)
         self._executor.add_node(self._tap_node)
         return self
 

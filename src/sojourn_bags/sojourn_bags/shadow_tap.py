@@ -17,8 +17,8 @@ from sojourn_bags.replay_script import CLOCK, HEARTBEATS, Step
 from sojourn_contract import qos, stamps
 from sojourn_contract.barrier import Barrier, awaited_inputs
 from sojourn_contract.decoding import STAMP_BYTES
+from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import inputs_of, outputs_of, topic
 from sojourn_contract.types import message_class
 
 DEPTH = 20_000
@@ -31,11 +31,11 @@ class Tap:
     """What a role of a running stack hears and says.
 
     Args:
-        role: the role. participants: of the run. lockstep: mode of time.
+        role: the role. participants, table: of the run. lockstep: mode of time.
         node: in the stack's namespace; the subscriptions are made on it.
     """
 
-    def __init__(self, role: str, participants: Sequence[str], lockstep: bool, node: Node) -> None:
+    def __init__(self, role: str, participants: Sequence[str], table: TopicTable, lockstep: bool, node: Node) -> None:
         self.role, self.lockstep = role, lockstep
         self.newest = 0
         """Latest stamp heard on what the role waits for [ns]."""
@@ -43,15 +43,16 @@ class Tap:
         """Messages taken."""
         self.ours: dict[str, Messages] = {}
         """What our node has said, by topic, without heartbeats."""
-        awaited = awaited_inputs(role, participants)
+        awaited = awaited_inputs(role, participants, table)
         self._awaited = {row.name: row for row in awaited}
         self._barrier: Barrier[bytes] = Barrier(awaited)
         self._goals: deque[tuple[int, str, bytes]] = deque()
         self._waiting: deque[tuple[str, bytes]] = deque()
-        self.inputs = (topic(CLOCK), *(row for row in inputs_of(role) if row.name in self._awaited or row.is_event))
+        heard = (row for row in table.inputs_of(role) if row.name in self._awaited or row.is_event)
+        self.inputs = (table.topic(CLOCK), *heard)
         for row in self.inputs:
             self._listen(node, row, self._hear)
-        for row in outputs_of(role):
+        for row in table.outputs_of(role):
             if row.name != HEARTBEATS:
                 self.ours[row.name] = Messages(row.name, full_type(row.type))
                 self._listen(node, row, self._hear_ours)

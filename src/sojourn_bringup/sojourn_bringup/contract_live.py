@@ -19,8 +19,9 @@ from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.judge import CLOCK, Judge
 from sojourn_contract.conformance.take_bytes import take_bytes
 from sojourn_contract.stop_flag import StopFlag
+from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import ROLES, TOPICS, inputs_of, outputs_of, topic
+from sojourn_contract.topics import ROLES, STANDARD
 from sojourn_contract.types import message_class
 
 FOUND_S = 5.0
@@ -45,11 +46,13 @@ class LiveStack:
 
     Attributes:
         lockstep: mode of time. nodes: name of the node that plays each role. endpoints: of every topic of the contract.
+        table: the topics of its run.
     """
 
     lockstep: bool
     nodes: dict[str, str] = field(default_factory=dict)
     endpoints: dict[str, list[tuple[str, Endpoint]]] = field(default_factory=dict)
+    table: TopicTable = STANDARD
 
     def role_of(self, name: str) -> str:
         """Role that a node plays, by its own name or the role's. Raises UsageError with the valid names."""
@@ -63,11 +66,11 @@ class LiveStack:
         """Types and quality of service of these roles' endpoints, and endpoints that they should have."""
         for role in roles:
             node = self.nodes[role]
-            for row in outputs_of(role, self.nodes):
+            for row in self.table.outputs_of(role, self.nodes):
                 self._judge_row(judge, row, node, publishes=True)
             for row in self._inputs(role):
                 self._judge_row(judge, row, node, publishes=False)
-        for row in TOPICS:
+        for row in self.table:
             speakers = [node for node, found in self.endpoints[row.name] if found.publishes]
             if row.publisher in roles and not row.is_event and len(speakers) > 1:
                 finding = Finding("publishers", ", ".join(sorted(speakers)), "one")
@@ -83,7 +86,7 @@ class LiveStack:
             judge.report.add("endpoint", row.name, None, [finding])
 
     def _inputs(self, role: str) -> Iterator[Topic]:
-        for row in inputs_of(role, self.nodes):
+        for row in self.table.inputs_of(role, self.nodes):
             if row.is_event or row.publisher == ALL or not self.lockstep or row.publisher in self.nodes:
                 yield row
 
@@ -92,11 +95,11 @@ class LiveSource:
     """Ears on a domain. A context manager.
 
     Args:
-        domain, namespace: where the stack is.
+        domain, namespace: where the stack is. table: the topics of its run.
     """
 
-    def __init__(self, domain: int, namespace: str) -> None:
-        self.domain, self.namespace = domain, namespace
+    def __init__(self, domain: int, namespace: str, table: TopicTable = STANDARD) -> None:
+        self.domain, self.namespace, self.table = domain, namespace, table
         self.stop = StopFlag()
         self._waiting: deque[tuple[Topic, bytes]] = deque()
         self._readers: dict[str, Any] = {}
@@ -120,35 +123,35 @@ class LiveSource:
     def find(self) -> LiveStack:
         """The stack that runs here. Raises NothingRunsError if there is none within FOUND_S."""
         place = f"domain {self.domain}" + (f", namespace {self.namespace}" if self.namespace else "")
-        if not self._wait(lambda: bool(self._endpoints(topic(CLOCK)))):
+        if not self._wait(lambda: bool(self._endpoints(self.table.topic(CLOCK)))):
             raise NothingRunsError(
                 f"no stack runs on {place}: nobody publishes /clock (start one with scripts/start.py)"
             )
         # /clock alone until the run goes: a node that waits for its listeners must not count this one among them
-        self._listen(topic(CLOCK))
+        self._listen(self.table.topic(CLOCK))
         if not self._wait(lambda: bool(self._waiting)):
             raise NothingRunsError(f"the stack on {place} does not run: nothing came on /clock within {FOUND_S:g} s")
         self._spin(SETTLE_S)
-        self._wait(lambda: all(name != UNKNOWN_NODE for row in TOPICS for name, _ in self._endpoints(row)))
-        endpoints = {row.name: self._endpoints(row) for row in TOPICS}
+        self._wait(lambda: all(name != UNKNOWN_NODE for row in self.table for name, _ in self._endpoints(row)))
+        endpoints = {row.name: self._endpoints(row) for row in self.table}
         nodes: dict[str, str] = {}
         for role in ROLES:
-            for row in TOPICS:
+            for row in self.table:
                 speakers = [node for node, found in endpoints[row.name] if found.publishes]
                 if row.publisher == role and speakers and not (row.is_event and role not in speakers):
                     nodes.setdefault(role, speakers[0])
         clocks = [found for _, found in endpoints[CLOCK] if found.publishes]
-        return LiveStack(any(found.reliability == "reliable" for found in clocks), nodes, endpoints)
+        return LiveStack(any(found.reliability == "reliable" for found in clocks), nodes, endpoints, self.table)
 
     def listen(self, stack: LiveStack, judge: Judge, seconds: float) -> float:
         """Hand everything that comes within `seconds` of wall time to the judge. Returns how long it listened [s].
 
         Ends early if the run ends, or on Ctrl-C.
         """
-        for row in TOPICS:
+        for row in self.table:
             if row.name not in self._readers:
                 self._listen(row, any(end.reliability == "best_effort" for _, end in stack.endpoints[row.name]))
-        spoken = [row.name for row in TOPICS if any(end.publishes for _, end in stack.endpoints[row.name])]
+        spoken = [row.name for row in self.table if any(end.publishes for _, end in stack.endpoints[row.name])]
         self._wait(lambda: all(self._readers[name].get_publisher_count() for name in spoken))
         self._spin(SETTLE_S)
         self._waiting.clear()

@@ -12,14 +12,14 @@ from rich.table import Table
 from sojourn_contract.conformance.findings import Report, number_text
 from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.description import contract_data, contract_name
+from sojourn_contract.flow import place_of
 from sojourn_contract.manual import SECTIONS
 from sojourn_contract.page import field_note
-from sojourn_contract.topics import TOPICS
 
 
 def show_contract(screen: Console, machine: JudgedMachine) -> None:
     """Topics with their fields, rules, and the rover's joints."""
-    data = contract_data()
+    data = contract_data(machine.table)
     screen.print(f"Contract {contract_name(data)}, rover {machine.name}", style="bold", soft_wrap=True)
     screen.print(_topic_table(data["topics"]))
     screen.print(_field_table(data["topics"]))
@@ -44,8 +44,7 @@ def show_report(screen: Console, report: Report, notes: Sequence[str], what: str
         screen.print(escape(line), soft_wrap=True)
     table = _table("topic", "messages", "violations", "worst")
     told = {*report.messages, *(group.topic for group in report.groups)}
-    names = [row.name for row in TOPICS if row.name in told]
-    for name in [*names, *sorted(told.difference(names))]:
+    for name in sorted(told, key=lambda name: (place_of(name), name)):
         groups = report.of_topic(name)
         count = sum(group.count for group in groups)
         table.add_row(

@@ -8,6 +8,7 @@ from typing import Any
 
 from sojourn_bags.candidate_judging import judge_candidate
 from sojourn_bags.compare_runs import read_runs
+from sojourn_bags.contract_version import table_of_bag
 from sojourn_bags.cut_off import unless_cut_off
 from sojourn_bags.errors import BagsError
 from sojourn_bags.judging import judge_bag
@@ -26,6 +27,7 @@ from sojourn_contract.conformance.judge import Judge
 from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.description import contract_data
 from sojourn_contract.page import contract_page
+from sojourn_contract.topic_table import TopicTable
 from sojourn_operator.scenario_steps import course_of
 
 MACHINE_SCENARIO = "flat_drive"
@@ -49,7 +51,7 @@ def show_as(form: str, machine: JudgedMachine) -> None:
     if form == "html":
         print(contract_page(machine), end="")
     elif form == "json":
-        print(json.dumps(contract_data() | {"machine": machine.as_data()}, indent=2, ensure_ascii=False))
+        print(json.dumps(contract_data(machine.table) | {"machine": machine.as_data()}, indent=2, ensure_ascii=False))
     else:
         show_contract(wide_console(), machine)
 
@@ -62,12 +64,12 @@ def _check_bag(given: argparse.Namespace) -> Checked:
         report, run = judge_bag(bag, roles, machine)
     except BagsError as error:
         raise UsageError(str(error)) from error
-    return report, _facts(str(bag.path), run.lockstep, run.participants, run.notes), [bag]
+    return report, _facts(str(bag.path), table_of_bag(bag), run.lockstep, run.participants, run.notes), [bag]
 
 
 def _check_live(given: argparse.Namespace) -> Checked:
     machine = _machine(given) or _machine_of(SCENARIO)
-    with LiveSource(given.domain, given.namespace) as source:
+    with LiveSource(given.domain, given.namespace, machine.table) as source:
         stack = source.find()
         roles = tuple(stack.nodes) if given.node is None else (stack.role_of(given.node),)
         judge = Judge(machine, lockstep=stack.lockstep, participants=tuple(stack.nodes), roles=roles, from_start=False)
@@ -77,7 +79,7 @@ def _check_live(given: argparse.Namespace) -> Checked:
     mode = "lock-step" if stack.lockstep else "real time"
     notes = [f"{mode}, listened for {listened:.1f} s of wall time, {judge.simulated_s:.2f} s of simulation"]
     what = f"the stack on domain {given.domain}{given.namespace}"
-    return report, _facts(what, stack.lockstep, tuple(stack.nodes), notes), []
+    return report, _facts(what, machine.table, stack.lockstep, tuple(stack.nodes), notes), []
 
 
 def _check_program(given: argparse.Namespace) -> Checked:
@@ -87,7 +89,7 @@ def _check_program(given: argparse.Namespace) -> Checked:
     with bench(given, role, command, bag) as (candidate, configuration):
         report = judge_candidate(bag, role, candidate, configuration, replay_settings(given), machine)
     notes = [f"alone as {role}, with what {role} heard in {bag.path}"]
-    return report, _facts(command, True, (role,), notes), [bag]
+    return report, _facts(command, table_of_bag(bag), True, (role,), notes), [bag]
 
 
 def _machine(given: argparse.Namespace) -> JudgedMachine | None:
@@ -103,8 +105,10 @@ def _machine_of(scenario: str, overrides: Sequence[str] = ()) -> JudgedMachine:
     return JudgedMachine.of_scenario(load_scenario(scenario, overrides))
 
 
-def _facts(source: str, lockstep: bool, participants: Sequence[str], notes: Sequence[str]) -> dict[str, Any]:
-    contract = contract_data()
+def _facts(
+    source: str, table: TopicTable, lockstep: bool, participants: Sequence[str], notes: Sequence[str]
+) -> dict[str, Any]:
+    contract = contract_data(table)
     return {
         "source": source,
         "contract": {"version": contract["version"], "digest": contract["digest"]},

@@ -12,7 +12,8 @@ from sojourn_bringup.process_table import PROCESSES
 from sojourn_config import command_line
 from sojourn_config.command_errors import UsageError
 from sojourn_contract.barrier import Barrier, awaited_inputs
-from sojourn_contract.topics import ROLES, outputs_of
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topics import ROLES, STANDARD
 
 if TYPE_CHECKING:  # the options need none of its libraries
     from sojourn_config.scenario import LoadedScenario
@@ -134,7 +135,7 @@ def replacement_of(text: str, option: str = "--replace") -> tuple[str, str]:
     return role, command
 
 
-def check_lockstep(participants: Iterable[str]) -> None:
+def check_lockstep(participants: Iterable[str], table: TopicTable = STANDARD) -> None:
     """Raise UsageError if the run would stand still because a role lacks what it acts upon.
 
     A role acts when its inputs are in; where their publisher does not take part it acts less often than others wait
@@ -144,30 +145,28 @@ def check_lockstep(participants: Iterable[str]) -> None:
     for role in present:
         if role == "plant":
             continue
-        inputs = awaited_inputs(role, present)
+        inputs = awaited_inputs(role, present, table)
         stride = Barrier(inputs).stride
-        for row in outputs_of(role, present):
-            waiting = [other for other in present if row in _waited_for(other, present)]
+        for row in table.outputs_of(role, present):
+            waiting = [other for other in present if row in _waited_for(other, present, table)]
             if waiting and (not inputs or row.every % stride):
                 raise UsageError(
-                    f"in lock-step {role} cannot run without {_lacking(role, present)}: "
+                    f"in lock-step {role} cannot run without {_lacking(role, present, table)}: "
                     f"{waiting[0]} would wait for {row.name} for ever (leave out {role} too, or use --realtime)"
                 )
 
 
-def _waited_for(role: str, present: tuple[str, ...]) -> list[object]:
-    names = {row.name for row in awaited_inputs(role, present)}
-    return [
-        row for other in present for row in outputs_of(other, present) if row.name in names and row.publisher == other
-    ]
+def _waited_for(role: str, present: tuple[str, ...], table: TopicTable) -> list[object]:
+    names = {row.name for row in awaited_inputs(role, present, table)}
+    return [row for row in table if row.name in names and row.publisher in present and row.is_in(present)]
 
 
-def _lacking(role: str, present: tuple[str, ...]) -> str:
+def _lacking(role: str, present: tuple[str, ...], table: TopicTable) -> str:
     """Roles left out on which this one depends, in words."""
     lacking = [
         other
         for other in ROLES
-        if other not in present and any(row.publisher == other for row in awaited_inputs(role, ROLES))
+        if other not in present and any(row.publisher == other for row in awaited_inputs(role, ROLES, table))
     ]
     return " and ".join(lacking) or "the others"
 

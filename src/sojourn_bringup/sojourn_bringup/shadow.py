@@ -20,6 +20,8 @@ from sojourn_bringup.candidate_process import ProcessCandidate
 from sojourn_bringup.shadow_report import DIFFERS, DONE, FAILED, READY, RUNNING, ShadowReport
 from sojourn_config import command_line
 from sojourn_config.ros_environment import ros_variables
+from sojourn_config.scenario import load_scenario
+from sojourn_contract.run_table import table_of
 from sojourn_contract.stop_flag import StopFlag
 
 FAR_BEHIND = 5
@@ -50,7 +52,8 @@ def follow(given: argparse.Namespace, stop: StopFlag) -> Comparison:
         report.write(given.result)
 
     settings = ReplaySettings(given.domain, given.namespace, parameters["lockstep_timeout_s"])
-    with Shadow(given.role, parameters["participants"], parameters["lockstep"], settings) as shadow:
+    table = table_of(load_scenario(parameters["scenario"], [text for text in parameters["overrides"] if text]))
+    with Shadow(given.role, parameters["participants"], table, parameters["lockstep"], settings) as shadow:
         place = given.namespace + NAMESPACE
         candidate = ProcessCandidate(given.role, given.command, ros, place, given.log, shadow.renamed_inputs())
         shadow.begin(candidate, parameters)

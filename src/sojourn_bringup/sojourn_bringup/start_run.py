@@ -15,6 +15,7 @@ from sojourn_config.command_errors import UsageError
 from sojourn_config.resolved import resolved_text
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.shared_memory import remove_tracing_files
+from sojourn_contract.run_table import table_of
 from sojourn_operator.scenario_steps import absent_roles, needed_roles, prepare_scenario
 
 
@@ -53,7 +54,7 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     if "plant" not in participants:
         raise UsageError("nothing moves without plant: to start it elsewhere, name here what to start with --only")
     if not given.realtime:
-        check_lockstep(participants)
+        check_lockstep(participants, table_of(scenario.loaded))
     # before a folder is made for a run that cannot be
     with nullcontext() if given.direct else RoleTokens(given.domain, given.namespace, started):
         run_dir = make_run_folder(given.run_dir)

@@ -4,21 +4,24 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sojourn_config.arm_config import ArmConfig
 from sojourn_config.carrying_checks import carrying_problems
 from sojourn_config.errors import MISSING, ConfigError, single
 from sojourn_config.machine import MachineConfig
+from sojourn_config.machine_body import STOWED, machine_body
 from sojourn_config.machine_checks import machine_problems, with_drive_data
 from sojourn_config.machine_reader import MachineReader, MachineSets
 from sojourn_config.set_reader import ReadSet, Referrer
-from sojourn_config.support_checks import ground_problems, steering_geometry
+from sojourn_config.support_checks import ground_problems
 from sojourn_config.tool_config import tool_ground_problems, with_tool
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
+from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams, steering_geometry
 from sojourn_flight.power_manager.params import PowerManagerParams
-from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams
+from sojourn_flight.supervision.params import DriveParams
+from sojourn_machine.body import MachineBody
 from sojourn_machine.power.battery import BatteryParams
 from sojourn_machine.power.loads import BusParams
 from sojourn_machine.tools import ToolParams
@@ -26,13 +29,8 @@ from sojourn_physics.environment.body import BodyParams
 from sojourn_physics.sensors.params import SensorSuiteParams
 from sojourn_physics.soil.params import SoilParams
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Driving:
-    """What the drive node has of a machine with wheels: its set, and the wheels as it sees them."""
-
-    drive: DriveParams
-    steering: SteeringGeometryParams
+if TYPE_CHECKING:
+    from sojourn_flight.mobility.mobility import Mobility
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +49,7 @@ class Bundle:
         arm: set of the arm node, None for a machine without one; rotor inertia and friction that its file leaves out
             are filled in from the machine's drives.
         tool: at the end of the arm, None where there is none.
-        driving: set of the drive node and wheels from URDF and machine; None for a machine that stands fast.
+        driving: set of the drive node; None for a machine that stands fast.
         files: text of every file that was read, by name; the scenario's is first.
         documents: the files of the sets by role, with what they build on and with overrides.
     """
@@ -68,7 +66,7 @@ class Bundle:
     sensors: SensorSuiteParams
     arm: ArmConfig | None
     tool: ToolParams | None
-    driving: Driving | None
+    driving: DriveParams | None
     files: dict[str, str]
     documents: Mapping[str, YamlDocument]
 
@@ -91,17 +89,22 @@ class Bundle:
     @property
     def drive(self) -> DriveParams:
         """The set of the drive node. Raises ConfigError for a machine that stands fast."""
-        return self._driving().drive
-
-    @property
-    def steering(self) -> SteeringGeometryParams:
-        """The wheels as the drive node sees them. Raises ConfigError for a machine that stands fast."""
-        return self._driving().steering
-
-    def _driving(self) -> Driving:
         if self.driving is None:
             raise single(self.urdf.file, "", MISSING, "this machine stands fast: it does not drive")
         return self.driving
+
+    def machine_body(self) -> MachineBody:
+        """The machine as its own computer knows it."""
+        return machine_body(self.machine, self.urdf, self.gravity, self.arm_pose(STOWED))
+
+    @property
+    def steering(self) -> SteeringGeometryParams:
+        """The wheels and tracks as the drive node sees them."""
+        return steering_geometry(self.machine_body())
+
+    def mobility(self) -> "Mobility[Any]":
+        """What moves the machine. Raises ConfigError for a machine that stands fast."""
+        return self.drive.mobility.build(self.drive, self.machine_body())
 
     @property
     def arm_joints(self) -> tuple[str, ...]:
@@ -174,7 +177,7 @@ class BundleReader(MachineReader):
             sensors=joined.sensors if sets.tool is None else with_tool(joined.sensors, sets.tool.params),
             arm=joined.arm and with_drive_data(joined.arm, joined.config),
             tool=sets.tool and sets.tool.params.tool,
-            driving=None if sets.drive is None else Driving(sets.drive, steering_geometry(joined.config, joined.urdf)),
+            driving=sets.drive,
             files=self.files,
             documents={
                 "scenario": here.document,

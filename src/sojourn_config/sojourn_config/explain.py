@@ -16,7 +16,7 @@ from pydantic_core import ErrorDetails
 
 from sojourn_config.errors import MISSING, Problem
 from sojourn_config.yaml_file import Data, KeyPath, YamlDocument
-from sojourn_machine.contact_choice import CONTACT_LAWS, ContactChoice
+from sojourn_machine.choice import KindsOf
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.names import names_text, nearest
 
@@ -147,7 +147,7 @@ def _child(place: KeySchema, part: str | int) -> KeySchema | None:
         if isinstance(annotation, type) and issubclass(annotation, BaseModel) and isinstance(part, str):
             info = annotation.model_fields.get(part)
             if info is not None:
-                return KeySchema(info.annotation, list(info.metadata), info.description or "")
+                return _schema(info.annotation, list(info.metadata), info.description or "")
             continue
         origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
         element: object | None = None
@@ -175,17 +175,23 @@ def _unwrap(annotation: object, description: str) -> KeySchema:
             description = extra.description or description
         else:
             metadata.append(extra)
-    return KeySchema(inner, metadata, description)
+    return _schema(inner, metadata, description)
+
+
+def _schema(annotation: object, metadata: list[object], description: str) -> KeySchema:
+    """A choice of kinds is any of those that are registered; so each key of each of them is known."""
+    for kinds in (item for item in metadata if isinstance(item, KindsOf)):
+        registered = tuple(kinds.registry.get(name) for name in kinds.registry.names())
+        return KeySchema(typing.Union[registered], metadata, description)  # noqa: UP007
+    return KeySchema(annotation, metadata, description)
 
 
 def _members(annotation: object) -> Iterator[object]:
-    """The members of a union without None, the kinds that are registered for a choice, or the type itself."""
+    """The members of a union without None, or the type itself."""
     if typing.get_origin(annotation) in (typing.Union, types.UnionType):
         for member in typing.get_args(annotation):
             if member is not type(None):
                 yield _unwrap(member, "").annotation
-    elif annotation is ContactChoice:  # any law that is registered
-        yield from (CONTACT_LAWS.get(name) for name in CONTACT_LAWS.names())
     else:
         yield annotation
 

@@ -6,6 +6,7 @@ from typing import TypeVar
 from sojourn_config.arm_config import ArmConfig
 from sojourn_config.errors import Problem
 from sojourn_config.machine import MachineConfig
+from sojourn_config.machine_body import joint_places
 from sojourn_config.machine_reader import MachineSets
 from sojourn_config.mechanism_checks import BASE_LINK, mass_problems, mechanism_problems
 from sojourn_config.support_checks import joint_problem, support_problems
@@ -201,12 +202,7 @@ def _arm_problems(
 def _limit_problems(
     config: MachineConfig, urdf: UrdfSummary, drive: DriveParams, document: YamlDocument
 ) -> Iterator[Problem]:
-    """The drive node may not ask for more than the fastest of the joints can do; slower ones keep to their own."""
-    for key, value, joints in (
-        ("max_wheel_rate", drive.limits.max_wheel_rate, [wheel.joint for wheel in config.wheels]),
-        ("max_steer_rate", drive.limits.max_steer_rate, config.steer_joints),
-    ):
-        fastest = max((urdf.joints[joint].velocity for joint in joints), default=value)
-        if value > fastest:
-            allowed = f"allowed is at most {fastest:g} rad/s, the velocity of these joints in {urdf.file}"
-            yield document.problem(("drive", "limits", key), value, allowed)
+    """The drive node may not ask for more than the joints can do."""
+    for key, value, most in drive.mobility.excesses(config, joint_places(urdf)):
+        allowed = f"allowed is at most {most:g} rad/s, the velocity of these joints in {urdf.file}"
+        yield document.problem(("drive", "mobility", key), value, allowed)

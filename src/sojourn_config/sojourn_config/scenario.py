@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from pydantic import Field, field_validator
 
 from sojourn_config import machine_reader
-from sojourn_config.bundle import Bundle, BundleReader, Driving
+from sojourn_config.bundle import Bundle, BundleReader
 from sojourn_config.errors import ConfigError, single
 from sojourn_config.extends import read_document
 from sojourn_config.load import validate
@@ -29,8 +29,6 @@ from sojourn_physics.terrain.params import TerrainParams
 if TYPE_CHECKING:
     from sojourn_physics.terrain.raster import Raster
 
-STOWED = "stow"
-"""Pose of the arm while the rover drives."""
 HEADS = ("body", "soil", "rock_soil", "arm", "tool", *machine_reader.HEADS)
 """First word of an override that is for another file than the scenario's."""
 TRUTH_ALONE = ("battery", "bus")
@@ -126,19 +124,6 @@ class LoadedScenario(Bundle):
         """Names of the default soil and of the soil of rocks."""
         return self.soil.name, self.rock_soil.name
 
-    def wheel_loads(self) -> FloatArray | None:
-        """What the wheels carry by pitch and roll, arm stowed, see `wheel_load_map`; shape (wheels, 3) [N].
-
-        None where the drive does not estimate slip.
-        """
-        if self.drive.slip is None:
-            return None
-        from sojourn_flight.mobility.wheel_load_map import wheel_load_map  # loads Pinocchio
-
-        stowed = None if self.arm is None else self.arm.named_poses.get(STOWED)
-        angles = {} if self.arm is None or stowed is None else dict(zip(self.arm.joint_names, stowed, strict=True))
-        return wheel_load_map(self.urdf_xml, self.machine, self.gravity, angles)
-
     def sun_direction(self, time: float) -> FloatArray:
         """Unit vector to the Sun in map, shape (3,), `time` [s] after the start of the run."""
         return sun_direction(self.config.sun, self.body.solar_day, time)
@@ -215,4 +200,4 @@ def _blind(bundle: Bundle) -> Bundle:
     if bundle.driving is None:
         return bundle
     blind = bundle.drive.model_copy(update={"obstacles": None, "terrain_match": None})
-    return replace(bundle, driving=Driving(blind, bundle.steering))
+    return replace(bundle, driving=blind)

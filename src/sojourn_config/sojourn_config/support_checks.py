@@ -1,17 +1,12 @@
-"""Checks of what a machine stands on: wheels and tracks against the URDF and the ground, and as the drive sees them."""
+"""Checks of what a machine stands on: wheels and tracks against the URDF and the ground."""
 
-import math
 from collections.abc import Iterator
 
 from sojourn_config.errors import MISSING, Problem
 from sojourn_config.machine import MachineConfig
-from sojourn_config.mechanism_checks import BASE_LINK
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
-from sojourn_flight.supervision.params import SteeringGeometryParams, WheelGeometry
 from sojourn_machine.names import names_text
-from sojourn_machine.supports import TrackParams, WheelParams
-from sojourn_physics.contact.roller_wheel import RollerWheelParams
 from sojourn_physics.contact.soil_needs import needs_of_soil
 from sojourn_physics.soil.params import SoilParams
 
@@ -42,62 +37,6 @@ def ground_problems(config: MachineConfig, soil: SoilParams, document: YamlDocum
         allowed = f"allowed is more than {-soil.k_phi:g} times the width, or the ground pulls at {', '.join(narrow)}"
         missing.append(document.problem(("k_c",), soil.k_c, allowed))
     return missing
-
-
-def steering_geometry(config: MachineConfig, urdf: UrdfSummary) -> SteeringGeometryParams:
-    """The wheels and tracks as the drive node sees them. They roll on the circle on which the soil shears."""
-    wheels = (_wheel_geometry(wheel, urdf) for wheel in config.wheels)
-    tracks = (_track_geometry(track, urdf) for track in config.tracks)
-    return SteeringGeometryParams(wheels=(*wheels, *tracks))
-
-
-def _wheel_geometry(wheel: WheelParams, urdf: UrdfSummary) -> WheelGeometry:
-    place = urdf.position_in_link(wheel.joint, BASE_LINK)
-    steering: dict[str, float | str | None] = {}
-    if wheel.steer_joint is not None:
-        joint = urdf.joints[wheel.steer_joint]
-        axis = urdf.position_in_link(wheel.steer_joint, BASE_LINK)
-        steering = {
-            "steer_min": joint.lower,
-            "steer_max": joint.upper,
-            "pivot_x": float(axis[0]),
-            "pivot_y": float(axis[1]),
-            "steer_joint": wheel.steer_joint,
-            "max_steer_rate": _finite(joint.velocity),
-        }
-    contact = wheel.contact
-    return WheelGeometry.model_validate(
-        {
-            "name": wheel.name,
-            "x": float(place[0]),
-            "y": float(place[1]),
-            "radius": wheel.shear_radius,
-            "steered": wheel.steer_joint is not None,
-            "roller_angle": math.radians(contact.roller_angle_deg) if isinstance(contact, RollerWheelParams) else None,
-            "max_rate": _finite(urdf.joints[wheel.joint].velocity),
-            **steering,
-        }
-    )
-
-
-def _track_geometry(track: TrackParams, urdf: UrdfSummary) -> WheelGeometry:
-    """A track rolls as a wheel in the middle of its flat run would that scrubs in every turn."""
-    place = urdf.point_in_link(track.link, track.position, BASE_LINK)
-    return WheelGeometry.model_validate(
-        {
-            "name": track.name,
-            "x": float(place[0]),
-            "y": float(place[1]),
-            "radius": track.radius,
-            "steered": False,
-            "scrubs": True,
-            "max_rate": _finite(urdf.joints[track.joint].velocity),
-        }
-    )
-
-
-def _finite(limit: float) -> float | None:
-    return limit if math.isfinite(limit) else None
 
 
 def joint_problem(document: YamlDocument, path: KeyPath, name: str, urdf: UrdfSummary) -> Problem | None:

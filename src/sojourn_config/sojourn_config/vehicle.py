@@ -13,8 +13,8 @@ from sojourn_config.bundle import Bundle
 from sojourn_config.errors import ConfigError
 from sojourn_config.extends import read_document
 from sojourn_config.load import validate
+from sojourn_config.machine_body import STOWED
 from sojourn_config.paths import SUFFIX, resolve
-from sojourn_config.scenario import STOWED
 from sojourn_config.yaml_file import Data, KeyPath, YamlDocument
 from sojourn_machine.names import names_text
 from sojourn_machine.power.battery import open_circuit_voltage

@@ -5,7 +5,6 @@ from typing import Any, ClassVar
 
 from rclpy.context import Context
 
-from sojourn_config.scenario import load_scenario
 from sojourn_contract.app import App, Period
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topic_types import Topic
@@ -40,7 +39,7 @@ class AppNode(ContractNode):
             every_period=every_period,
         )
         self.acts_in_silence = kind.acts_in_silence
-        self.app = kind(load_scenario(self.scenario_name, self.scenario_overrides))
+        self.app = kind(self.scenario)
         self.app.warm_up()
         self.state = self.app.initial_state()
 

@@ -10,8 +10,9 @@ from math import gcd
 from typing import Generic, TypeVar
 
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import inputs_of
+from sojourn_contract.topics import STANDARD
 
 Message = TypeVar("Message")
 
@@ -19,14 +20,14 @@ MAX_PENDING_PERIODS = 512
 """A message further ahead than this is refused: its sender's clock is not ours."""
 
 
-def awaited_inputs(role: str, participants: Iterable[str]) -> tuple[Topic, ...]:
-    """Periodic inputs of `role` that one of the participants publishes: the ones worth waiting for.
+def awaited_inputs(role: str, participants: Iterable[str], table: TopicTable = STANDARD) -> tuple[Topic, ...]:
+    """Periodic inputs of `role` in a table that one of the participants publishes: the ones worth waiting for.
 
     The recorder writes a period when it is complete, so for it no row is pipelined.
     """
     roles = set(participants)
     present = roles - {role}
-    rows = tuple(row for row in inputs_of(role, roles | {role}) if not row.is_event and row.publisher in present)
+    rows = tuple(row for row in table.inputs_of(role, roles | {role}) if not row.is_event and row.publisher in present)
     return tuple(replace(row, lag=0) for row in rows) if role == "recorder" else rows
 
 

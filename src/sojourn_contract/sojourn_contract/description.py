@@ -2,13 +2,13 @@
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from math import isfinite
 from typing import Any
 
 from sojourn_contract import qos
 from sojourn_contract.stamps import CONTROL_PERIOD_S
-from sojourn_contract.topic_types import FieldRule, Topic
+from sojourn_contract.topic_types import INFINITY, FieldRule, Reliability, Topic
 from sojourn_contract.topics import TOPICS
 
 CONTRACT_VERSION = 1
@@ -17,8 +17,8 @@ _INTERFACE = ("type", "publisher", "subscribers", "rate_hz", "lag_periods", "rec
 """What two sides must agree on, with the units of the fields. Ranges, ages and tolerances may be tuned."""
 
 
-def contract_data(rows: Sequence[Topic] = TOPICS) -> dict[str, Any]:
-    """The contract in JSON values."""
+def contract_data(rows: Iterable[Topic] = TOPICS) -> dict[str, Any]:
+    """The contract of a table in JSON values."""
     topics = {row.name: _topic(row) for row in rows}
     return {
         "version": CONTRACT_VERSION,
@@ -26,6 +26,40 @@ def contract_data(rows: Sequence[Topic] = TOPICS) -> dict[str, Any]:
         "control_period_s": CONTROL_PERIOD_S,
         "topics": topics,
     }
+
+
+def row_of_data(name: str, data: Mapping[str, Any]) -> Topic:
+    """The row of a topic that only another installation knows, from its contract: enough to read and judge it by.
+
+    Raises KeyError, TypeError, ValueError, AttributeError for what is no topic of a contract.
+    """
+    rate, age = data["rate_hz"], data["max_age_s"]
+    best_effort = str(data["qos"]["lockstep"]).startswith(Reliability.BEST_EFFORT.value)
+    return Topic(
+        name,
+        str(data["type"]),
+        str(data["publisher"]),
+        tuple(data["subscribers"]),
+        0 if rate is None else round(1.0 / (float(rate) * CONTROL_PERIOD_S)),
+        INFINITY if age is None else float(age),
+        str(data["meaning"]),
+        tuple(_rule(field) for field in data["fields"]),
+        Reliability.BEST_EFFORT if best_effort else Reliability.RELIABLE,
+        int(data["lag_periods"]),
+        bool(data["recorded"]),
+        tuple(data["frames"]),
+        str(data["child_frame"]),
+        str(data["joints"]),
+    )
+
+
+def _rule(data: Mapping[str, Any]) -> FieldRule:
+    bounds = {
+        "low": -INFINITY if data["low"] is None else data["low"],
+        "high": INFINITY if data["high"] is None else data["high"],
+        "rate_tolerance": INFINITY if data["rate_tolerance"] is None else data["rate_tolerance"],
+    }
+    return FieldRule(**{**data, **bounds})
 
 
 def contract_name(data: Mapping[str, Any]) -> str:

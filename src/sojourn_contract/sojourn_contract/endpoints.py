@@ -8,7 +8,6 @@ from sojourn_contract.bundles import Bundles
 from sojourn_contract.codecs import encode
 from sojourn_contract.neighbours import Neighbours, are_near
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import inputs_of, outputs_of
 from sojourn_contract.types import message_class
 from sojourn_contract.values import Message
 
@@ -33,10 +32,10 @@ class Endpoints:
         everyone, awaited = {*node.participants, node.role}, {row.name for row in node.awaited}
         self.inputs = [
             row
-            for row in inputs_of(node.role, everyone)
+            for row in node.table.inputs_of(node.role, everyone)
             if row.is_event or row.publisher == "all" or not node.lockstep or row.name in awaited
         ]
-        self.outputs = {row.name: row for row in outputs_of(node.role, everyone)}
+        self.outputs = {row.name: row for row in node.table.outputs_of(node.role, everyone)}
         self.bundles = Bundles(node, self.inputs, self.outputs.values(), take)
         self.senders = {name: self._sender(row) for name, row in self.outputs.items()}
         self.readers = {row.name: self._reader(row, take) for row in self.inputs}

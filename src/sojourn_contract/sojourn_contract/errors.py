@@ -39,6 +39,13 @@ class RefusedMessageError(ContractError):
         self.allowed = allowed
 
 
+class TopicNameError(ContractError):
+    """A name that no topic of a run can have."""
+
+    def __init__(self, name: str, allowed: str) -> None:
+        super().__init__(f"topic {name!r}: allowed is {allowed}")
+
+
 LONGEST_REASON = 120
 
 

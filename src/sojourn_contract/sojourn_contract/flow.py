@@ -9,8 +9,9 @@ far as messages can tell.
 
 from collections.abc import Sequence
 
+from sojourn_contract.run_table import row_named
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import ROLES, TOPICS
+from sojourn_contract.topics import ROLES, STANDARD, TOPICS
 
 FIRST = "plant"
 
@@ -54,5 +55,14 @@ _PLACES = {name: place for place, name in enumerate(topic_order())}
 
 
 def place_of(topic: str) -> int:
-    """Place of a topic in the flow; one that the table does not know (/tf) comes after all others."""
-    return _PLACES.get(topic, len(_PLACES))
+    """Place of a topic in the flow. One of a further thing has that of the first, one that the machine of a run brings
+    that of the last of the same publisher; one that no run has (/tf) comes after all others.
+    """
+    place = _PLACES.get(topic)
+    if place is not None:
+        return place
+    row = row_named(topic)
+    if row is None:
+        return len(_PLACES)
+    first = topic.removesuffix(f"/{row.thing}")
+    return _PLACES.get(first, max(_PLACES[other.name] for other in STANDARD if other.publisher == row.publisher))

@@ -14,6 +14,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from sojourn_config.scenario import load_scenario
 from sojourn_contract import stamps
 from sojourn_contract.arrival import TICK, check_input
 from sojourn_contract.barrier import Barrier, awaited_inputs
@@ -34,10 +35,12 @@ from sojourn_contract.heartbeat import (
     heartbeat_message,
 )
 from sojourn_contract.latest_inputs import LatestInputs, trigger_of
+from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import ROLES, topic
+from sojourn_contract.topics import ROLES
 from sojourn_contract.values import Message
 
+OPERATOR = "operator"
 REFUSAL_LOG_S = 1.0
 """Wall time between two lines of the log on refused messages of one topic; the heartbeat counts them all."""
 SILENCE_S = 1.0
@@ -55,8 +58,8 @@ class ContractNode(Node):
 
     ROS parameters: `scenario` (name or path), `overrides` (KEY=VALUE texts that go over it), `lockstep`
     (bool), `participants` (roles that take part in the run), `companions` (those of them that are nodes of this stack
-    in processes of their own, see `bundles`), `lockstep_timeout_s` (wall time after which a
-    missing answer is an error).
+    in processes of their own, see `bundles`), `lockstep_timeout_s` (wall time after which a missing answer is an
+    error). The scenario's machine says which topics the run has.
 
     Args:
         role: row of the process table; also the node's name.
@@ -90,6 +93,9 @@ class ContractNode(Node):
         self.timeout_s: float = self.declare_parameter("lockstep_timeout_s", 10.0).value
         overrides_given = self.declare_parameter("overrides", [""]).value
         self.scenario_overrides = tuple(text for text in overrides_given if text)
+        self.scenario = load_scenario(self.scenario_name, self.scenario_overrides)
+        self.table = table_of(self.scenario)
+        """The topics of the run."""
         self.counters = Counters()
         self._warned: dict[str, float] = {}
         self.events = EventQueue()
@@ -101,7 +107,7 @@ class ContractNode(Node):
         """Whether its process (or the composed run) ends when it has finished: the plant's."""
         self.now = 0
         """Stamp [ns] of the last period acted on; zero before the run."""
-        self.awaited = awaited_inputs(role, self.participants)
+        self.awaited = awaited_inputs(role, self.participants, self.table)
         self.barrier: Barrier[Any] = Barrier(self.awaited, every_period)
         self._awaited_by_name = {row.name: row for row in self.awaited}
         self._trigger = trigger_of(self.awaited)
@@ -208,7 +214,7 @@ class ContractNode(Node):
         missing = self.barrier.missing()
         if missing:
             return missing[0].publisher, missing[0].name
-        return ("", "") if self._goals_are_in() else (topic(TICK).publisher, "the goals that its tick announces")
+        return ("", "") if self._goals_are_in() else (OPERATOR, "the goals that its tick announces")
 
     def _take(self, row: Topic, data: bytes) -> None:
         self.received += 1
@@ -323,7 +329,7 @@ class ContractNode(Node):
         stamp = (self.latest.timeline.now + int(silent * stamps.NANOSECONDS)) // stamps.NANOSECONDS * stamps.NANOSECONDS
         if self.acts_in_silence and silent > LOST_S and stamp > self.now:
             self.act(stamp, self.latest.at(stamp))
-        whom = topic(self._trigger).publisher
+        whom = self.table.topic(self._trigger).publisher
         self._send_heartbeat(STALLED, self.now, f"waiting for {self._trigger} from {whom}", {WAITING_FOR: whom})
 
     def _advance(self) -> None:

@@ -8,8 +8,9 @@ from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.description import contract_data, contract_name
 from sojourn_contract.manual import SECTIONS
+from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import ROLES, inputs_of, outputs_of
+from sojourn_contract.topics import ROLES
 
 _STYLE = """
 :root { color-scheme: light dark; --line: #8884; --soft: #8881; }
@@ -28,14 +29,14 @@ tr:hover { background: var(--soft); } .quiet { opacity: .75; }
 
 def contract_page(machine: JudgedMachine) -> str:
     """The page, for one rover."""
-    data = contract_data()
+    data = contract_data(machine.table)
     parts = [
         f"<h1>The contract of Sojourn</h1><p class=quiet>Contract {escape(contract_name(data))}, rover "
         f"{escape(machine.name)}. Judged by <code>scripts/contract check</code>.</p>",
         "<nav><a href='#roles'>Roles</a><a href='#rules'>Rules</a><a href='#topics'>Topics</a>"
         "<a href='#fields'>Fields</a><a href='#machine'>Machine</a></nav>",
         _heading("roles", "Roles"),
-        _roles(),
+        _roles(machine.table),
         _heading("rules", "Rules"),
         *(f"<h3>{escape(title)}</h3><ul>{_items(rules)}</ul>" for title, rules in SECTIONS),
         _heading("topics", "Topics"),
@@ -84,13 +85,13 @@ def _codes(texts: Iterable[str]) -> str:
     return "<br>".join(_code(text) for text in texts)
 
 
-def _roles() -> str:
+def _roles(table: TopicTable) -> str:
     rows = [
         (
             f"<b>{role}</b>",
-            _codes(_with_rate(row) for row in awaited_inputs(role, ROLES)),
-            _codes(row.name for row in inputs_of(role) if row.is_event),
-            _codes(_with_rate(row) for row in outputs_of(role)),
+            _codes(_with_rate(row) for row in awaited_inputs(role, ROLES, table)),
+            _codes(row.name for row in table.inputs_of(role) if row.is_event),
+            _codes(_with_rate(row) for row in table.outputs_of(role)),
         )
         for role in ROLES
         if role != "recorder"

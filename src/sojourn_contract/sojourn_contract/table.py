@@ -48,9 +48,13 @@ def _line(row: Topic) -> str:
         f"{row.publisher} → {', '.join(row.subscribers) or 'bag, people'}",
         _rate(row),
         "" if row.max_age_s == float("inf") else f"{row.max_age_s:g} s",
-        row.meaning + _units(row.fields) + ("" if row.logged else " (not in the bag)"),
+        row.meaning + _each(row) + _units(row.fields) + ("" if row.logged else " (not in the bag)"),
     )
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def _each(row: Topic) -> str:
+    return f"; of each further {row.each} on `{row.name}/NAME`" if row.each else ""
 
 
 def _rate(row: Topic) -> str:

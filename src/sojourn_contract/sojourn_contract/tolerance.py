@@ -10,25 +10,25 @@ import re
 from decimal import Decimal, InvalidOperation
 from functools import cache
 
+from sojourn_contract.run_table import row_named
 from sojourn_contract.topic_types import FieldRule
-from sojourn_contract.topics import TOPICS
 
 LARGEST_STEP = 1e-3
 """A number in a text with fewer decimals must be equal: 37.8 may as well stand for 37.8000."""
 _INDEX = re.compile(r"\[[^\]]*\]")
-_RULES = {row.name: row.fields for row in TOPICS}
 
 
 @cache
 def rule_of(topic: str, path: str) -> FieldRule | None:
-    """Rule of a field, None where the table has none for it, or does not know the topic.
+    """Rule of a field, None where its row has none for it, or no run has the topic.
 
     Args:
         path: field, dotted, with or without indices: `poses[0].pose.position.x`. A rule for a message holds
             for all that is in it, and a rule for an array for each element.
     """
     plain = _INDEX.sub("", path)
-    for rule in _RULES.get(topic, ()):
+    row = row_named(topic)
+    for rule in () if row is None else row.fields:
         if any(plain == name or plain.startswith(name + ".") for name in rule.path.split()):
             return rule
     return None

@@ -6,10 +6,13 @@ from enum import Enum
 
 INFINITY = float("inf")
 
+ROLES = ("plant", "sensors", "drive", "arm", "power", "operator", "recorder")
+"""Every role, in the order in which a period passes through them."""
+
 JOINT_SETS = {
     "moving": "names every joint of the URDF that moves, and that of the arm's tool",
     "measured": "names every drive, steer, arm and tool joint, and no joint that the machine does not have",
-    "wheels": "names drive and steer joints only",
+    "drive": "names joints that move the machine only",
     "arm": "names arm joints only",
     "arm and tool": "names arm joints, and that of the tool, only",
 }
@@ -76,6 +79,9 @@ class Topic:
         frames: what header.frame_id may be; empty where it carries no frame. child_frame: child_frame_id.
         joints: set of joints that a message names, see JOINT_SETS; "" where it names none.
         part: role without which a run has no such topic; "" where every run has it.
+        each: kind of thing of which a machine may have several, as "store": the row stands for the first, and a further
+            thing has a row of its own, with its name behind; "" where there is one row whatever the machine has.
+        thing: name of the further thing that the row stands for; "" for all others.
     """
 
     name: str
@@ -93,6 +99,8 @@ class Topic:
     child_frame: str = ""
     joints: str = ""
     part: str = ""
+    each: str = ""
+    thing: str = ""
 
     def is_in(self, participants: Collection[str]) -> bool:
         """Whether a run of these roles has the topic."""

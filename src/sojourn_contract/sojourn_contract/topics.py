@@ -3,13 +3,12 @@ read it.
 
 A row says who publishes, who subscribes, at which rate, how old a message may be, and for each field its
 unit, its frame and its plausible range. Rows stand in the order in which data flows through one control
-period, from the plant's truth to the commands that go back to it.
+period, from the plant's truth to the commands that go back to it. A row with `each` stands once for each thing of that
+kind which a machine has.
 """
 
-from collections.abc import Collection
 from dataclasses import replace
 
-from sojourn_contract.errors import UnknownRoleError, UnknownTopicError
 from sojourn_contract.field_rules import (
     ANGLE,
     BATTERY,
@@ -28,10 +27,10 @@ from sojourn_contract.field_rules import (
     WRENCH,
 )
 from sojourn_contract.goal_topics import GOAL_TOPICS
-from sojourn_contract.topic_types import INFINITY, FieldRule, Topic
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topic_types import INFINITY, ROLES, FieldRule, Topic
 
-ROLES = ("plant", "sensors", "drive", "arm", "power", "operator", "recorder")
-"""Every role, in the order in which a period passes through them."""
+__all__ = ["OPERATOR_LAG", "RECORDER_LAG", "ROLES", "STANDARD", "TOPICS", "inputs_of", "outputs_of", "topic"]
 
 OPERATOR_LAG = 5
 """Periods between the operator's look at the machine and the effect of its goals, in lock-step."""
@@ -85,6 +84,7 @@ TOPICS: tuple[Topic, ...] = (
         0.5,
         "true state of the battery",
         BATTERY,
+        each="store",
     ),
     Topic(
         "/truth/loads",
@@ -137,6 +137,7 @@ TOPICS: tuple[Topic, ...] = (
         0.5,
         "measured voltage, current and temperature of the bus",
         BATTERY,
+        each="store",
     ),
     Topic(
         "/joint_states",
@@ -224,6 +225,7 @@ TOPICS: tuple[Topic, ...] = (
         3.0,
         "estimated charge of the battery",
         BATTERY,
+        each="store",
     ),
     Topic(
         "/power/status",
@@ -264,9 +266,9 @@ TOPICS: tuple[Topic, ...] = (
         ("plant", "arm"),
         1,
         0.2,
-        "drive joints: velocity; steer joints: position and velocity",
+        "references of all joints that move the machine: rate of those that are held by it, else position and rate",
         (replace(ANGLE, optional=True), replace(RATE, optional=True)),
-        joints="wheels",
+        joints="drive",
     ),
     Topic(
         "/arm_command",
@@ -322,35 +324,7 @@ TOPICS: tuple[Topic, ...] = (
     ),
 )
 
-_BY_NAME = {topic.name: topic for topic in TOPICS}
-
-
-def topic(name: str) -> Topic:
-    """Row of the table by topic name. Raises UnknownTopicError."""
-    try:
-        return _BY_NAME[name]
-    except KeyError:
-        raise UnknownTopicError(name, tuple(_BY_NAME)) from None
-
-
-def outputs_of(role: str, participants: Collection[str] = ROLES) -> tuple[Topic, ...]:
-    """Topics that a role publishes in a run of these roles, heartbeats included. Raises UnknownRoleError."""
-    _check_role(role)
-    return tuple(row for row in TOPICS if row.publisher in (role, "all") and row.is_in(participants))
-
-
-def inputs_of(role: str, participants: Collection[str] = ROLES) -> tuple[Topic, ...]:
-    """Topics that a role acts on in a run of these roles; for the recorder every logged one.
-
-    Raises UnknownRoleError.
-    """
-    _check_role(role)
-    rows = (row for row in TOPICS if row.is_in(participants))
-    if role == "recorder":
-        return tuple(row for row in rows if row.logged)
-    return tuple(row for row in rows if role in row.subscribers)
-
-
-def _check_role(role: str) -> None:
-    if role not in ROLES:
-        raise UnknownRoleError(role, ROLES)
+STANDARD = TopicTable(TOPICS)
+"""The table of a machine with one thing of each kind, and no sensor but those of the contract."""
+topic, outputs_of, inputs_of = STANDARD.topic, STANDARD.outputs_of, STANDARD.inputs_of
+"""Of that table; a run has its own, see `run_table`."""

@@ -6,8 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.absence import given_up, seen_usable
@@ -23,10 +21,10 @@ from sojourn_contract.values import TwistStamped
 from sojourn_drive.arm_interlock import ArmInterlock
 from sojourn_drive.charge import ChargeGauge
 from sojourn_drive.goals import GoalStatus, goal_of
-from sojourn_drive.measurements import WheelMeasurements
+from sojourn_drive.measurements import JointMeasurements
 from sojourn_drive.reports import drive_report, odometry_report
 from sojourn_drive.sun import SunSightings
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.energy_forecast import EnergyLeft
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.supervision.drive import LONGEST_PERIOD, DriveModel
@@ -93,8 +91,8 @@ class DriveApp(App[DriveAppState]):
     def __init__(self, scenario: LoadedScenario) -> None:
         scenario = scenario.as_believed()
         self._start = scenario.config.start
-        self.model = DriveModel(scenario.drive, scenario.steering, hazard_camera_of(scenario), scenario.wheel_loads())
-        self._measurements = WheelMeasurements(scenario.machine, scenario.urdf_xml)
+        self.model = DriveModel(scenario.drive, scenario.mobility(), hazard_camera_of(scenario))
+        self._measurements = JointMeasurements(scenario.machine, self.model.mobility.joints, scenario.urdf_xml)
         self._sun = SunSightings(scenario)
         self._charge = ChargeGauge(scenario.power_manager, self._measurements.loads)
         self._interlock = ArmInterlock(scenario.arm)
@@ -192,14 +190,14 @@ class DriveApp(App[DriveAppState]):
         stamp, drive = period.stamp, state.drive
         try:
             measured, heard = self._measured(state, period, cloud)
-            if state.stepped_at is None and stamp > stamps.CONTROL_PERIOD_NS and self.model.slip is not None:
-                drive = replace(drive, slip=self.model.slip.initial_state(at_rest=False))
+            if state.stepped_at is None and stamp > stamps.CONTROL_PERIOD_NS:
+                drive = self.model.in_motion(drive)
             drive, output = self.model.step(drive, measured, _since(state.stepped_at, stamp))
         except (MachineError, RefusedMessageError) as error:
             refusals.append(("/joint_states", error))
             return None
         asked = replace(state.asked, pending=None, abandoned="")
-        gyro = measured.gyro or (0.0, 0.0, 0.0)
+        gyro = measured.felt.gyro or (0.0, 0.0, 0.0)
         return DriveAppState(drive, replace(output, make_status=None), asked, heard, stamp, (gyro[0], gyro[1]))
 
     def _measured(self, state: DriveAppState, period: Period, cloud: FloatArray | None) -> tuple[DriveInput, Heard]:
@@ -211,8 +209,15 @@ class DriveApp(App[DriveAppState]):
             sent, wanted = asked.twist
             twist = TwistCommand(wanted, max(period.stamp - sent, 0) * 1e-9)
         joints, imu = (inputs[name] for name in MEASUREMENTS)
-        measured = self._measurements.drive_input(joints, imu, twist, asked.pending, heard.power_limit, sun)
-        measured = replace(measured, supply=heard.supply, cloud=cloud)
+        measured = replace(
+            self._measurements.drive_input(joints, imu),
+            sun=sun,
+            cloud=cloud,
+            twist=twist,
+            goal=asked.pending,
+            supply=heard.supply,
+            power_limit=heard.power_limit,
+        )
         if asked.abandoned:
             measured = replace(measured, stop=True, stop_reason=asked.abandoned)
         if heard.interlock:
@@ -228,13 +233,8 @@ class DriveApp(App[DriveAppState]):
 
 
 def _stopped(output: DriveOutput) -> DriveOutput:
-    """The wheels stop and the steering holds."""
-    return replace(
-        output,
-        wheel_rates=np.zeros_like(output.wheel_rates),
-        steer_rates=np.zeros_like(output.steer_rates),
-        outcomes=(),
-    )
+    """Nothing moves, and what is held by its position stays where it is."""
+    return replace(output, references=output.references.stopped(), outcomes=())
 
 
 def _since(before: int | None, stamp: int) -> float:

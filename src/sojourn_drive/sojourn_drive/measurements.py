@@ -1,83 +1,45 @@
-"""Measured joints and IMU as the drive's input, and its output as a wheel command."""
+"""Measured joints and IMU as the drive's input, and its output as a command to the joints."""
 
 import math
-
-import numpy as np
+from collections.abc import Sequence
 
 from sojourn_contract.joint_places import JointPlaces
 from sojourn_contract.switches import fraction_of
 from sojourn_contract.values import Imu, JointState
-from sojourn_flight.odometry.heading_fix import SunSighting
-from sojourn_flight.planning.goal import Goal
-from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
+from sojourn_flight.mobility.mobility import NOT_MEASURED, InertialMeasurement, MobilityJoints, Triple
+from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput
 from sojourn_machine.machine import MachineParams
 from sojourn_machine.mounting import IMU_LINK, mounting
 from sojourn_machine.params import FloatArray
 
-Triple = tuple[float, float, float]
-"""Along x, y, z."""
 
-
-class WheelMeasurements:
-    """Maps the joints of messages to wheels and back.
+class JointMeasurements:
+    """Maps the joints of messages to those of the mobility and back.
 
     Args:
-        machine: its wheels and tracks are in the order of the steering geometry.
+        machine: whose drives say which loads feed them. joints: of the mobility, in its order.
         urdf_xml: the machine, with a link `imu_link`.
     """
 
-    def __init__(self, machine: MachineParams, urdf_xml: str) -> None:
-        self._drive_joints = [wheel.joint for wheel in machine.rolling]
-        self._steer_joints = list(machine.steer_joints)
-        turned_by = [wheel.steer_joint for wheel in machine.rolling]
-        self._steered = [place for place, joint in enumerate(turned_by) if joint is not None]
-        self._first_of_joint = [turned_by.index(joint) for joint in self._steer_joints]
-        self._drive_places = JointPlaces("/joint_states", self._drive_joints)
-        self._steer_places = JointPlaces("/joint_states", [joint for joint in turned_by if joint is not None])
-        self._commanded = (*self._drive_joints, *self._steer_joints)
-        self.loads = machine.loads_of(self._commanded)
+    def __init__(self, machine: MachineParams, joints: Sequence[str], urdf_xml: str) -> None:
+        self._joints = tuple(joints)
+        self._places = JointPlaces("/joint_states", self._joints)
+        self.loads = machine.loads_of(self._joints)
         """Without which the rover does not move."""
         self._imu_to_base, self._imu_lever = mounting(urdf_xml, IMU_LINK)
 
-    def drive_input(
-        self,
-        joints: JointState,
-        imu: Imu,
-        twist: TwistCommand | None,
-        goal: Goal | None,
-        power_limit: float,
-        sun: SunSighting | None = None,
-    ) -> DriveInput:
-        """Input of the drive's step. Raises RefusedMessageError if a wheel's joint is missing."""
-        drive, steer = self._drive_places.places(joints), self._steer_places.places(joints)
-        position = joints.position
-        angles = np.zeros(len(drive))
-        angles[self._steered] = position[steer]
+    def drive_input(self, joints: JointState, imu: Imu) -> DriveInput:
+        """Input of the drive's step. Raises RefusedMessageError if a joint is missing."""
+        places = self._places.places(joints)
+        effort = joints.effort[places] if len(joints.effort) else NOT_MEASURED
+        measured = MobilityJoints(joints.position[places], joints.velocity[places], effort)
         gyro, force = self._felt(imu)
-        return DriveInput(
-            wheel_positions=position[drive],
-            wheel_rates=joints.velocity[drive],
-            steer_angles=angles,
-            wheel_efforts=joints.effort[drive] if len(joints.effort) else None,
-            gyro=gyro,
-            specific_force=force,
-            accelerometer_ahead=float(self._imu_lever[0]),
-            roll_pitch=self._roll_pitch(imu.orientation),
-            sun=sun,
-            twist=twist,
-            goal=goal,
-            power_limit=power_limit,
-        )
+        felt = InertialMeasurement(gyro, force, self._roll_pitch(imu.orientation), float(self._imu_lever[0]))
+        return DriveInput(measured, felt)
 
     def command(self, stamp: int, output: DriveOutput) -> JointState:
-        """Wheel command: rates of the drive joints, angles and rates of the steering joints."""
-        count = len(self._drive_joints)
-        position = np.zeros(count + len(self._steer_joints))
-        velocity = np.empty_like(position)
-        velocity[:count] = output.wheel_rates
-        position[count:] = output.steer_angles[self._first_of_joint]
-        velocity[count:] = output.steer_rates[self._first_of_joint]
-        return JointState(stamp, self._commanded, position, velocity)
+        """The references of all joints that move the machine."""
+        return JointState(stamp, self._joints, *output.references)
 
     def power_limit(self, switches: dict[str, str], present: float) -> float:
         """Factor on all speeds from the power manager's switches; `present` where they do not name the

@@ -1,6 +1,7 @@
 """The plant of a scenario, settled on its ground."""
 
-from sojourn_config.scenario import STOWED, LoadedScenario
+from sojourn_config.machine_body import STOWED
+from sojourn_config.scenario import LoadedScenario
 from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.state import PlantState
 from sojourn_physics.plant.step import initial_state

@@ -9,6 +9,7 @@ from pathlib import Path
 from sojourn_bags.completeness import Completeness
 from sojourn_bags.recorded_run import RecordedRun
 from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_contract.run_table import table_of
 from sojourn_operator.script import StepResult
 from sojourn_stack.apps import make_apps
 from sojourn_stack.recorder import DirectRecorder
@@ -58,7 +59,7 @@ def run(spec: RunSpec, goes_on: Callable[[StackState], bool] = lambda state: Tru
     apps = make_apps(scenario, spec.participants)
     for app in apps.values():
         app.warm_up()
-    stack = Stack(apps, spec.participants)
+    stack = Stack(apps, spec.participants, table_of(scenario))
     recorder = None
     if spec.bag is not None:
         recorded = RecordedRun(spec.scenario, spec.overrides, spec.participants, loaded=scenario)

@@ -17,8 +17,9 @@ from sojourn_contract.barrier import Barrier, awaited_inputs, is_due
 from sojourn_contract.errors import RefusedMessageError, unreadable
 from sojourn_contract.events import EventQueue
 from sojourn_contract.heartbeat import ENDED, RUNNING, Counters, beats, heartbeat_message
+from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import inputs_of, outputs_of, topic
+from sojourn_contract.topics import STANDARD, topic
 from sojourn_contract.values import DiagnosticArray, Message
 from sojourn_machine.evolution import replace
 from sojourn_stack.errors import WaitingError
@@ -81,19 +82,21 @@ class Stack:
 
     Args:
         apps: by role, in the order of the contract; the plant among them.
-        participants: all roles, the recorder included if there is one.
+        participants: all roles, the recorder included if there is one. table: the topics of the run.
     """
 
-    def __init__(self, apps: Mapping[str, App[Any]], participants: Sequence[str]) -> None:
+    def __init__(self, apps: Mapping[str, App[Any]], participants: Sequence[str], table: TopicTable = STANDARD) -> None:
         self.apps = dict(apps)
         acting = [role for role in self.apps if role != PLANT] + [PLANT]
         present = [role for role in participants if role != "recorder"]
         self.checks = {role: app.check for role, app in self.apps.items() if not _is_none(app.check)}
         """Of the roles that refuse more than the contract does."""
-        self._awaited = {role: awaited_inputs(role, present) for role in acting}
+        self._awaited = {role: awaited_inputs(role, present, table) for role in acting}
         self._strides = {role: Barrier(rows, role == PLANT).stride for role, rows in self._awaited.items()}
-        self.outputs = {role: {row.name: row for row in outputs_of(role, {*participants, role})} for role in acting}
-        events = {role: [row.name for row in inputs_of(role, {*present, role}) if row.is_event] for role in acting}
+        outputs = {role: table.outputs_of(role, {*participants, role}) for role in acting}
+        self.outputs = {role: {row.name: row for row in rows} for role, rows in outputs.items()}
+        inputs = {role: table.inputs_of(role, {*present, role}) for role in acting}
+        events = {role: [row.name for row in rows if row.is_event] for role, rows in inputs.items()}
         self.takers = {
             row.name: [role for role in acting if row.name in events[role]]
             for rows in self.outputs.values()

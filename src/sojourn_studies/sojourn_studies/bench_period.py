@@ -22,6 +22,7 @@ from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos
 from sojourn_contract.app import Answer, Period
 from sojourn_contract.codecs import decode, encode
+from sojourn_contract.run_table import table_of
 from sojourn_contract.topics import ROLES, inputs_of
 from sojourn_contract.types import message_class
 from sojourn_stack.apps import make_apps
@@ -65,7 +66,7 @@ def bench_period(periods: int, domain: int) -> dict[str, float]:
         app.warm_up()
         app.step = watch.timing(f"app of {role}", _eager(app.step))  # type: ignore[method-assign]
         app.check = watch.timing("checks", app.check)  # type: ignore[method-assign]
-    stack = Stack(apps, ROLES)
+    stack = Stack(apps, ROLES, table_of(scenario))
     settle_collector()
     with tempfile.TemporaryDirectory(prefix="sojourn-bench-") as folder:
         recorder = DirectRecorder(Path(folder) / "bag", RecordedRun(SCENARIO, (), ROLES, loaded=scenario))

@@ -17,9 +17,9 @@ from sojourn_contract.barrier import is_due
 from sojourn_contract.hazcam import hazard_camera_of
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Odometry
-from sojourn_drive.measurements import WheelMeasurements
+from sojourn_drive.measurements import JointMeasurements
 from sojourn_drive.sun import SunSightings
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.supervision.drive import DriveModel
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
@@ -55,7 +55,7 @@ class ClosedLoop:
         self.scenario = scenario
         self.plant, self.truth = build_plant(scenario) if placed is None else placed
         params = scenario.drive if avoids else scenario.drive.model_copy(update={"obstacles": None})
-        self.drive = DriveModel(params, scenario.steering, hazard_camera_of(scenario), loads=scenario.wheel_loads())
+        self.drive = DriveModel(params, scenario.mobility(), hazard_camera_of(scenario))
         self.drive.warm_up()
         start = scenario.config.start
         self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
@@ -63,7 +63,7 @@ class ClosedLoop:
         self.plant_output: PlantOutput | None = None
         """What the plant tells of the last period."""
         self.period = 0
-        self._wheels = WheelMeasurements(scenario.machine, scenario.urdf_xml)
+        self._wheels = JointMeasurements(scenario.machine, self.drive.mobility.joints, scenario.urdf_xml)
         self._view, self._camera = HazardView(scenario), self.drive.camera
         self._seen = self._view.initial_state()
         self._sightings, self._sun = SunSightings(scenario), SunReadings(scenario)
@@ -95,8 +95,8 @@ class ClosedLoop:
         self.period += 1
         stamp = self.period * stamps.CONTROL_PERIOD_NS
         measured = self._measure(stamp, goal, None if twist is None else TwistCommand(twist, 0.0))
-        if measured.gyro is not None:
-            self._tilt_rates = measured.gyro[:2]
+        if measured.felt.gyro is not None:
+            self._tilt_rates = measured.felt.gyro[:2]
         self.drive_state, self.output = self.drive.step(self.drive_state, change(measured), stamps.CONTROL_PERIOD_S)
         self._move(stamp)
         return self.output
@@ -155,7 +155,8 @@ class ClosedLoop:
         if is_due(topic("/sun_direction"), self.period):
             self._sun_state, reading = self._sun.reading(self._sun_state, stamp, self.truth.configuration[3:7])
             sun, self._sighted = self._sightings.sighting(stamp, self._sun.message(stamp, reading), self._sighted)
-        measured = self._wheels.drive_input(joints, imu_message(stamp, read.imu), twist, goal, 1.0, sun)
+        measured = self._wheels.drive_input(joints, imu_message(stamp, read.imu))
+        measured = replace(measured, sun=sun, twist=twist, goal=goal)
         if self._camera is not None and is_due(topic("/hazcam/points"), self.period):
             position, orientation = self.truth.configuration[:3], self.truth.configuration[3:7]
             self._seen, cloud = self._view.observe(self._seen, position, orientation)

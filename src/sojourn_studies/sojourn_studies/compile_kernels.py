@@ -12,7 +12,8 @@ from sojourn_contract.topics import ROLES
 from sojourn_flight.arm.inverse import pose_goal
 from sojourn_flight.arm.spline_path import spline_through
 from sojourn_flight.arm.time_optimal import JointLimits, fastest_timing
-from sojourn_flight.mobility.kinematics import PlanarTwist, allowed_twist
+from sojourn_flight.mobility.kinematics import allowed_twist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_machine.contact_choice import CONTACT_LAWS, FOOT_LAWS
 from sojourn_physics.contact.law_call import row_entry
 from sojourn_physics.contact.law_params import ContactLawParams

@@ -15,8 +15,8 @@ from sojourn_analysis.vehicle.tracked_vehicle import tracked_vehicle_of
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
 from sojourn_config.bundle import read_machine
 from sojourn_config.command_errors import UsageError
+from sojourn_config.machine_body import STOWED
 from sojourn_config.machine_reader import machine_config
-from sojourn_config.scenario import STOWED
 from sojourn_config.vehicle import supply_of, vehicle_of_machine
 from sojourn_machine.errors import MachineError
 from sojourn_studies.linear_rover import linear_plants

@@ -98,7 +98,7 @@ def turning(scenario: str, overrides: Sequence[str]) -> tuple[Spent, Spent]:
     found = []
     for angle in TURNS:
         loop = MeteredLoop(on_plane(scenario, overrides, 0.0, 0.0))
-        if not loop.drive.turning.on_the_spot:
+        if not loop.drive.mobility.ability.turning.on_the_spot:
             return Spent(), Spent()
         loop.reach(loop.tick(Goal.at(0.0, 0.0, angle)))
         found.append(loop.spent)

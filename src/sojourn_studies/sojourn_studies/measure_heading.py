@@ -18,7 +18,7 @@ import numpy as np
 from sojourn_config import command_line
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_contract.stamps import CONTROL_PERIOD_S
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_machine.params import FloatArray
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantOutput, PlantState
@@ -111,7 +111,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for number in range(given.sensors):
             seed = SENSOR_SEEDS + ground * given.sensors + number
             # what the wheels slip by is of no use to the heading
-            sensors = load_scenario(given.scenario, [BLIND, "drive.slip=null", *given.set, f"seed={seed}"])
+            sensors = load_scenario(given.scenario, [BLIND, "drive.mobility.slip=null", *given.set, f"seed={seed}"])
             runs.append(errors(sensors, motion))
             error, sigma = 1e3 * runs[-1][-1]
             print(f"ground {ground}, sensors {seed}: {error:+.2f} mrad, {error / sigma:+.2f} sigma", flush=True)

@@ -18,6 +18,7 @@ from scipy.optimize import least_squares
 from sojourn_config import command_line
 from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import LoadedScenario
+from sojourn_flight.mobility.rolling import RollingMobility
 from sojourn_flight.odometry.traction import coefficient, in_rut
 from sojourn_machine.contact_report import ReportColumn
 from sojourn_machine.params import FloatArray, IntArray
@@ -101,9 +102,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     looks: list[Sample] = []
     for grade in GRADES_DEG:
         scenario = on_plane(given.scenario, given.set, abs(grade), 0.0 if grade > 0.0 else 180.0)
-        if scenario.drive.slip is None or (loads := scenario.wheel_loads()) is None:
-            raise UsageError(f"the drive of {scenario.config.machine}: no `slip`; allowed is one that estimates it")
-        looks += samples(scenario, grade, loads, scenario.drive.slip.rut_width)
+        mobility = scenario.mobility()
+        if not isinstance(mobility, RollingMobility) or mobility.slip_model is None:
+            why = "no `mobility.slip`; allowed is one that rolls and estimates it"
+            raise UsageError(f"the drive of {scenario.config.machine}: {why}")
+        belief = mobility.slip_model
+        looks += samples(scenario, grade, belief.machine.loads, belief.params.rut_width)
         print(
             f"grade {grade:+.0f} deg: slip {looks[-1].slip:.3f}, torque coefficient {looks[-1].torque:.3f}", flush=True
         )

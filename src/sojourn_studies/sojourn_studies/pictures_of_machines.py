@@ -20,7 +20,8 @@ from sojourn_flight.arm.ground_plane import GroundPlane
 from sojourn_flight.arm.kinematics import inverse_kinematics
 from sojourn_flight.arm.model import ArmModel, build_arm_model
 from sojourn_flight.arm.params import ArmParams
-from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
+from sojourn_flight.mobility.kinematics import wheels_from_twist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_machine.supports import TrackParams
 from sojourn_studies.picture_shapes import (
     dimension,

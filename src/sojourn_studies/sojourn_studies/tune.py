@@ -21,7 +21,7 @@ from sojourn_config.yaml_file import read_yaml
 FILE = "measured.yaml"
 SCENARIO = "flat_drive"
 GUESSES: Mapping[str, Any] = {
-    "track_ratio": 1.0,
+    "mobility": {"track_ratio": 1.0},
     "odometry": {"mean_slip": 0.1, "slip_per_grade": 1.0, "side_slip_per_grade": 0.7},
     "energy": {
         "grades_deg": [-8.0, -4.0, 0.0, 4.0, 8.0],
@@ -91,9 +91,9 @@ def measured(overrides: Sequence[str], say: Callable[[str], None]) -> dict[str, 
     scenario, ratio = on_plane(SCENARIO, known, 0.0, 0.0), 1.0
     if scrubs(scenario.steering.wheels):
         ratio = round(measured_ratio(scenario, say), 2)
-        known.append(f"drive.track_ratio={ratio}")
+        known.append(f"drive.mobility.track_ratio={ratio}")
     say("driving up and down, turning on the spot: what it costs")
-    return {"track_ratio": ratio, "odometry": slip, "energy": cost_of_driving(SCENARIO, known)}
+    return {"mobility": {"track_ratio": ratio}, "odometry": slip, "energy": cost_of_driving(SCENARIO, known)}
 
 
 def write(file: Path, found: Mapping[str, Any], where: str) -> None:

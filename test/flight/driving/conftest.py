@@ -11,14 +11,12 @@ import pytest
 
 from placements import geometry_from_placements
 from sojourn_config.bundle import read_machine
+from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams
 from sojourn_flight.mobility.wheel_twist import twist_from_wheels
-from sojourn_flight.supervision.drive import DriveModel
-from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, DriveState
-from sojourn_flight.supervision.params import (
-    DriveParams,
-    SteeringGeometryParams,
-)
+from sojourn_flight.supervision.drive_types import DriveState
+from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.params import FloatArray
+from wheel_drive import WheelDrive, WheelInput, WheelOutput
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -41,16 +39,16 @@ def explorer() -> SteeringGeometryParams:
 
 
 @pytest.fixture(scope="session")
-def model(drive_params: DriveParams, explorer: SteeringGeometryParams) -> DriveModel:
+def model(drive_params: DriveParams, explorer: SteeringGeometryParams) -> WheelDrive:
     """The explorer's drive."""
-    return DriveModel(drive_params, explorer)
+    return WheelDrive(drive_params, explorer)
 
 
 @dataclass
 class Machine:
     """Motors that obey in one period, on plane ground, with slip of all wheels; truth and measurements."""
 
-    model: DriveModel
+    model: WheelDrive
     x: float = 0.0
     y: float = 0.0
     yaw: float = 0.0
@@ -68,9 +66,9 @@ class Machine:
         self.wheel_positions, self.wheel_rates = np.zeros(count), np.zeros(count)
         self.steer_angles = np.zeros(count)
 
-    def measure(self, **commands: object) -> DriveInput:
+    def measure(self, **commands: object) -> WheelInput:
         """Measurements, with the commands of this period."""
-        return DriveInput(
+        return WheelInput(
             self.wheel_positions,
             self.wheel_rates,
             self.steer_angles,
@@ -78,7 +76,7 @@ class Machine:
             **commands,  # type: ignore[arg-type]
         )
 
-    def move(self, output: DriveOutput, dt: float) -> None:
+    def move(self, output: WheelOutput, dt: float) -> None:
         """One period under the commands."""
         middle = self.steer_angles
         if not self.stuck_steering:
@@ -98,7 +96,7 @@ class Machine:
 
     def run(
         self, state: DriveState, seconds: float, dt: float = 0.02, **commands: object
-    ) -> tuple[DriveState, DriveOutput]:
+    ) -> tuple[DriveState, WheelOutput]:
         """Periods with the same commands but a goal, which is sent once."""
         state, output = self.model.step(state, self.measure(**commands), dt)
         self.move(output, dt)
@@ -117,6 +115,6 @@ def kinematic_machine() -> type[Machine]:
 
 
 @pytest.fixture
-def machine(model: DriveModel) -> Callable[..., Machine]:
+def machine(model: WheelDrive) -> Callable[..., Machine]:
     """Makes machines."""
     return lambda **options: Machine(model, **options)

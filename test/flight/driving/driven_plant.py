@@ -7,14 +7,14 @@ import numpy as np
 import pinocchio as pin
 
 from sojourn_config.scenario import load_scenario
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.supervision.drive import DriveModel
-from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
+from sojourn_flight.supervision.drive_types import TwistCommand
 from sojourn_physics.plant.faults import HeldAngles, MotorFaults
 from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import step
 from sojourn_plant.start import build_plant
+from wheel_drive import WheelDrive, WheelInput, WheelOutput
 
 DT = 0.02
 
@@ -25,7 +25,7 @@ class DrivenPlant:
     def __init__(self, scenario: str, overrides: Sequence[str] = ()) -> None:
         loaded = load_scenario(scenario, overrides)
         self.plant, self.state = build_plant(loaded)
-        self.drive = DriveModel(loaded.drive, loaded.steering)
+        self.drive = WheelDrive(loaded.drive, loaded.steering)
         start = loaded.config.start
         self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
         self._command = zeros_command(len(self.plant.joints.names), len(self.plant.bus.loads))
@@ -51,13 +51,13 @@ class DrivenPlant:
         x_axis = pin.Quaternion(self.state.configuration[3:7]).toRotationMatrix()[:, 0]
         return math.atan2(x_axis[1], x_axis[0])
 
-    def period(self, goal: Goal | None = None, twist: PlanarTwist | None = None) -> DriveOutput:
+    def period(self, goal: Goal | None = None, twist: PlanarTwist | None = None) -> WheelOutput:
         """One control period."""
         base = pin.Quaternion(self.state.configuration[3:7]).toRotationMatrix()
         columns = self.plant.joints.columns
         angles = np.zeros(len(self._wheels))
         angles[self._steered] = self.state.joints[0, self._steering]
-        measured = DriveInput(
+        measured = WheelInput(
             wheel_positions=self.state.joints[0, self._wheels],
             wheel_rates=self.state.velocity[columns[self._wheels]],
             steer_angles=angles,
@@ -83,7 +83,7 @@ class DrivenPlant:
         seconds: float,
         goal: Goal | None = None,
         twist: PlanarTwist | None = None,
-        watch: Callable[["DrivenPlant", DriveOutput], None] | None = None,
+        watch: Callable[["DrivenPlant", WheelOutput], None] | None = None,
     ) -> GoalOutcome | None:
         """Until the goal ends, or the time does."""
         for _ in range(round(seconds / DT)):

@@ -2,7 +2,7 @@
 
 import math
 
-from sojourn_flight.supervision.params import SteeringGeometryParams, WheelGeometry
+from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams, WheelGeometry
 
 RADIUS = 0.2
 

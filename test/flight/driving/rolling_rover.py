@@ -15,10 +15,9 @@ from sojourn_contract.hazcam import hazard_camera_of
 from sojourn_flight.mobility.wheel_twist import twist_from_wheels
 from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.supervision.drive import DriveModel
-from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput
 from sojourn_machine.params import FloatArray
 from sojourn_physics.sensors import hazcam
+from wheel_drive import WheelDrive, WheelInput, WheelOutput, with_mobility
 
 DT = 0.1
 LOOK_EVERY = 10
@@ -49,14 +48,14 @@ class RollingRover:
         self.noise = hazcam.initial_state(self.camera, scenario.config.seed)
         # the ground gives no slip here
         firm = {"mean_slip": 0.0, "slip_per_grade": 0.0, "side_slip_per_grade": 0.0}
-        params = scenario.drive.model_copy(
-            update={"slip": None, "odometry": scenario.drive.odometry.model_copy(update=firm), "terrain_match": None}
-        )
-        self.model = DriveModel(params, scenario.steering, hazard_camera_of(scenario))
+        firm_ground = scenario.drive.odometry.model_copy(update=firm)
+        params = with_mobility(scenario.drive, slip=None)
+        params = params.model_copy(update={"odometry": firm_ground, "terrain_match": None})
+        self.model = WheelDrive(params, scenario.steering, hazard_camera_of(scenario))
         start = scenario.config.start
         self.state = self.model.initial_state(start.x, start.y, start.yaw)
         self.wheels = np.array([(wheel.x, wheel.y) for wheel in scenario.steering.wheels])
-        self.output: DriveOutput = self.model.at_rest(self.state)
+        self.output: WheelOutput = self.model.at_rest(self.state)
         self.positions = np.zeros(len(self.wheels))
         self.rate = 0.0
         self.period = 0
@@ -88,7 +87,7 @@ class RollingRover:
                 return outcomes[0]
         return None
 
-    def felt(self, inputs: DriveInput) -> DriveInput:
+    def felt(self, inputs: WheelInput) -> WheelInput:
         """The measurements with those that the ground makes; for rovers on ground that gives way."""
         return inputs
 
@@ -118,7 +117,7 @@ class RollingRover:
         rates = np.where([name in self.dead for name in self.model.geometry.names], 0.0, self.output.wheel_rates)
         self.positions = self.positions + rates * DT
         before = self.state
-        inputs = DriveInput(
+        inputs = WheelInput(
             self.positions,
             rates,
             self.output.steer_angles,

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.hazcam import hazard_camera_of
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.supervision.drive import DriveModel
-from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
+from sojourn_flight.supervision.drive_types import TwistCommand
 from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import step as step_plant
 from sojourn_physics.sensors import hazcam
 from sojourn_plant.start import build_plant
+from wheel_drive import WheelDrive, WheelInput, WheelOutput
 
 DT = 0.02
 LOOK_EVERY = 50
@@ -35,7 +35,7 @@ class Loop:
     worst_tilt: float = 0.0
     """[rad]"""
     period: int = 0
-    output: DriveOutput | None = None
+    output: WheelOutput | None = None
 
     def __post_init__(self) -> None:
         scenario = self.scenario
@@ -43,7 +43,7 @@ class Loop:
         camera = scenario.sensors.hazcam
         self.camera = None if camera is None else hazcam.hazcam_on(camera, scenario.urdf_xml)
         self.noise = None if self.camera is None else hazcam.initial_state(self.camera, scenario.config.seed)
-        self.model = DriveModel(scenario.drive, scenario.steering, hazard_camera_of(scenario))
+        self.model = WheelDrive(scenario.drive, scenario.steering, hazard_camera_of(scenario))
         start = scenario.config.start
         self.drive = self.model.initial_state(start.x, start.y, start.yaw)
         wheels = scenario.machine.wheels
@@ -89,7 +89,7 @@ class Loop:
         angles[self._steered] = self.state.joints[0, self._steers]
         gyro = self.state.velocity[3:6]
         columns = self.plant.joints.columns
-        inputs = DriveInput(
+        inputs = WheelInput(
             self.state.joints[0, self._wheels].copy(),
             self.state.velocity[columns[self._wheels]].copy(),
             angles,

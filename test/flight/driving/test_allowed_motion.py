@@ -10,24 +10,25 @@ from hypothesis import strategies as st
 from kinds import MACHINES
 
 from sojourn_config.scenario import load_scenario
-from sojourn_flight.mobility.allowed_motion import FITTED, SLIDING, Mobility
-from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
+from sojourn_flight.mobility.allowed_motion import FITTED, SLIDING, AllowedMotion
+from sojourn_flight.mobility.kinematics import wheels_from_twist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.mobility.wheel_twist import twist_from_wheels
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.supervision.drive import DriveModel
 from sojourn_flight.supervision.drive_types import TwistCommand
+from wheel_drive import WheelDrive
 
 ROVERS = ("explorer", "lrv", "lunokhod", "micro", "skid", "articulated", "omni")
 CURVE = re.compile(r"sharpest curve planned is \d\.\d\d 1/m|turn(s)? on the spot|heading")
 STOP = PlanarTwist(0.0, 0.0, 0.0)
 
 
-def drive_of(rover: str) -> DriveModel:
+def drive_of(rover: str) -> WheelDrive:
     """With no slip expected, and nothing that needs a camera."""
     scenario = load_scenario("flat_drive", [f"machine={rover}"])
     firm = {"mean_slip": 0.0, "slip_per_grade": 0.0, "side_slip_per_grade": 0.0}
     odometry = scenario.drive.odometry.model_copy(update=firm)
-    return DriveModel(scenario.drive.model_copy(update={"odometry": odometry, "obstacles": None}), scenario.steering)
+    return WheelDrive(scenario.drive.model_copy(update={"odometry": odometry, "obstacles": None}), scenario.steering)
 
 
 @settings(max_examples=300, deadline=None)
@@ -37,7 +38,7 @@ def test_what_is_accepted_is_what_the_wheels_then_do(name: str, v_x: float, v_y:
     geometry, ratio = MACHINES[name]
     table = geometry.table(ratio)
     asked = PlanarTwist(v_x, v_y, yaw_rate)
-    fitted, reason = Mobility(table, geometry.names).fit(asked)
+    fitted, reason = AllowedMotion(table, geometry.names).fit(asked)
     if reason:
         assert fitted == STOP and "would be dragged" in reason and "this machine drives" in reason
         return

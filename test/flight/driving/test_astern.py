@@ -11,18 +11,19 @@ from rolling_rover import DT, RollingRover
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState
-from sojourn_flight.supervision.astern import choose_sense, is_answered, trailing_helps
-from sojourn_flight.supervision.drive import DriveModel
+from sojourn_flight.supervision.astern import choose_sense, is_answered
 from sojourn_flight.supervision.drive_types import DriveState
+from wheel_drive import WheelDrive
 
 WHEELS = ("front_left", "front_right", "middle_left", "middle_right", "rear_left", "rear_right")
 
 
-def dead(model: DriveModel, state: DriveState, *wheels: str) -> DriveState:
+def dead(model: WheelDrive, state: DriveState, *wheels: str) -> DriveState:
     """The state of a drive that knows that these wheels have lost their motors; nothing will change its mind."""
     failed = np.array([name in wheels for name in model.geometry.names])
     doubt = np.where(failed, 1e6, 0.0)
-    return replace(state, motors=state.motors._replace(drive_failed=failed, drive_doubt=doubt))
+    motors = state.mobility.motors._replace(drive_failed=failed, drive_doubt=doubt)
+    return replace(state, mobility=replace(state.mobility, motors=motors))
 
 
 def rover(**terrain: Any) -> RollingRover:
@@ -44,8 +45,8 @@ def rover(**terrain: Any) -> RollingRover:
         (("front_left", "front_right", "rear_left"), True),
     ],
 )
-def test_it_helps_where_dead_wheels_lead(model: DriveModel, wheels: tuple[str, ...], helps: bool) -> None:
-    assert trailing_helps(model, dead(model, model.initial_state(), *wheels).motors) is helps
+def test_it_helps_where_dead_wheels_lead(model: WheelDrive, wheels: tuple[str, ...], helps: bool) -> None:
+    assert model.mobility.rather_astern(dead(model, model.initial_state(), *wheels).mobility) is helps
 
 
 def sent(made: RollingRover) -> FollowerState:
@@ -76,22 +77,20 @@ def test_wheels_that_slip_make_it_look_and_then_turn_about() -> None:
     seen = made.state.avoidance
     assert seen is not None
     seen = replace(seen, fresh=True)
-    front = dead(model, made.state, "front_right").motors
-    assert choose_sense(model, seen, way, front, False, odometry).way == way
-    assert not choose_sense(model, seen, way, dead(model, made.state, "rear_left").motors, True, odometry).way.trails
-    observes = choose_sense(model, seen, way, front, True, odometry)
+    assert choose_sense(model, seen, way, True, False, odometry).way == way
+    assert not choose_sense(model, seen, way, False, True, odometry).way.trails
+    observes = choose_sense(model, seen, way, True, True, odometry)
     assert observes.observing and observes.way.trails and not observes.way.astern
-    assert is_answered(model, way, front) and is_answered(model, observes.way, front)
+    assert is_answered(way, True) and is_answered(observes.way, True)
     observed = replace(observes.way, phase_elapsed=2.0)
-    turns = choose_sense(model, seen, observed, front, False, odometry).way
-    assert turns.astern and turns.phase is FollowerPhase.ALIGN and is_answered(model, turns, front)
+    turns = choose_sense(model, seen, observed, True, False, odometry).way
+    assert turns.astern and turns.phase is FollowerPhase.ALIGN and is_answered(turns, True)
     blind = replace(seen, map=replace(seen.map, layers=np.zeros_like(seen.map.layers)))
-    assert choose_sense(model, blind, observed, front, True, odometry).way == observed, "nothing has been seen"
+    assert choose_sense(model, blind, observed, True, True, odometry).way == observed, "nothing has been seen"
     given_up = replace(observed, phase_elapsed=3.0)
-    assert not choose_sense(model, blind, given_up, front, True, odometry).observing
-    assert not is_answered(model, given_up, front), "then wheels that spin end the goal as ever"
-    well = model.initial_state().motors
-    assert not choose_sense(model, seen, turns, well, False, odometry).way.astern, "the motor is back"
+    assert not choose_sense(model, blind, given_up, True, True, odometry).observing
+    assert not is_answered(given_up, True), "then wheels that spin end the goal as ever"
+    assert not choose_sense(model, seen, turns, False, False, odometry).way.astern, "the motor is back"
 
 
 @pytest.mark.parametrize("heading", [None, 1.0])

@@ -8,8 +8,8 @@ import pytest
 from obstacle_examples import PARAMS, STEREO, dense
 
 from sojourn_config.scenario import load_scenario
-from sojourn_flight.mobility.kinematics import PlanarTwist
 from sojourn_flight.mobility.turning_limits import turning_limits
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.odometry import OdometryState, initial_odometry
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.goal import Goal, GoalOutcome
@@ -24,10 +24,13 @@ from sojourn_flight.supervision.avoidance import (
 )
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, Guidance
 from sojourn_flight.supervision.path_check import clearances_of, closed_ahead
+from wheel_drive import rolling_limits
 
 SCENARIO = load_scenario("flat_drive")
 DRIVE = SCENARIO.drive
-TURNING = turning_limits(SCENARIO.steering.table(DRIVE.track_ratio), DRIVE.limits, DRIVE.follower.max_curvature)
+TURNING = turning_limits(
+    SCENARIO.steering.table(DRIVE.mobility.track_ratio), rolling_limits(DRIVE), DRIVE.follower.max_curvature
+)
 WHEELS = np.array([(wheel.x, wheel.y) for wheel in SCENARIO.steering.wheels])
 AVOIDANCE = Avoidance(PARAMS, DRIVE.follower, TURNING, STEREO, WHEELS)
 

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.supervision.drive import DriveModel
-from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, DriveState, TwistCommand
+from sojourn_flight.supervision.drive_types import DriveState, TwistCommand
 from sojourn_machine.errors import MachineError
+from wheel_drive import WheelDrive, WheelInput, WheelOutput
 
 DT = 0.02
 
@@ -22,8 +22,8 @@ def forward(age: float = 0.0) -> TwistCommand:
 
 
 def until_idle(
-    model: DriveModel, machine, state: DriveState, goal: Goal, dt: float = 0.05
-) -> tuple[DriveState, DriveOutput, GoalOutcome]:
+    model: WheelDrive, machine, state: DriveState, goal: Goal, dt: float = 0.05
+) -> tuple[DriveState, WheelOutput, GoalOutcome]:
     """Drives until the goal has ended."""
     state, output = machine.run(state, dt, dt=dt, goal=goal)
     for _ in range(20_000):
@@ -34,7 +34,7 @@ def until_idle(
 
 
 @pytest.mark.parametrize("goal", [Goal.at(3.0, 1.0, 2.0, "rock"), Goal.at(-1.5, -0.5), Goal.at(0.0, 0.05)])
-def test_goals_are_reached_in_truth(model: DriveModel, machine: Callable, goal: Goal) -> None:
+def test_goals_are_reached_in_truth(model: WheelDrive, machine: Callable, goal: Goal) -> None:
     rover = machine(gyro_bias=2e-5)
     state, _ = rover.run(model.initial_state(), 2.0)
     state, output, outcome = until_idle(model, rover, state, goal)
@@ -48,7 +48,7 @@ def test_goals_are_reached_in_truth(model: DriveModel, machine: Callable, goal: 
     np.testing.assert_array_equal(rover.run(state, 1.0)[1].wheel_rates, np.zeros(6))
 
 
-def test_waypoints_are_driven_and_counted(model: DriveModel, machine: Callable) -> None:
+def test_waypoints_are_driven_and_counted(model: WheelDrive, machine: Callable) -> None:
     rover = machine()
     goal = Goal.along([(1.0, 0.0), (2.0, 0.5), (3.0, 0.5)], number=7)
     state, output = rover.run(model.initial_state(), 14.0, goal=goal)
@@ -61,7 +61,7 @@ def test_waypoints_are_driven_and_counted(model: DriveModel, machine: Callable) 
     assert outcome.reason == "pre-empted by a newer goal"
 
 
-def test_slip_does_not_keep_the_drive_from_its_goal_in_odom(model: DriveModel, machine: Callable) -> None:
+def test_slip_does_not_keep_the_drive_from_its_goal_in_odom(model: WheelDrive, machine: Callable) -> None:
     # Wheel odometry cannot see slip: the goal is met in odom, and truth is inside the stated error.
     rover = machine(slip=0.1)
     state, output, outcome = until_idle(model, rover, model.initial_state(), Goal.at(4.0, 0.0))
@@ -73,7 +73,7 @@ def test_slip_does_not_keep_the_drive_from_its_goal_in_odom(model: DriveModel, m
     assert state.follower is None
 
 
-def test_newer_goal_ends_the_older(model: DriveModel, machine: Callable) -> None:
+def test_newer_goal_ends_the_older(model: WheelDrive, machine: Callable) -> None:
     rover = machine()
     state, _ = rover.run(model.initial_state(), 3.0, goal=Goal.at(5.0, 0.0, number=1))
     state, output = rover.run(state, DT, goal=Goal.at(2.0, 2.0, number=2))
@@ -88,7 +88,7 @@ def test_newer_goal_ends_the_older(model: DriveModel, machine: Callable) -> None
     assert state.mode == "goal"
 
 
-def test_refused_goal_leaves_the_present_one_alone(model: DriveModel, machine: Callable) -> None:
+def test_refused_goal_leaves_the_present_one_alone(model: WheelDrive, machine: Callable) -> None:
     rover = machine()
     state, _ = rover.run(model.initial_state(), 3.0, goal=Goal.at(5.0, 0.0, number=1))
     state, output = rover.run(state, DT, goal=Goal.at(math.nan, 0.0, number=2))
@@ -100,7 +100,7 @@ def test_refused_goal_leaves_the_present_one_alone(model: DriveModel, machine: C
     assert output.status["text"].startswith("refused: the path is")
 
 
-def test_cmd_vel_ends_a_goal_but_only_if_it_is_newer(model: DriveModel, machine: Callable) -> None:
+def test_cmd_vel_ends_a_goal_but_only_if_it_is_newer(model: WheelDrive, machine: Callable) -> None:
     rover = machine()
     state, _ = rover.run(model.initial_state(), 1.0, goal=Goal.at(5.0, 0.0))
     state, output = rover.run(state, DT, twist=forward(age=0.15))
@@ -115,7 +115,7 @@ def test_cmd_vel_ends_a_goal_but_only_if_it_is_newer(model: DriveModel, machine:
     assert state.mode == "cmd_vel"
 
 
-def test_cmd_vel_drives_and_its_age_stops_the_rover(model: DriveModel, machine: Callable) -> None:
+def test_cmd_vel_drives_and_its_age_stops_the_rover(model: WheelDrive, machine: Callable) -> None:
     rover = machine()
     state, output = rover.run(model.initial_state(), 3.0, twist=forward())
     assert state.mode == "cmd_vel"
@@ -133,7 +133,7 @@ def test_cmd_vel_drives_and_its_age_stops_the_rover(model: DriveModel, machine: 
     assert "older than 0.20 s" in output.status["text"]
 
 
-def test_stop_request_ends_goal_and_older_twist(model: DriveModel, machine: Callable) -> None:
+def test_stop_request_ends_goal_and_older_twist(model: WheelDrive, machine: Callable) -> None:
     rover = machine()
     state, _ = rover.run(model.initial_state(), 3.0, goal=Goal.at(5.0, 0.0))
     state, output = rover.run(state, DT, stop=True, twist=forward(0.1))
@@ -147,7 +147,7 @@ def test_stop_request_ends_goal_and_older_twist(model: DriveModel, machine: Call
     assert state.mode == "cmd_vel"
 
 
-def test_power_manager_limits_the_speed_and_the_curve_stays(model: DriveModel, machine: Callable) -> None:
+def test_power_manager_limits_the_speed_and_the_curve_stays(model: WheelDrive, machine: Callable) -> None:
     command = TwistCommand(PlanarTwist(0.1, 0.0, 0.05), 0.0)
     rover = machine()
     state, full = rover.run(model.initial_state(), 5.0, twist=command)
@@ -158,12 +158,12 @@ def test_power_manager_limits_the_speed_and_the_curve_stays(model: DriveModel, m
         rover.move(half, DT)
     np.testing.assert_allclose(half.steer_angles, full.steer_angles, atol=1e-9)
     assert half.odometry.v_x == pytest.approx(0.5 * full.odometry.v_x)
-    assert np.abs(half.wheel_rates).max() <= 0.5 * model.params.limits.max_wheel_rate + 1e-12
+    assert np.abs(half.wheel_rates).max() <= 0.5 * model.mobility.limits.max_wheel_rate + 1e-12
     ratio = half.wheel_rates / full.wheel_rates
     np.testing.assert_allclose(ratio, ratio[0])
 
 
-def test_no_power_waits_and_goes_on(model: DriveModel, machine: Callable) -> None:
+def test_no_power_waits_and_goes_on(model: WheelDrive, machine: Callable) -> None:
     rover = machine()
     state, _ = rover.run(model.initial_state(), 3.0, goal=Goal.at(2.0, 0.0))
     state, output = rover.run(state, 200.0, dt=0.1, power_limit=0.0)
@@ -174,7 +174,7 @@ def test_no_power_waits_and_goes_on(model: DriveModel, machine: Callable) -> Non
     assert state.last_outcome.kind == "reached"
 
 
-def test_steering_that_does_not_move_ends_the_goal_by_name(model: DriveModel, machine: Callable) -> None:
+def test_steering_that_does_not_move_ends_the_goal_by_name(model: WheelDrive, machine: Callable) -> None:
     rover = machine(stuck_steering=True)
     _, output, outcome = until_idle(model, rover, model.initial_state(), Goal.at(-2.0, 0.0))
     assert outcome.kind == "stopped"
@@ -182,7 +182,7 @@ def test_steering_that_does_not_move_ends_the_goal_by_name(model: DriveModel, ma
     assert not output.wheel_rates.any()
 
 
-def test_steering_is_taken_over_where_it_is(model: DriveModel, machine: Callable) -> None:
+def test_steering_is_taken_over_where_it_is(model: WheelDrive, machine: Callable) -> None:
     rover = machine()
     rover.steer_angles = np.array([0.4, 0.2, 0.0, 0.0, -0.4, -0.2])
     _, output = rover.run(model.initial_state(), 1.0)
@@ -190,8 +190,8 @@ def test_steering_is_taken_over_where_it_is(model: DriveModel, machine: Callable
     np.testing.assert_array_equal(output.steer_rates, np.zeros(6))
 
 
-def test_motor_commands_stay_inside_the_limits(model: DriveModel, machine: Callable) -> None:
-    rover, limits = machine(), model.params.limits
+def test_motor_commands_stay_inside_the_limits(model: WheelDrive, machine: Callable) -> None:
+    rover, limits = machine(), model.mobility.limits
     generator = np.random.default_rng(7)
     state, last = model.initial_state(), None
     for index in range(1500):
@@ -216,10 +216,10 @@ def bad(**changes: object) -> dict[str, object]:
 @pytest.mark.parametrize(
     ("inputs", "dt", "message"),
     [
-        (bad(wheel_positions=np.array([0, 0, math.nan, 0, 0, 0])), DT, "wheel position of middle_left = nan"),
-        (bad(wheel_rates=np.array([0, 0, 0, 0, 0, math.inf])), DT, "wheel rate of rear_right = inf"),
-        (bad(steer_angles=np.array([math.nan, 0, 0, 0, 0, 0])), DT, "steer angle of front_left = nan"),
-        (bad(wheel_rates=np.zeros(5)), DT, "shape of wheel rate"),
+        (bad(wheel_positions=np.array([0, 0, math.nan, 0, 0, 0])), DT, "position of middle_left = nan"),
+        (bad(wheel_rates=np.array([0, 0, 0, 0, 0, math.inf])), DT, "rate of rear_right = inf"),
+        (bad(steer_angles=np.array([math.nan, 0, 0, 0, 0, 0])), DT, "position of front_left = nan"),
+        (bad(wheel_rates=np.zeros(5)), DT, "shape of joint rate"),
         (bad(gyro=(0.0, 0.0, math.nan)), DT, "gyro"),
         (bad(roll_pitch=(math.inf, 0.0)), DT, "roll and pitch"),
         (bad(roll_pitch=(0.0, 1.5)), DT, "pitch"),
@@ -230,13 +230,13 @@ def bad(**changes: object) -> dict[str, object]:
     ],
 )
 def test_bad_measurements_are_refused_by_name_and_change_nothing(
-    model: DriveModel, machine: Callable, inputs: dict, dt: float, message: str
+    model: WheelDrive, machine: Callable, inputs: dict, dt: float, message: str
 ) -> None:
     rover = machine()
     state, _ = rover.run(model.initial_state(), 2.0, goal=Goal.at(5.0, 1.0))
     before = copy.deepcopy(state)
     with pytest.raises(MachineError, match=message):
-        model.step(state, DriveInput(**inputs), dt)
+        model.step(state, WheelInput(**inputs), dt)
     after, expected = (model.step(s, rover.measure(), DT)[1] for s in (state, before))
     np.testing.assert_array_equal(after.wheel_rates, expected.wheel_rates)
     assert after.status == expected.status
@@ -256,7 +256,7 @@ def test_bad_twist_commands_cannot_be_made(twist: tuple[float, float, float], ag
         TwistCommand(PlanarTwist(*twist), age)
 
 
-def test_a_copied_state_goes_on_identically_and_inputs_are_not_kept(model: DriveModel, machine: Callable) -> None:
+def test_a_copied_state_goes_on_identically_and_inputs_are_not_kept(model: WheelDrive, machine: Callable) -> None:
     rover = machine(slip=0.2, gyro_bias=1e-5)
     state, _ = rover.run(model.initial_state(), 4.0, goal=Goal.at(2.0, 1.0, 0.5))
     copied, rovers = copy.deepcopy(state), (rover, copy.deepcopy(rover))
@@ -268,13 +268,13 @@ def test_a_copied_state_goes_on_identically_and_inputs_are_not_kept(model: Drive
     # a shell that reuses its buffers does not change what the state remembers
     inputs = rover.measure()
     buffers = [inputs.wheel_positions.copy(), inputs.wheel_rates.copy(), inputs.steer_angles.copy()]
-    state, _ = model.step(one, DriveInput(*buffers), DT)
+    state, _ = model.step(one, WheelInput(*buffers), DT)
     for buffer in buffers:
         buffer += 1.0
-    np.testing.assert_array_equal(state.odometry.wheel_positions, inputs.wheel_positions)
+    np.testing.assert_array_equal(state.mobility.measured.positions, inputs.wheel_positions)
 
 
-def test_status_has_words_and_finite_numbers(model: DriveModel, machine: Callable) -> None:
+def test_status_has_words_and_finite_numbers(model: WheelDrive, machine: Callable) -> None:
     rover = machine()
     for commands in ({}, {"goal": Goal.at(1.0, 1.0)}, {"stop": True}, {"twist": forward()}):
         _, output = rover.run(model.initial_state(), 0.5, **commands)

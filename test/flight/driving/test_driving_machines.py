@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from driven_plant import DrivenPlant
 
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.mobility.wheel_twist import twist_from_wheels
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.supervision.drive_types import DriveOutput
+from wheel_drive import WheelOutput
 
 ROCK = "soil=rigid_rock"
 
@@ -49,7 +49,7 @@ def test_articulated_folds_at_a_stand_and_keeps_to_its_curve() -> None:
     start = machine.position
     dragged: list[float] = []
 
-    def watch(machine: DrivenPlant, output: DriveOutput) -> None:
+    def watch(machine: DrivenPlant, output: WheelOutput) -> None:
         rolling = output.wheel_rates * (1.0 - machine.drive.params.odometry.mean_slip)  # what they do on the ground
         found = twist_from_wheels(machine.drive.table, rolling, output.steer_angles, 1.0, output.steer_rates)
         dragged.append(found.residual)
@@ -69,7 +69,7 @@ def test_ten_metres_with_a_steering_locked_at_twenty_degrees() -> None:
     machine = DrivenPlant("flat_drive", [f"faults=[{fault}]", "terrain.size_x=40"])
     said: dict[str, float] = {}
 
-    def watch(machine: DrivenPlant, output: DriveOutput) -> None:
+    def watch(machine: DrivenPlant, output: WheelOutput) -> None:
         said.setdefault(str(output.status["failed_motors"]), machine.time)
 
     outcome = machine.run(200.0, Goal.at(9.0, 0.0), watch=watch)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sojourn_config.scenario import load_scenario
-from sojourn_flight.mobility.turning_limits import TurningLimits
+from sojourn_flight.mobility.ability import TurningLimits
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.energy_forecast import (
     EnergyLeft,
@@ -23,8 +23,7 @@ from sojourn_flight.planning.energy_params import EnergyParams
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.planning.path import PlannedPath
 from sojourn_flight.planning.path_planner import plan_path
-from sojourn_flight.supervision.drive import DriveModel
-from sojourn_flight.supervision.drive_types import DriveInput
+from wheel_drive import WheelDrive, WheelInput
 
 COSTS = EnergyParams(
     grades_deg=(-4.0, 0.0, 4.0),
@@ -40,16 +39,17 @@ COSTS = EnergyParams(
     margin=0.2,
     refuse=True,
 )
+
 START = Pose(0.0, 0.0, 0.0)
 
 
-def way(model: DriveModel, goal: Goal, z: float = 0.0) -> Forecast:
+def way(model: WheelDrive, goal: Goal, z: float = 0.0) -> Forecast:
     path = plan_path(model.params.follower, TurningLimits(0.7, 2.7, True), START, goal)
     assert isinstance(path, PlannedPath)
     return forecast_way(COSTS, path, goal, z, 0.0)
 
 
-def test_a_level_way_with_turns(model: DriveModel) -> None:
+def test_a_level_way_with_turns(model: WheelDrive) -> None:
     """Straight, a right angle, straight, and back to the first heading."""
     found = way(model, Goal.along([(4.0, 0.0), (4.0, 3.0)], 0.0))
     assert found.motion == pytest.approx(7.0 * 400.0 + 2 * 30.0 + 2 * 50.0 + math.pi * 200.0)
@@ -58,7 +58,7 @@ def test_a_level_way_with_turns(model: DriveModel) -> None:
     assert found.climb is None
 
 
-def test_known_heights_make_grades(model: DriveModel) -> None:
+def test_known_heights_make_grades(model: WheelDrive) -> None:
     goal = replace(Goal.along([(2.0, 0.0), (5.0, 0.0), (9.0, 0.0)]), heights=(None, 1.0 + 5.0 * math.sin(0.05), None))
     found = way(model, goal, z=1.0)
     expected = 5.0 * (400.0 + 200.0 * 0.05 / math.radians(4.0)) + 4.0 * 400.0 + 30.0
@@ -91,13 +91,13 @@ def test_the_margin_and_the_switch_decide() -> None:
     assert shortage(COSTS.model_copy(update={"refuse": False}), forecast, supply(-1.0)) is None
 
 
-def driving(model: DriveModel, **changes: object) -> DriveModel:
+def driving(model: WheelDrive, **changes: object) -> WheelDrive:
     costs = COSTS.model_copy(update=changes)
-    return DriveModel(model.params.model_copy(update={"energy": costs}), model.geometry)
+    return WheelDrive(model.params.model_copy(update={"energy": costs}), model.geometry)
 
 
 def test_a_goal_that_the_charge_does_not_allow_is_refused_unless_told_otherwise(
-    model: DriveModel, machine: Callable
+    model: WheelDrive, machine: Callable
 ) -> None:
     poor = supply(1000.0)
     state, output = machine().run(driving(model).initial_state(), 0.02, goal=Goal.at(5.0, 0.0), supply=poor)
@@ -112,7 +112,7 @@ def test_a_goal_that_the_charge_does_not_allow_is_refused_unless_told_otherwise(
     assert state.mode == "goal" and not output.outcomes
 
 
-def test_a_goal_from_before_the_first_reading_is_judged_by_it(model: DriveModel, machine: Callable) -> None:
+def test_a_goal_from_before_the_first_reading_is_judged_by_it(model: WheelDrive, machine: Callable) -> None:
     for left, kinds in ((1000.0, ["refused"]), (1e6, [])):
         rover, careful = machine(), driving(model)
         state, output = careful.step(careful.initial_state(), rover.measure(goal=Goal.at(5.0, 0.0)), 0.02)
@@ -121,7 +121,7 @@ def test_a_goal_from_before_the_first_reading_is_judged_by_it(model: DriveModel,
         assert [outcome.kind for outcome in output.outcomes] == kinds
 
 
-def test_what_the_goal_takes_is_counted_until_it_ends(model: DriveModel, machine: Callable) -> None:
+def test_what_the_goal_takes_is_counted_until_it_ends(model: WheelDrive, machine: Callable) -> None:
     rover, careful = machine(), driving(model)
     rover.model = careful
     state, output = rover.run(careful.initial_state(), 10.0, goal=Goal.at(3.0, 0.0), supply=supply(1e6))
@@ -154,12 +154,12 @@ def test_tables_that_do_not_fit_are_refused(changes: dict, message: str) -> None
 @pytest.mark.parametrize("rover", ["articulated", "explorer", "lrv", "lunokhod", "micro", "omni", "skid"])
 def test_every_rover_knows_what_a_way_will_cost_and_refuses_one_beyond_its_charge(rover: str) -> None:
     scenario = load_scenario("flat_drive", [f"machine={rover}", "steps=[]"])
-    model = DriveModel(scenario.drive, scenario.steering)
+    model = WheelDrive(scenario.drive, scenario.steering)
     wheels = np.zeros(len(scenario.steering.wheels))
     for left, kind in ((1e9, None), (10.0, "refused")):
         supply = EnergyLeft(left, 0.5, 0.2, 50.0)
         goal = Goal.at(6.0, 0.0)
-        inputs = DriveInput(
+        inputs = WheelInput(
             wheels, wheels, wheels, gyro=(0.0, 0.0, 0.0), roll_pitch=(0.0, 0.0), goal=goal, supply=supply
         )
         state, output = model.step(model.initial_state(), inputs, 0.02)

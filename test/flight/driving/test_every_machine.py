@@ -12,18 +12,15 @@ from pydantic import ValidationError
 
 from mecanum import kinematic_matrix
 from sojourn_analysis.vehicle import articulated as two_bodies
-from sojourn_flight.mobility.kinematics import (
-    PlanarTwist,
-    allowed_twist,
-    limited_twist,
-    wheel_rates,
-    wheels_from_twist,
-)
+from sojourn_flight.mobility.kinematics import allowed_twist, limited_twist, wheel_rates, wheels_from_twist
 from sojourn_flight.mobility.rate_limiter import LimiterState
+from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.mobility.wheel_commands import command_wheels, expected_slip, is_articulated
 from sojourn_flight.mobility.wheel_table import scrubs
 from sojourn_flight.mobility.wheel_twist import twist_from_wheels, velocity_kernel
-from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams
+from sojourn_flight.supervision.params import DriveParams
+from wheel_drive import rolling_limits, with_mobility
 
 DT = 0.02
 
@@ -124,7 +121,9 @@ def drive_to_rest(
     state = LimiterState.at_rest(np.zeros(len(table)))
     history = []
     for _ in range(periods):
-        commands = command_wheels(table, params.limits, params.transition, state, twist, state.steer_angles, DT)
+        commands = command_wheels(
+            table, rolling_limits(params), params.mobility.transition, state, twist, state.steer_angles, DT
+        )
         state = commands.state
         found = twist_from_wheels(table, state.wheel_rates, state.steer_angles, 1.0, state.steer_rates)
         history.append((found.residual, state))
@@ -141,7 +140,7 @@ def test_two_bodies_fold_at_a_stand_without_dragging_a_wheel(drive_params: Drive
     np.testing.assert_allclose(last.steer_angles, wheels.steer_angles, atol=1e-9)
     np.testing.assert_allclose(last.wheel_rates, wheels.wheel_rates, atol=1e-9)
     turning = [state for _, state in history if np.abs(state.steer_rates[2]) > 0.0]
-    assert 0.15 < max(np.abs(state.steer_rates[2]) for state in turning) <= drive_params.limits.max_steer_rate
+    assert 0.15 < max(np.abs(state.steer_rates[2]) for state in turning) <= rolling_limits(drive_params).max_steer_rate
     assert turning[5].wheel_rates[0] * turning[5].wheel_rates[1] < 0.0  # the front body turns as the joint does
     # wheels at rest roll along with the joint; as they speed up, too, they lag by their own acceleration
     assert max(residual for residual, _ in history[:140]) < 1e-9
@@ -149,8 +148,8 @@ def test_two_bodies_fold_at_a_stand_without_dragging_a_wheel(drive_params: Drive
 
 
 def test_steering_only_while_rolling(drive_params: DriveParams) -> None:
-    rolling = drive_params.transition.model_copy(update={"steering_at_stand": False})
-    params = drive_params.model_copy(update={"transition": rolling})
+    rolling = drive_params.mobility.transition.model_copy(update={"steering_at_stand": False})
+    params = with_mobility(drive_params, transition=rolling)
     geometry = MACHINES["explorer"][0]
     history = drive_to_rest(params, geometry, PlanarTwist(0.08, 0.0, 0.08), 1500)
     for (_, before), (_, after) in itertools.pairwise(history):
@@ -183,7 +182,7 @@ def test_slip_that_is_expected_is_driven_out(drive_params: DriveParams, v_x: flo
     slip = expected_slip(odometry, pitch, v_x)
     assert slip == pytest.approx(0.12 - math.copysign(1.1, v_x) * math.sin(pitch))
     table, state = MACHINES["explorer"][0].table(), LimiterState.at_rest(np.zeros(6))
-    ahead, settings_of = PlanarTwist(v_x, 0.0, 0.0), (drive_params.limits, drive_params.transition)
+    ahead, settings_of = PlanarTwist(v_x, 0.0, 0.0), (rolling_limits(drive_params), drive_params.mobility.transition)
     for _ in range(200):
         state = command_wheels(table, *settings_of, state, ahead, np.zeros(6), DT, slip).state
     np.testing.assert_allclose(state.wheel_rates * RADIUS * (1.0 - slip), v_x, atol=1e-12)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
+from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams
 from sojourn_flight.odometry.heading_fix import (
     HeadingFixState,
     SunSighting,
@@ -18,18 +19,14 @@ from sojourn_flight.odometry.heading_fix import (
     mounting_variances,
     turned_on,
 )
-from sojourn_flight.odometry.odometry import (
-    OdometryInput,
-    OdometryState,
-    initial_odometry,
-    step_odometry,
-    wrap_angle,
-)
+from sojourn_flight.odometry.odometry import OdometryState, wrap_angle
 from sojourn_flight.odometry.odometry_kernels import START_YAW_VARIANCE
-from sojourn_flight.supervision.params import DriveParams, HeadingFixParams, SteeringGeometryParams
+from sojourn_flight.odometry.odometry_params import HeadingFixParams
+from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.params import FloatArray
 from sojourn_physics.sensors import imu
 from sojourn_physics.sensors.imu import ImuParams
+from wheel_drive import WheelMeasured, initial_wheels, step_wheels
 
 START = HeadingFixState()
 
@@ -53,7 +50,7 @@ def at(
     params: DriveParams, trust: HeadingFixParams, yaw: float, sigma: float, tilt: tuple[float, float]
 ) -> OdometryState:
     """A state that does not know its heading by `sigma`."""
-    state = initial_odometry(params.odometry, yaw=yaw, mounting=mounting_variances(trust))
+    state = initial_wheels(params.odometry, yaw=yaw, mounting=mounting_variances(trust))
     covariance = state.covariance.copy()
     covariance[2, 2] = sigma**2
     return replace(state, roll=tilt[0], pitch=tilt[1], covariance=covariance)
@@ -114,7 +111,7 @@ def drive_about(
     walk = trust.levelling_sigma * math.sqrt(2.0 * dt / trust.levelling_time)
     sun = unit(0.7, 0.5)
     yaw = math.sqrt(START_YAW_VARIANCE) * random.standard_normal()
-    state = initial_odometry(odometry_params, mounting=mounting_variances(trust))
+    state = initial_wheels(odometry_params, mounting=mounting_variances(trust))
     told = HeadingFixState()
     for period in range(1, 10 * seconds + 1):
         rate = 0.1 if (period // 200) % 2 else 0.0
@@ -122,8 +119,8 @@ def drive_about(
         back = rate * np.array((levelling[1], -levelling[0])) - (levelling - tilt_bias) / trust.levelling_time
         levelling = levelling + back * dt + walk * random.standard_normal(2)
         gyro = rate + bias + 2e-4 / math.sqrt(dt) * random.standard_normal()
-        measured = OdometryInput(np.full(6, 0.01 * period), still, still, (0.0, 0.0, gyro), (0.0, 0.0))
-        state = step_odometry(odometry_params, table, state, measured, dt)
+        measured = WheelMeasured(np.full(6, 0.01 * period), still, still, (0.0, 0.0, gyro), (0.0, 0.0))
+        state = step_wheels(odometry_params, table, state, measured, dt)
         told = turned_on(told, state.yaw_rate, dt)
         if period % 10 == 0:
             noise = Rotation.from_rotvec(trust.noise_sigma * random.standard_normal(3))
@@ -176,7 +173,7 @@ def test_the_levelling_of_the_attitude_filter_goes_as_the_law_says(
     up, still = np.array((0.0, 0.0, gravity)), np.zeros(3)
     state, read = imu.step(perfect, imu.initial_state(perfect, 4, 0.0, gravity), still, up, dt)
     bias = tilt_of(read.orientation)
-    odometry = initial_odometry(drive_params.odometry, mounting=mounting_variances(trust))
+    odometry = initial_wheels(drive_params.odometry, mounting=mounting_variances(trust))
     odometry = replace(odometry, mounting=np.array((0.0, 0.0, 0.0, *bias, 0.0, 0.0)))
     for period in range(3000):
         rate = turn / 30.0 if period < 1500 else 0.0

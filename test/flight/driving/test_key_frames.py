@@ -7,16 +7,18 @@ import numpy as np
 import pytest
 from rough_ground import STEREO, NoisyCamera, ground, nodes, rough
 
+from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams
 from sojourn_flight.odometry import key_frames
 from sojourn_flight.odometry.key_frames import TerrainMatcher, TerrainMatchState, match_ground, match_status
-from sojourn_flight.odometry.odometry import OdometryInput, OdometryState, initial_odometry, step_odometry
+from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.odometry.odometry_kernels import AddedVariances, cloned, propagate, widened
 from sojourn_flight.odometry.relative_fix import Fix
 from sojourn_flight.odometry.terrain_match import Match
-from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams
+from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_physics.terrain.height_field import HeightField
+from wheel_drive import WheelMeasured, initial_wheels, step_wheels
 
 DT, SPEED, RADIUS = 0.25, 0.1, 0.125
 GYRO = (0.0, 0.0, 0.0)
@@ -41,7 +43,7 @@ class Drive:
     ) -> None:
         self._params, self._table, self._matcher, self._field = params.odometry, wheels.table(), matcher, field
         self._camera, self._turned = NoisyCamera(seed), 0.0
-        self.odometry = initial_odometry(params.odometry, key_frames=True)
+        self.odometry = initial_wheels(params.odometry, key_frames=True)
         self.seen = TerrainMatchState()
         self.x = self.y = 0.0
 
@@ -52,10 +54,10 @@ class Drive:
             self._turned += speed / RADIUS * DT
             way = speed * DT * (1.0 - slip)
             self.x, self.y = self.x + way, self.y + drift * abs(way)
-            measured = OdometryInput(
+            measured = WheelMeasured(
                 np.full(6, self._turned), rates, straight, GYRO, (0.0, 0.0), commanded_still=speed == 0.0
             )
-            self.odometry = step_odometry(self._params, self._table, self.odometry, measured, DT)
+            self.odometry = step_wheels(self._params, self._table, self.odometry, measured, DT)
             if period % round(1.0 / DT) == 0 and not blind:
                 self.observe(self._field)
 
@@ -200,7 +202,7 @@ def test_the_covariance_grows_as_the_product_of_matrices_says() -> None:
 
 
 def test_an_odometry_without_a_key_frame_is_refused(drive_params: DriveParams, matcher: TerrainMatcher) -> None:
-    odometry: OdometryState = replace(initial_odometry(drive_params.odometry))
+    odometry: OdometryState = replace(initial_wheels(drive_params.odometry))
     with pytest.raises(InvalidValueError, match="key"):
         match_ground(matcher, odometry, TerrainMatchState(), np.zeros((0, 3)))
 
@@ -209,7 +211,7 @@ def test_one_match_alone_does_not_say_that_the_ground_slips_otherwise(
     matcher: TerrainMatcher, drive_params: DriveParams, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One edge on even ground fits in more than one place: a false match made half of the way be taken for slip."""
-    odometry = initial_odometry(drive_params.odometry, key_frames=True)
+    odometry = initial_wheels(drive_params.odometry, key_frames=True)
     moved, answers = replace(odometry, x=0.5), iter([True, True, True, False, True])
     monkeypatch.setattr(key_frames, "fix_way", lambda *_: Fix(moved, 0.5, 9.0, next(answers)))
     found = Match(np.zeros(6), np.eye(2), 500, 0, 1.0, True)

@@ -11,10 +11,9 @@ from rolling_rover import DT, RollingRover
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.odometry.traction import coefficient, in_rut
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.supervision.drive import DriveModel
-from sojourn_flight.supervision.drive_types import DriveInput
 from sojourn_flight.supervision.slip_policy import speed_part
 from sojourn_machine.params import FloatArray
+from wheel_drive import WheelDrive, WheelInput, wheel_loads_of, with_mobility
 
 FIRM = 0.12
 """Slip of the ground about the patch [-]."""
@@ -41,9 +40,9 @@ class SlippingRover(RollingRover):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        params = self.model.params.model_copy(update={"slip": self.scenario.drive.slip})
+        params = with_mobility(self.model.params, slip=self.scenario.drive.mobility.slip)
         camera = self.model.camera if self.sees else None
-        self.model = DriveModel(params, self.scenario.steering, camera, self.scenario.wheel_loads())
+        self.model = WheelDrive(params, self.scenario.steering, camera, wheel_loads_of(self.scenario))
         self.state = self.model.initial_state()
 
     def on_patch(self) -> float:
@@ -53,9 +52,9 @@ class SlippingRover(RollingRover):
         within = (places[:, 0] > NEAR) & ((places[:, 0] < FAR) & (np.abs(places[:, 1]) < SIDE) | self.endless)
         return float(within.mean())
 
-    def felt(self, inputs: DriveInput) -> DriveInput:
+    def felt(self, inputs: WheelInput) -> WheelInput:
         """The measurements with torques and specific force."""
-        slip, model, state = self.model.slip, self.model, self.state.slip
+        slip, model, state = self.model.mobility.slip_model, self.model, self.state.mobility.slip
         assert slip is not None and state is not None
         self.slip += min(DT / GRIP_TIME, 1.0) * (FIRM + (self.loose - FIRM) * self.on_patch() - self.slip)
         table = model.table
@@ -106,7 +105,7 @@ def test_from_0_4_on_it_drives_slower_as_far_as_it_says() -> None:
     """Two thirds of the wheels are on the patch at a time: 0.54 of slip, 0.65 of the speed; and no way round."""
     run = driven(loose=0.75)
     assert run.outcome is not None and run.outcome.kind == "reached"
-    policy, avoidance = run.rover.model.params.slip_policy, run.rover.state.avoidance
+    policy, avoidance = run.rover.model.params.mobility.slip_policy, run.rover.state.avoidance
     assert policy is not None and avoidance is not None and avoidance.detours == 0
     assert run.true.max() == pytest.approx(0.54, abs=0.01)
     assert abs(run.mean[run.loose > 0.5][-20:] - 0.54).max() < 0.05, "it knows its slip"
@@ -120,7 +119,7 @@ def test_from_0_4_on_it_drives_slower_as_far_as_it_says() -> None:
 def test_from_0_6_on_it_goes_back_and_takes_another_way() -> None:
     """0.67 of slip with its rear wheels on firm ground still."""
     run = driven(loose=0.95)
-    policy, avoidance = run.rover.model.params.slip_policy, run.rover.state.avoidance
+    policy, avoidance = run.rover.model.params.mobility.slip_policy, run.rover.state.avoidance
     assert run.outcome is not None and run.outcome.kind == "reached", run.outcome
     assert policy is not None and avoidance is not None and avoidance.detours >= 1
     assert policy.another_way < run.mean.max() < policy.another_way + 0.05
@@ -132,7 +131,7 @@ def test_from_0_6_on_it_goes_back_and_takes_another_way() -> None:
 
 def test_at_0_85_the_goal_ends_where_there_is_no_camera_to_find_a_way_with() -> None:
     run = driven(loose=0.95, endless=True, sees=False)
-    params = run.rover.model.params.slip
+    params = run.rover.model.params.mobility.slip
     assert run.outcome is not None and params is not None
     assert run.outcome.kind == "stopped"
     assert run.outcome.reason.startswith("spinning without headway (slip 0.9"), run.outcome.reason

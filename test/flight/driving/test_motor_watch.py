@@ -8,15 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from kinds import MACHINES
 
-from sojourn_flight.mobility.kinematics import PlanarTwist
 from sojourn_flight.mobility.motor_watch import MotorState, believable, dragging_sigma, shortcoming
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
-from sojourn_flight.odometry.odometry import OdometryInput, initial_odometry, step_odometry
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.supervision.drive import DriveModel
-from sojourn_flight.supervision.drive_types import DriveInput, TwistCommand
+from sojourn_flight.supervision.drive_types import TwistCommand
 from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.params import FloatArray
+from wheel_drive import WheelDrive, WheelInput, WheelMeasured, initial_wheels, step_wheels
 
 DT = 0.02
 FRONT_LEFT = 0
@@ -25,7 +24,7 @@ FRONT_LEFT = 0
 class Motors:
     """Motors that follow with a lag, but for those that have failed; nothing is known of the ground."""
 
-    def __init__(self, model: DriveModel, lag: float = 0.5) -> None:
+    def __init__(self, model: WheelDrive, lag: float = 0.5) -> None:
         self.model, self.lag = model, lag
         count = len(model.table)
         self.positions, self.rates, self.angles = np.zeros(count), np.zeros(count), np.zeros(count)
@@ -42,7 +41,7 @@ class Motors:
     ) -> dict[str, str | float]:
         """Status at the end. No twist leaves the rover to its goal."""
         for _ in range(round(seconds / DT)):
-            inputs = DriveInput(
+            inputs = WheelInput(
                 self.positions,
                 self.rates,
                 self.angles,
@@ -75,7 +74,7 @@ AHEAD, CURVE = PlanarTwist(0.08, 0.0, 0.0), PlanarTwist(0.08, 0.0, 0.04)
     st.floats(0.1, 1.0),
 )
 def test_motors_that_are_well_are_never_blamed(
-    model: DriveModel, wishes: list[tuple[float, float]], lag: float, power: float
+    model: WheelDrive, wishes: list[tuple[float, float]], lag: float, power: float
 ) -> None:
     motors = Motors(model, lag)
     for v_x, yaw_rate in wishes:
@@ -83,7 +82,7 @@ def test_motors_that_are_well_are_never_blamed(
         assert status["failed_motors"] == ""
 
 
-def test_a_locked_steering_is_recognised_in_its_time_and_left_alone(model: DriveModel) -> None:
+def test_a_locked_steering_is_recognised_in_its_time_and_left_alone(model: WheelDrive) -> None:
     motors = Motors(model)
     motors.drive(AHEAD, 3.0)
     motors.locked[FRONT_LEFT] = math.radians(20.0)
@@ -108,7 +107,7 @@ def test_a_locked_steering_is_recognised_in_its_time_and_left_alone(model: Drive
     assert dragged > 0.005
 
 
-def test_a_new_goal_gives_the_steering_another_try(model: DriveModel) -> None:
+def test_a_new_goal_gives_the_steering_another_try(model: WheelDrive) -> None:
     motors = Motors(model)
     motors.locked[FRONT_LEFT] = 0.5
     assert motors.drive(AHEAD, 5.0)["failed_motors"] != ""
@@ -131,7 +130,7 @@ def test_a_new_goal_gives_the_steering_another_try(model: DriveModel) -> None:
     ],
 )
 def test_a_drive_that_does_not_follow_is_recognised(
-    model: DriveModel, part: float, efforts: list[float] | None, found: bool
+    model: WheelDrive, part: float, efforts: list[float] | None, found: bool
 ) -> None:
     motors = Motors(model)
     motors.efforts = None if efforts is None else np.array(efforts)
@@ -141,32 +140,32 @@ def test_a_drive_that_does_not_follow_is_recognised(
     status = motors.drive(AHEAD, 0.3)  # drive_time is 2 s
     assert status["failed_motors"] == ("drive of front_left does not follow" if found else "")
     motors.drive(PlanarTwist(0.0, 0.0, 0.0), 5.0)
-    assert motors.state.motors.any_failed == found  # at a stand nothing is learnt
+    assert motors.state.mobility.motors.any_failed == found  # at a stand nothing is learnt
     motors.ground_turns.clear()
     motors.efforts = None
     assert motors.drive(AHEAD, 4.5)["failed_motors"] == ""  # a wheel that was held up is taken back
 
 
-def test_weakness_of_all_is_not_the_failure_of_one(model: DriveModel) -> None:
+def test_weakness_of_all_is_not_the_failure_of_one(model: WheelDrive) -> None:
     motors = Motors(model)
     motors.weak = 0.6
     assert motors.drive(AHEAD, 10.0)["failed_motors"] == ""
 
 
-def test_what_failed_wheels_say_is_not_believed(model: DriveModel) -> None:
+def test_what_failed_wheels_say_is_not_believed(model: WheelDrive) -> None:
     motors = Motors(model)
     motors.drive(AHEAD, 3.0)
     motors.locked[FRONT_LEFT] = 0.35
     motors.ground_turns[5] = 0.2
     motors.drive(AHEAD, 8.0)
-    table = believable(model.table, motors.state.motors)
+    table = believable(model.table, motors.state.mobility.motors)
     weights = table[:, [WheelTableColumn.ROLL_WEIGHT, WheelTableColumn.SLIDE_WEIGHT]]
     np.testing.assert_array_equal(weights, [[1, 0], [1, 1], [1, 1], [1, 1], [1, 1], [0, 1]])
     assert motors.output.odometry.v_x == pytest.approx(0.08, rel=1e-3)
     assert motors.output.odometry.v_y == pytest.approx(0.0, abs=1e-4)
 
 
-def test_a_dead_wheel_makes_turns_doubtful(model: DriveModel) -> None:
+def test_a_dead_wheel_makes_turns_doubtful(model: WheelDrive) -> None:
     """Half of its distance from the middle for a radian; variances of the position grow with the angle."""
     well = MotorState.unsuspected(6)
     failed = np.arange(6) == FRONT_LEFT
@@ -176,28 +175,28 @@ def test_a_dead_wheel_makes_turns_doubtful(model: DriveModel) -> None:
     params, table = model.params.odometry, model.table
     turned = {}
     for sigma in (0.0, expected):
-        odometry = initial_odometry(params, 0.0, 0.0, 0.0)
+        odometry = initial_wheels(params, 0.0, 0.0, 0.0)
         for _ in range(500):
             still = np.zeros(6)
-            turning = OdometryInput(still, still + 1.0, still, (0.0, 0.0, 0.1), turn_sigma=sigma)
-            odometry = step_odometry(params, table, odometry, turning, DT)
+            turning = WheelMeasured(still, still + 1.0, still, (0.0, 0.0, 0.1), turn_sigma=sigma)
+            odometry = step_wheels(params, table, odometry, turning, DT)
         turned[sigma] = odometry.covariance[:2, :2]
     np.testing.assert_allclose(turned[expected] - turned[0.0], np.eye(2) * expected**2 * 1.0, rtol=1e-3, atol=1e-6)
 
 
 def test_a_joint_between_two_bodies_fails_as_one(drive_params: DriveParams) -> None:
-    model = DriveModel(drive_params, MACHINES["articulated"][0])
+    model = WheelDrive(drive_params, MACHINES["articulated"][0])
     motors = Motors(model)
     motors.locked.update({2: 0.2, 3: 0.2})
     status = motors.drive(AHEAD, 5.0)
     assert status["failed_motors"].count("stands at 11.5 degrees") == 2
-    assert "no steering follows" in shortcoming(model.table, motors.state.motors, model.geometry.names)
+    assert "no steering follows" in shortcoming(model.table, motors.state.mobility.motors, model.geometry.names)
     motors.drive(AHEAD, 3.0)
     # it drives on, in the curve that the joint leaves it
     assert motors.output.wheel_rates[0] > motors.output.wheel_rates[1] > 0.0
 
 
-def test_a_goal_ends_where_too_little_is_left(model: DriveModel) -> None:
+def test_a_goal_ends_where_too_little_is_left(model: WheelDrive) -> None:
     motors = Motors(model)
     motors.drive(None, 3.0, Goal.at(9.0, 0.0))
     for place in (0, 2, 3):

@@ -9,7 +9,7 @@ import pytest
 from rover_in_a_loop import Loop
 
 from sojourn_config.scenario import load_scenario
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.goal import Goal
 
 ROCK = (3.2, 0.1, 0.3)

@@ -7,14 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sojourn_flight.mobility.turning_limits import TurningLimits
+from sojourn_flight.mobility.ability import TurningLimits
 from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Piece, Pose
 from sojourn_flight.planning.corner import gentlest_corner, needed_curvature, round_corner
+from sojourn_flight.planning.follower_params import GoalFollowerParams
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.planning.path import Leg, PlannedPath
 from sojourn_flight.planning.path_planner import plan_path
-from sojourn_flight.supervision.params import DriveParams, GoalFollowerParams
+from sojourn_flight.supervision.params import DriveParams
 
 ROVER = TurningLimits(curvature=0.7, sharpness=2.7, on_the_spot=True)
 CAR = ROVER._replace(on_the_spot=False)

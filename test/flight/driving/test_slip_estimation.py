@@ -11,7 +11,9 @@ from scipy.stats import chi2
 
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
 from sojourn_config.scenario import LoadedScenario, load_scenario
-from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
+from sojourn_flight.mobility.kinematics import wheels_from_twist
+from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.mobility.wheel_load_map import wheel_load_map
 from sojourn_flight.odometry import speed_filter
 from sojourn_flight.odometry.slip_estimation import (
@@ -25,8 +27,8 @@ from sojourn_flight.odometry.slip_estimation import (
 )
 from sojourn_flight.odometry.slip_params import SlipParams
 from sojourn_flight.odometry.traction import believed_slip, coefficient, in_rut, slope
-from sojourn_flight.supervision.params import SteeringGeometryParams
 from sojourn_machine.params import FloatArray
+from wheel_drive import wheel_loads_of
 
 CURVES = np.array([[0.58, 0.40, 0.06], [0.58, 0.59, 0.01]])
 KINDS = np.array([0, 0, 1, 1, 1, 1])
@@ -132,7 +134,7 @@ def made_up_drive(params: SlipParams, seed: int) -> tuple[FloatArray, FloatArray
 
 def test_the_speed_filter_knows_how_good_it_is(scenario: LoadedScenario) -> None:
     """NEES of all three states over seeds; and the soil's factor is found far better than it was known."""
-    params = scenario.drive.slip
+    params = scenario.drive.mobility.slip
     assert params is not None
     loose = params.model_copy(update={"slip_noise": 0.02, "slip_noise_time": 1.0})
     runs = [made_up_drive(loose, seed) for seed in range(40)]
@@ -144,9 +146,9 @@ def test_the_speed_filter_knows_how_good_it_is(scenario: LoadedScenario) -> None
 
 
 def model_of(scenario: LoadedScenario) -> SlipModel:
-    params, loads = scenario.drive.slip, scenario.wheel_loads()
-    assert params is not None and loads is not None
-    return SlipModel.of(params, scenario.steering.table(), loads)
+    params = scenario.drive.mobility.slip
+    assert params is not None
+    return SlipModel.of(params, scenario.steering.table(), wheel_loads_of(scenario))
 
 
 @pytest.fixture

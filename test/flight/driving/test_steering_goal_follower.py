@@ -7,14 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sojourn_flight.mobility.turning_limits import TurningLimits
+from sojourn_flight.mobility.ability import TurningLimits
 from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Pose
+from sojourn_flight.planning.follower_params import GoalFollowerParams
 from sojourn_flight.planning.goal import Goal, GoalOutcome, path_lengths
 from sojourn_flight.planning.goal_follower import FollowerLimits, FollowerPhase, FollowerState, FollowerStep
 from sojourn_flight.planning.goal_follower import accept as accept_from
 from sojourn_flight.planning.goal_follower import follow as follow_from
-from sojourn_flight.supervision.params import DriveParams, GoalFollowerParams
+from sojourn_flight.supervision.params import DriveParams
 
 TURNING = TurningLimits(curvature=0.7, sharpness=3.0, on_the_spot=True)
 LIMITS = FollowerLimits(speed=0.1, yaw_rate=0.11, deceleration=0.2, yaw_deceleration=0.22, turning=TURNING)

@@ -8,13 +8,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from placements import geometry_from_placements
-from sojourn_flight.mobility.kinematics import (
-    PlanarTwist,
-    limited_twist,
-    wheels_from_twist,
-)
+from sojourn_flight.mobility.kinematics import limited_twist, wheels_from_twist
+from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.mobility.wheel_twist import twist_from_wheels, velocity_kernel
-from sojourn_flight.supervision.params import SteeringGeometryParams
 from sojourn_machine.errors import MachineError
 from sojourn_machine.params import FloatArray
 

@@ -5,13 +5,11 @@ import pytest
 from pydantic import ValidationError
 
 from placements import geometry_from_placements
-from sojourn_flight.supervision.params import (
-    DriveParams,
-    GoalFollowerParams,
-    SteeringGeometryParams,
-    SteeringTransitionParams,
-    WheelGeometry,
-)
+from sojourn_flight.mobility.rolling_params import SteeringTransitionParams
+from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams, WheelGeometry
+from sojourn_flight.planning.follower_params import GoalFollowerParams
+from sojourn_flight.supervision.params import DriveParams
+from wheel_drive import rolling_limits
 
 
 def test_geometry_keeps_the_order_and_the_numbers_of_the_placements() -> None:
@@ -58,11 +56,11 @@ def test_shipped_file_is_valid_and_its_limits_fit_together(
     assert drive_params.follower.position_tolerance == 0.1
     assert 0.05 <= drive_params.limits.max_speed <= 0.15
     radius = explorer.wheels[0].radius
-    assert drive_params.limits.max_wheel_rate * radius >= drive_params.limits.max_speed
+    assert rolling_limits(drive_params).max_wheel_rate * radius >= drive_params.limits.max_speed
 
 
 def test_thresholds_in_the_wrong_order_are_refused(drive_params: DriveParams) -> None:
-    transition = drive_params.transition.model_dump() | {"full_speed_error": 0.5, "stop_error": 0.4}
+    transition = drive_params.mobility.transition.model_dump() | {"full_speed_error": 0.5, "stop_error": 0.4}
     with pytest.raises(ValidationError, match=r"full_speed_error = 0\.5"):
         SteeringTransitionParams.model_validate(transition)
     follower = drive_params.follower.model_dump() | {"align_tolerance": 0.4, "realign_angle": 0.3}

@@ -5,12 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
+from sojourn_flight.mobility.kinematics import wheels_from_twist
 from sojourn_flight.mobility.rate_limiter import LimiterState, SteeringPace, limit_steering, stopping_speed
+from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.mobility.wheel_commands import command_wheels
 from sojourn_flight.mobility.wheel_twist import twist_from_wheels
-from sojourn_flight.supervision.params import DriveParams, SteeringGeometryParams
+from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.params import FloatArray
+from wheel_drive import rolling_limits
 
 DT = 0.02
 twists = st.tuples(st.floats(-0.1, 0.1), st.just(0.0), st.floats(-0.1, 0.1))
@@ -21,7 +24,7 @@ twists = st.tuples(st.floats(-0.1, 0.1), st.just(0.0), st.floats(-0.1, 0.1))
 def test_limits_are_never_exceeded_and_the_end_is_reached(
     drive_params: DriveParams, explorer: SteeringGeometryParams, wishes: list, lag: float
 ) -> None:
-    table, limits, transition = explorer.table(), drive_params.limits, drive_params.transition
+    table, limits, transition = explorer.table(), rolling_limits(drive_params), drive_params.mobility.transition
     state = LimiterState.at_rest(np.zeros(6))
     wheels = wheels_from_twist(table, PlanarTwist(*wishes[0][0]), state.steer_angles)
     fastest_change = max(limits.max_acceleration, limits.max_deceleration) * DT / 0.125
@@ -59,7 +62,7 @@ def test_steering_arrives_without_overshoot_in_the_least_time(
     drive_params: DriveParams, explorer: SteeringGeometryParams, angle: float, acceleration: float, dt: float
 ) -> None:
     """Against the closed form of a trapezoid of rates: m / w + w / a, or 2 sqrt(m / a) where it never gets to w."""
-    table, transition = explorer.table(), drive_params.transition
+    table, transition = explorer.table(), drive_params.mobility.transition
     state, wanted = LimiterState.at_rest(np.zeros(6)), angle * np.array([1.0, 0.5, 0.0, 0.0, -0.5, -1.0])
     pace, angles = SteeringPace(0.3, acceleration), [np.zeros(6)]
     while not np.array_equal(angles[-1], wanted):
@@ -80,7 +83,9 @@ def run(
 ) -> list[LimiterState]:
     states = []
     for _ in range(periods):
-        result = command_wheels(table, params.limits, params.transition, state, twist, state.steer_angles, DT)
+        result = command_wheels(
+            table, rolling_limits(params), params.mobility.transition, state, twist, state.steer_angles, DT
+        )
         state = result.state
         states.append(state)
     return states
@@ -110,7 +115,7 @@ def test_from_driving_to_point_turn_is_stop_steer_go(
     ]
     first, last = steering.index(True), len(steering) - 1 - steering[::-1].index(True)
     at_start = states[first].wheel_rates
-    assert np.abs(at_start).max() * 0.125 <= drive_params.transition.rolling_speed + 0.2 * DT
+    assert np.abs(at_start).max() * 0.125 <= drive_params.mobility.transition.rolling_speed + 0.2 * DT
     # full speed is back only when the steering has arrived
     np.testing.assert_allclose(states[-1].wheel_rates[1], 0.1 * np.hypot(0.705, 0.53) / 0.125)
     assert last < len(states) - 1
@@ -128,7 +133,9 @@ def test_wheels_wait_for_a_steering_motor_that_does_not_follow(
     stuck = wheels.steer_angles.copy()
     stuck[0] = 0.0
     state = LimiterState.at_rest(wheels.steer_angles)
-    result = command_wheels(table, drive_params.limits, drive_params.transition, state, turn, stuck, DT)
+    result = command_wheels(
+        table, rolling_limits(drive_params), drive_params.mobility.transition, state, turn, stuck, DT
+    )
     assert result.speed_factor == 0.0
     assert result.steer_error == pytest.approx(abs(wheels.steer_angles[0]))
     np.testing.assert_array_equal(result.state.wheel_rates, np.zeros(6))

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from sojourn_config.scenario import load_scenario
-from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
+from sojourn_flight.mobility.kinematics import wheels_from_twist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.mobility.wheel_spin import (
     FeltMotion,
     WheelSpinParams,

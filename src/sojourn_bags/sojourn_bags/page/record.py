@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from sojourn_bags.completeness import RECORD
+from sojourn_bags.contract_version import table_of_bag
 from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import CONFIGURATION_NAME
 from sojourn_bags.page.chart import Span, strips
@@ -19,7 +20,7 @@ from sojourn_contract.codecs import decode
 from sojourn_contract.conformance.findings import number_text
 from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
 from sojourn_contract.stamps import NANOSECONDS
-from sojourn_contract.topics import TOPICS, topic
+from sojourn_contract.topics import topic
 
 MOST_ROWS = 60
 HEARTBEAT_S = 1.0
@@ -162,7 +163,7 @@ def completeness(story: Story) -> PageSection:
         )
     elif bag.records[RECORD].get("gaps"):
         parts.append(paragraph(f"The recorder's account has gaps: {bag.records[RECORD]['gaps']}."))
-    order = {topic.name: number for number, topic in enumerate(TOPICS)}
+    order = {row.name: number for number, row in enumerate(table_of_bag(bag))}
     rows, bad = [], []
     for name, counts in sorted(messages(bag).items(), key=lambda item: (order.get(item[0], len(order)), item[0])):
         recorded, published = counts["recorded"] or 0, counts["published"]

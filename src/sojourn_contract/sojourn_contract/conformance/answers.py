@@ -6,7 +6,6 @@ answer cannot come where nothing was asked. Only for the plant, which paces ever
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
 from sojourn_contract.topic_types import Topic
@@ -15,18 +14,18 @@ from sojourn_contract.topic_types import Topic
 def missing_answers(
     rows: Sequence[Topic],
     stamps: Mapping[str, Collection[int]],
-    participants: Collection[str],
+    awaited: Mapping[str, Sequence[Topic]],
     begin: int,
     end: int,
 ) -> Iterator[tuple[Topic, int, Finding]]:
     """What is missing with begin < stamp <= end [ns]: row, stamp and finding, in the order of time.
 
     Args:
-        rows: periodic rows to judge. participants: roles of the run.
+        rows: periodic rows to judge. awaited: what each role of the run waits for.
         stamps: those that have come, by topic; an input of a topic that is not in it excuses nothing.
     """
     seen = {name: frozenset(found) for name, found in stamps.items()}
-    inputs = {role: _inputs(role, participants, seen) for role in participants}
+    inputs = {role: _inputs(role, found, seen) for role, found in awaited.items()}
     gaps = []
     for place, row in enumerate(rows):
         grid = row.every * CONTROL_PERIOD_NS
@@ -40,11 +39,11 @@ def missing_answers(
         yield row, stamp, Finding("header.stamp", "missing", allowed)
 
 
-def _inputs(role: str, participants: Collection[str], seen: Mapping[str, Collection[int]]) -> list[Topic]:
+def _inputs(role: str, awaited: Sequence[Topic], seen: Mapping[str, Collection[int]]) -> list[Topic]:
     """What a role waits for in each period; nothing for the plant, which begins each of them."""
     if role == "plant":
         return []
-    return [row for row in awaited_inputs(role, participants) if row.publisher != "all" and row.name in seen]
+    return [row for row in awaited if row.publisher != "all" and row.name in seen]
 
 
 def _was_asked(stamp: int, inputs: Sequence[Topic], seen: Mapping[str, Collection[int]]) -> bool:

@@ -9,7 +9,7 @@ from sojourn_contract.conformance.ros_reading import diagnostics_of
 from sojourn_contract.heartbeat import ENDED, READY, RUNNING, STALLED, WAITING_TO_MATCH, Heartbeat, read_heartbeats
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS, seconds
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import ROLES, outputs_of, topic
+from sojourn_contract.topics import ROLES, topic
 
 STATES = (WAITING_TO_MATCH, READY, RUNNING, STALLED, ENDED)
 HEARTBEATS = "/diagnostics"
@@ -54,7 +54,7 @@ def schedule_findings(
 
 
 def counter_findings(
-    role: str,
+    outputs: Sequence[Topic],
     beats: Sequence[Heartbeat],
     stamps: Mapping[str, Sequence[int]],
     from_start: bool,
@@ -65,15 +65,14 @@ def counter_findings(
     Compared from one heartbeat to the next, and from the start where the source has it.
 
     Args:
-        beats: running heartbeats of this role, in order. stamps: of all messages, by topic, sorted.
+        outputs: topics of the role. beats: its running heartbeats, in order.
+        stamps: of all messages, by topic, sorted.
         uncounted: topics whose messages may be lost on the way.
     """
     rows = [
-        row
-        for row in outputs_of(role)
-        if row.name in stamps and row.name not in uncounted and (from_start or not row.is_event)
+        row for row in outputs if row.name in stamps and row.name not in uncounted and (from_start or not row.is_event)
     ]
-    first = Heartbeat(role, RUNNING, "", -1, {}, {}, {})
+    first = Heartbeat("", RUNNING, "", -1, {}, {}, {})
     previous = first if from_start else None
     for beat in beats:
         if previous is not None:

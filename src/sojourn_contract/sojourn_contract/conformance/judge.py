@@ -13,6 +13,7 @@ from collections.abc import Collection
 from typing import Any
 
 from sojourn_contract import stamps
+from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.conformance import heartbeats
 from sojourn_contract.conformance.answers import missing_answers
 from sojourn_contract.conformance.clouds import CloudRule
@@ -31,7 +32,7 @@ from sojourn_contract.conformance.stamp_rules import StampRule
 from sojourn_contract.conformance.texts import GoalStatusRule, LoadRule, SwitchRule, TickRule
 from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import ROLES, TOPICS, outputs_of
+from sojourn_contract.topics import ROLES
 
 CLOCK = "/clock"
 LONGEST_JUMP_NS = 60 * stamps.NANOSECONDS
@@ -66,8 +67,9 @@ class Judge:
         self._participants = tuple(participants)
         self._from_start = from_start
         self._judged = tuple(role for role in participants if roles is None or role in roles)
-        names = {row.name for role in self._judged for row in outputs_of(role, participants)}
-        self._rows = {row.name: row for row in TOPICS if row.name not in unseen and row.is_in(self._participants)}
+        self._table = machine.table
+        names = {row.name for role in self._judged for row in self._table.outputs_of(role, participants)}
+        self._rows = {row.name: row for row in self._table if row.name not in unseen and row.is_in(self._participants)}
         self._rules = {name: rules_of(row, machine, lockstep) for name, row in self._rows.items() if name in names}
         self._stamps = {name: array("q") for name in self._rows}
         self._beats: dict[str, list[Heartbeat]] = {role: [] for role in self._participants}
@@ -138,7 +140,8 @@ class Judge:
             if self._lockstep or row.logged  # the recorder paces nobody in real time
         ]
         if self._lockstep:
-            missing = missing_answers(rows, self._stamps, self._participants, begin, until)
+            inputs = {role: awaited_inputs(role, self._participants, self._table) for role in self._participants}
+            missing = missing_answers(rows, self._stamps, inputs, begin, until)
             for row, stamp, found in missing:
                 self.report.add("answer", row.name, stamp, [found])
         else:
@@ -185,11 +188,12 @@ class Judge:
         ordered = {topic: sorted(found) for topic, found in self._stamps.items()}
         uncounted = () if self._lockstep else (CLOCK,)
         for role in self._judged:
+            outputs = self._table.outputs_of(role)
             beats = sorted(self._beats[role], key=lambda beat: beat.stamp)
             for stamp, found in heartbeats.schedule_findings(role, beats, self._lockstep, begin, until):
                 self.report.add("heartbeat", name, stamp, [found])
             beats = [beat for beat in beats if beat.stamp <= until]
-            for stamp, found in heartbeats.counter_findings(role, beats, ordered, self._from_start, uncounted):
+            for stamp, found in heartbeats.counter_findings(outputs, beats, ordered, self._from_start, uncounted):
                 self.report.add("counter", name, stamp, [found])
 
 

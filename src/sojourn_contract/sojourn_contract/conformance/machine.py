@@ -1,7 +1,7 @@
 """What the contract needs to know of a rover: its joints by group with their limits, its loads, its contacts."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
 
@@ -10,6 +10,9 @@ import numpy as np
 from sojourn_config.machine import MachineConfig
 from sojourn_config.scenario import LoadedScenario
 from sojourn_config.urdf import UrdfJoint, UrdfSummary
+from sojourn_contract.run_table import table_of
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topics import STANDARD
 from sojourn_machine.tools import TOOL_JOINT, ToolParams
 
 
@@ -18,9 +21,10 @@ class JudgedMachine:
     """A rover as seen from outside.
 
     Args:
-        name: of the robot. joints: those that move, by name. drive, steer, arm, tool: names of the joints with a motor.
+        name: of the robot. joints: those that move, by name. arm, tool: names of joints with a motor.
+        drive, steer: joints that move the machine, by rate and by position.
         held: joints held by position; the others with a motor by rate. loads: what the power manager may switch.
-        poses: names of the arm's poses. contacts: of its supports.
+        poses: names of the arm's poses. contacts: of its supports. table: the topics of its runs.
     """
 
     name: str
@@ -33,6 +37,7 @@ class JudgedMachine:
     loads: tuple[str, ...]
     poses: tuple[str, ...]
     contacts: int
+    table: TopicTable = STANDARD
 
     @classmethod
     def of(
@@ -44,15 +49,16 @@ class JudgedMachine:
         loads: Sequence[str],
         poses: Sequence[str],
         tool: ToolParams | None = None,
+        moves: Sequence[str] = (),
     ) -> "JudgedMachine":
-        """From a machine's parameter sets."""
+        """From a machine's parameter sets. moves: joints of its mobility."""
         of_tool = {} if tool is None else {TOOL_JOINT: _actuator(tool)}
         held = {joint for drive in config.drives if drive.servo.mode == "position" for joint in drive.joints}
         return cls(
             name=name,
             joints={joint: urdf.joints[joint] for joint in urdf.moving_joints} | of_tool,
-            drive=tuple(wheel.joint for wheel in config.rolling),
-            steer=config.steer_joints,
+            drive=tuple(joint for joint in moves if joint not in held),
+            steer=tuple(joint for joint in moves if joint in held),
             arm=tuple(arm_joints),
             tool=tuple(of_tool),
             held=frozenset(held | (set(of_tool) if tool is not None and tool.joint.held else set())),
@@ -64,7 +70,7 @@ class JudgedMachine:
     @classmethod
     def of_scenario(cls, scenario: LoadedScenario) -> "JudgedMachine":
         """The machine of a scenario."""
-        return cls.of(
+        machine = cls.of(
             scenario.config.machine,
             scenario.machine,
             scenario.urdf,
@@ -72,7 +78,9 @@ class JudgedMachine:
             [load.name for load in scenario.bus.loads],
             () if scenario.arm is None else tuple(scenario.arm.named_poses),
             scenario.tool,
+            () if scenario.driving is None else scenario.driving.mobility.joints(scenario.machine),
         )
+        return replace(machine, table=table_of(scenario))
 
     @property
     def motors(self) -> tuple[str, ...]:
@@ -102,7 +110,7 @@ class JudgedMachine:
 
     def known(self, joint_set: str) -> dict[str, UrdfJoint]:
         """Joints that a message of this set (see JOINT_SETS) may name."""
-        sets = {"wheels": (*self.drive, *self.steer), "arm": self.arm, "arm and tool": (*self.arm, *self.tool)}
+        sets = {"drive": (*self.drive, *self.steer), "arm": self.arm, "arm and tool": (*self.arm, *self.tool)}
         names = sets.get(joint_set, tuple(self.joints))
         return {name: self.joints[name] for name in names}
 

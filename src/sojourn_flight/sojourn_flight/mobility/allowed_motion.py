@@ -15,8 +15,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
+from sojourn_flight.mobility.kinematics import wheels_from_twist
 from sojourn_flight.mobility.rolling_lines import sliding_line
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
 from sojourn_machine.params import FloatArray
 
@@ -30,7 +31,7 @@ WIDE = 1e3
 
 
 @dataclass(frozen=True, eq=False)
-class Mobility:
+class AllowedMotion:
     """What a machine's wheels allow.
 
     Args:

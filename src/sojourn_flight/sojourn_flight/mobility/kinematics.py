@@ -28,11 +28,11 @@ for any speed (pure kinematics).
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from sojourn_flight.mobility.rolling_lines import rolling_line, sliding_line
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.kernels import njit
@@ -56,14 +56,6 @@ _ARM_Y = int(WheelTableColumn.ARM_Y)
 _ROLLER = int(WheelTableColumn.ROLLER)
 _SLIDE_WEIGHT = int(WheelTableColumn.SLIDE_WEIGHT)
 _MAX_RATE = int(WheelTableColumn.MAX_RATE)
-
-
-class PlanarTwist(NamedTuple):
-    """Motion of base_link in its own x-y plane: v_x, v_y [m/s], yaw_rate [rad/s]."""
-
-    v_x: float
-    v_y: float
-    yaw_rate: float
 
 
 @dataclass(frozen=True, slots=True)

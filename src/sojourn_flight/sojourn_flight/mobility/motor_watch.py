@@ -25,8 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_flight.mobility.rate_limiter import LimiterState
+from sojourn_flight.mobility.rolling_limits import RollingLimits
+from sojourn_flight.mobility.rolling_params import MotorWatchParams
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
-from sojourn_flight.supervision.params import MotionLimits, MotorWatchParams
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
@@ -41,8 +42,6 @@ ANCHORED = 0.5
 SLOWEST_ERROR = 0.02
 """Rate [rad/s] below which no error counts."""
 STEERED = int(WheelTableColumn.STEERED)
-NOT_MEASURED: FloatArray = np.empty(0)
-"""Efforts of motors that do not tell them."""
 
 
 class MotorState(NamedTuple):
@@ -105,7 +104,7 @@ class MotorThresholds(NamedTuple):
 
 def watch_motors(
     params: MotorWatchParams,
-    limits: MotionLimits,
+    limits: RollingLimits,
     table: FloatArray,
     state: MotorState,
     commanded: LimiterState,

@@ -28,9 +28,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sojourn_flight.mobility.rolling_limits import RollingLimits
 from sojourn_flight.mobility.rolling_lines import rolling_line
+from sojourn_flight.mobility.rolling_params import SteeringTransitionParams
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
-from sojourn_flight.supervision.params import MotionLimits, SteeringTransitionParams
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
@@ -213,7 +214,7 @@ def limit_steering(
 
 
 def limit_rates(
-    table: FloatArray, limits: MotionLimits, rates: FloatArray, targets: FloatArray, dt: float
+    table: FloatArray, limits: RollingLimits, rates: FloatArray, targets: FloatArray, dt: float
 ) -> FloatArray:
     """Next wheel rates [rad/s], shape (wheels,), on the way from the last ones to those asked for."""
     new_rates = np.empty(table.shape[0])

@@ -13,13 +13,13 @@ this:
 Assumption: level ground; slip makes curves wider, which the tracking law takes out.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
-from sojourn_flight.mobility.kinematics import PlanarTwist, wheels_from_twist
+from sojourn_flight.mobility.ability import TurningLimits
+from sojourn_flight.mobility.kinematics import wheels_from_twist
+from sojourn_flight.mobility.rolling_limits import RollingLimits
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
-from sojourn_flight.supervision.params import MotionLimits
 from sojourn_machine.params import FloatArray
 
 SLIDING = 1e-6
@@ -28,18 +28,7 @@ GENTLE = 1e-3
 """Curvature that any machine can drive [1/m]."""
 
 
-class TurningLimits(NamedTuple):
-    """What paths of a machine may ask for."""
-
-    curvature: float
-    """Greatest curvature [1/m]."""
-    sharpness: float
-    """Fastest growth of the curvature with distance, at full speed [1/m^2]."""
-    on_the_spot: bool
-    """True if it can turn where it stands."""
-
-
-def turning_limits(table: FloatArray, limits: MotionLimits, greatest_curvature: float) -> TurningLimits:
+def turning_limits(table: FloatArray, limits: RollingLimits, greatest_curvature: float) -> TurningLimits:
     """Limits of a machine.
 
     Args:
@@ -68,7 +57,7 @@ def _slide(table: FloatArray, speed: float, yaw_rate: float) -> FloatArray:
     return np.asarray(np.maximum(left, right))
 
 
-def _sharpness(table: FloatArray, limits: MotionLimits, curvature: float) -> float:
+def _sharpness(table: FloatArray, limits: RollingLimits, curvature: float) -> float:
     """Fastest growth of the curvature with distance [1/m^2]; d'(k) by differences."""
     curvatures = np.linspace(-curvature, curvature, 101)
     straight = np.zeros(table.shape[0])

@@ -21,10 +21,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sojourn_flight.mobility.kinematics import PlanarTwist, allowed_kernel, rates_kernel, wheels_kernel
+from sojourn_flight.mobility.kinematics import allowed_kernel, rates_kernel, wheels_kernel
 from sojourn_flight.mobility.rate_limiter import LimiterState, SteeringPace, limit_rates, limit_steering
+from sojourn_flight.mobility.rolling_limits import RollingLimits
+from sojourn_flight.mobility.rolling_params import SteeringTransitionParams
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.mobility.wheel_table import SAME_PLACE, WheelTableColumn
-from sojourn_flight.supervision.params import MotionLimits, OdometryParams, SteeringTransitionParams
+from sojourn_flight.odometry.odometry_params import OdometryParams
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
@@ -70,7 +73,7 @@ def expected_slip(params: OdometryParams, pitch: float, v_x: float) -> float:
 
 def command_wheels(
     table: FloatArray,
-    limits: MotionLimits,
+    limits: RollingLimits,
     transition: SteeringTransitionParams,
     state: LimiterState,
     twist: PlanarTwist,
@@ -119,7 +122,7 @@ def command_wheels(
     return WheelCommands(new_state, angles, factor, steering.error, residual)
 
 
-def _joint_acceleration(table: FloatArray, limits: MotionLimits) -> float:
+def _joint_acceleration(table: FloatArray, limits: RollingLimits) -> float:
     """Acceleration of a joint between two bodies with which the wheels can keep up [rad/s^2]."""
     lever = np.hypot(
         table[:, WheelTableColumn.X] - table[:, WheelTableColumn.PIVOT_X],

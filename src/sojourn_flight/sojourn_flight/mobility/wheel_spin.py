@@ -30,23 +30,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from pydantic import Field
 
+from sojourn_flight.mobility.wheel_spin_params import WheelSpinParams
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
-from sojourn_machine.params import FloatArray, Params
+from sojourn_machine.params import FloatArray
 
 GRAVITY_TIME = 1.0
 """Of the mean of the specific force at a stand [s]."""
 LEAST_RIM = 0.05
 """Speed of the rims below which a slip has no meaning [m/s]."""
-
-
-class WheelSpinParams(Params):
-    """When the accelerometer is believed rather than the wheels."""
-
-    gate: float = Field(gt=0.0, le=10.0, description="difference of speeds from which the wheels spin [m/s]")
-    settling: float = Field(gt=0.0, le=60.0, description="time in which the speed follows the wheels [s]")
-    longest: float = Field(gt=0.0, le=60.0, description="time for which the accelerometer is good [s]")
 
 
 @dataclass(frozen=True, slots=True)

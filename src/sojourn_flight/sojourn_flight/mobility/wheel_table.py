@@ -20,7 +20,7 @@ import numpy as np
 from sojourn_machine.params import FloatArray
 
 if TYPE_CHECKING:
-    from sojourn_flight.supervision.params import WheelGeometry
+    from sojourn_flight.mobility.steering_geometry import WheelGeometry
 
 SAME_PLACE = 1e-3
 """Wheels of one body whose places along it differ by less are one axle [m]."""

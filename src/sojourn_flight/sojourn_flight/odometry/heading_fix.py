@@ -41,7 +41,7 @@ import numpy as np
 from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_flight.odometry.odometry import MOUNTING, OdometryState, corrected, wrap_angle
 from sojourn_flight.odometry.odometry_kernels import update_all
-from sojourn_flight.supervision.params import HeadingFixParams
+from sojourn_flight.odometry.odometry_params import HeadingFixParams
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 

@@ -1,8 +1,8 @@
-"""Odometry from wheels, steer angles and gyro, with tilt, and with a covariance that includes lasting errors.
+"""Odometry from what the machine moves on and the gyro, with tilt, and with a covariance that includes lasting errors.
 
-Estimate. Over one period the wheels (position differences, so that nothing is lost between samples) and the
-mean steer angles give v_x, v_y of base_link by least squares, with the yaw rate taken from the gyro less its
-bias, or from the wheels where there is no gyro. The displacement in the body plane is the exact arc of SE(2),
+Estimate. The mobility tells v_x, v_y of base_link over one period (`mobility`), with the yaw rate taken from the gyro
+less its bias, or from the mobility where there is no gyro. The displacement in the body plane is the exact arc of
+SE(2),
 
     t = w dt,  s = sin t / t,  c = (1 - cos t) / t,   d = dt (1 - s) [s v_x - c v_y, c v_x + s v_y],
 
@@ -27,7 +27,7 @@ The sun sensor corrects heading and bias in between, see `heading_fix`; a camera
 What a measurement has told of e_slip and e_side is kept as slip_error and side_error, which fade like them, and is
 taken off the way: D (1 - slip_error), S side_error.
 
-Standing still (wheels, steering and gyro below thresholds for standing_time, and nothing commanded) freezes
+Standing still (supports and gyro below thresholds for standing_time, and nothing commanded) freezes
 the pose and lets the gyro measure its own bias: a Kalman update of the bias alone (Schmidt gain, Joseph
 form). The part of a planet's rotation along the body's z axis is in that bias.
 
@@ -46,19 +46,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sojourn_flight.mobility.mobility import BodyMotion, Triple
 from sojourn_flight.odometry.odometry_kernels import (
     START_POSITION_VARIANCE,
     START_YAW_VARIANCE,
     AddedVariances,
-    WheelPeriod,
     body_arc,
     covariances_of,
     propagate,
     rescaled,
     update_bias,
-    wheel_motion,
 )
-from sojourn_flight.supervision.params import OdometryParams
+from sojourn_flight.odometry.odometry_params import OdometryParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
@@ -76,26 +75,14 @@ LARGEST_PITCH = math.radians(80.0)
 
 @dataclass(frozen=True, slots=True)
 class OdometryInput:
-    """Measurements of one period. Arrays have shape (wheels,), float64."""
+    """Measurements of one period."""
 
-    wheel_positions: FloatArray
-    """Encoder angles of the wheels [rad]."""
-    wheel_rates: FloatArray
-    """Rates of the wheels [rad/s]; used where there is no earlier position."""
-    steer_angles: FloatArray
-    """Steer angles [rad], 0 for fixed wheels."""
-    gyro: tuple[float, float, float] | None = None
+    motion: BodyMotion
+    """What the joints say."""
+    gyro: Triple | None = None
     """Angular velocity of base_link in base_link [rad/s], None without a gyro."""
     roll_pitch: tuple[float, float] | None = None
     """Roll and pitch (REP 103, pitch positive nose down) [rad], None to take the ground as level."""
-    commanded_still: bool = False
-    """True while nothing is commanded to move."""
-    slip: float | None = None
-    """Estimated slip [-], None to take the expected one."""
-    slip_sigma: float = 0.0
-    """Standard deviation of the estimated slip, a part of the wheels' travel [-]."""
-    turn_sigma: float = 0.0
-    """Beside that of the parameters: of a machine that is held by a wheel as it turns [m/rad^0.5]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,10 +126,6 @@ class OdometryState:
     """Disagreement among the wheels [m/s]."""
     yaw_rate_difference: float
     """Yaw rate of the wheels less that of the gyro [rad/s]; large when wheels slip."""
-    wheel_positions: FloatArray | None
-    """Last encoder angles [rad], None before the first measurement."""
-    steer_angles: FloatArray | None
-    """Last steer angles [rad]."""
     encoder_jumps: int
     """Times a wheel position moved farther than it can; its rate was used instead [-]."""
 
@@ -192,8 +175,6 @@ def initial_odometry(
         standing_for=0.0,
         residual=0.0,
         yaw_rate_difference=0.0,
-        wheel_positions=None,
-        steer_angles=None,
         encoder_jumps=0,
     )
 
@@ -204,16 +185,13 @@ def wrap_angle(angle: float) -> float:
     return math.pi if wrapped == -math.pi else wrapped
 
 
-def step_odometry(
-    params: OdometryParams, table: FloatArray, state: OdometryState, measured: OdometryInput, dt: float
-) -> OdometryState:
+def step_odometry(params: OdometryParams, state: OdometryState, measured: OdometryInput, dt: float) -> OdometryState:
     """State after one period.
 
     Args:
-        params: trust in wheels and gyro.
-        table: wheels, from `SteeringGeometryParams.table()`.
+        params: trust in joints and gyro.
         state: before the period.
-        measured: at the end of the period; finite float64 arrays of shape (wheels,).
+        measured: at the end of the period, finite.
         dt: period [s], above 0.
 
     Raises:
@@ -222,33 +200,15 @@ def step_odometry(
     roll, pitch = measured.roll_pitch if measured.roll_pitch is not None else (0.0, 0.0)
     if abs(pitch) > LARGEST_PITCH:
         raise InvalidValueError("pitch", pitch, f"within {LARGEST_PITCH:.3f} rad of level")
-    old_positions, old_angles = state.wheel_positions, state.steer_angles
-    if old_positions is None or old_angles is None:
-        old_positions, old_angles = (
-            measured.wheel_positions - measured.wheel_rates * dt,
-            measured.steer_angles,
-        )
-    gyro = measured.gyro
+    gyro, motion = measured.gyro, measured.motion
     body_rate = gyro[2] - state.gyro_bias if gyro is not None else 0.0
-    wheels = WheelPeriod(
-        old_positions, measured.wheel_positions, measured.wheel_rates, old_angles, measured.steer_angles
-    )
-    v_x, v_y, wheel_yaw_rate, residual, fastest, jumps = wheel_motion(
-        table,
-        wheels,
-        float(dt),
-        params.plausible_wheel_rate,
-        params.lateral_weight,
-        float(body_rate),
-        gyro is not None,
-    )
+    v_x, v_y, residual = motion.v_x, motion.v_y, motion.residual
     body_turning = gyro is not None and abs(body_rate) > params.standing_yaw_rate
-    standing = measured.commanded_still and fastest < params.standing_speed and not body_turning
+    standing = motion.commanded_still and motion.fastest < params.standing_speed and not body_turning
     standing_for = state.standing_for + dt if standing else 0.0
     gyro_variance = params.gyro_random_walk**2
 
     if standing and standing_for >= params.standing_time:
-        # The last positions stay, so that a slow creep adds up until it counts as motion and is not lost.
         bias = state.gyro_bias
         covariance = state.covariance
         if gyro is not None:
@@ -271,14 +231,14 @@ def step_odometry(
         )
 
     before, slip_error = state.covariance, state.slip_error
-    if measured.slip is None:
+    if motion.slip is None:
         grade = -math.sin(pitch) * (1.0 if v_x >= 0.0 else -1.0)
         ground = 1.0 - min(max(params.mean_slip + params.slip_per_grade * grade, -0.5), 0.9)
         slip_sigma, side_sigma = params.slip_sigma, params.side_slip_sigma
     else:
-        ground = 1.0 - measured.slip
+        ground = 1.0 - motion.slip
         over_ground = 1.0 / min(max(ground, LEAST_GROUND), 1.0)  # what is unknown of the travel is more of the way
-        slip_sigma = min(max(measured.slip_sigma * over_ground, SMALLEST_SLIP_SIGMA), 1.0)
+        slip_sigma = min(max(motion.slip_sigma * over_ground, SMALLEST_SLIP_SIGMA), 1.0)
         side_sigma = params.side_slip_sigma * over_ground
     if slip_sigma != state.slip_sigma:
         ratio = slip_sigma / state.slip_sigma
@@ -290,7 +250,7 @@ def step_odometry(
     drift = (state.side_error - params.side_slip_per_grade * math.sin(roll)) * abs(v_x) * ground
     v_x, v_y = v_x * ground, v_y * ground + drift
     pitch_rate = gyro[1] if gyro is not None else 0.0
-    yaw_rate = body_rate if gyro is not None else wheel_yaw_rate
+    yaw_rate = body_rate if gyro is not None else motion.yaw_rate
     body_x, body_y = body_arc(float(v_x), float(v_y), float(yaw_rate * dt), float(dt))
     cos_roll, sin_roll, cos_pitch, sin_pitch = (
         math.cos(roll),
@@ -311,7 +271,7 @@ def step_odometry(
     added = AddedVariances(
         slip=slip_sigma**2 * renewed,
         side=side_sigma**2 * renewed,
-        move=params.travel_sigma**2 * travel + (params.turn_sigma**2 + measured.turn_sigma**2) * abs(yaw_rate) * dt,
+        move=params.travel_sigma**2 * travel + (params.turn_sigma**2 + motion.turn_sigma**2) * abs(yaw_rate) * dt,
         yaw=yaw_variance,
         bias=params.gyro_bias_walk**2 * dt if gyro is not None else 0.0,
     )
@@ -338,10 +298,8 @@ def step_odometry(
         gyro_bias=state.gyro_bias,
         standing_for=standing_for,
         residual=residual,
-        yaw_rate_difference=wheel_yaw_rate - yaw_rate,
-        wheel_positions=measured.wheel_positions,
-        steer_angles=measured.steer_angles,
-        encoder_jumps=state.encoder_jumps + jumps,
+        yaw_rate_difference=motion.yaw_rate - yaw_rate,
+        encoder_jumps=state.encoder_jumps + motion.jumps,
     )
 
 

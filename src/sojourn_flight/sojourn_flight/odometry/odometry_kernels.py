@@ -1,11 +1,10 @@
-"""Kernels of the odometry: arc, wheels, covariance. Equations and sources are in `odometry`."""
+"""Kernels of the odometry: arc, covariance. Equations and sources are in `odometry`."""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from sojourn_flight.mobility.wheel_twist import twist_kernel, velocity_kernel
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
@@ -17,19 +16,6 @@ CLONED_YAW_VARIANCE = 1e-10
 """Of the heading of a clone against the original [rad^2], for the same reason."""
 STANDING_RATE_VARIANCE = 1e-8
 """Variance of a velocity that is zero because the rover stands [m^2/s^2 or rad^2/s^2]."""
-
-
-class WheelPeriod(NamedTuple):
-    """Wheels at both ends of a period. Arrays have shape (wheels,)."""
-
-    positions_before: FloatArray
-    """Encoder angles [rad]."""
-    positions: FloatArray
-    rates: FloatArray
-    """As measured at the end [rad/s]."""
-    angles_before: FloatArray
-    """Of the steering [rad]."""
-    angles: FloatArray
 
 
 class AddedVariances(NamedTuple):
@@ -57,37 +43,6 @@ def body_arc(v_x: float, v_y: float, turn: float, dt: float) -> tuple[float, flo
         sine = math.sin(turn) / turn
         versine = (1.0 - math.cos(turn)) / turn
     return dt * (sine * v_x - versine * v_y), dt * (versine * v_x + sine * v_y)
-
-
-@njit(cache=True)
-def wheel_motion(
-    table: FloatArray,
-    wheels: WheelPeriod,
-    dt: float,
-    plausible_rate: float,
-    lateral_weight: float,
-    yaw_rate: float,
-    use_gyro: bool,
-) -> tuple[float, float, float, float, float, int]:
-    """v_x, v_y, yaw rate of the wheels alone, residual, fastest rim (roll or steer) [m/s], encoder jumps."""
-    angles, old_angles = wheels.angles, wheels.angles_before
-    count = table.shape[0]
-    rates, middle, turning = np.empty(count), np.empty(count), np.empty(count)
-    fastest = 0.0
-    jumps = 0
-    for i in range(count):
-        rates[i] = (wheels.positions[i] - wheels.positions_before[i]) / dt
-        if abs(rates[i]) > plausible_rate:
-            rates[i] = wheels.rates[i]
-            jumps += 1
-        middle[i] = 0.5 * (angles[i] + old_angles[i])
-        turning[i] = (angles[i] - old_angles[i]) / dt
-        fastest = max(fastest, abs(rates[i]) * table[i, 2])
-        fastest = max(fastest, abs(turning[i]) * table[i, 2])
-    v_x, v_y, wheel_yaw_rate, residual = twist_kernel(table, rates, middle, turning, lateral_weight)
-    if use_gyro:
-        v_x, v_y, residual = velocity_kernel(table, rates, middle, turning, yaw_rate, lateral_weight)
-    return v_x, v_y, wheel_yaw_rate, residual, fastest, jumps
 
 
 @njit(cache=True)

@@ -13,7 +13,7 @@ vehicle.clothoid.) Range: |a| < pi - 0.01."""
 import math
 from typing import NamedTuple
 
-from sojourn_flight.mobility.turning_limits import TurningLimits
+from sojourn_flight.mobility.ability import TurningLimits
 from sojourn_flight.planning.clothoid import Piece, Pose, end_of, turn_pieces
 
 SHARPEST_TURN = math.pi - 0.01

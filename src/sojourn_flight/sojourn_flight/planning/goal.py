@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from sojourn_flight.supervision.params import GoalFollowerParams
+from sojourn_flight.planning.follower_params import GoalFollowerParams
 
 Point = tuple[float, float]
 

@@ -26,15 +26,15 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal, NamedTuple
 
+from sojourn_flight.mobility.ability import TurningLimits
 from sojourn_flight.mobility.rate_limiter import stopping_speed
-from sojourn_flight.mobility.turning_limits import TurningLimits
 from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Pose
+from sojourn_flight.planning.follower_params import GoalFollowerParams
 from sojourn_flight.planning.goal import Goal, GoalOutcome, refusal
 from sojourn_flight.planning.path import NearestPoint, PlannedPath
 from sojourn_flight.planning.path_planner import plan_path
 from sojourn_flight.planning.path_tracking import Tracking, track
-from sojourn_flight.supervision.params import GoalFollowerParams
 from sojourn_machine.evolution import replace
 
 SLOWEST_TURN = 0.1

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sojourn_flight.mobility.turning_limits import TurningLimits
+from sojourn_flight.mobility.ability import TurningLimits
 from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Piece, Pose, end_of, turn_pieces
 from sojourn_flight.planning.corner import (
@@ -30,9 +30,9 @@ from sojourn_flight.planning.corner import (
     needed_curvature,
     round_corner,
 )
+from sojourn_flight.planning.follower_params import GoalFollowerParams
 from sojourn_flight.planning.goal import Goal, Point
 from sojourn_flight.planning.path import Leg, PlannedPath
-from sojourn_flight.supervision.params import GoalFollowerParams
 
 DROPPED = (0.25, 0.5, 0.1, 0.0)
 """Parts of corner_cut within which points are left out, in the order in which they are tried [-]."""

@@ -13,12 +13,12 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from sojourn_flight.hazards.clearance import ClearanceMap
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Pose
+from sojourn_flight.planning.follower_params import GoalFollowerParams
 from sojourn_flight.planning.path import Leg
 from sojourn_flight.planning.path_tracking import track
-from sojourn_flight.supervision.params import GoalFollowerParams
 
 SPACING = 0.1
 """Of the poses of a track [m]."""

@@ -2,13 +2,13 @@
 
 A goal ends the older goal; a twist command that came after the goal ends the goal; a stop request ends both. What a
 goal will take of the battery, and the obstacles that are known, may refuse it (`energy_forecast`, `avoidance`). A twist
-that the wheels do not allow is refused as a whole (`allowed_motion`): the rover stands, and says what it can do.
+that the machine does not allow is refused as a whole (`allowed_motion`): the rover stands, and says what it can do.
 """
 
 import math
 from dataclasses import dataclass, replace
 
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import NO_MOTION, PlanarTwist
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.energy_forecast import EnergyLeft, EnergyUse, account_step, forecast_way, shortage
@@ -19,7 +19,6 @@ from sojourn_flight.supervision.avoidance_types import AvoidanceState
 from sojourn_flight.supervision.drive_types import Mode, TwistCommand
 from sojourn_flight.supervision.driven_machine import DrivenMachine
 
-NO_MOTION = PlanarTwist(0.0, 0.0, 0.0)
 WORTH_TELLING = 1e-3
 """Sideways speed by which a twist that is driven differs from the one asked for, and the status says so [m/s]."""
 
@@ -36,7 +35,7 @@ class Arbiter:
     energy: EnergyUse
     avoidance: AvoidanceState | None
     twist_refused: bool = False
-    """Whether an operator's twist is not driven because the wheels do not allow it."""
+    """Whether an operator's twist is not driven because the machine does not allow it."""
 
     def end_goal(self, outcome: GoalOutcome, mode: Mode = "idle") -> None:
         """Notes how a goal ended."""
@@ -53,7 +52,7 @@ class Arbiter:
 
     def take_goal(self, model: DrivenMachine, goal: Goal, here: OdometryState, supply: EnergyLeft | None) -> None:
         """A new goal ends the older one, unless it is refused."""
-        answer = accept(model.params.follower, model.turning, goal, Pose(here.x, here.y, here.yaw))
+        answer = accept(model.params.follower, model.mobility.ability.turning, goal, Pose(here.x, here.y, here.yaw))
         account = EnergyUse()
         if isinstance(answer, FollowerState) and model.params.energy is not None:
             forecast = forecast_way(model.params.energy, answer.path, goal, here.z, here.yaw)

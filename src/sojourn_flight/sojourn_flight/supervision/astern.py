@@ -21,8 +21,6 @@ from typing import NamedTuple
 import numpy as np
 
 from sojourn_flight.hazards.obstacle_map import HIDDEN
-from sojourn_flight.mobility.motor_watch import MotorState
-from sojourn_flight.mobility.wheel_table import WheelTableColumn
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState, turned_about
 from sojourn_flight.planning.route import advanced
@@ -51,37 +49,34 @@ class Sense(NamedTuple):
     """It stands to observe the ground."""
 
 
-def trailing_helps(machine: DrivenMachine, motors: MotorState) -> bool:
-    """Whether the wheels without motors would rather be behind."""
-    if not machine.turning.on_the_spot or not motors.drive_failed.any():
-        return False
-    return float(machine.table[motors.drive_failed, WheelTableColumn.X].sum()) > 0.0
-
-
-def is_answered(machine: DrivenMachine, way: FollowerState, motors: MotorState) -> bool:
+def is_answered(way: FollowerState, rather_astern: bool) -> bool:
     """Whether wheels that spin end no goal yet: the other sense is to be tried, or is being tried.
 
     There it takes a while until they are through what they have loosened; the time-out ends what gets nowhere.
+
+    Args:
+        rather_astern: the machine would get on better backwards, see `Mobility`.
     """
     if way.phase is not FollowerPhase.DRIVE or way.astern:
         return way.trails
-    return trailing_helps(machine, motors) and (not way.trails or _is_observing(way))
+    return rather_astern and (not way.trails or _is_observing(way))
 
 
 def choose_sense(
     machine: DrivenMachine,
     seen: AvoidanceState | None,
     way: FollowerState,
-    motors: MotorState,
+    rather_astern: bool,
     slipping: bool,
     odometry: OdometryState,
 ) -> Sense:
     """The way, driven on, or turned about.
 
     Args:
-        seen: None without a camera. slipping: the wheels slip by so much that another way is called for.
+        seen: None without a camera. rather_astern: as for `is_answered`.
+        slipping: the wheels slip by so much that another way is called for.
     """
-    if not trailing_helps(machine, motors):
+    if not rather_astern:
         return Sense(turned_about(way, astern=False) if way.astern else replace(way, trails=False), seen)
     if way.phase is not FollowerPhase.DRIVE or not (way.astern or way.trails or slipping):
         return Sense(way, seen)

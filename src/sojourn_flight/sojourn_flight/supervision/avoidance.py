@@ -31,7 +31,7 @@ from sojourn_flight.hazards.clearance import AHEAD, clearance_in, clearance_of_m
 from sojourn_flight.hazards.obstacle_map import empty_map, with_cloud, with_slip
 from sojourn_flight.hazards.traversability import HIDDEN_GROUND, Obstacle, judged, obstacle_at
 from sojourn_flight.hazards.wide_map import JudgedCells, empty_wide_map, remembered
-from sojourn_flight.mobility.kinematics import PlanarTwist
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.planning.clothoid import Pose

@@ -12,14 +12,14 @@ from sojourn_flight.hazards.obstacle_params import ObstacleParams
 from sojourn_flight.hazards.stereo_camera import StereoCamera
 from sojourn_flight.hazards.traversability import Obstacle, Passability
 from sojourn_flight.hazards.wide_map import WideMap
-from sojourn_flight.mobility.kinematics import PlanarTwist
-from sojourn_flight.mobility.turning_limits import TurningLimits
+from sojourn_flight.mobility.ability import TurningLimits
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.clothoid import Pose
+from sojourn_flight.planning.follower_params import GoalFollowerParams
 from sojourn_flight.planning.goal import GoalOutcome
 from sojourn_flight.planning.goal_follower import FollowerState
 from sojourn_flight.planning.route import Route
 from sojourn_flight.planning.way_back import Track, WayBack
-from sojourn_flight.supervision.params import GoalFollowerParams
 from sojourn_machine.params import FloatArray
 
 
@@ -31,8 +31,8 @@ class Avoidance:
     follower: GoalFollowerParams
     turning_limits: TurningLimits
     camera: StereoCamera
-    wheels: FloatArray
-    """Their places in base_link, shape (wheels, 2) [m]."""
+    supports: FloatArray
+    """Their places in base_link, shape (supports, 2) [m]."""
     circles: Circles = field(init=False)
     """The circles that cover the outline, see `clearance`."""
 
@@ -44,7 +44,7 @@ class Avoidance:
         """The same machine driven backwards: its rear is ahead."""
         outline = self.params.outline
         turned = outline.model_copy(update={"front": outline.rear, "rear": outline.front})
-        return replace(self, params=self.params.model_copy(update={"outline": turned}), wheels=-self.wheels)
+        return replace(self, params=self.params.model_copy(update={"outline": turned}), supports=-self.supports)
 
     @property
     def straight(self) -> float:

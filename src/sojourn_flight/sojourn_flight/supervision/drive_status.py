@@ -2,11 +2,7 @@
 
 import math
 
-import numpy as np
-
-from sojourn_flight.mobility.motor_watch import failures
 from sojourn_flight.odometry.key_frames import match_status
-from sojourn_flight.odometry.slip_estimation import slip_status
 from sojourn_flight.planning.energy_forecast import account_status
 from sojourn_flight.supervision.drive_types import DriveState, Pace
 from sojourn_flight.supervision.driven_machine import DrivenMachine
@@ -14,14 +10,11 @@ from sojourn_flight.supervision.driven_machine import DrivenMachine
 
 def drive_status(machine: DrivenMachine, state: DriveState, pace: Pace) -> dict[str, str | float]:
     """Fields of /drive/status after a period; the unit is the last part of a name."""
-    commands = pace.commands
-    wheels = machine.geometry.names
     odometry, way, outcome, seen = state.odometry, state.follower, state.last_outcome, state.avoidance
     followed = way if way is not None else outcome
     return {
-        **slip_status(machine.slip, state.slip, wheels, odometry.slip_error),
+        **machine.mobility.status(state.mobility, pace.moves, odometry.slip_error),
         "mode": state.mode,
-        "failed_motors": failures(state.motors, wheels),
         "text": state.text,
         "phase": way.phase.value if way is not None else "",
         "astern": float(way is not None and way.astern),
@@ -51,9 +44,6 @@ def drive_status(machine: DrivenMachine, state: DriveState, pace: Pace) -> dict[
         "wheel_disagreement_m_s": odometry.residual,
         "yaw_rate_difference_rad_s": odometry.yaw_rate_difference,
         "encoder_jumps": float(odometry.encoder_jumps),
-        "steer_error_rad": commands.steer_error,
-        "steering_residual_m_s": float(np.abs(commands.residual).max()),
-        "speed_factor": commands.speed_factor,
-        "limit_factor": pace.cut,
+        "limit_factor": pace.moves.cut,
         "power_limit": pace.power_limit,
     }

@@ -1,23 +1,19 @@
 """What goes into the drive and comes out of it in a period, and what it remembers in between. No ROS types.
 
-Arrays have one number for each wheel, in the order of the geometry. Positions [m], angles [rad], time [s].
+Joints are in the order of the mobility. Positions [m], angles [rad], time [s].
 """
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from sojourn_flight.mobility.easing import NOTHING, Behind
-from sojourn_flight.mobility.kinematics import PlanarTwist
-from sojourn_flight.mobility.motor_watch import MotorState
-from sojourn_flight.mobility.rate_limiter import LimiterState
-from sojourn_flight.mobility.wheel_commands import WheelCommands
-from sojourn_flight.mobility.wheel_spin import WheelSpinState
+from sojourn_flight.mobility.mobility import NOTHING_FELT, InertialMeasurement, JointReferences, MobilityJoints, Moves
+from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.heading_fix import HeadingFixState, SunSighting
 from sojourn_flight.odometry.key_frames import TerrainMatchState
 from sojourn_flight.odometry.odometry import OdometryState
-from sojourn_flight.odometry.slip_estimation import SlipState
 from sojourn_flight.planning.energy_forecast import EnergyLeft, EnergyUse
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_flight.planning.goal_follower import FollowerState
@@ -51,22 +47,10 @@ class TwistCommand:
 
 @dataclass(frozen=True, slots=True)
 class DriveInput:
-    """What is known at the start of a period. Arrays have shape (wheels,) in the order of the geometry."""
+    """What is known at the start of a period."""
 
-    wheel_positions: FloatArray
-    """[rad]"""
-    wheel_rates: FloatArray
-    """[rad/s]"""
-    steer_angles: FloatArray
-    """[rad]; 0 for fixed wheels"""
-    wheel_efforts: FloatArray | None = None
-    """Torques of the drives [N m], None where they are not measured."""
-    gyro: tuple[float, float, float] | None = None
-    """Angular velocity in base_link [rad/s], None without a gyro."""
-    specific_force: tuple[float, float, float] | None = None
-    """What the accelerometers feel, in base_link [m/s^2], None without them."""
-    roll_pitch: tuple[float, float] | None = None
-    """[rad], None to take the ground as level."""
+    joints: MobilityJoints
+    felt: InertialMeasurement = NOTHING_FELT
     sun: SunSighting | None = None
     """A reading of the sun sensor that came in this period."""
     cloud: FloatArray | None = None
@@ -82,8 +66,6 @@ class DriveInput:
     """The newest reading of the battery, None as long as none has come."""
     power_limit: float = 1.0
     """Factor of the power manager on all speeds, 0 to 1 [-]."""
-    accelerometer_ahead: float = 0.0
-    """How far the accelerometers are before the origin of base_link [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,30 +74,22 @@ class DriveState:
 
     mode: Mode
     odometry: OdometryState
-    limiter: LimiterState | None
-    """None before the first period, when the steering's present angles are taken over."""
+    mobility: Any
+    """Of what it moves on: commands, motors, slip; the state of its kind."""
     follower: FollowerState | None
     """The goal on its way."""
     last_outcome: GoalOutcome | None
     """How the last goal ended."""
     since_override: float
     """Time since the last goal or stop request [s]; a twist command older than that does not count."""
-    stuck_for: float
-    """Time the wheels have waited for the steering [s]."""
-    motors: MotorState
-    """Which motors have failed."""
     text: str
     """What the drive is doing, in words."""
     twist_refused: bool = False
-    """Whether an operator's twist is not driven because the wheels do not allow it; `text` says why."""
+    """Whether an operator's twist is not driven because the machine does not allow it; `text` says why."""
     energy: EnergyUse = field(default_factory=EnergyUse)
     """Of the goal on its way, or of the last one."""
-    slip: SlipState | None = None
-    """Slip of the wheels, None where it is not estimated."""
     mean_slip: float = 0.0
     """Of the machine, averaged, see `slip_policy` [-]."""
-    spin: WheelSpinState = field(default_factory=WheelSpinState)
-    """Speed by the accelerometer, of a machine that asks it."""
     heading: HeadingFixState = field(default_factory=HeadingFixState)
     """What became of the sightings of the Sun."""
     terrain: TerrainMatchState | None = None
@@ -130,21 +104,16 @@ class Pace(NamedTuple):
     """How fast a period was driven, and why no faster."""
 
     power_limit: float
-    cut: float
-    """Factors on all speeds, of the power manager and of the limits [-]."""
-    commands: WheelCommands
+    """Factor of the power manager on all speeds [-]."""
+    moves: Moves
 
 
 @dataclass(frozen=True, slots=True)
 class DriveOutput:
-    """Result of one period. Wheel arrays have shape (wheels,)."""
+    """Result of one period."""
 
-    wheel_rates: FloatArray
-    """Commands [rad/s]."""
-    steer_angles: FloatArray
-    """Commands [rad], 0 for fixed wheels."""
-    steer_rates: FloatArray
-    """Feed-forward of the steering [rad/s]."""
+    references: JointReferences
+    """Commands to the joints."""
     odometry: OdometryState
     """Pose of base_link in odom and twist in base_link."""
     pose_covariance: FloatArray

@@ -28,7 +28,7 @@ def nearest_obstacle(avoidance: Avoidance, state: AvoidanceState, place: Point) 
 def slope_at(avoidance: Avoidance, state: AvoidanceState, pose: Pose) -> Obstacle:
     """The tilt of the rover at a pose that is nearest to its limit, or farthest beyond."""
     limits = avoidance.params.passable
-    climb, lean = settled(state.ground.under(state.map), avoidance.wheels, *pose)[:2].tolist()
+    climb, lean = settled(state.ground.under(state.map), avoidance.supports, *pose)[:2].tolist()
     degrees = (math.degrees(math.atan(tilt)) for tilt in (climb, -climb, abs(lean)))
     named = zip(SLOPES, degrees, (limits.max_climb_deg, limits.max_descent_deg, limits.max_side_deg), strict=True)
     kind, measured, limit = max(named, key=lambda tilt: tilt[1] / tilt[2])
@@ -38,7 +38,7 @@ def slope_at(avoidance: Avoidance, state: AvoidanceState, pose: Pose) -> Obstacl
 def tilts_of(avoidance: Avoidance, state: AvoidanceState, poses: FloatArray) -> FloatArray:
     """The worst tilt over its limit at poses x, y, yaw in odom, shape (n, 3): shape (n,) [-]."""
     limits = avoidance.params.passable.tilts
-    return np.asarray(tilts_along(state.ground.under(state.map), avoidance.wheels, limits, poses))
+    return np.asarray(tilts_along(state.ground.under(state.map), avoidance.supports, limits, poses))
 
 
 def clearances_of(avoidance: Avoidance, clearance: ClearanceMap, poses: FloatArray) -> FloatArray:

@@ -68,6 +68,10 @@ class RollerWheelParams(CompliantWheelParams):
         _checked(math.radians(angle_deg))
         return angle_deg
 
+    def rollers_deg(self) -> float:
+        """See ContactChoice."""
+        return self.roller_angle_deg
+
     def fill(self, row: FloatArray) -> None:
         """The columns of this set."""
         super().fill(row)

@@ -1,0 +1,98 @@
+"""The table of a run: rows for each thing of its machine, found again by their names alone."""
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sojourn_config.scenario import load_scenario
+from sojourn_contract.barrier import awaited_inputs
+from sojourn_contract.description import contract_data, row_of_data
+from sojourn_contract.errors import TopicNameError, UnknownTopicError
+from sojourn_contract.flow import place_of
+from sojourn_contract.run_table import STORE, row_named, table_of
+from sojourn_contract.tolerance import rule_of
+from sojourn_contract.topic_table import TopicTable, of_thing
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import ROLES, STANDARD, TOPICS, topic
+
+PER_STORE = ("/truth/electrical", "/bus/state", "/battery_state")
+NAMES = st.lists(st.from_regex(r"[a-z_][a-z0-9_]{0,8}", fullmatch=True), min_size=1, max_size=5, unique=True)
+
+
+def test_a_machine_with_one_thing_of_each_kind_has_the_standard_table() -> None:
+    assert table_of(load_scenario("flat_drive")).rows == STANDARD.rows == TOPICS
+    assert tuple(row.name for row in TOPICS if row.each == STORE) == PER_STORE
+
+
+@given(NAMES)
+def test_rows_of_further_things_follow_the_first_and_are_found_by_name(names: list[str]) -> None:
+    table = STANDARD.for_things({STORE: names})
+    assert len(table) == len(TOPICS) + len(PER_STORE) * (len(names) - 1)
+    assert [row for row in table if not row.thing] == list(TOPICS)
+    for first in PER_STORE:
+        rows = table.each(first)
+        assert [row.name for row in rows] == [first, *(f"{first}/{name}" for name in names[1:])]
+        place = table.rows.index(rows[0])
+        assert table.rows[place : place + len(rows)] == rows
+        for row in rows:
+            assert row_named(row.name) == row and table.topic(row.name) is row
+            assert place_of(row.name) == place_of(first)
+            assert rule_of(row.name, "voltage") == rule_of(first, "voltage") is not None
+
+
+@given(NAMES)
+def test_who_acts_on_the_first_acts_on_all(names: list[str]) -> None:
+    table = STANDARD.for_things({STORE: names})
+    for role in ROLES:
+        awaited = {row.name for row in awaited_inputs(role, ROLES, table)}
+        for first in PER_STORE:
+            alike = {row.name for row in table.each(first)}
+            assert alike <= awaited or alike.isdisjoint(awaited)
+            assert (first in awaited) == (first in {row.name for row in awaited_inputs(role, ROLES)})
+
+
+@pytest.mark.parametrize("names", [("a", "b", "b"), ("a", "2b"), ("a", "b c"), ("a", ""), ("a", "b/"), ("a", "ü")])
+def test_a_name_that_no_topic_can_have_is_refused(names: tuple[str, ...]) -> None:
+    with pytest.raises(TopicNameError, match="topic"):
+        STANDARD.for_things({STORE: names})
+
+
+@pytest.mark.parametrize("name", ["/tf", "/odom/spare", "/bus/state/", "bus/state", "/bus", "", "/"])
+def test_a_topic_that_no_run_has_is_found_by_no_name(name: str) -> None:
+    assert row_named(name) is None
+    assert rule_of(name, "voltage") is None
+    assert place_of(name) > max(place_of(row.name) for row in TOPICS)
+
+
+def test_a_row_of_a_further_thing_is_no_other_topic() -> None:
+    with pytest.raises(UnknownTopicError):
+        STANDARD.topic("/bus/state/spare")
+    assert "/bus/state/spare" not in STANDARD and STANDARD.get("/bus/state/spare") is None
+    with pytest.raises(TopicNameError, match="once"):
+        STANDARD.joined_with([topic("/odom")])
+
+
+def test_what_a_machine_brings_stands_behind_the_last_of_its_publisher() -> None:
+    brought = Topic("/ranger/range", "sensor_msgs/Range", "sensors", (), 1, 0.1, "distance")
+    table = STANDARD.joined_with([brought, of_thing(topic("/bus/state"), "spare")])
+    names = [row.name for row in table]
+    assert names[names.index("/hazcam/points") + 1] == "/ranger/range"
+    assert names[names.index("/bus/state") + 1] == "/bus/state/spare"
+
+
+@pytest.mark.parametrize("row", TOPICS, ids=lambda row: row.name)
+def test_a_row_can_be_read_again_from_its_description(row: Topic) -> None:
+    data = contract_data([row])["topics"][row.name]
+    again = row_of_data(row.name, data)
+    assert contract_data([again]) == contract_data([row])
+    assert again.type == row.type and again.every == row.every and again.reliability is row.reliability
+
+
+def test_the_digest_tells_tables_apart() -> None:
+    def digest(table: TopicTable) -> Any:
+        return contract_data(table)["digest"]
+
+    assert digest(STANDARD) == contract_data()["digest"]
+    assert digest(STANDARD.for_things({STORE: ("a", "b")})) != digest(STANDARD)
