@@ -52,6 +52,17 @@ def sent(state: AvoidanceState, goal: Goal, here: OdometryState) -> tuple[Avoida
     return state, answer
 
 
+def back_off(step: Guidance) -> tuple[Guidance, float]:
+    """Driven back as it says, from the origin along x: what it says then, and where."""
+    x = 0.0
+    while step.twist is not None and step.twist.v_x < 0.0:
+        x -= 0.02
+        _, free = guarded(AVOIDANCE, step.state, step.twist, at(x, 0.0, driven=-x), by_hand=False)
+        assert free, "away from the obstacle it may move"
+        step = guide(AVOIDANCE, step.state, step.way, at(x, 0.0, driven=-x))
+    return step, x
+
+
 def test_too_near_to_turn_it_backs_off_over_its_tracks_and_then_goes_round() -> None:
     """The block begins 0.95 m from the middle: there is no room for a turn on the spot (1.04 m)."""
     state, way = sent(facing_a_block(1.02, 1.5, 1.2), Goal.at(4.0, 0.0), at(0.0, 0.0))
@@ -59,18 +70,33 @@ def test_too_near_to_turn_it_backs_off_over_its_tracks_and_then_goes_round() -> 
     assert step.outcome is None and step.twist is not None
     assert step.twist.v_x == -PARAMS.back_off_speed and step.twist.yaw_rate == pytest.approx(0.0, abs=1e-9)
     assert step.text.startswith("backing off from step of 0.3")
-    x = 0.0
-    while step.twist is not None and step.twist.v_x < 0.0:
-        x -= 0.02
-        _, free = guarded(AVOIDANCE, step.state, step.twist, at(x, 0.0, driven=-x), by_hand=False)
-        assert free, "away from the obstacle it may move"
-        step = guide(AVOIDANCE, step.state, step.way, at(x, 0.0, driven=-x))
+    step, x = back_off(step)
     assert -PARAMS.back_off <= x + 1e-9 and step.state.back is None
     step = guide(AVOIDANCE, step.state, step.way, at(x, 0.0, driven=-x))
     assert step.twist is None and step.outcome is None and step.state.detours == 1
     samples = np.concatenate([leg.samples for leg in step.way.path.legs])
     assert abs(samples[:, 2]).max() > 1.2 + 0.6, "past the end of the block"
     assert (samples[-1, 1], samples[-1, 2]) == pytest.approx((4.0, 0.0), abs=0.01)
+
+
+@pytest.mark.parametrize("side", [0.75, 0.85])
+@pytest.mark.parametrize("end", [0.0, -0.6])
+def test_from_where_there_is_no_way_on_it_backs_off_and_looks_again(side: float, end: float) -> None:
+    """A lane closed ahead and, seen when the rover is in it, narrower than its margins: from there the map knows no
+    way, and the goal was given up; from where the rover came it knows one."""
+    cloud = dense(
+        lambda x, y: np.where((x < 1.5) & (abs(y) < 1.5) & ((x > 1.02) | ((x > end) & (abs(y) > side))), 0.3, 0.0)
+    )
+    state = see(AVOIDANCE, initial_avoidance(AVOIDANCE, 0.0, 0.0), cloud, at(0.0, 0.0), 0.02)
+    state, way = sent(state, Goal.at(4.0, 0.0), at(0.0, 0.0))
+    step = guide(AVOIDANCE, state, way, at(0.0, 0.0))
+    assert step.outcome is None and step.text.startswith("backing off from step of 0.3")
+    step, x = back_off(step)
+    assert x < -0.5
+    step = guide(AVOIDANCE, step.state, step.way, at(x, 0.0, driven=-x))
+    assert step.outcome is None and step.state.detours == 1
+    samples = np.concatenate([leg.samples for leg in step.way.path.legs])
+    assert abs(samples[:, 2]).max() > 1.5 + 0.6, "round the outside"
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

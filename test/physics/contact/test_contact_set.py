@@ -15,6 +15,7 @@ from sojourn_physics.contact.ground_plane import blend_soils
 from sojourn_physics.contact.rigid_rim import RimContact
 from sojourn_physics.contact.wheel_on_soil import QUADRATURE, pressure_modulus, rim_forces
 from sojourn_physics.soil.params import SoilColumn
+from sojourn_physics.terrain.height_field import sample_height
 
 Maker = Callable[..., Any]
 Turn = Callable[[str, float], FloatArray]
@@ -288,3 +289,53 @@ def test_soils_under_one_wheel_are_blended_by_their_shares(rig: Maker) -> None:
     # nearly all of one soil is nearly that soil
     blend_soils(soils, np.array([1e-9, 1.0]), 0.16, blended)
     assert np.all(abs(blended - soils[1])[1:] <= 1e-6 * abs(soils[1, 1:]) + 2e-9 * abs(soils[0, 1:]))
+
+
+def rim_depth(one: Any, centre: FloatArray, yaw: float) -> float:
+    """How far the rim of an upright wheel is under the ground at most, measured vertically [m]."""
+    angles = np.linspace(-1.5, 1.5, 3001)
+    x = centre[0] + RADIUS * np.sin(angles) * math.cos(yaw)
+    y = centre[1] + RADIUS * np.sin(angles) * math.sin(yaw)
+    ground = [sample_height(one.heights, -10.0, -10.0, 0.05, *place)[0] for place in zip(x, y, strict=True)]
+    return float(np.max(np.array(ground) - centre[2] + RADIUS * np.cos(angles)))
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.lists(st.floats(0.0, 0.08), min_size=25, max_size=25),
+    st.tuples(st.floats(-0.1, 0.1), st.floats(-0.1, 0.1)),
+    yaws,
+    st.floats(-0.003, 0.02),
+)
+def test_no_wheel_is_deeper_than_its_rim_is_under_the_ground(
+    rig: Maker, rotation: Turn, stones: list[float], place: tuple[float, float], yaw: float, depth: float
+) -> None:
+    """On stones of one node and grooves between them, of any height. Between two samples of the rim, 13 over 155
+    degrees, it may be deeper by 0.6 % of the radius. A plane through a crest that one sample touched cut 73 mm deep
+    where the ground did not reach the rim yet, and its 76 kN threw a rover over."""
+    one = rig("rigid_rock")
+    one.heights[198:203, 198:203] = np.array(stones).reshape(5, 5)
+    centre = np.array([*place, RADIUS + max(stones)])
+    centre[2] += rim_depth(one, centre, yaw) - depth
+    one.push(centre, rotation("z", yaw), ZERO, ZERO)
+    assert one.report[0, 3] <= max(depth, 0.0) + 0.0064 * RADIUS
+
+
+@pytest.mark.parametrize("height", [0.02, 0.04])
+@pytest.mark.parametrize("yaw", [0.0, 0.5])
+def test_a_wheel_that_brushes_a_stone_feels_it_little_by_little(
+    rig: Maker, rotation: Turn, height: float, yaw: float
+) -> None:
+    """Over a stone of one node, as high over the ground that one or two samples touch it: nothing jumps where the
+    gradient under a sample does."""
+    one = rig("rigid_rock")
+    one.heights[200, 200] = height
+    forces = []
+    for x in np.arange(-0.2, 0.2, 0.0001):
+        one.state[:] = 0.0
+        forces.append(one.push(np.array([x, 0.0, RADIUS + height - 0.003]), rotation("z", yaw), ZERO, ZERO)[0])
+    changes = np.linalg.norm(np.diff(forces, axis=0), axis=1)
+    largest = np.linalg.norm(forces, axis=1).max()
+    pressed = RimContact(0.003 + 0.0064 * RADIUS, 0.0, 0.0, 0.0)
+    assert largest < rim_forces(RADIUS, 0.131, 0.16, pressed, one.soils[0], QUADRATURE)[2]
+    assert changes.max() < 0.5 * largest

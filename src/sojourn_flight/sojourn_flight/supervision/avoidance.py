@@ -190,10 +190,13 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
         return _given_up(state, way, reason)
     if state.attempts > ATTEMPTS:
         return _given_up(state, way, f"{state.obstacle}: no room to move beside it")
+    narrow = state.clearance.at(*position) < params.outline.turn_radius + params.guard_margin
     answer = _detour(avoidance, state, Pose(*position, odometry.yaw), way.drift)
     if answer is None:
         if reach > LAST_STRETCH:
             return Guidance(state, way)
+        if narrow and not backed:
+            return _go_back(avoidance, state, way, odometry, params.back_off)
         return _given_up(state, way, f"{state.obstacle}: the map knows no way round")
     if isinstance(answer, GoalOutcome):
         return _given_up(state, way, f"{state.obstacle}: no path round it, {answer.reason}")
@@ -202,7 +205,6 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
         return _given_up(state, way, f"{state.obstacle}: {more}")
     if stuck:
         return _go_back(avoidance, state, way, odometry, FREE_WAY)
-    narrow = state.clearance.at(*position) < params.outline.turn_radius + params.guard_margin
     if answer.phase is FollowerPhase.ALIGN and narrow and not backed:
         return _go_back(avoidance, state, way, odometry, params.back_off)
     return _go_round(state, way, answer, odometry)

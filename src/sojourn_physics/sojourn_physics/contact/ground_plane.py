@@ -7,6 +7,10 @@ with a little of their mean gradient where a light touch has few samples); acros
 edge to edge. On a plane, tilted or not, the contact plane is exact; over a rock or a step it turns continuously
 towards what the rim presses on, also where the gradient of the ground jumps.
 
+No plane lies deeper in the rim than the ground does: one that would, through a crest that a single sample touches or
+from side to side of a groove, is turned towards the tangent of the rim there, the normal of a round body on an edge,
+and lowered by what is still too much.
+
 Where the samples lie on different soils, their parameters are blended by the same weights (the pressure modulus
 geometrically, since it differs by orders of magnitude between sand and rock), so that a wheel is lifted onto a
 rock and not shot off it.
@@ -29,6 +33,9 @@ RIM_SAMPLE_RANGE = 1.35
 """Rim angles sampled for the contact plane [rad], to both sides of straight down."""
 SAMPLE_MARGIN = 0.03
 """Margin over the ground within which a sample still counts, as a fraction of the radius."""
+
+BETWEEN_SAMPLES = 1.0 - math.cos(RIM_SAMPLE_RANGE / (RIM_SAMPLES - 1))
+"""How much deeper than its deepest sample the rim may be in a plane, over the radius: half way to the next one."""
 
 FEW_SAMPLES = 0.02
 """Spread of the samples along the ground at which their own gradient counts by half, as a fraction of the radius."""
@@ -78,6 +85,23 @@ def blend_soils(soils: FloatArray, shares: FloatArray, width: float, blended: Fl
 
 
 @small_kernel
+def _turned(slope: float, ahead: float, above: float, least: float) -> tuple[float, float]:
+    """A line through a point of the rim's plane, turned towards the tangent of the rim there.
+
+    Args:
+        slope: of the line. ahead, above: how far the point is ahead of the wheel's centre and the centre above it [m].
+        least: distance from the centre that it is to have [m], more than it has.
+
+    Returns:
+        slope, and what is wanting of that distance where the point itself is closer [m].
+    """
+    reach = math.sqrt(ahead * ahead + above * above)
+    cosine = min(least / reach, 1.0)
+    sine = math.copysign(math.sqrt(1.0 - cosine * cosine), slope * above - ahead)
+    return (ahead * cosine + above * sine) / (above * cosine - ahead * sine), max(least - reach, 0.0)
+
+
+@small_kernel
 def contact_plane(
     ground: Ground, centre: FloatArray, forward: FloatArray, up: FloatArray, wheel: FloatArray, shares: FloatArray
 ) -> tuple[bool, float, float, float, float, float, bool]:
@@ -104,6 +128,7 @@ def contact_plane(
     ss = sz = st = base = 0.0
     on_map = True
     margin = SAMPLE_MARGIN * radius
+    deepest = 0.0
     shares[:] = 0.0
     for i in range(RIM_SAMPLES):
         ahead = radius * RIM_SIN[i]
@@ -117,6 +142,7 @@ def contact_plane(
             if total == 0.0:
                 base = height  # level ground then has a slope of zero, not of a rounding error
             weight = depth * depth
+            deepest = max(deepest, depth)
             total += weight
             shares[sample_soil(ground.soil_index, grid[0], grid[1], grid[2], x, y)] += weight
             x_mean += weight * x
@@ -145,6 +171,19 @@ def contact_plane(
     rise = sz / total - s_mean * (z_mean - base) - lateral * (st / total - s_mean * t_mean)
     little = (FEW_SAMPLES * radius) ** 2
     along = (rise + little * gradient) / (spread + little)
+    # no deeper in the rim than the ground is
+    level = centre[2] - z_mean + lateral * t_mean
+    axle_up = up[0] * forward[1] - up[1] * forward[0]
+    square = 1.0 + lateral * lateral
+    norm = 1.0 / math.sqrt(square + along * along)
+    camber = (axle_up - lateral * up[2]) * norm
+    rim = radius * (math.sqrt(max(1.0 - camber * camber, 0.0)) - BETWEEN_SAMPLES)
+    least = rim - (deepest - margin) * norm
+    if level > 0.0 and least > 0.0 and (level + along * s_mean) * norm < least:
+        scale = math.sqrt(square)
+        slope, wanting = _turned(along / scale, s_mean, level / scale, least)
+        along = slope * scale
+        z_mean -= wanting * math.sqrt(square + along * along)
     x_slope = along * forward[0] - lateral * forward[1]
     y_slope = along * forward[1] + lateral * forward[0]
     return True, x_mean, y_mean, z_mean, x_slope, y_slope, on_map
