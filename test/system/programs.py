@@ -38,6 +38,7 @@ MODULES = {
     "replay": "sojourn_bringup.replay",
     "report": "sojourn_bags.report_command",
     "start": "sojourn_bringup.start",
+    "tune": "sojourn_studies.tune",
 }
 MARK = "SOJOURN_TEST_MARK"
 """Variable by which a program's descendants are found, whatever group or parent they have."""

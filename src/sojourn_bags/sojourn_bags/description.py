@@ -1,18 +1,17 @@
 """The scenario of a run as a bag carries it: all that summary and report need, wherever it was read from."""
 
-import io
 import json
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
 from typing import Any
 
-import numpy as np
 from pydantic import BaseModel
 
 from sojourn_bags.errors import IncompleteConfigError
 from sojourn_bags.reading import Bag
 from sojourn_bags.writer import Attachment
 from sojourn_config.machine import MACHINE_KINDS, MachineConfig
+from sojourn_config.recorded_raster import ELEVATION_NAME, raster_bytes, raster_from
 from sojourn_config.scenario import LoadedScenario, ScenarioConfig
 from sojourn_config.urdf import parse_urdf
 from sojourn_flight.mobility.choice import MOBILITIES
@@ -22,7 +21,6 @@ from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.raster import Raster
 
 CONFIGURATION_NAME = "configuration.json"
-ELEVATION_NAME = "elevation.npz"
 COMPOSED_NAME = "machine.urdf"
 """Of a machine whose arm has a URDF of its own: both in one, as they were used."""
 _MEDIA_TYPES = {".yaml": "application/yaml", ".urdf": "application/xml"}
@@ -89,6 +87,7 @@ class Run:
             document = json.loads(bag.attachments[CONFIGURATION_NAME])
             resolved = document["resolved"]
             files = {name: bag.attachments[name].decode() for name in document["files"]}
+            elevation = bag.attachments.get(ELEVATION_NAME)
             return cls(
                 name=document["name"],
                 scenario=ScenarioConfig.model_validate_json(json.dumps(resolved["scenario"])),
@@ -98,7 +97,7 @@ class Run:
                 files=files,
                 overrides=tuple(document["overrides"]),
                 digests=document.get("digests", {}),
-                raster=_raster_from(bag.attachments.get(ELEVATION_NAME)),
+                raster=None if elevation is None else raster_from(elevation),
             )
         except KeyError as error:
             raise IncompleteConfigError(f"{bag.path} has no {error.args[0]} attached") from error
@@ -162,7 +161,7 @@ class Run:
         if self.urdf not in self.files.values():
             found.append(Attachment(COMPOSED_NAME, _MEDIA_TYPES[".urdf"], self.urdf.encode()))
         if self.raster is not None:
-            found.append(Attachment(ELEVATION_NAME, "application/zip", _raster_bytes(self.raster)))
+            found.append(Attachment(ELEVATION_NAME, "application/zip", raster_bytes(self.raster)))
         return found
 
 
@@ -174,21 +173,3 @@ def _urdf_of(bag: Bag, files: dict[str, str]) -> str:
     if COMPOSED_NAME in bag.attachments:
         return bag.attachments[COMPOSED_NAME].decode()
     return next(text for name, text in files.items() if name.endswith(".urdf"))
-
-
-def _raster_bytes(raster: Raster) -> bytes:
-    """The part of the elevation model that the run used, as numpy's .npz: a bag needs no other file."""
-    file = io.BytesIO()
-    soils = np.zeros((0, 0), dtype=np.int64) if raster.soils is None else raster.soils
-    place = np.array([raster.resolution, raster.x, raster.y])
-    np.savez_compressed(file, heights=raster.heights, place=place, soils=soils)
-    return file.getvalue()
-
-
-def _raster_from(data: bytes | None) -> Raster | None:
-    if data is None:
-        return None
-    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-        resolution, x, y = arrays["place"].tolist()
-        soils = arrays["soils"]
-        return Raster(arrays["heights"], resolution, x, y, soils if soils.size else None)

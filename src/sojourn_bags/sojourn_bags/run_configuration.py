@@ -1,7 +1,7 @@
 """The configuration of a bag's run, written out again, so that a node can be started with it.
 
 A bag carries every file that its run has read. They go into a folder of their own, laid out as the repository is
-(config/, urdf/), and SOJOURN_CONFIG_DIR names it: so a node gets what the run had, whatever the files of today say.
+(config/, urdf/), and SOJOURN_CONFIG_DIR names it: so a node gets what the run had, whatever the files of today say. So does the part of an elevation model that it used.
 """
 
 import json
@@ -18,6 +18,7 @@ from sojourn_bags.errors import IncompleteConfigError
 from sojourn_bags.reading import Bag
 from sojourn_config.errors import ConfigError
 from sojourn_config.paths import ENVIRONMENT_VARIABLE, config_folder
+from sojourn_config.recorded_raster import ELEVATION_NAME
 from sojourn_config.scenario import load_scenario
 
 
@@ -84,6 +85,8 @@ def run_configuration(bag: Bag) -> Iterator[RunConfiguration]:
             path.write_text(text, encoding="utf-8")
         folder = Path(base) / "config"
         folder.mkdir(exist_ok=True)
+        if ELEVATION_NAME in bag.attachments:
+            (folder / ELEVATION_NAME).write_bytes(bag.attachments[ELEVATION_NAME])
         scenario = str(_place(Path(base), first))
         with _variable(ENVIRONMENT_VARIABLE, str(folder)):
             try:

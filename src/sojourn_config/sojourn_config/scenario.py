@@ -173,11 +173,13 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
         problems += reader.problems
     raster, digests = None, {}
     if config.terrain.file is not None:
-        from sojourn_config.raster_file import RasterReader  # loads scipy and GDAL
+        from sojourn_config.raster_file import RasterReader  # both load scipy, and this one GDAL
+        from sojourn_config.recorded_raster import recorded_raster
 
+        raster = recorded_raster()
         rasters = RasterReader(document, path.parent, config.terrain, config.terrain.file)
         try:
-            raster, digests = rasters.read(), rasters.digests
+            raster, digests = raster or rasters.read(), rasters.digests
         except ConfigError as error:
             problems += error.problems
     if problems or bundle is None:
