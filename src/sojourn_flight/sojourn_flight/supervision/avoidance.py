@@ -168,6 +168,8 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
         return _back_off(avoidance, state, way, odometry)
     if state.route is None or not (state.fresh or state.blocked or state.replan):
         return Guidance(state, way)
+    if state.blocked and state.attempts > 1 and not state.fresh:  # what this look has closed twice, the next may open
+        return Guidance(state, way, STANDSTILL, text=f"stopped before {state.obstacle}")
     position = (odometry.x, odometry.y)
     route = advanced(state.route, position, 0.5 * state.clearance.cell)
     state = replace(state, route=route)
