@@ -189,6 +189,15 @@ def test_it_looks_again_before_a_third_motion_is_stopped() -> None:
     assert step.outcome is None and not step.state.blocked
 
 
+@pytest.mark.parametrize("attempts,backs_off", [(1, False), (2, True), (3, False), (4, True), (5, False)])
+def test_where_it_is_stopped_again_and_again_it_tries_on_and_back_in_turn(attempts: int, backs_off: bool) -> None:
+    """From the second on it tried the way back alone, though the way on had been found open meanwhile."""
+    state, way = sent(facing_a_block(1.5, 1.9, 1.0), Goal.at(4.0, 0.0), at(0.0, 0.0))
+    step = guide(AVOIDANCE, replace(state, blocked=True, attempts=attempts), way, at(0.0, 0.0))
+    assert step.outcome is None and (step.state.back is not None) == backs_off
+    assert step.state.detours == (0 if backs_off else 1)
+
+
 def test_a_detour_that_gets_too_long_ends_the_goal() -> None:
     state, way = sent(facing_a_block(2.0, 2.3, 1.0), Goal.at(4.0, 0.0), at(0.0, 0.0))
     late = at(0.0, 0.0, driven=4.0 + PARAMS.max_detour + 0.1)
