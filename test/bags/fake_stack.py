@@ -166,16 +166,20 @@ class FakePlant(FakeNode):
             self.step()
 
 
-def build(bag: Path, periods: int, lockstep: bool = True, roles: tuple[str, ...] = ()) -> list[ContractNode]:
-    """The nodes of a stack, plant first, recorder last."""
+def build(
+    bag: Path, periods: int, lockstep: bool = True, roles: tuple[str, ...] = (), bundled: bool = False
+) -> list[ContractNode]:
+    """The nodes of a stack, plant first, recorder last; `bundled`: they hear each other in bundles."""
     roles = roles or ("plant", "sensors", "drive", "arm", "power", "operator")
     participants = [*roles, "recorder"]
-    nodes: list[ContractNode] = [FakePlant(participants, periods, lockstep=lockstep)]
+    parameters: dict[str, Any] = {"lockstep": lockstep} | ({"companions": participants} if bundled else {})
+    nodes: list[ContractNode] = [FakePlant(participants, periods, **parameters)]
     for role in roles[1:]:
         kind = FakeOperator if role == "operator" else FakeNode
-        nodes.append(kind(role, participants, lockstep=lockstep))
-    overrides = {"participants": participants, "scenario": SCENARIO, "bag": str(bag), "lockstep": lockstep}
-    nodes.append(RecorderNode(overrides=overrides))
+        nodes.append(kind(role, participants, **parameters))
+    nodes.append(
+        RecorderNode(overrides={"participants": participants, "scenario": SCENARIO, "bag": str(bag), **parameters})
+    )
     return nodes
 
 

@@ -156,7 +156,7 @@ def test_the_explorers_arm_comes_with_what_the_explorer_has_of_it() -> None:
     }
     for group in ("arm", "wrist"):
         assert stand.sensors.joint_groups[group] == explorer.sensors.joint_groups[group]
-    assert stand.sensors.wrist == explorer.sensors.wrist
+    assert stand.sensors.named["wrist"] == explorer.sensors.named["wrist"]
     assert stand.machine.wrench_sensor_link == explorer.machine.wrench_sensor_link
     assert [pad.name for pad in stand.machine.pads] == ["arm_tip"] and stand.tool == explorer.tool
     mass = sum(inertial.mass for name, inertial in stand.urdf.inertials.items() if name != "base_link")

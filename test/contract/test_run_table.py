@@ -1,5 +1,6 @@
 """The table of a run: rows for each thing of its machine, found again by their names alone."""
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -9,13 +10,14 @@ from hypothesis import strategies as st
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.description import contract_data, row_of_data
-from sojourn_contract.errors import TopicNameError, UnknownTopicError
+from sojourn_contract.errors import SensorRowError, TopicNameError, UnknownTopicError
 from sojourn_contract.flow import place_of
-from sojourn_contract.run_table import STORE, row_named, table_of
+from sojourn_contract.run_table import STORE, row_named, rows_of, table_of
 from sojourn_contract.tolerance import rule_of
 from sojourn_contract.topic_table import TopicTable, of_thing
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, STANDARD, TOPICS, topic
+from sojourn_machine.sensor_choice import SensorParams
 
 PER_STORE = ("/truth/electrical", "/bus/state", "/battery_state")
 NAMES = st.lists(st.from_regex(r"[a-z_][a-z0-9_]{0,8}", fullmatch=True), min_size=1, max_size=5, unique=True)
@@ -88,6 +90,41 @@ def test_a_row_can_be_read_again_from_its_description(row: Topic) -> None:
     again = row_of_data(row.name, data)
     assert contract_data([again]) == contract_data([row])
     assert again.type == row.type and again.every == row.every and again.reliability is row.reliability
+
+
+REAR = (
+    "sensors.sun_rear={kind: sun, link: solar_deck_link, field_of_view_deg: 9.0, noise_deg: 0.1, misalignment_deg: 0.1}"
+)
+
+
+def test_a_further_sensor_of_a_kind_has_a_row_of_its_own() -> None:
+    table = table_of(load_scenario("flat_drive", [REAR]))
+    assert [row.name for row in table.each("/sun_direction")] == ["/sun_direction", "/sun_direction/sun_rear"]
+    assert len(table) == len(TOPICS) + 1
+
+
+class Brought(SensorParams):
+    """A kind of sensor from elsewhere."""
+
+    kind: str = "brought"
+
+
+@pytest.mark.parametrize(
+    ("change", "allowed"),
+    [
+        ({"publisher": "plant"}, "role sensors"),
+        ({"every": 0}, "with a rate"),
+        ({"logged": False}, "logged"),
+        ({"name": "/imu/data"}, "name that no topic"),
+    ],
+)
+def test_a_row_that_no_sensor_can_have_is_refused(change: dict[str, Any], allowed: str) -> None:
+    row = Topic("/ranger/range", "sensor_msgs/Range", "sensors", (), 1, 0.1, "distance")
+    Brought.speaks_on = (row, topic("/imu/data"))
+    assert [each.each for each in rows_of(Brought)] == ["/ranger/range", "imu"]
+    Brought.speaks_on = (replace(row, **change),)
+    with pytest.raises(SensorRowError, match=allowed):
+        list(rows_of(Brought))
 
 
 def test_the_digest_tells_tables_apart() -> None:

@@ -13,12 +13,13 @@ from sojourn_bags.contract_version import check_contract, table_of_bag
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import read_bag
 from sojourn_bags.replay_script import script_of
-from sojourn_config.scenario import load_scenario
+from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_contract import run_table
 from sojourn_contract.app import Answer, App, Period
 from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.page import contract_page
 from sojourn_contract.topic_types import Topic
+from sojourn_sensors.kinds import bus
 from sojourn_stack import run as direct
 from sojourn_stack.apps import make_apps
 
@@ -59,12 +60,24 @@ def _doubled(messages: Any) -> list[tuple[str, Any]]:
     return said
 
 
+def add_a_store(patched: pytest.MonkeyPatch) -> None:
+    """To every machine."""
+    things_of = run_table.things_of
+
+    def with_spare(scenario: LoadedScenario) -> Mapping[str, tuple[str, ...]]:
+        return {**things_of(scenario), run_table.STORE: ("battery", "spare")}
+
+    for module in (run_table, bus):
+        patched.setattr(module, "things_of", with_spare)
+
+
 @pytest.fixture
 def two_stores(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run_table, "things_of", lambda _: {run_table.STORE: ("battery", "spare")})
+    add_a_store(monkeypatch)
 
     def doubled(scenario: Any, roles: Sequence[str]) -> Mapping[str, Any]:
-        return {role: Doubled(app) for role, app in make_apps(scenario, roles).items()}
+        apps = make_apps(scenario, roles)  # the sensors measure each store that there is
+        return {role: app if role == "sensors" else Doubled(app) for role, app in apps.items()}
 
     monkeypatch.setattr(direct, "make_apps", doubled)
 
@@ -104,7 +117,7 @@ def test_the_contract_shows_what_the_machine_of_a_run_has() -> None:
 
 def test_a_bag_says_itself_which_stores_its_machine_had(tmp_path: Path, request: pytest.FixtureRequest) -> None:
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(run_table, "things_of", lambda _: {run_table.STORE: ("battery", "spare")})
+        add_a_store(patched)
         spec = direct.RunSpec("flat_drive", ROLES, SHORT, bag=tmp_path / "bag")
         direct.run(spec, lambda state: state.period <= 1)
     bag = read_bag(tmp_path / "bag")

@@ -1,13 +1,18 @@
 """Schema of `config/arms/NAME.yaml`: how an arm may be moved, and what it brings along to a machine that carries it."""
 
-from pydantic import Field
+from functools import partial
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field, SerializeAsAny
 
 from sojourn_flight.arm.params import ArmParams
 from sojourn_machine.drives import JointDriveParams
 from sojourn_machine.power.loads import LoadParams
+from sojourn_machine.sensor_choice import SensorParams
 from sojourn_machine.supports import PadParams
-from sojourn_physics.sensors.params import JointGroupParams
-from sojourn_physics.sensors.wrench import WrenchSensorParams
+from sojourn_physics.sensors.params import JointGroupParams, read_sensor
+
+Wrist = Annotated[SerializeAsAny[SensorParams] | None, BeforeValidator(partial(read_sensor, "wrist"))]
 
 
 class ArmConfig(ArmParams):
@@ -37,4 +42,4 @@ class ArmConfig(ArmParams):
     wrench_sensor_link: str | None = Field(
         default=None, min_length=1, description="link of the arm that hangs on a force/torque sensor"
     )
-    wrist: WrenchSensorParams | None = Field(default=None, description="that force/torque sensor")
+    wrist: Wrist = Field(default=None, description="that force/torque sensor")

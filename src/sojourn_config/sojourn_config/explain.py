@@ -148,6 +148,10 @@ def _child(place: KeySchema, part: str | int) -> KeySchema | None:
             info = annotation.model_fields.get(part)
             if info is not None:
                 return _schema(info.annotation, list(info.metadata), info.description or "")
+            others = getattr(annotation, "others", None)
+            if isinstance(others, KindsOf):  # any other key names a thing, by default one of the kind of that name
+                named = part in others.registry.names()
+                return KeySchema(others.registry.get(part)) if named else _schema(object, [others], "")
             continue
         origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
         element: object | None = None

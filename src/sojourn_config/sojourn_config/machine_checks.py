@@ -17,6 +17,7 @@ from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.drives import JointDriveParams
 from sojourn_machine.names import names_text
 from sojourn_machine.power.loads import BusParams
+from sojourn_machine.sensor_choice import SENSORS
 from sojourn_physics.sensors.params import JointGroupParams, SensorSuiteParams
 
 AnyArm = TypeVar("AnyArm", bound=ArmParams)
@@ -149,18 +150,21 @@ def _shaft_problems(
 
 
 def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
-    if sensors.sun is not None and sensors.sun.link not in urdf.links:
-        allowed = f"is no link of {urdf.file}: " + names_text(sensors.sun.link, urdf.links)
-        yield document.problem(("sun", "link"), sensors.sun.link, allowed)
-    if sensors.hazcam is not None and sensors.hazcam.link not in urdf.links:
-        allowed = f"is not a link of {urdf.file}: " + names_text(sensors.hazcam.link, urdf.links)
-        yield document.problem(("hazcam", "link"), sensors.hazcam.link, allowed)
+    """A sensor sits on a link that there is."""
+    for name, params in sensors.named.items():
+        for link in params.links:
+            if link not in urdf.links:
+                allowed = f"is no link of {urdf.file}: " + names_text(link, urdf.links)
+                yield document.problem((name, "link"), link, allowed)
 
 
 def _supply_problems(sensors: SensorSuiteParams, bus: BusParams, document: YamlDocument) -> Iterator[Problem]:
-    """A sensor is fed by a load that there is."""
+    """A sensor, or one that the machine might have, is fed by a load that there is."""
     loads = [load.name for load in bus.loads]
+    known = tuple(dict.fromkeys((*sensors.named, *SENSORS.names())))
     for sensor, load in sensors.powered_by.items():
+        if sensor not in known:
+            yield document.problem(("powered_by", sensor), load, "is no sensor: " + names_text(sensor, known))
         if load not in loads:
             yield document.problem(("powered_by", sensor), load, "is no load of the bus: " + names_text(load, loads))
 

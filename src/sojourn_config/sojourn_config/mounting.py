@@ -134,6 +134,6 @@ def join(machine: LoadedMachine, arm_urdf: UrdfSummary | None) -> LoadedMachine:
         battery=machine.battery,
         bus=bus,
         law=law,
-        sensors=sensors.model_copy(update={"joint_groups": joined, "wrist": sensors.wrist or arm.wrist}),
+        sensors=sensors.model_copy(update={"joint_groups": joined}).with_sensor("wrist", arm.wrist),
         arm=arm,
     )

@@ -46,6 +46,13 @@ class TopicNameError(ContractError):
         super().__init__(f"topic {name!r}: allowed is {allowed}")
 
 
+class SensorRowError(ContractError):
+    """A row of a kind of sensors that no topic of a run can have."""
+
+    def __init__(self, name: str, allowed: str) -> None:
+        super().__init__(f"topic {name!r} of a sensor: allowed is {allowed}")
+
+
 LONGEST_REASON = 120
 
 

@@ -6,13 +6,14 @@ from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.values import PointCloud2
 from sojourn_flight.hazards.stereo_camera import StereoCamera
 from sojourn_machine.mounting import mounting
+from sojourn_physics.sensors.hazcam import HazcamParams
 
 TOPIC = "/hazcam/points"
 
 
 def hazard_camera_of(scenario: LoadedScenario) -> StereoCamera | None:
     """The rover's hazard camera; None for a rover without one."""
-    camera = scenario.sensors.hazcam
+    camera = scenario.sensors.first(HazcamParams)
     if camera is None:
         return None
     rotation, position = mounting(scenario.urdf_xml, camera.link)

@@ -54,7 +54,7 @@ def _line(row: Topic) -> str:
 
 
 def _each(row: Topic) -> str:
-    return f"; of each further {row.each} on `{row.name}/NAME`" if row.each else ""
+    return f"; a further {row.each}: `{row.name}/NAME`" if row.each else ""
 
 
 def _rate(row: Topic) -> str:

@@ -160,6 +160,7 @@ TOPICS: tuple[Topic, ...] = (
         "measured force and moment of the tool on the arm; NaN where the arm has no such sensor",
         WRENCH,
         part="arm",
+        each="wrist",
     ),
     Topic(
         "/imu/data",
@@ -184,6 +185,7 @@ TOPICS: tuple[Topic, ...] = (
             FieldRule("linear_acceleration", "m/s^2", frame="imu_link", low=-500.0, high=500.0, optional=True),
         ),
         frames=("imu_link",),
+        each="imu",
     ),
     Topic(
         "/sun_direction",
@@ -194,6 +196,7 @@ TOPICS: tuple[Topic, ...] = (
         3.0,
         "measured direction to the Sun in the frame of its sensor, a unit vector; zeros where no Sun is seen",
         (FieldRule("vector", "1", low=-1.0, high=1.0),),
+        each="sun",
     ),
     Topic(
         "/hazcam/points",
@@ -205,6 +208,7 @@ TOPICS: tuple[Topic, ...] = (
         "measured points of the ground ahead: x y z; none from a machine whose hazard camera is off, or without one",
         (FieldRule("x y z", "m", frame="base_link", low=-100.0, high=100.0, tolerance=FLOAT32_TOLERANCE),),
         frames=("base_link",),
+        each="hazcam",
     ),
     Topic(
         "/power/switches",

@@ -212,5 +212,14 @@ class DiagnosticArray(NamedTuple):
     frame: str = ""
 
 
+class Serialised(NamedTuple):
+    """A message of a type that has no class here, as its bytes: see `codecs.ros_library`."""
+
+    stamp: int
+    type: str
+    """ "package/Name"."""
+    cdr: bytes
+
+
 Message: TypeAlias = Any
 """One of the values above. Every one has a stamp."""

@@ -16,8 +16,8 @@ class SunSightings:
 
     def __init__(self, scenario: LoadedScenario) -> None:
         self._scenario = scenario
-        sensor = scenario.sensors.sun
-        self._sensor_to_base = None if sensor is None else mounting(scenario.urdf_xml, sensor.link)[0]
+        sensor = scenario.sensors.first_on("/sun_direction")
+        self._sensor_to_base = None if sensor is None else mounting(scenario.urdf_xml, sensor.links[0])[0]
 
     def sighting(self, stamp: int, message: Vector3Stamped | None, last: int) -> tuple[SunSighting | None, int]:
         """The reading that belongs to this period [ns], None where there is none, or it has been taken before; and the

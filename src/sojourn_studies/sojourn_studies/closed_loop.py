@@ -13,10 +13,11 @@ import pinocchio as pin
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
-from sojourn_contract.barrier import is_due
+from sojourn_contract.app import Period
+from sojourn_contract.clouds import points_of
+from sojourn_contract.hazcam import TOPIC as HAZCAM
 from sojourn_contract.hazcam import hazard_camera_of
-from sojourn_contract.topics import topic
-from sojourn_contract.values import Odometry
+from sojourn_contract.values import JointState, Odometry
 from sojourn_drive.measurements import JointMeasurements
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.twist import PlanarTwist
@@ -30,15 +31,9 @@ from sojourn_physics.plant.faults import HeldAngles, MotorFaults
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantOutput, PlantState
 from sojourn_physics.plant.step import step as step_plant
-from sojourn_physics.sensors import suite
 from sojourn_plant.commands import Commands
 from sojourn_plant.start import build_plant
-from sojourn_sensors.motion import ImuMotion, MotionBefore
-from sojourn_sensors.readings import imu_message, joints_message
-from sojourn_sensors.sun import SunReadings
-from sojourn_sensors.view import HazardView
-
-STORE = "battery"
+from sojourn_sensors.app import SensorsApp
 
 
 class ClosedLoop:
@@ -64,26 +59,15 @@ class ClosedLoop:
         """What the plant tells of the last period."""
         self.period = 0
         self._wheels = JointMeasurements(scenario.machine, self.drive.mobility.joints, scenario.urdf_xml)
-        self._view, self._camera = HazardView(scenario), self.drive.camera
-        self._seen = self._view.initial_state()
-        self._sightings, self._sun = SunSightings(scenario), SunReadings(scenario)
-        self._sun_state, self._sighted = self._sun.initial_state(), 0
-        self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
-        self._moved: MotionBefore | None = None
+        self._camera, self._sightings, self._sighted = self.drive.camera, SunSightings(scenario), 0
+        self._joint_names = (*self.plant.joints.names, *(() if self.plant.tool is None else (TOOL_JOINT,)))
+        self._sensors = SensorsApp(scenario)
+        self._sensing = self._sensors.initial_state()
         self._tilt_rates = (0.0, 0.0)
         self._faults = MotorFaults(self.plant, scenario.config.faults)
         self._locked: HeldAngles = {}
         self._commands = Commands(self.plant)
         self._held = self._commands.holding(self.truth.motor_angles)
-        self._sensors = suite.initial_state(
-            scenario.sensors,
-            scenario.config.seed,
-            (*self.plant.joints.names, *(() if self.plant.tool is None else (TOOL_JOINT,))),
-            self._with_tool(self.truth.joints[0], 0),
-            (STORE,),
-            self._motion.orientation_imu_in_map(self.truth.configuration[3:7]),
-            scenario.gravity,
-        )
 
     def step(
         self,
@@ -138,29 +122,21 @@ class ClosedLoop:
     def _measure(self, stamp: int, goal: Goal | None, twist: TwistCommand | None) -> DriveInput:
         place, motion = self.truth.configuration, self.truth.velocity
         odometry = Odometry(stamp, "map", "base_link", place[:3], place[3:7], motion[:3], motion[3:6])
-        self._moved, felt = self._motion.felt(self._moved, odometry, stamps.CONTROL_PERIOD_S)
         efforts = self.plant.efforts if self.plant_output is None else self.plant_output.efforts
-        truth = suite.SensorTruth(
-            joint_position=self._with_tool(self.truth.joints[0], 0),
-            joint_effort=self._with_tool(efforts, 1),
-            angular_velocity_imu_in_imu=felt.angular_velocity,
-            specific_force_imu_in_imu=felt.specific_force,
-            bus_voltage=np.array([28.0]),
-            bus_current=np.zeros(1),
-            bus_temperature=np.array([293.0]),
-        )
-        self._sensors, read = suite.step(self.scenario.sensors, self._sensors, truth, stamps.CONTROL_PERIOD_S)
-        joints = joints_message(stamp, self._sensors.layout.joint_names, read)
+        position, effort = self._with_tool(self.truth.joints[0], 0), self._with_tool(efforts, 1)
+        joints = JointState(stamp, self._joint_names, position, np.zeros_like(position), effort)
+        inputs = {"/truth/odom": odometry, "/truth/joint_states": joints}
+        self._sensing, answer = self._sensors.step(self._sensing, Period(stamp, inputs))
+        for _, refusal in answer.refusals:
+            raise refusal
+        said = dict(answer.messages)
         sun = None
-        if is_due(topic("/sun_direction"), self.period):
-            self._sun_state, reading = self._sun.reading(self._sun_state, stamp, self.truth.configuration[3:7])
-            sun, self._sighted = self._sightings.sighting(stamp, self._sun.message(stamp, reading), self._sighted)
-        measured = self._wheels.drive_input(joints, imu_message(stamp, read.imu))
+        if "/sun_direction" in said:
+            sun, self._sighted = self._sightings.sighting(stamp, said["/sun_direction"], self._sighted)
+        measured = self._wheels.drive_input(said["/joint_states"], said["/imu/data"])
         measured = replace(measured, sun=sun, twist=twist, goal=goal)
-        if self._camera is not None and is_due(topic("/hazcam/points"), self.period):
-            position, orientation = self.truth.configuration[:3], self.truth.configuration[3:7]
-            self._seen, cloud = self._view.observe(self._seen, position, orientation)
-            measured = replace(measured, cloud=cloud.astype(np.float64))
+        if self._camera is not None and HAZCAM in said:
+            measured = replace(measured, cloud=points_of(HAZCAM, said[HAZCAM]).astype(np.float64))
         return measured
 
     def _with_tool(self, of_joints: FloatArray, place: int) -> FloatArray:

@@ -22,6 +22,7 @@ import pinocchio as pin
 from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_config.scenario import LoadedScenario
+from sojourn_contract.app import Period
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, CONTROL_PERIOD_S
 from sojourn_flight.arm import controller
 from sojourn_flight.arm.feedforward import gravity_in_body
@@ -33,10 +34,9 @@ from sojourn_machine.mounting import IMU_LINK, mounting
 from sojourn_machine.params import FloatArray
 from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import step
-from sojourn_physics.sensors import suite
 from sojourn_plant.start import build_plant
 from sojourn_plant.truth import TruthMessages
-from sojourn_sensors.motion import ImuMotion, MotionBefore
+from sojourn_sensors.app import SensorsApp
 from sojourn_studies.measure_slip import on_plane
 
 STEEPEST_DEG = 15.0
@@ -73,12 +73,9 @@ class Bench:
         self.arm_state = controller.initial_state(self.params)
         self.output: controller.ArmOutput | None = None
         self._truth = TruthMessages(self.model)
-        self._motion = ImuMotion(scenario.urdf_xml, scenario.gravity)
-        self._moved: MotionBefore | None = None
         self._imu_to_base = mounting(scenario.urdf_xml, IMU_LINK)[0]
-        self._sensors, self._gravity = scenario.sensors, scenario.gravity
-        self._sensing: suite.SensorSuiteState | None = None
-        self._seed = scenario.config.seed
+        self._sensors, self._gravity = SensorsApp(scenario), scenario.gravity
+        self._sensing = self._sensors.initial_state()
         self._command = zeros_command(len(self.model.joints.names), len(self.model.bus.loads))
         self._command.reference[0] = self.state.motor_angles
         self._rows = self.model.reference_rows(self.params.joint_names)
@@ -129,24 +126,12 @@ class Bench:
         return answer
 
     def _measure(self) -> "_Reading":
-        joints, motors = self._messages["/truth/joint_states"], self._messages["/truth/motor_states"]
-        position = joints.position
-        motor = position.copy()
-        motor[[joints.names.index(name) for name in motors.names]] = motors.position
-        self._moved, motion = self._motion.felt(self._moved, self._messages["/truth/odom"], CONTROL_PERIOD_S)
-        if self._sensing is None:
-            attitude = self._motion.orientation_imu_in_map(self.state.configuration[3:7])
-            self._sensing = suite.initial_state(
-                self._sensors, self._seed, joints.names, position, ("battery",), attitude, self._gravity, motor
-            )
-        one = np.ones(1)
-        truth = suite.SensorTruth(
-            position, joints.effort, motion.angular_velocity, motion.specific_force, 28.0 * one, one,
-            290.0 * one, motor_position=motor,
-        )  # fmt: skip
-        self._sensing, found = suite.step(self._sensors, self._sensing, truth, CONTROL_PERIOD_S)
-        names = self._sensing.layout.joint_names
-        return _Reading(names, found.joint_position, found.joint_velocity, found.imu.orientation)
+        self._sensing, answer = self._sensors.step(self._sensing, Period(self._stamp, self._messages))
+        for _, refusal in answer.refusals:
+            raise refusal
+        said = dict(answer.messages)
+        joints = said["/joint_states"]
+        return _Reading(joints.names, joints.position, joints.velocity, said["/imu/data"].orientation)
 
     def _ground_below(self) -> GroundPlane:
         """The plane on which the rover stands, in base_link."""

@@ -24,7 +24,9 @@ from sojourn_machine.tools import TOOL_JOINT
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantOutput, PlantState, zeros_command
 from sojourn_physics.plant.step import step
-from sojourn_physics.sensors import suite
+from sojourn_physics.sensors import joints, wrench
+from sojourn_physics.sensors.joints import JointMeasurement, JointTruth
+from sojourn_physics.sensors.wrench import WrenchSensorParams
 from sojourn_plant.start import build_plant
 
 DT = 0.02
@@ -72,24 +74,19 @@ class RoverArm:
         efforts = np.zeros(len(model.joints.names)) if self.output is None else self.output.efforts
         tool = self.plant.tool
         of_tool = ([], []) if tool is None else ([tool.position], [tool.effort])
-        truth = suite.SensorTruth(
-            np.append(self.plant.joints[0], of_tool[0]),
-            np.append(efforts, of_tool[1]),
-            np.zeros(3),
-            np.array([0.0, 0.0, model.gravity]),
-            np.array([28.0]),
-            np.zeros(1),
-            np.array([290.0]),
-            np.zeros(6) if self.output is None else self.output.wrist_wrench,
-        )
-        self.sensors, measured = suite.step(self.scenario.sensors, self.sensors, truth, DT)
-        places = [self.sensors.layout.joint_names.index(name) for name in params.joint_names]
+        truth = JointTruth(np.append(self.plant.joints[0], of_tool[0]), np.append(efforts, of_tool[1]))
+        load = np.zeros(6) if self.output is None else self.output.wrist_wrench
+        of_joints, of_wrist = self.sensors
+        of_joints, measured = joints.step(of_joints, truth, DT)
+        of_wrist, wrist = wrench.step(of_wrist, load)
+        self.sensors = of_joints, of_wrist
+        places = [self.sensors[0].layout.joint_names.index(name) for name in params.joint_names]
         gravity = self.rotation().T @ np.array([0.0, 0.0, -model.gravity])
         inputs = task_control.TaskInput(
-            ArmInput(measured.joint_position[places], measured.joint_velocity[places], gravity, goal=goal),
+            ArmInput(measured.position[places], measured.velocity[places], gravity, goal=goal),
             task,
-            measured.wrist_wrench if self.has_wrist and self.output is not None else None,
-            measured.joint_effort[places] if self.output is not None else None,
+            wrist if self.has_wrist and self.output is not None else None,
+            measured.effort[places] if self.output is not None else None,
             self._reading(measured),
             self.loads,
         )
@@ -104,12 +101,12 @@ class RoverArm:
         self.plant, self.output = step(model, self.plant, command)
         self.log.append(self._row())
 
-    def _reading(self, measured: suite.SensorMeasurements) -> ToolReading | None:
-        names = self.sensors.layout.joint_names
+    def _reading(self, measured: JointMeasurement) -> ToolReading | None:
+        names = self.sensors[0].layout.joint_names
         if TOOL_JOINT not in names:
             return None
         place = names.index(TOOL_JOINT)
-        columns = (measured.joint_position, measured.joint_velocity, measured.joint_effort)
+        columns = (measured.position, measured.velocity, measured.effort)
         return ToolReading(*(float(column[place]) for column in columns))
 
     def run(self, seconds: float) -> None:
@@ -191,10 +188,11 @@ def _ready(overrides: tuple[str, ...], payload: float = 0.0) -> RoverArm:
     arm = build_arm_model(scenario.urdf_xml, scenario.arm)
     loaded = scenario.urdf.text if payload == 0.0 else _with_payload(scenario.urdf.text, payload)
     model, plant = build_plant(replace(scenario, urdf=replace(scenario.urdf, text=loaded)))
-    still = np.array([0.0, 0.0, 0.0, 1.0])
     names = (*model.joints.names, *(() if plant.tool is None else (TOOL_JOINT,)))
     angles = np.append(plant.joints[0], () if plant.tool is None else plant.tool.position)
-    sensors = suite.initial_state(scenario.sensors, 3, names, angles, ("battery",), still, model.gravity)
+    wrist = scenario.sensors.first(WrenchSensorParams)
+    rest = JointTruth(angles, np.zeros(len(angles)))
+    sensors = joints.initial_state(scenario.sensors.joint_groups, 3, names, rest), wrench.initial_state(wrist, 3)
     tasks = task_control.initial_state(scenario.arm, arm, scenario.tool)
     rover = RoverArm(scenario, model, arm, plant, sensors, tasks)
     rover.settle(np.array(scenario.arm.named_poses["unfold"]))

@@ -13,13 +13,14 @@ from sojourn_flight.hazards.obstacle_map import ObstacleMap, empty_map, with_clo
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
 from sojourn_flight.hazards.stereo_camera import StereoCamera
 from sojourn_physics.sensors import hazcam
+from sojourn_physics.sensors.hazcam import HazcamParams
 from sojourn_physics.terrain.height_field import HeightField
 
 ROOT = Path(__file__).parents[3]
 EXPLORER = read_machine("explorer", "moon", "lunar_nominal")
 PARAMS: ObstacleParams = EXPLORER.drive.obstacles
 RIDE = PARAMS.outline.ride_height
-CAMERA = hazcam.hazcam_on(EXPLORER.sensors.hazcam, EXPLORER.urdf_xml)
+CAMERA = hazcam.hazcam_on(EXPLORER.sensors.first(HazcamParams), EXPLORER.urdf_xml)
 STEREO = StereoCamera(
     CAMERA.position,
     CAMERA.directions[len(CAMERA.directions) // 2],

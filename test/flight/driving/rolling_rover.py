@@ -17,6 +17,7 @@ from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_machine.params import FloatArray
 from sojourn_physics.sensors import hazcam
+from sojourn_physics.sensors.hazcam import HazcamParams
 from wheel_drive import WheelDrive, WheelInput, WheelOutput, with_mobility
 
 DT = 0.1
@@ -42,7 +43,7 @@ class RollingRover:
     def __post_init__(self) -> None:
         scenario = self.scenario
         self.ground = scenario.height_field()
-        camera = scenario.sensors.hazcam
+        camera = scenario.sensors.first(HazcamParams)
         assert camera is not None
         self.camera = hazcam.hazcam_on(camera, scenario.urdf_xml)
         self.noise = hazcam.initial_state(self.camera, scenario.config.seed)

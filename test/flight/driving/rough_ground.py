@@ -22,7 +22,7 @@ RIDE = 0.47
 CELL, SIDE = 0.05, 16.0
 EXPLORER = joined_machine("explorer")
 URDF = EXPLORER.urdf.text
-PARAMS: HazcamParams = EXPLORER.sensors.hazcam
+PARAMS: HazcamParams = EXPLORER.sensors.first(HazcamParams)
 CAMERA = hazcam_on(PARAMS, URDF)
 STEREO = StereoCamera(
     CAMERA.position,

@@ -15,6 +15,7 @@ from sojourn_flight.supervision.drive_types import TwistCommand
 from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import step as step_plant
 from sojourn_physics.sensors import hazcam
+from sojourn_physics.sensors.hazcam import HazcamParams
 from sojourn_plant.start import build_plant
 from wheel_drive import WheelDrive, WheelInput, WheelOutput
 
@@ -40,7 +41,7 @@ class Loop:
     def __post_init__(self) -> None:
         scenario = self.scenario
         self.plant, self.state = build_plant(scenario)
-        camera = scenario.sensors.hazcam
+        camera = scenario.sensors.first(HazcamParams)
         self.camera = None if camera is None else hazcam.hazcam_on(camera, scenario.urdf_xml)
         self.noise = None if self.camera is None else hazcam.initial_state(self.camera, scenario.config.seed)
         self.model = WheelDrive(scenario.drive, scenario.steering, hazard_camera_of(scenario))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from sojourn_machine.errors import InvalidValueError
 from sojourn_physics.sensors import bus
 from sojourn_physics.sensors.bus import BusTelemetryParams, ChannelParams
 
@@ -56,3 +57,9 @@ def test_a_second_store_does_not_change_the_first() -> None:
 def test_a_range_upside_down_is_refused() -> None:
     with pytest.raises(ValidationError, match="maximum"):
         channel(minimum=5.0, maximum=5.0)
+
+
+@pytest.mark.parametrize(("truth", "reason"), [([[28.0, 1.0]], "shape"), ([[28.0, np.nan, 290.0]], "finite")])
+def test_truth_that_is_none_is_refused(truth: list[list[float]], reason: str) -> None:
+    with pytest.raises(InvalidValueError, match=reason):
+        bus.step(bus.initial_state(telemetry(), 1, ("main",)), np.array(truth))

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from sojourn_config.machine_reader import joined_machine
-from sojourn_physics.sensors import suite
+from sojourn_physics.sensors import bus, joints
+from sojourn_physics.sensors.bus import BusTelemetryParams
+from sojourn_physics.sensors.imu import ImuParams
+from sojourn_physics.sensors.joints import JointTruth
 
 EXPLORER = joined_machine("explorer")
 PARAMS = EXPLORER.sensors
@@ -21,7 +24,8 @@ def test_every_joint_of_the_machine_is_measured_once() -> None:
 
 
 def test_the_imu_is_the_published_one() -> None:
-    imu = PARAMS.imu
+    imu = PARAMS.first(ImuParams)
+    assert imu is not None
     assert (imu.gyro_arw_deg_per_sqrt_hour, imu.gyro_bias_deg_per_hour) == (0.07, 1.0)
     assert imu.accelerometer_noise_micro_g_per_sqrt_hz == 35.0
     assert imu.accelerometer_bias_micro_g == 300.0
@@ -46,21 +50,15 @@ def test_encoders_on_motors_count_with_the_gears_of_the_rover() -> None:
 
 def test_a_rover_at_rest_reads_as_at_rest() -> None:
     names = tuple(joint for group in PARAMS.joint_groups.values() for joint in group.joints)
-    level = np.array([0.0, 0.0, 0.0, 1.0])
-    state = suite.initial_state(PARAMS, 1, names, np.full(19, 0.3), ("battery",), level, 1.62)
-    truth = suite.SensorTruth(
-        joint_position=np.full(19, 0.3),
-        joint_effort=np.zeros(19),
-        angular_velocity_imu_in_imu=np.zeros(3),
-        specific_force_imu_in_imu=np.array([0.0, 0.0, 1.62]),
-        bus_voltage=np.array([29.0]),
-        bus_current=np.array([2.0]),
-        bus_temperature=np.array([288.0]),
-    )
+    true = JointTruth(np.full(19, 0.3), np.zeros(19))
+    state = joints.initial_state(PARAMS.joint_groups, 1, names, true)
+    telemetry = PARAMS.first(BusTelemetryParams)
+    assert telemetry is not None
+    channels = bus.initial_state(telemetry, 1, ("battery",))
     for _ in range(50):
-        state, out = suite.step(PARAMS, state, truth, 0.02)
-    assert np.array_equal(out.joint_velocity, np.zeros(19))
-    assert out.joint_position == pytest.approx(np.full(19, 0.3), abs=2e-4)
-    assert np.abs(out.joint_effort).max() < 1.0
-    assert out.bus_voltage[0] == pytest.approx(29.0, abs=0.15)
-    assert out.bus_current[0] == pytest.approx(2.0, abs=0.15)
+        state, out = joints.step(state, true, 0.02)
+        channels, read = bus.step(channels, np.array([[29.0, 2.0, 288.0]]))
+    assert np.array_equal(out.velocity, np.zeros(19))
+    assert out.position == pytest.approx(np.full(19, 0.3), abs=2e-4)
+    assert np.abs(out.effort).max() < 1.0
+    assert read[0, :2] == pytest.approx([29.0, 2.0], abs=0.15)

@@ -19,7 +19,7 @@ from sojourn_physics.terrain.height_field import HeightField
 ROOT = Path(__file__).parents[3]
 EXPLORER = joined_machine("explorer")
 URDF = EXPLORER.urdf.text
-PARAMS: HazcamParams = EXPLORER.sensors.hazcam
+PARAMS: HazcamParams = EXPLORER.sensors.first(HazcamParams)
 HEIGHT = 0.47
 """Of base_link above level ground [m]."""
 LEVEL = np.eye(3)

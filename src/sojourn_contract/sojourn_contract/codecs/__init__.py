@@ -14,6 +14,7 @@ from sojourn_contract.codecs.clouds import PointCloudCodec
 from sojourn_contract.codecs.codec import Codec
 from sojourn_contract.codecs.joints import JointStateCodec, JointTrajectoryCodec
 from sojourn_contract.codecs.paths import PathCodec
+from sojourn_contract.codecs.ros_library import codec_of
 from sojourn_contract.codecs.texts import ClockCodec, DiagnosticsCodec, HeaderCodec
 from sojourn_contract.errors import unreadable
 from sojourn_contract.topic_types import Topic
@@ -35,17 +36,21 @@ CODECS: Mapping[str, Codec] = {
     "std_msgs/Header": HeaderCodec(),
     "trajectory_msgs/JointTrajectory": JointTrajectoryCodec(),
 }
-"""Of every type in the topic table."""
+"""Of every type in the topic table; a sensor from elsewhere may say others, which the ROS library makes bytes of."""
 
 
 def encode(row: Topic, value: Message) -> bytes:
     """CDR of a value of a row's type. Raises ValueError, TypeError or struct.error for what the type cannot hold."""
-    return CODECS[row.type].encode(value)
+    return _codec(row.type).encode(value)
 
 
 def decode(row: Topic, data: bytes) -> Message:
     """The value in these bytes. Raises RefusedMessageError where they hold none of the row's type."""
     try:
-        return CODECS[row.type].decode(data)
+        return _codec(row.type).decode(data)
     except Exception as error:  # whatever hostile bytes bring about
         raise unreadable(row.name, f"a serialised {row.type}", error, data) from error
+
+
+def _codec(kind: str) -> Codec:
+    return CODECS.get(kind) or codec_of(kind)

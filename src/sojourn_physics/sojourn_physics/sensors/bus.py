@@ -17,6 +17,7 @@ from pydantic import Field, model_validator
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray, Params
 from sojourn_physics.sensors.noise import NoiseStream, draw, initial_streams, quantise_within
+from sojourn_physics.sensors.truth import require_numbers
 
 CHANNELS = ("voltage", "current", "temperature")
 
@@ -78,7 +79,12 @@ def initial_state(params: BusTelemetryParams, seed: int, stores: tuple[str, ...]
 
 
 def step(state: BusSensorState, truth: FloatArray) -> tuple[BusSensorState, FloatArray]:
-    """Measure `truth`, shape (stores, 3), columns as CHANNELS; returns the state and the readings, alike."""
+    """Measure `truth`, shape (stores, 3), columns as CHANNELS; returns the state and the readings, alike.
+
+    Raises:
+        InvalidValueError: a truth of another shape, or not finite.
+    """
+    require_numbers("truth of the bus", truth, (state.offset.size // len(CHANNELS), len(CHANNELS)))
     stream, noise = draw(state.stream)
     reading = quantise_within(
         truth.ravel(), state.offset, state.noise, noise, state.resolution, state.minimum, state.maximum

@@ -92,9 +92,9 @@ def hazcam_on(params: HazcamParams, urdf_xml: str) -> Hazcam:
     return Hazcam(params, position, np.ascontiguousarray(in_link @ rotation.T), np.ascontiguousarray(in_link[:, 0]))
 
 
-def initial_state(camera: Hazcam, seed: int) -> NoiseStream:
-    """The camera's noise: all that it remembers."""
-    return initial_stream(seed, f"hazcam.{camera.params.link}", len(camera.directions))
+def initial_state(camera: Hazcam, seed: int, name: str = "hazcam") -> NoiseStream:
+    """The camera's noise, from the stream of its name and link: all that it remembers."""
+    return initial_stream(seed, f"{name}.{camera.params.link}", len(camera.directions))
 
 
 def step(

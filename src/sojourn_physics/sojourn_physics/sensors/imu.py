@@ -35,6 +35,7 @@ from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray, Params
 from sojourn_physics.sensors.imu_kernels import attitude_from_specific_force, attitude_step, measure
 from sojourn_physics.sensors.noise import NoiseStream, draw, initial_stream
+from sojourn_physics.sensors.truth import require_numbers
 
 STANDARD_GRAVITY = 9.80665
 """The g of "micro g" in data sheets [m/s^2]."""
@@ -159,7 +160,13 @@ def heading_of(orientation: FloatArray) -> float:
 def step(
     params: ImuParams, state: ImuState, angular_velocity: FloatArray, specific_force: FloatArray, dt: float
 ) -> tuple[ImuState, ImuReading]:
-    """Read the true rate [rad/s] and specific force [m/s^2] in the IMU frame, shape (3,), after `dt` [s]."""
+    """Read the true rate [rad/s] and specific force [m/s^2] in the IMU frame, shape (3,), after `dt` [s].
+
+    Raises:
+        InvalidValueError: a truth of another shape, or not finite.
+    """
+    require_numbers("truth angular_velocity_imu_in_imu", angular_velocity, (3,))
+    require_numbers("truth specific_force_imu_in_imu", specific_force, (3,))
     stream, noise = draw(state.stream)
     root = sqrt(dt)
     gyro_sigma = params.gyro_random_walk / root

@@ -1,16 +1,29 @@
-"""The sensor suite of a machine as one parameter set."""
+"""The sensors of a machine as one parameter set: encoders by groups of joints, and any number of others by names."""
 
-from typing import Literal, Self
+from collections.abc import Mapping
+from typing import Any, ClassVar, Self, TypeVar
 
-from pydantic import Field, model_validator
+from pydantic import (
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+    model_validator,
+)  # fmt: skip
+from pydantic_core import InitErrorDetails, to_json
 
+from sojourn_machine.choice import KindsOf
+from sojourn_machine.errors import UnknownNameError
 from sojourn_machine.params import Params
-from sojourn_physics.sensors.bus import BusTelemetryParams
+from sojourn_machine.sensor_choice import SENSORS, SensorParams
 from sojourn_physics.sensors.encoder import EncoderParams
-from sojourn_physics.sensors.hazcam import HazcamParams
-from sojourn_physics.sensors.imu import ImuParams
-from sojourn_physics.sensors.sun_sensor import SunSensorParams
-from sojourn_physics.sensors.wrench import WrenchSensorParams
+
+JOINTS = "joint_groups"
+"""Name and kind of the sensor that all encoders are together."""
+REQUIRED = {"imu": "/imu/data", "bus": "/bus/state"}
+"""Topics on which every machine has a sensor, by the kind that comes with us: the flight side cannot do without."""
+AnyParams = TypeVar("AnyParams", bound=Params)
 
 
 class JointGroupParams(Params):
@@ -23,23 +36,71 @@ class JointGroupParams(Params):
 
 
 class SensorSuiteParams(Params):
-    """Encoders by joint group, IMU, bus telemetry and, where it has one, a hazard camera and the wrist's force sensor.
+    """All sensors. Each key but those below is the name of a sensor, and its table says which kind of sensor that is
+    (`kind`; left out: the name) and the kind's own parameters; null is none.
 
     A joint that is in no group is not measured.
     """
 
-    joint_groups: dict[str, JointGroupParams] = Field(default_factory=dict, description="group name to its joints")
-    imu: ImuParams = Field(description="the inertial measurement unit")
-    bus: BusTelemetryParams = Field(description="telemetry channels of every energy store")
-    wrist: WrenchSensorParams | None = Field(
-        default=None, description="force/torque sensor of the arm's wrist, or none"
-    )
-    sun: SunSensorParams | None = Field(default=None, description="the sun sensor, if there is one")
-    hazcam: HazcamParams | None = Field(default=None, description="stereo camera for hazards; left out: it has none")
+    model_config = ConfigDict(extra="allow")
+    others: ClassVar[KindsOf] = KindsOf(SENSORS, "kind")
+    """What the other keys may be."""
 
-    powered_by: dict[Literal["imu", "sun", "hazcam", "wrist"], str] = Field(
+    joint_groups: dict[str, JointGroupParams] = Field(default_factory=dict, description="group name to its joints")
+    powered_by: dict[str, str] = Field(
         default_factory=dict, description="load of the bus that feeds each sensor; one that is left out always works"
     )
+
+    @property
+    def named(self) -> dict[str, SensorParams]:
+        """The sensors beside the encoders, by their names."""
+        return dict(self.__pydantic_extra__ or {})
+
+    @property
+    def sensors(self) -> dict[str, SensorParams]:
+        """All sensors by their names, the encoders first."""
+        return {JOINTS: SENSORS.get(JOINTS).model_validate({"groups": self.joint_groups}), **self.named}
+
+    def first(self, kind: type[AnyParams]) -> AnyParams | None:
+        """The first sensor with parameters of a class, None of a machine without one."""
+        return next((params for params in self.named.values() if isinstance(params, kind)), None)
+
+    def first_on(self, topic: str) -> SensorParams | None:
+        """The first sensor that speaks on a topic of every run, None of a machine without one."""
+        speaking = (params for params in self.named.values() if topic in (row.name for row in params.speaks_on))
+        return next(speaking, None)
+
+    def with_sensor(self, name: str, params: SensorParams | None) -> Self:
+        """The suite with a sensor of that name, unless it has one or there is none to add."""
+        return self if params is None or name in self.named else self.model_copy(update={name: params})
+
+    @model_serializer(mode="wrap")
+    def _with_kinds(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """As the file: a sensor that is not named by its kind says which it is."""
+        found: dict[str, Any] = dump(self)
+        for name, params in self.named.items():
+            found[name] = params.model_dump(mode="json") | ({"kind": params.kind} if params.kind != name else {})
+        return found
+
+    @model_validator(mode="after")
+    def _read_the_others(self) -> Self:
+        """Make of each table the parameters of its kind."""
+        found = self.__pydantic_extra__ if self.__pydantic_extra__ is not None else {}
+        problems: list[InitErrorDetails] = []
+        for name, table in list(found.items()):
+            if table is None:
+                del found[name]
+                continue
+            try:
+                found[name] = read_sensor(name, table)
+            except ValidationError as error:
+                problems += [_within(name, detail) for detail in error.errors(include_url=False)]
+        spoken = {row.name for params in found.values() for row in getattr(params, "speaks_on", ())}
+        absent = [] if problems else [kind for kind, topic in REQUIRED.items() if topic not in spoken]
+        problems += [InitErrorDetails(type="missing", loc=(kind,), input=dict(found)) for kind in absent]
+        if problems:
+            raise ValidationError.from_exception_data(type(self).__name__, problems)
+        return self
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -49,4 +110,41 @@ class SensorSuiteParams(Params):
                 if joint in seen:
                     raise ValueError(f"joint {joint!r} is in {seen[joint]!r} and {name!r}: allowed is one group")
                 seen[joint] = name
+        kinds: dict[str, str] = {}
+        for name, params in self.named.items():
+            if not name.isidentifier() or not name.isascii():
+                raise ValueError(f"sensor {name!r}: allowed are letters, digits and underscores, no digit first")
+            if params.alone and params.kind in kinds:
+                raise ValueError(
+                    f"{kinds[params.kind]!r} and {name!r}: allowed is one sensor of the kind {params.kind!r}"
+                )
+            kinds[params.kind] = name
         return self
+
+
+def read_sensor(name: str, table: Any) -> Any:
+    """The parameters of the sensor of a name from its table, of the kind that this names, or else of that of its name.
+
+    None and what has been read already stay as they are. Raises ValidationError, with the places within the table.
+    """
+    if table is None or isinstance(table, SensorParams):
+        return table
+    if not isinstance(table, Mapping):
+        details = InitErrorDetails(type="model_type", loc=(), input=table, ctx={"class_name": "sensor"})
+        raise ValidationError.from_exception_data(name, [details])
+    told = table.get("kind", name)
+    try:
+        kind = SENSORS.get(told)
+    except (UnknownNameError, TypeError) as error:
+        problem = ValueError(str(error))
+        details = InitErrorDetails(type="value_error", loc=("kind",), input=told, ctx={"error": problem})
+        raise ValidationError.from_exception_data(name, [details]) from None
+    # text is no number and a list stands for a tuple, as in the files: strict mode takes them so from JSON alone
+    return kind.model_validate_json(to_json({**table, "kind": told}), strict=True)
+
+
+def _within(name: str, detail: Any) -> InitErrorDetails:
+    """The same problem, told of the table of that name."""
+    return InitErrorDetails(
+        type=detail["type"], loc=(name, *detail["loc"]), input=detail["input"], ctx=detail.get("ctx", {})
+    )

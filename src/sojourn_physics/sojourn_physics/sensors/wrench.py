@@ -17,6 +17,7 @@ from pydantic import Field
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray, Params
 from sojourn_physics.sensors.noise import NoiseStream, draw, initial_stream, quantise_within
+from sojourn_physics.sensors.truth import require_numbers
 
 AXES = 6
 
@@ -49,19 +50,20 @@ class WrenchSensorState:
     stream: NoiseStream
 
 
-def initial_state(params: WrenchSensorParams, seed: int) -> WrenchSensorState:
-    """Sensor at the start of a run, its bias drawn."""
+def initial_state(params: WrenchSensorParams, seed: int, name: str = "wrist") -> WrenchSensorState:
+    """Sensor at the start of a run, its bias drawn from the stream of `name`."""
 
     def axes(name: str) -> FloatArray:
         return np.repeat([getattr(params.force, name), getattr(params.moment, name)], AXES // 2).astype(np.float64)
 
-    stream, row = draw(initial_stream(seed, "wrist", AXES))
+    stream, row = draw(initial_stream(seed, name, AXES))
     largest = axes("largest")
     return WrenchSensorState(row * axes("bias"), axes("noise"), axes("resolution"), -largest, largest, stream)
 
 
 def step(state: WrenchSensorState, truth: FloatArray) -> tuple[WrenchSensorState, FloatArray]:
-    """Measure `truth`, (6,) [N], [N m]; returns the state and the reading, alike."""
+    """Measure `truth`, (6,) [N], [N m]; returns the state and the reading, alike. Raises InvalidValueError."""
+    require_numbers("truth wrist_wrench", truth, (AXES,))
     stream, noise = draw(state.stream)
     reading = quantise_within(truth, state.bias, state.noise, noise, state.resolution, state.smallest, state.largest)
     return replace(state, stream=stream), reading

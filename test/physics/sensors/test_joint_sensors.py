@@ -1,8 +1,11 @@
-"""The suite: order of joints, independent random streams, values that can be saved, refusal of bad truth."""
+"""Encoders and efforts of all joints: their order, independent random streams, values that can be saved, refusal of bad
+truth.
+"""
 
 import copy
 from dataclasses import replace
 from math import inf, nan
+from typing import Any
 from zlib import crc32
 
 import numpy as np
@@ -11,9 +14,9 @@ from pydantic import ValidationError
 
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
-from sojourn_physics.sensors import noise, suite
+from sojourn_physics.sensors import joints, noise
+from sojourn_physics.sensors.joints import JointMeasurement, JointSensorState, JointTruth
 from sojourn_physics.sensors.params import SensorSuiteParams
-from sojourn_physics.sensors.suite import SensorMeasurements, SensorSuiteState, SensorTruth
 
 CHANNEL = {"resolution": 0.01, "noise": 0.02, "offset": 0.02, "minimum": -50.0, "maximum": 400.0}
 VALUES: dict[str, object] = {
@@ -46,56 +49,41 @@ JOINTS = ("wheel_a", "rocker", "elbow", "wheel_b")
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
 
-def start(params: SensorSuiteParams = PARAMS, seed: int = 4) -> SensorSuiteState:
-    return suite.initial_state(params, seed, JOINTS, np.zeros(4), ("main",), LEVEL, 1.62)
+def start(params: SensorSuiteParams = PARAMS, seed: int = 4) -> JointSensorState:
+    return joints.initial_state(params.joint_groups, seed, JOINTS, JointTruth(np.zeros(4), np.zeros(4)))
 
 
-def truth(k: int = 0) -> SensorTruth:
-    return SensorTruth(
-        joint_position=np.array([0.1, 0.2, -0.3, 0.4]) * (1 + k),
-        joint_effort=np.array([1.0, 2.0, 3.0, 4.0]),
-        angular_velocity_imu_in_imu=np.array([0.0, 0.0, 0.01]),
-        specific_force_imu_in_imu=np.array([0.0, 0.0, 1.62]),
-        bus_voltage=np.array([28.0]),
-        bus_current=np.array([3.0]),
-        bus_temperature=np.array([290.0]),
-    )
+def truth(k: int = 0) -> JointTruth:
+    return JointTruth(np.array([0.1, 0.2, -0.3, 0.4]) * (1 + k), np.array([1.0, 2.0, 3.0, 4.0]))
 
 
-def numbers(out: SensorMeasurements) -> FloatArray:
-    return np.concatenate(
-        [
-            out.joint_position,
-            out.joint_velocity,
-            out.joint_effort,
-            out.imu.angular_velocity,
-            out.imu.specific_force,
-            out.imu.orientation,
-            out.bus_voltage,
-            out.bus_current,
-            out.bus_temperature,
-        ]
-    )
+def numbers(read: JointMeasurement) -> FloatArray:
+    return np.concatenate([read.position, read.velocity, read.effort])
 
 
-def run(params: SensorSuiteParams, state: SensorSuiteState, count: int) -> tuple[SensorSuiteState, FloatArray]:
+def run(state: JointSensorState, count: int) -> tuple[JointSensorState, FloatArray]:
     rows = []
     for k in range(count):
-        state, out = suite.step(params, state, truth(k), 0.02)
-        rows.append(numbers(out))
+        state, read = joints.step(state, truth(k), 0.02)
+        rows.append(numbers(read))
     return state, np.array(rows)
 
 
 def test_measured_joints_keep_the_order_of_the_truth() -> None:
-    state, out = suite.step(PARAMS, start(), truth(), 0.02)
+    state, read = joints.step(start(), truth(), 0.02)
     assert state.layout.joint_names == ("wheel_a", "elbow", "wheel_b")
-    assert out.joint_position == pytest.approx([0.1, -0.3, 0.4], abs=1e-4)
-    assert out.joint_velocity == pytest.approx([5.0, -15.0, 20.0], abs=1e-2)
-    assert out.joint_effort == pytest.approx([1.0, 3.0, 4.0], abs=1.0)
+    assert read.position == pytest.approx([0.1, -0.3, 0.4], abs=1e-4)
+    assert read.velocity == pytest.approx([5.0, -15.0, 20.0], abs=1e-2)
+    assert read.effort == pytest.approx([1.0, 3.0, 4.0], abs=1.0)
+
+
+def test_an_encoder_on_the_motor_reads_the_motor() -> None:
+    _, read = joints.step(start(), replace(truth(), motor_position=truth().position + 0.01), 0.02)
+    assert read.position == pytest.approx([0.11, -0.3, 0.41], abs=1e-4)
 
 
 def test_effort_has_the_noise_and_resolution_of_its_group() -> None:
-    _, rows = run(PARAMS, start(), 2000)
+    _, rows = run(start(), 2000)
     effort = rows[:, 6:9]
     assert effort.mean(axis=0) == pytest.approx([1.0, 3.0, 4.0], abs=0.02)
     assert effort.std(axis=0) == pytest.approx([0.2, 0.05, 0.2], rel=0.07)
@@ -103,24 +91,24 @@ def test_effort_has_the_noise_and_resolution_of_its_group() -> None:
 
 
 def test_the_same_seed_gives_the_same_readings_and_another_gives_others() -> None:
-    _, first = run(PARAMS, start(), 600)
-    _, second = run(PARAMS, start(), 600)
-    _, other = run(PARAMS, start(seed=5), 600)
+    _, first = run(start(), 600)
+    _, second = run(start(), 600)
+    _, other = run(start(seed=5), 600)
     assert np.array_equal(first, second)
-    assert not np.array_equal(first[:, 9:12], other[:, 9:12])
+    assert not np.array_equal(first[:, 6:9], other[:, 6:9])
 
 
 def test_a_saved_state_goes_on_as_the_original_and_stepping_changes_no_old_state() -> None:
-    state, _ = run(PARAMS, start(), 250)  # a block of random rows ends between the two runs
+    state, _ = run(start(), 250)  # a block of random rows ends between the two runs
     saved = copy.deepcopy(state)
-    _, first = run(PARAMS, state, 300)
-    _, again = run(PARAMS, state, 300)
-    _, restored = run(PARAMS, saved, 300)
+    _, first = run(state, 300)
+    _, again = run(state, 300)
+    _, restored = run(saved, 300)
     assert np.array_equal(first, again)
     assert np.array_equal(first, restored)
 
 
-def test_a_new_sensor_changes_no_number_of_the_others() -> None:
+def test_a_new_group_changes_no_number_of_the_others() -> None:
     more = copy.deepcopy(VALUES)
     groups = more["joint_groups"]
     assert isinstance(groups, dict)
@@ -130,25 +118,10 @@ def test_a_new_sensor_changes_no_number_of_the_others() -> None:
         "effort_resolution": 0.1,
         "effort_noise": 0.1,
     }
-    bigger = SensorSuiteParams.model_validate(more)
-    state, small = start(), []
-    large_state, large = start(bigger), []
-    for k in range(300):
-        state, out = suite.step(PARAMS, state, truth(k), 0.02)
-        large_state, wide = suite.step(bigger, large_state, truth(k), 0.02)
-        small.append(numbers(out))
-        keep = [0, 2, 3]
-        large.append(
-            numbers(
-                replace(
-                    wide,
-                    joint_position=wide.joint_position[keep],
-                    joint_velocity=wide.joint_velocity[keep],
-                    joint_effort=wide.joint_effort[keep],
-                )
-            )
-        )
-    assert np.array_equal(small, large)
+    _, small = run(start(), 300)
+    _, large = run(start(SensorSuiteParams.model_validate(more)), 300)
+    kept = [column + 4 * block for block in range(3) for column in (0, 2, 3)]
+    assert np.array_equal(small, large[:, kept])
 
 
 def test_a_stream_is_the_numpy_sequence_of_its_seed_and_name() -> None:
@@ -172,42 +145,28 @@ def test_streams_side_by_side_are_each_its_own() -> None:
 
 
 @pytest.mark.parametrize("bad", [nan, inf, -inf])
-@pytest.mark.parametrize(
-    "name",
-    [
-        "joint_position",
-        "joint_effort",
-        "angular_velocity_imu_in_imu",
-        "specific_force_imu_in_imu",
-        "bus_voltage",
-        "bus_current",
-        "bus_temperature",
-    ],
-)
+@pytest.mark.parametrize("name", ["position", "effort", "motor_position"])
 def test_truth_that_is_no_number_is_refused_by_name(name: str, bad: float) -> None:
-    value = getattr(truth(), name).copy()
+    value = truth().position.copy()
     value[-1] = bad
-    with pytest.raises(InvalidValueError, match=f"truth {name}.*finite"):
-        suite.step(PARAMS, start(), replace(truth(), **{name: value}), 0.02)
+    with pytest.raises(InvalidValueError, match=rf"truth \w*{name}.*finite"):
+        joints.step(start(), replace(truth(), **{name: value}), 0.02)
 
 
 def test_truth_of_the_wrong_length_is_refused_by_name() -> None:
     with pytest.raises(InvalidValueError, match=r"shape of truth joint_effort.*\(4,\)"):
-        suite.step(PARAMS, start(), replace(truth(), joint_effort=np.zeros(3)), 0.02)
-    with pytest.raises(InvalidValueError, match="shape of truth bus_voltage"):
-        suite.step(PARAMS, start(), replace(truth(), bus_voltage=np.zeros(2)), 0.02)
+        joints.step(start(), replace(truth(), effort=np.zeros(3)), 0.02)
 
 
 def test_bad_starts_and_steps_are_refused() -> None:
     for dt in (0.0, -0.02, nan):
         with pytest.raises(InvalidValueError, match="dt"):
-            suite.step(PARAMS, start(), truth(), dt)
+            joints.step(start(), truth(), dt)
     with pytest.raises(InvalidValueError, match=r"'elbow'.*one of wheel_a, wheel_b"):
-        suite.initial_state(PARAMS, 4, ("wheel_a", "wheel_b"), np.zeros(2), ("main",), LEVEL, 1.62)
+        joints.initial_state(PARAMS.joint_groups, 4, ("wheel_a", "wheel_b"), JointTruth(np.zeros(2), np.zeros(2)))
     with pytest.raises(InvalidValueError, match="joint_position"):
-        suite.initial_state(PARAMS, 4, JOINTS, np.array([0.0, nan, 0.0, 0.0]), ("main",), LEVEL, 1.62)
-    with pytest.raises(InvalidValueError, match="orientation_imu_in_world"):
-        suite.initial_state(PARAMS, 4, JOINTS, np.zeros(4), ("main",), np.zeros(3), 1.62)
+        bad = JointTruth(np.array([0.0, nan, 0.0, 0.0]), np.zeros(4))
+        joints.initial_state(PARAMS.joint_groups, 4, JOINTS, bad)
 
 
 def test_a_joint_in_two_groups_is_refused() -> None:
@@ -217,3 +176,36 @@ def test_a_joint_in_two_groups_is_refused() -> None:
     groups["arm"]["joints"] = ["elbow", "wheel_a"]
     with pytest.raises(ValidationError, match="'wheel_a' is in 'drive' and 'arm'"):
         SensorSuiteParams.model_validate(twice)
+
+
+SUN: dict[str, Any] = {"link": "deck", "field_of_view_deg": 60.0, "noise_deg": 0.1, "misalignment_deg": 0.1}
+
+
+def test_a_sensor_is_of_the_kind_of_its_name_unless_it_says_another() -> None:
+    suite = SensorSuiteParams.model_validate({**VALUES, "sun": SUN, "sun_rear": {**SUN, "kind": "sun"}, "wrist": None})
+    assert {name: params.kind for name, params in suite.named.items()} == {
+        "imu": "imu", "bus": "bus", "sun": "sun", "sun_rear": "sun",
+    }  # fmt: skip
+    assert suite.first_on("/sun_direction") is suite.named["sun"] and suite.first_on("/wrist/wrench") is None
+    assert SensorSuiteParams.model_validate_json(suite.model_dump_json()) == suite
+
+
+@pytest.mark.parametrize(
+    ("change", "place", "reason"),
+    [
+        ({"sunn": SUN}, ("sunn", "kind"), "sunn.*did you mean sun"),
+        ({"sun": {**SUN, "noise_deg": "0.1"}}, ("sun", "noise_deg"), "number"),
+        ({"sun": {**SUN, "colour": 1}}, ("sun", "colour"), "not permitted"),
+        ({"sun": 3}, ("sun",), "dictionary"),
+        ({"imu": None}, ("imu",), "required"),
+        ({"bus": None}, ("bus",), "required"),
+        ({"bus_b": {**VALUES["bus"], "kind": "bus"}}, (), "one sensor of the kind 'bus'"),  # type: ignore[dict-item]
+        ({"2nd sun": {**SUN, "kind": "sun"}}, (), "'2nd sun'"),
+    ],
+)
+def test_what_is_no_sensor_is_refused_with_its_place(
+    change: dict[str, Any], place: tuple[str, ...], reason: str
+) -> None:
+    with pytest.raises(ValidationError, match=f"(?s){reason}") as raised:
+        SensorSuiteParams.model_validate({**VALUES, **change})
+    assert [error["loc"] for error in raised.value.errors()] == [place]

@@ -1,0 +1,17 @@
+"""What every emulator asks of the truth that it is given."""
+
+from math import isfinite
+
+import numpy as np
+
+from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.params import FloatArray
+
+
+def require_numbers(name: str, value: FloatArray, shape: tuple[int, ...]) -> None:
+    """Raise InvalidValueError, with the name, for an array of another shape, or with a number that is not finite."""
+    if value.shape != shape:
+        raise InvalidValueError(f"shape of {name}", value.shape, str(shape))
+    # A sum is not finite where one of its numbers is not, and may be too large where all are.
+    if not isfinite(sum(value.ravel().tolist())) and not np.isfinite(value).all():
+        raise InvalidValueError(name, value.tolist(), "finite numbers")

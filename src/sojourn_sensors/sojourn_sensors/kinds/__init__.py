@@ -1,0 +1,1 @@
+"""The kinds of sensors that come with Sojourn, one a module."""

@@ -1,0 +1,117 @@
+"""What a sensor is: the parameters of a kind, on a site, with a state; truth of a period in, reading and messages out.
+
+A kind is one module with two classes, registered by an entry point of the group `sojourn.sensors`:
+
+- its parameters, a `SensorParams`: the name of the kind, the rows of the topic table on which it speaks, and `sensor`;
+- the sensor itself, a `Sensor`.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, Generic, TypeVar
+
+from sojourn_config.scenario import LoadedScenario
+from sojourn_contract.run_table import rows_of, things_of
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.values import JointState, Odometry
+from sojourn_machine.mounting import mounting
+from sojourn_machine.params import FloatArray
+from sojourn_machine.sensor_choice import SensorParams
+from sojourn_physics.terrain.height_field import HeightField
+
+AnyParams = TypeVar("AnyParams", bound=SensorParams)
+AnyState = TypeVar("AnyState")
+AnyReading = TypeVar("AnyReading")
+
+
+class SensorSite:
+    """The machine and the world that the sensors of a run are in, as far as they do not change.
+
+    Args:
+        scenario: of the run. table: its topics.
+    """
+
+    def __init__(self, scenario: LoadedScenario, table: TopicTable) -> None:
+        self.scenario, self.table = scenario, table
+
+    @property
+    def seed(self) -> int:
+        """Of the run's random numbers: a sensor draws from the stream of its own name."""
+        return self.scenario.config.seed
+
+    @cached_property
+    def ground(self) -> HeightField:
+        """The ground as it was at the start; made when it is first asked for. Raises ConfigError."""
+        return self.scenario.height_field()
+
+    def mounting(self, link: str) -> tuple[FloatArray, FloatArray]:
+        """Rotation from a link to base_link, (3, 3), and the link's place in base_link, (3,) [m]."""
+        return mounting(self.scenario.urdf_xml, link)
+
+    def rows(self, name: str) -> tuple[Topic, ...]:
+        """Rows on which the sensor of a name speaks: the first that has a row of its kind has it under its own name."""
+        things = things_of(self.scenario)
+        rows = rows_of(self.scenario.sensors.sensors[name])
+        return tuple(row if things[row.each][0] == name else self.table.topic(f"{row.name}/{name}") for row in rows)
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """What is true at the end of a period, as the plant says it."""
+
+    stamp: int
+    """Simulation time [ns]."""
+    odometry: Odometry
+    """Pose of base_link in map and its motion, which every sensor is given."""
+    joints: JointState
+    """Every joint that moves, and that of the arm's tool."""
+    inputs: Mapping[str, Any]
+    """All that came with them, by topic; None where a message was refused, no entry where none was due."""
+
+
+class Sensor(Generic[AnyParams, AnyState, AnyReading]):
+    """One sensor of a machine. What it remembers is in its state.
+
+    Args:
+        name: in the machine's file. params: of its kind. site: where it is.
+    """
+
+    every: ClassVar[int] = 1
+    """It measures each so many control periods."""
+    speaks_with: ClassVar[tuple[str, ...]] = ()
+    """Topics of the truth without a new message on which it has nothing to say."""
+
+    def __init__(self, name: str, params: AnyParams, site: SensorSite) -> None:
+        self.name, self.params, self.site = name, params, site
+        self.rows = self.rows_on(site)
+
+    def rows_on(self, site: SensorSite) -> tuple[Topic, ...]:
+        """Rows of the run's table on which it speaks."""
+        return site.rows(self.name)
+
+    @property
+    def topic(self) -> str:
+        """The first topic on which it speaks."""
+        return self.rows[0].name
+
+    def initial_state(self, truth: Truth) -> AnyState:
+        """Before its first reading, with the truth of the first period."""
+        raise NotImplementedError
+
+    def step(self, state: AnyState, truth: Truth, dt: float) -> tuple[AnyState, AnyReading]:
+        """Read the truth, `dt` [s] after the period before; `state` is not changed.
+
+        Raises:
+            MachineError, RefusedMessageError: the truth is none that it can read.
+        """
+        raise NotImplementedError
+
+    def step_without_power(self, state: AnyState, truth: Truth, dt: float) -> tuple[AnyState, AnyReading | None]:
+        """The same while its load draws nothing: it stands still."""
+        return state, None
+
+    def messages(self, stamp: int, reading: AnyReading | None) -> Iterable[tuple[str, Any]]:
+        """(topic, message) of a reading, None without power, stamped `stamp` [ns]."""
+        raise NotImplementedError
