@@ -170,6 +170,34 @@ def test_a_rover_that_cannot_get_free_gives_up() -> None:
     assert step.outcome.kind == "stopped" and step.outcome.reason.endswith("no room to move beside it")
 
 
+def test_it_looks_again_before_a_third_motion_is_stopped() -> None:
+    """Six motions were stopped within 0.12 s of one look, and the goal was given up; the next look was clear."""
+    state, way = sent(facing_a_block(1.02, 1.5, 1.2), Goal.at(4.0, 0.0), at(0.0, 0.0))
+    step = Guidance(replace(state, fresh=False), way)
+    for _ in range(40):
+        twist = PlanarTwist(0.1, 0.0, 0.0) if step.twist is None else step.twist
+        state, free = guarded(AVOIDANCE, step.state, twist, at(0.0, 0.0), by_hand=False)
+        if twist.v_x < 0.0:  # the wheels do not get it back either
+            state = replace(state, blocked=True, attempts=state.attempts + 1, back=None)
+        step = guide(AVOIDANCE, state, step.way, at(0.0, 0.0))
+        assert step.outcome is None
+    assert step.state.attempts == 2 and step.twist == PlanarTwist(0.0, 0.0, 0.0)
+    assert free and step.text.startswith("stopped before step of 0.3")
+    clear = see(AVOIDANCE, initial_avoidance(AVOIDANCE, 0.0, 0.0), dense(lambda x, y: 0.0 * x), at(0.0, 0.0), 0.02)
+    seen = replace(step.state, map=clear.map, ground=clear.ground, clearance=clear.clearance, fresh=True)
+    step = guide(AVOIDANCE, seen, step.way, at(0.0, 0.0))
+    assert step.outcome is None and not step.state.blocked
+
+
+@pytest.mark.parametrize("attempts,backs_off", [(1, False), (2, True), (3, False), (4, True), (5, False)])
+def test_where_it_is_stopped_again_and_again_it_tries_on_and_back_in_turn(attempts: int, backs_off: bool) -> None:
+    """From the second on it tried the way back alone, though the way on had been found open meanwhile."""
+    state, way = sent(facing_a_block(1.5, 1.9, 1.0), Goal.at(4.0, 0.0), at(0.0, 0.0))
+    step = guide(AVOIDANCE, replace(state, blocked=True, attempts=attempts), way, at(0.0, 0.0))
+    assert step.outcome is None and (step.state.back is not None) == backs_off
+    assert step.state.detours == (0 if backs_off else 1)
+
+
 def test_a_detour_that_gets_too_long_ends_the_goal() -> None:
     state, way = sent(facing_a_block(2.0, 2.3, 1.0), Goal.at(4.0, 0.0), at(0.0, 0.0))
     late = at(0.0, 0.0, driven=4.0 + PARAMS.max_detour + 0.1)

@@ -52,7 +52,7 @@ NEAR_GOAL = 3.0
 LAST_STRETCH = 0.35
 """Without a detour the rover goes on to so far before the closed place [m]: it may find one there."""
 ATTEMPTS = 5
-"""Motions that the guard stops, one after the other, before the rover gives up [-]."""
+"""Motions that the guard stops, on and back in turn, before the rover gives up [-]."""
 PATIENCE, HURRY = 0.5, 1.2
 """A detour is kept for so long [m], unless it is closed within so far [m]: what is far off may look other soon."""
 FREE_WAY = 0.3
@@ -168,6 +168,8 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
         return _back_off(avoidance, state, way, odometry)
     if state.route is None or not (state.fresh or state.blocked or state.replan):
         return Guidance(state, way)
+    if state.blocked and state.attempts > 1 and not state.fresh:  # what this look has closed twice, the next may open
+        return Guidance(state, way, STANDSTILL, text=f"stopped before {state.obstacle}")
     position = (odometry.x, odometry.y)
     route = advanced(state.route, position, 0.5 * state.clearance.cell)
     state = replace(state, route=route)
@@ -176,7 +178,7 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
     closed = closed_ahead(avoidance, state, way, params.passable.hysteresis)
     if closed is None and not (state.blocked or state.replan):
         return Guidance(replace(state, obstacle=None), way)
-    stuck, backed, forced = state.blocked and state.attempts > 1, state.replan, state.blocked or state.replan
+    stuck, backed, forced = state.blocked and state.attempts % 2 == 0, state.replan, state.blocked or state.replan
     if closed is not None:
         state = replace(state, obstacle=closed.obstacle)
     elif state.obstacle is None:
