@@ -1,7 +1,8 @@
 """The configuration of a bag's run, written out again, so that a node can be started with it.
 
 A bag carries every file that its run has read. They go into a folder of their own, laid out as the repository is
-(config/, urdf/), and SOJOURN_CONFIG_DIR names it: so a node gets what the run had, whatever the files of today say. So does the part of an elevation model that it used.
+(config/, urdf/), and SOJOURN_CONFIG_DIR names it: so a node gets what the run had, whatever the files of today say. Of
+an elevation model it carries the part that was used, which stands for the model's file.
 """
 
 import json

@@ -1,4 +1,5 @@
-"""The part of an elevation model that a run has used, as its bag holds it: so a run is replayed without the model's file.
+"""The part of an elevation model that a run has used, as its bag holds it: with it the run is replayed without the
+model's file.
 
 It is numpy's .npz. In the configuration of a replayed run it lies in `config/`, and stands for the terrain's file.
 """
