@@ -115,12 +115,13 @@ def test_contract_replay_report_and_data_sheet_work_on_it(stranger: Stranger) ->
         assert replay.wait() == 0 and "identical" in replay.text, replay.text
     check = stranger.call("contract_tool", "check", "--bag", run)
     report = stranger.call("report", run, "--html", "--out", page)
-    sheet = stranger.call("datasheet", "--machine", stranger.base / "machine", "--soil", stranger.base / "ochre.yaml")
+    ground = ("--soil", stranger.base / "ochre.yaml", "--body", "mars")
+    sheet = stranger.call("datasheet", stranger.base / "machine", *ground, "--out", stranger.base / "sheet.html")
     for program in (check, report, sheet):
         assert program.wait() == 0, program.text
     assert "keeps the contract: no violation" in check.text
     assert "inclinometer" in page.read_text("utf-8")
-    assert "Wheels" in sheet.text
+    assert "figures" in sheet.text and "Turning" in (stranger.base / "sheet.html").read_text("utf-8")
 
 
 def test_what_he_did_not_say_says_from_what_it_follows(stranger: Stranger) -> None:
