@@ -3,15 +3,14 @@ in the machine's runs in every layout, in their bags, and in all verdicts; nothi
 """
 
 import json
-import os
 import shutil
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import PATIENT, PATIENT_BENCH, Program
+from outside import Stranger, known_by
+from programs import PATIENT, PATIENT_BENCH
 
 from domains import domain_to_keep
 from sojourn_bags.comparison import compare
@@ -19,7 +18,6 @@ from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.contract_version import check_contract, table_of_bag
 from sojourn_bags.judging import judge_bag
-from sojourn_bags.reading import Bag, read_bag
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
 
@@ -103,43 +101,19 @@ FIRST, FURTHER = "/ranger/range", "/ranger/range/ranger_rear"
 LAYOUTS = {"direct": ("--direct",), "composed": ("--composed",), "processes": ()}
 
 
-@dataclass
-class Stranger:
-    """What the stranger has, in a folder of his own."""
-
-    base: Path
-    programs: list[Program] = field(default_factory=list)
-
-    @property
-    def scenario(self) -> Path:
-        return self.base / "ranging.yaml"
-
-    def call(self, name: str, *arguments: object) -> Program:
-        """One of our programs, in his shell."""
-        outside = {"PYTHONPATH": os.pathsep.join([str(self.base), os.environ.get("PYTHONPATH", "")])}
-        log = self.base / f"{len(self.programs)}.log"
-        self.programs.append(Program(name, [str(argument) for argument in arguments], log, outside))
-        return self.programs[-1]
-
-    def bag(self, run: str) -> Bag:
-        return read_bag(self.base / run)
-
-
 @pytest.fixture(scope="module")
 def stranger(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stranger]:
     """With a run in each layout, and one of the same machine without his sensors."""
     base = tmp_path_factory.mktemp("stranger")
     config = Path(__file__).resolve().parents[2] / "config" / "machines" / "skid"
-    package, known, machine = base / "lasers", base / "lasers-1.0.dist-info", base / "lasered"
-    for folder in (package, known):
-        folder.mkdir()
+    package, machine = base / "lasers", base / "lasered"
+    package.mkdir()
     (package / "__init__.py").write_text("", encoding="utf-8")
     (package / "ranger.py").write_text(SENSOR, encoding="utf-8")
-    (known / "METADATA").write_text("Metadata-Version: 2.1\nName: lasers\nVersion: 1.0\n", encoding="utf-8")
-    (known / "entry_points.txt").write_text("[sojourn.sensors]\nlaser_ranger = lasers.ranger:RangerParams\n", "utf-8")
+    known_by(base, "lasers", "[sojourn.sensors]\nlaser_ranger = lasers.ranger:RangerParams\n")
     shutil.copytree(config, machine)
     (machine / "sensors.yaml").write_text(SENSORS.format(skid=config), encoding="utf-8")
-    one = Stranger(base)
+    one = Stranger(base, base / "ranging.yaml")
     one.scenario.write_text(SCENARIO.format(machine=machine), encoding="utf-8")
     try:
         for name, options in LAYOUTS.items():
@@ -151,8 +125,7 @@ def stranger(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stranger]:
             assert program.wait() == 0, program.text
         yield one
     finally:
-        for program in one.programs:
-            program.end()
+        one.end()
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)

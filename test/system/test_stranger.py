@@ -3,48 +3,24 @@ and sensor, over an elevation model; nothing of this repository is edited, and w
 """
 
 import json
-import os
 import shutil
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import pytest
 import rasterio
-from programs import PATIENT, PATIENT_BENCH, Program
+from outside import Stranger, known_by
+from programs import PATIENT, PATIENT_BENCH
 from rasterio.transform import Affine
 
 from domains import domain_to_keep
 from sojourn_bags.comparison import compare
 from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.comparison_words import comparison_lines
-from sojourn_bags.reading import Bag, read_bag
 
 BROUGHT = Path(__file__).parent / "stranger"
 LAYOUTS = {"direct": ("--direct",), "composed": ("--composed",), "processes": ()}
-
-
-@dataclass
-class Stranger:
-    """What he has, in a folder of his own."""
-
-    base: Path
-    programs: list[Program] = field(default_factory=list)
-
-    @property
-    def scenario(self) -> Path:
-        return self.base / "wandering.yaml"
-
-    def call(self, name: str, *arguments: object) -> Program:
-        """One of our programs, in his shell."""
-        outside = {"PYTHONPATH": os.pathsep.join([str(self.base), os.environ.get("PYTHONPATH", "")])}
-        log = self.base / f"{len(self.programs)}.log"
-        self.programs.append(Program(name, [str(argument) for argument in arguments], log, outside))
-        return self.programs[-1]
-
-    def bag(self, run: str) -> Bag:
-        return read_bag(self.base / run)
 
 
 def make_hills(file: Path) -> None:
@@ -63,17 +39,14 @@ def make_hills(file: Path) -> None:
 def stranger(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stranger]:
     """With what was measured of his machine, and a run in each layout."""
     base = tmp_path_factory.mktemp("stranger")
-    known = base / "wanderer_parts-1.0.dist-info"
-    known.mkdir()
-    (known / "METADATA").write_text("Metadata-Version: 2.1\nName: wanderer_parts\nVersion: 1.0\n", encoding="utf-8")
-    shutil.copy(BROUGHT / "parts" / "entry_points.txt", known)
+    known_by(base, "wanderer_parts", (BROUGHT / "parts" / "entry_points.txt").read_text("utf-8"))
     shutil.copytree(BROUGHT / "parts", base / "wanderer_parts", ignore=shutil.ignore_patterns("*.txt", "__pycache__"))
     (base / "wanderer_parts" / "__init__.py").write_text("", encoding="utf-8")
     shutil.copytree(BROUGHT / "machine", base / "machine")
     for name in ("ochre.yaml", "wandering.yaml"):
         shutil.copy(BROUGHT / name, base)
     make_hills(base / "hills.tif")
-    one = Stranger(base)
+    one = Stranger(base, base / "wandering.yaml")
     try:
         tuned = one.call("tune", base / "machine", "--soil", base / "ochre.yaml", "--body", "mars")
         assert tuned.wait() == 0, tuned.text  # the first compiles his law
@@ -83,8 +56,7 @@ def stranger(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stranger]:
             assert one.programs[-1].wait() == 0, one.programs[-1].text
         yield one
     finally:
-        for program in one.programs:
-            program.end()
+        one.end()
 
 
 def test_it_reaches_its_goals_over_his_hills(stranger: Stranger) -> None:
