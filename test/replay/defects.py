@@ -339,7 +339,7 @@ def rates_are_taken_over_a_period_that_drifts(sensors: Any) -> None:
 
 @defect("sensors", replay="/imu/data.linear_acceleration.z")
 def gravity_is_left_out(sensors: Any) -> None:
-    sensors.app._motion._gravity = 0.0
+    _imu(sensors)._motion._gravity = 0.0
 
 
 @defect("sensors", replay="/imu/data.orientation", judge="/imu/data.orientation")
@@ -352,7 +352,13 @@ def an_attitude_is_not_of_unit_length(sensors: Any) -> None:
 
 @defect("sensors", replay="/imu/data.angular_velocity.x")
 def noise_has_another_seed(sensors: Any) -> None:
-    sensors.app._seed += 1
+    site = _imu(sensors).site
+    other = site.scenario.config.model_copy(update={"seed": site.seed + 1})
+    site.scenario = replace(site.scenario, config=other)
+
+
+def _imu(sensors: Any) -> Any:
+    return next(sensor for sensor in sensors.app.sensors if sensor.name == "imu")
 
 
 # Plant
