@@ -99,7 +99,7 @@ class RunPlan:
     def ros_arguments(self, role: str, attempt: int = 0) -> list[str]:
         """Command line arguments that give a process its parameters and its namespace."""
         values = self.parameters(role, attempt)
-        if not self.realtime and self.companions:  # a list of nothing is no parameter
+        if not self.realtime:
             values["companions"] = list(self.companions)
         if role == "operator":
             values["result_file"] = str(self.result_file)
