@@ -166,20 +166,16 @@ class FakePlant(FakeNode):
             self.step()
 
 
-def build(
-    bag: Path, periods: int, lockstep: bool = True, roles: tuple[str, ...] = (), bundled: bool = False
-) -> list[ContractNode]:
-    """The nodes of a stack, plant first, recorder last; `bundled`: they hear each other in bundles."""
+def build(bag: Path, periods: int, lockstep: bool = True, roles: tuple[str, ...] = ()) -> list[ContractNode]:
+    """The nodes of a stack, plant first, recorder last."""
     roles = roles or ("plant", "sensors", "drive", "arm", "power", "operator")
     participants = [*roles, "recorder"]
-    parameters: dict[str, Any] = {"lockstep": lockstep} | ({"companions": participants} if bundled else {})
-    nodes: list[ContractNode] = [FakePlant(participants, periods, **parameters)]
+    nodes: list[ContractNode] = [FakePlant(participants, periods, lockstep=lockstep)]
     for role in roles[1:]:
         kind = FakeOperator if role == "operator" else FakeNode
-        nodes.append(kind(role, participants, **parameters))
-    nodes.append(
-        RecorderNode(overrides={"participants": participants, "scenario": SCENARIO, "bag": str(bag), **parameters})
-    )
+        nodes.append(kind(role, participants, lockstep=lockstep))
+    overrides = {"participants": participants, "scenario": SCENARIO, "bag": str(bag), "lockstep": lockstep}
+    nodes.append(RecorderNode(overrides=overrides))
     return nodes
 
 

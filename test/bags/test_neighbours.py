@@ -1,6 +1,4 @@
-"""Nodes of one process that hear each other without the middleware, and nodes of many that hear each other in bundles:
-the same bag, and others hear them as always.
-"""
+"""Nodes of one process that hear each other without the middleware: the same bag, and others hear them as always."""
 
 from pathlib import Path
 from typing import Any
@@ -8,7 +6,6 @@ from typing import Any
 import pytest
 import rclpy
 from fake_stack import build
-from fake_stack import run as run_stack
 from rclpy.executors import SingleThreadedExecutor
 
 from sojourn_bags.completeness import RECORD
@@ -22,14 +19,9 @@ from sojourn_contract.types import message_class
 PERIODS = 110
 
 
-FAR, NEAR, BUNDLED = "far", "near", "bundled"
-"""How nodes hear each other: topic by topic, without the middleware, in bundles."""
-
-
-def run(folder: Path, how: str, interrupted_at: int = 0) -> list[tuple[str, int]]:
+def run(folder: Path, near: bool, interrupted_at: int = 0) -> list[tuple[str, int]]:
     """A run of stand-in nodes. Returns topic and stamp of what a listener beside them hears of three topics."""
-    nodes = build(folder, 1_000_000 if interrupted_at else PERIODS, bundled=how == BUNDLED)
-    stop = process.StopFlag()
+    nodes, stop = build(folder, 1_000_000 if interrupted_at else PERIODS), process.StopFlag()
     listener, heard = rclpy.create_node("listener"), []
     for name in ("/odom", "/goal_pose", "/diagnostics"):
         row = topic(name)
@@ -50,7 +42,7 @@ def run(folder: Path, how: str, interrupted_at: int = 0) -> list[tuple[str, int]
 
     plant.before_period = before
     try:
-        assert process.spin(nodes, stop, neighbours=Neighbours(nodes) if how == NEAR else None) == 0
+        assert process.spin(nodes, stop, neighbours=Neighbours(nodes) if near else None) == 0
         for _ in range(4 * PERIODS):
             executor.spin_once(timeout_sec=0.0)
     finally:
@@ -71,29 +63,27 @@ def content(folder: Path) -> list[tuple[int, str, bytes]]:
     return sorted(entries)
 
 
-@pytest.mark.parametrize("how", [NEAR, BUNDLED])
-def test_the_bag_is_that_of_a_run_over_the_middleware(ros: None, tmp_path: Path, how: str) -> None:
-    run(tmp_path / how, how)
-    run(tmp_path / FAR, FAR)
-    near, far = content(tmp_path / how), content(tmp_path / FAR)
+def test_the_bag_is_that_of_a_run_over_the_middleware(ros: None, tmp_path: Path) -> None:
+    run(tmp_path / "near", near=True)
+    run(tmp_path / "far", near=False)
+    near, far = content(tmp_path / "near"), content(tmp_path / "far")
     assert [entry[:2] for entry in near] == [entry[:2] for entry in far]
     # heartbeats count what a node has refused and published, which is the same; bytes of the rest are, too
     differing = {one[1] for one, other in zip(near, far, strict=True) if one[2] != other[2]}
     assert not differing
 
 
-@pytest.mark.parametrize("how", [NEAR, BUNDLED])
-def test_who_listens_beside_them_hears_what_they_say(ros: None, tmp_path: Path, how: str) -> None:
-    heard = run(tmp_path / "bag", how)
+def test_who_listens_beside_them_hears_what_they_say(ros: None, tmp_path: Path) -> None:
+    heard = run(tmp_path / "bag", near=True)
     stamps = [stamp for name, stamp in heard if name == "/odom"]
     assert stamps == [period * CONTROL_PERIOD_NS for period in range(1, PERIODS + 1)]
     assert sum(1 for name, _ in heard if name == "/goal_pose") == PERIODS // 25
     assert any(name == "/diagnostics" and stamp for name, stamp in heard)
 
 
-@pytest.mark.parametrize(("how", "period"), [(NEAR, 33), (NEAR, 41), (BUNDLED, 33)])
-def test_one_that_is_interrupted_leaves_a_complete_bag(ros: None, tmp_path: Path, how: str, period: int) -> None:
-    run(tmp_path / "bag", how, interrupted_at=period)
+@pytest.mark.parametrize("period", [33, 41])
+def test_one_that_is_interrupted_leaves_a_complete_bag(ros: None, tmp_path: Path, period: int) -> None:
+    run(tmp_path / "bag", near=True, interrupted_at=period)
     bag = read_bag(tmp_path / "bag")
     assert bag.whole and bag.records[RECORD]["complete"] == "true", bag.records[RECORD]["gaps"]
     assert len(bag["/drive_command"]) == len(bag["/truth/odom"]) >= period
@@ -108,28 +98,3 @@ def test_what_one_says_at_a_rate_has_no_reader_of_the_middleware(ros: None, tmp_
     finally:
         for node in nodes:
             node.destroy_node()
-
-
-def test_with_nobody_else_to_hear_it_a_bundled_topic_is_not_sent_by_itself(ros: None, tmp_path: Path) -> None:
-    nodes = build(tmp_path / "bag", PERIODS, bundled=True)
-    sent: list[str] = []
-
-    class Counting:
-        """A sender that notes what it sends."""
-
-        def __init__(self, name: str, sender: Any) -> None:
-            self.name, self.sender = name, sender
-
-        def publish(self, data: bytes) -> None:
-            sent.append(self.name)
-            self.sender.publish(data)
-
-        def __getattr__(self, name: str) -> Any:
-            return getattr(self.sender, name)
-
-    for node in nodes:
-        senders = node.endpoints.senders
-        senders.update({name: Counting(name, sender) for name, sender in senders.items()})
-    assert run_stack(nodes) == 0
-    assert {name for name in sent if not topic(name).is_event and topic(name).every == 1} == set()
-    assert "/diagnostics" in sent and "/bus/state" in sent and "/goal_pose" in sent

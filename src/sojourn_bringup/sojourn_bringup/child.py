@@ -46,18 +46,13 @@ class Child:
     Args:
         role: row of the process table. command: program and arguments. environment: all of its variables.
         log: file that takes what it prints; an earlier attempt's text is kept.
-        in_batches: it may finish its turn when others wake up: in lock-step a node that says something to three others
-            is not put aside for each of them (SCHED_BATCH, sched(7)).
     """
 
-    def __init__(
-        self, role: str, command: list[str], environment: Mapping[str, str], log: Path, in_batches: bool = False
-    ) -> None:
+    def __init__(self, role: str, command: list[str], environment: Mapping[str, str], log: Path) -> None:
         self.role = role
         self.log = log
         self.started_at = time.monotonic()
-        policy = os.SCHED_BATCH if in_batches else os.SCHED_OTHER
-        wrapper = [sys.executable, "-I", "-S", child_process.__file__, str(os.getpid()), str(policy)]
+        wrapper = [sys.executable, "-I", "-S", child_process.__file__, str(os.getpid())]
         with log.open("ab") as output:
             self._process = subprocess.Popen(
                 wrapper + command,

@@ -1,14 +1,9 @@
-"""Becomes a command that dies with the process that started it.
-
-python -I -S child_process.py PARENT_PID POLICY COMMAND ...
+"""Becomes a command that dies with the process that started it: python -I -S child_process.py PARENT_PID COMMAND ...
 
 Linux sends SIGKILL to the command if its parent ends in any way (prctl(2), PR_SET_PDEATHSIG; kept over execve). A
 program of its own and not a function between fork and exec, which is not safe in a process with threads.
-
-POLICY is a number of sched_setscheduler(2).
 """
 
-import contextlib
 import ctypes
 import os
 import signal
@@ -19,13 +14,11 @@ COMMAND_NOT_FOUND = 127
 
 
 def main() -> None:
-    """Ask for the signal, look whether the parent still lives, take the policy, and become the command."""
-    parent, policy, command = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3:]
+    """Ask for the signal, look whether the parent still lives, and become the command."""
+    parent, command = int(sys.argv[1]), sys.argv[2:]
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != parent:
         sys.exit(1)
-    with contextlib.suppress(OSError):  # where it is not allowed, the run is slower and no other
-        os.sched_setscheduler(0, policy, os.sched_param(0))
     # Python ignores SIGPIPE, and what is ignored stays ignored over execve
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     try:

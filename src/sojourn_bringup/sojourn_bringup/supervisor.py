@@ -93,7 +93,6 @@ class Supervisor:
             command_of(self.plan, role, attempt),
             environment_of(self.plan, role, self._ros),
             self._logs / f"{role}.log",
-            in_batches=not self.plan.realtime,
         )
         self.nodes[role].pid = self.children[role].pid
 

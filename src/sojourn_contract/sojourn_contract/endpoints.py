@@ -4,7 +4,6 @@ from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, Any
 
 from sojourn_contract import qos
-from sojourn_contract.bundles import Bundles
 from sojourn_contract.codecs import encode
 from sojourn_contract.neighbours import Neighbours, are_near
 from sojourn_contract.topic_types import Topic
@@ -36,7 +35,6 @@ class Endpoints:
             if row.is_event or row.publisher == "all" or not node.lockstep or row.name in awaited
         ]
         self.outputs = {row.name: row for row in node.table.outputs_of(node.role, everyone)}
-        self.bundles = Bundles(node, self.inputs, self.outputs.values(), take)
         self.senders = {name: self._sender(row) for name, row in self.outputs.items()}
         self.readers = {row.name: self._reader(row, take) for row in self.inputs}
         self._neighbours: Neighbours | None = None
@@ -52,9 +50,9 @@ class Endpoints:
         return direct
 
     def look(self) -> None:
-        """See which topics nobody hears but neighbours and companions, who hear them otherwise; those are not sent."""
-        if self._neighbours is not None or self.bundles.roles:
-            self._unheard = {name for name in self.senders if not self._is_heard_outside(name)}
+        """See which topics nobody hears over the middleware; a node with neighbours sends nothing on those."""
+        if self._neighbours is not None:
+            self._unheard = {name for name, sender in self.senders.items() if not sender.get_subscription_count()}
 
     def send(self, topic: str, message: Message) -> None:
         """To the neighbours, and over the middleware to all others who listen."""
@@ -63,12 +61,7 @@ class Endpoints:
             self._neighbours.say(row, message)
             if topic in self._unheard:
                 return
-        data = encode(row, message)
-        if self.bundles.carries(row):
-            self.bundles.say(row, data)
-            if topic in self._unheard:
-                return
-        self.senders[topic].publish(data)
+        self.senders[topic].publish(encode(row, message))
 
     def unmatched(self) -> list[str]:
         """Endpoints of other participants that are not connected yet, in words."""
@@ -80,13 +73,7 @@ class Endpoints:
             listeners = self._listeners(self.outputs[name])
             if sender.get_subscription_count() < len(listeners):
                 missing.append(f"{name} is not heard by all of {', '.join(listeners)}")
-        return missing + self.bundles.unmatched()
-
-    def _is_heard_outside(self, topic: str) -> bool:
-        """Whether a topic has a listener that hears it in no other way, or is to have one."""
-        row, heard = self.outputs[topic], int(self.senders[topic].get_subscription_count())
-        companions = self.bundles.listeners(row) if self.bundles.carries(row) else []
-        return heard > len(companions) or any(role not in companions for role in self._listeners(row))
+        return missing
 
     def _listeners(self, row: Topic) -> list[str]:
         """Roles that hear a row over the middleware."""
@@ -102,11 +89,8 @@ class Endpoints:
         return self._node.create_publisher(message_class(row.type), row.name.lstrip("/"), profile)
 
     def _reader(self, row: Topic, take: Callable[[Topic, bytes], None]) -> Any:
-        is_bundled = self.bundles.carries(row)
-
         def receive(data: bytes) -> None:
-            if not is_bundled:  # else it has come in a bundle, or will
-                take(row, data)
+            take(row, data)
 
         return self._node.create_subscription(
             message_class(row.type),

@@ -57,9 +57,8 @@ class ContractNode(Node):
     """A node that keeps the contract of one role.
 
     ROS parameters: `scenario` (name or path), `overrides` (KEY=VALUE texts that go over it), `lockstep`
-    (bool), `participants` (roles that take part in the run), `companions` (those of them that are nodes of this stack
-    in processes of their own, see `bundles`), `lockstep_timeout_s` (wall time after which a missing answer is an
-    error). The scenario's machine says which topics the run has.
+    (bool), `participants` (roles that take part in the run), `lockstep_timeout_s` (wall time after which a
+    missing answer is an error). The scenario's machine says which topics the run has.
 
     Args:
         role: row of the process table; also the node's name.
@@ -89,7 +88,6 @@ class ContractNode(Node):
         self.scenario_name: str = self.declare_parameter("scenario", "lunar_sample").value
         self.lockstep: bool = self.declare_parameter("lockstep", True).value
         self.participants: tuple[str, ...] = tuple(self.declare_parameter("participants", list(ROLES)).value)
-        self.companions = tuple(filter(None, self.declare_parameter("companions", [""]).value))
         self.timeout_s: float = self.declare_parameter("lockstep_timeout_s", 10.0).value
         overrides_given = self.declare_parameter("overrides", [""]).value
         self.scenario_overrides = tuple(text for text in overrides_given if text)
@@ -113,7 +111,7 @@ class ContractNode(Node):
         self._trigger = trigger_of(self.awaited)
         self._last_progress = self._heard_trigger = time.monotonic()
         self._last_ready = self._complained = 0.0
-        self._advancing = self._acting = False
+        self._advancing = False
         self.received = 0
         """Messages that have come over the middleware."""
         self.endpoints = Endpoints(self, self._take)
@@ -157,8 +155,6 @@ class ContractNode(Node):
         """Publish on a topic of the role and count it."""
         self.counters.count_published(topic)
         self.endpoints.send(topic, message)
-        if not self._acting:
-            self.endpoints.bundles.send()
 
     # What the loop around the node calls
 
@@ -359,10 +355,7 @@ class ContractNode(Node):
         self._last_progress = time.monotonic()
         previous, self.now = self.now, stamp
         self.events, goals = self.events.taken(stamp)
-        self._acting = True
         self.on_period(stamp, inputs, goals)
-        self._acting = False
-        self.endpoints.bundles.send()
         if beats(previous, stamp):
             self._send_heartbeat(RUNNING, stamp)
 
