@@ -103,6 +103,13 @@ def test_a_camera_and_a_sun_sensor_bring_what_uses_them(tmp_path: Path) -> None:
     assert loaded(folder, "drive.heading_fix=null").drive.heading_fix is None
 
 
+def test_the_explorer_without_its_camera_still_loads() -> None:
+    """Its file goes on about obstacles; what it leaves to the camera's defaults is still there."""
+    for sensor in ("hazcam", "sun"):
+        drive, usual = load_scenario("flat_drive", [f"sensors.{sensor}=null"]).drive, load_scenario("flat_drive").drive
+        assert (drive.obstacles, drive.heading_fix) == (usual.obstacles, usual.heading_fix)
+
+
 def test_what_cannot_follow_is_asked_for_by_its_key(tmp_path: Path) -> None:
     """Wheels whose rate the URDF does not limit: how fast it may go nobody knows."""
     folder = bare("skid", tmp_path / "skid")

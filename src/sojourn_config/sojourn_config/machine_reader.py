@@ -1,5 +1,6 @@
 """Reads the folder of a machine, config/machines/NAME, and joins the machine with the arm that it carries."""
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +25,7 @@ from sojourn_config.set_reader import ReadSet, Referrer, SetReader
 from sojourn_config.support_checks import support_problems
 from sojourn_config.tool_config import ToolSet, pad_problem
 from sojourn_config.urdf import UrdfSummary
-from sojourn_config.yaml_file import YamlDocument
+from sojourn_config.yaml_file import Data, YamlDocument
 from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.errors import UnknownNameError
 from sojourn_machine.names import names_text
@@ -153,14 +154,28 @@ class MachineReader(SetReader):
             return None
         document = with_derived(document, derived_power(files.power.battery, files.power.bus))
         if isinstance(document.data.get(DRIVE), dict):
-            below = [path.with_name(MEASURED)]
-            below += [_part(name) for kind, name in PARTS_OF_SENSORS.items() if sensor_of(sensors, kind)]
-            for base in (self.document(each, PARTS) for each in below if each.is_file()):
-                document = document if base is None else laid_over(document, base, DRIVE)
+            measured = path.with_name(MEASURED)
+            base = self.document(measured, PARTS) if measured.is_file() else None
+            document = document if base is None else laid_over(document, base, DRIVE)
+            document = self._with_sensors(document, sensors)
             fits = not any(support_problems(config, urdf, YamlDocument("", {})))  # told later, with their lines
             derived = derived_flight(body_layout(config, urdf), sensors) if fits else placeholders()
             document = with_derived(document, derived)
         return self.validated(document, own, config.flight)
+
+    def _with_sensors(self, flight: YamlDocument, sensors: Mapping[str, Data]) -> YamlDocument:
+        """What the drive goes by of a machine with its sensors; of one whose sensor has been taken away, only what its
+        file has begun to say.
+        """
+        for kind, name in PARTS_OF_SENSORS.items():
+            base, drive = self.document(_part(name), PARTS), flight.data.get(DRIVE)
+            if base is None or not isinstance(drive, dict):
+                continue
+            if not sensor_of(sensors, kind):
+                begun = {key: table for key, table in base.data.items() if isinstance(drive.get(key), dict)}
+                base = dataclasses.replace(base, data=begun)
+            flight = laid_over(flight, base, DRIVE)
+        return flight
 
     def _file(self, path: Path, file: str, model: type[Model], config: MachineConfig) -> ReadSet[Model] | None:
         """One of the files beside `machine.yaml`, or what stands for it in machines of its kind."""
