@@ -52,7 +52,7 @@ def follow(given: argparse.Namespace, stop: StopFlag) -> Comparison:
         report.write(given.result)
 
     settings = ReplaySettings(given.domain, given.namespace, parameters["lockstep_timeout_s"])
-    table = table_of(load_scenario(parameters["scenario"], [text for text in parameters["overrides"] if text]))
+    table = table_of(load_scenario(parameters["scenario"], [text for text in parameters.get("overrides", ()) if text]))
     with Shadow(given.role, parameters["participants"], table, parameters["lockstep"], settings) as shadow:
         place = given.namespace + NAMESPACE
         candidate = ProcessCandidate(given.role, given.command, ros, place, given.log, shadow.renamed_inputs())
