@@ -9,6 +9,9 @@ from typing import NamedTuple, TypeAlias
 
 from sojourn_config.yaml_file import Data, KeyPath, YamlDocument
 
+KIND = "kind"
+"""Key by which a table says what it is a table of."""
+
 
 class DerivedValue(NamedTuple):
     """A value, and from what it follows, in words."""
@@ -46,9 +49,17 @@ def _filled(
         if isinstance(found, DerivedValue):
             if key not in own:
                 filled[key], reasons[path] = found
+        elif _is_of_another_kind(said, found):
+            continue
         elif key not in own or isinstance(said, dict):
             filled[key] = _filled(said if isinstance(said, dict) else {}, found, path, reasons)
     return filled
+
+
+def _is_of_another_kind(said: Data, found: Derivation) -> bool:
+    """Whether a table says that it is of another kind than what is derived: then nothing of it fits."""
+    kind = found.get(KIND)
+    return isinstance(said, dict) and isinstance(kind, DerivedValue) and said.get(KIND, kind.value) != kind.value
 
 
 def _as_derived(document: YamlDocument, table: Mapping[str, Data], at: KeyPath) -> Derivation:

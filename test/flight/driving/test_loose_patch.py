@@ -105,7 +105,7 @@ def test_from_0_4_on_it_drives_slower_as_far_as_it_says() -> None:
     """Two thirds of the wheels are on the patch at a time: 0.54 of slip, 0.65 of the speed; and no way round."""
     run = driven(loose=0.75)
     assert run.outcome is not None and run.outcome.kind == "reached"
-    policy, avoidance = run.rover.model.params.mobility.slip_policy, run.rover.state.avoidance
+    policy, avoidance = run.rover.model.params.slip_policy, run.rover.state.avoidance
     assert policy is not None and avoidance is not None and avoidance.detours == 0
     assert run.true.max() == pytest.approx(0.54, abs=0.01)
     assert abs(run.mean[run.loose > 0.5][-20:] - 0.54).max() < 0.05, "it knows its slip"
@@ -119,7 +119,7 @@ def test_from_0_4_on_it_drives_slower_as_far_as_it_says() -> None:
 def test_from_0_6_on_it_goes_back_and_takes_another_way() -> None:
     """0.67 of slip with its rear wheels on firm ground still."""
     run = driven(loose=0.95)
-    policy, avoidance = run.rover.model.params.mobility.slip_policy, run.rover.state.avoidance
+    policy, avoidance = run.rover.model.params.slip_policy, run.rover.state.avoidance
     assert run.outcome is not None and run.outcome.kind == "reached", run.outcome
     assert policy is not None and avoidance is not None and avoidance.detours >= 1
     assert policy.another_way < run.mean.max() < policy.another_way + 0.05
