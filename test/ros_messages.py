@@ -11,7 +11,16 @@ from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, TwistStamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2, PointField
+from sensor_msgs.msg import (
+    BatteryState,
+    CameraInfo,
+    Image,
+    Imu,
+    JointState,
+    PointCloud2,
+    PointField,
+    RegionOfInterest,
+)
 from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -147,6 +156,28 @@ def _cloud(value: values.PointCloud2) -> PointCloud2:
     return PointCloud2(header=_header(value), **fields)
 
 
+def _image(value: values.Image) -> Image:
+    fields = value._asdict()
+    del fields["stamp"], fields["frame"]
+    return Image(header=_header(value), **fields | {"data": array.array("B", value.data)})
+
+
+def _camera_info(value: values.CameraInfo) -> CameraInfo:
+    return CameraInfo(
+        header=_header(value),
+        height=value.height,
+        width=value.width,
+        distortion_model=value.distortion_model,
+        d=_doubles(value.distortion),
+        k=value.intrinsic,
+        r=value.rectification,
+        p=value.projection,
+        binning_x=value.binning_x,
+        binning_y=value.binning_y,
+        roi=RegionOfInterest(**value.roi._asdict()),
+    )
+
+
 def _diagnostics(value: values.DiagnosticArray) -> DiagnosticArray:
     status = [
         DiagnosticStatus(
@@ -176,4 +207,6 @@ _MAKERS = {
     values.BatteryState: _battery,
     values.PointCloud2: _cloud,
     values.DiagnosticArray: _diagnostics,
+    values.Image: _image,
+    values.CameraInfo: _camera_info,
 }

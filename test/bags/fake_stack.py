@@ -166,16 +166,28 @@ class FakePlant(FakeNode):
             self.step()
 
 
-def build(bag: Path, periods: int, lockstep: bool = True, roles: tuple[str, ...] = ()) -> list[ContractNode]:
-    """The nodes of a stack, plant first, recorder last."""
+def build(
+    bag: Path,
+    periods: int,
+    lockstep: bool = True,
+    roles: tuple[str, ...] = (),
+    bundled: bool = False,
+    foreign: tuple[str, ...] = (),
+) -> list[ContractNode]:
+    """The nodes of a stack, plant first, recorder last; `bundled`: all but foreign ones hear bundles."""
     roles = roles or ("plant", "sensors", "drive", "arm", "power", "operator")
     participants = [*roles, "recorder"]
-    nodes: list[ContractNode] = [FakePlant(participants, periods, lockstep=lockstep)]
+    companions = [role for role in participants if bundled and role not in foreign]
+
+    def parameters(role: str) -> dict[str, Any]:
+        return {"lockstep": lockstep} | ({"companions": companions} if role in companions else {})
+
+    nodes: list[ContractNode] = [FakePlant(participants, periods, **parameters("plant"))]
     for role in roles[1:]:
         kind = FakeOperator if role == "operator" else FakeNode
-        nodes.append(kind(role, participants, lockstep=lockstep))
-    overrides = {"participants": participants, "scenario": SCENARIO, "bag": str(bag), "lockstep": lockstep}
-    nodes.append(RecorderNode(overrides=overrides))
+        nodes.append(kind(role, participants, **parameters(role)))
+    own = {"participants": participants, "scenario": SCENARIO, "bag": str(bag)}
+    nodes.append(RecorderNode(overrides=own | parameters("recorder")))
     return nodes
 
 

@@ -3,6 +3,7 @@
 import importlib.util
 import itertools
 import json
+from dataclasses import replace
 
 import pytest
 import yaml
@@ -96,6 +97,15 @@ def _goes_on(present: tuple[str, ...], periods: int = 160) -> bool:
     return barriers["plant"].period >= periods
 
 
+def test_nodes_hear_each_other_in_bundles_where_they_are_ours_start_here_and_go_in_lockstep(tmp_path) -> None:
+    started = tuple(role for role in ROLES if role != "power")
+    plan = RunPlan("flat_drive", tmp_path, ROLES, started, replacements={"drive": "their drive"})
+    assert plan.companions == ("plant", "sensors", "arm", "operator", "recorder")
+    assert any(text.startswith("companions:=") for text in plan.ros_arguments("arm"))
+    assert not any(text.startswith("companions:=") for text in plan.ros_arguments("drive"))
+    assert not replace(plan, realtime=True).companions
+
+
 def test_parameters_survive_the_command_line(tmp_path) -> None:
     """What ROS reads from the arguments as YAML is what a composed node gets."""
     plan = RunPlan("2024", tmp_path, ROLES, ROLES, overrides=("seed=3",), lockstep_timeout_s=10, namespace="/mars")
@@ -103,6 +113,7 @@ def test_parameters_survive_the_command_line(tmp_path) -> None:
     given = dict(text.split(":=", 1) for text in arguments if ":=" in text)
     assert given.pop("__ns") == "/mars"
     read = {name: yaml.safe_load(text) for name, text in given.items()}
+    assert read.pop("companions") == list(ROLES)
     assert read == plan.parameters("recorder")
     assert isinstance(read["lockstep_timeout_s"], float) and isinstance(read["scenario"], str)
     assert json.loads(given["participants"]) == list(ROLES)

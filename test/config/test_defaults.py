@@ -15,8 +15,11 @@ from sojourn_config.resolved import resolved_text
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_flight.mobility.rolling import RollingMobility
 from sojourn_flight.mobility.rolling_params import RollingParams
+from sojourn_physics.sensors.hazcam import HazcamParams
+from sojourn_physics.sensors.sun_sensor import SunSensorParams
 
 ROVERS = ("skid", "micro", "lunokhod", "lrv", "omni", "articulated", "explorer", "tracked")
+CREWED = ("lrv", "lunokhod")
 
 
 def bare(name: str, folder: Path) -> Path:
@@ -51,7 +54,7 @@ def test_every_rover_drives_by_defaults(name: str, tmp_path: Path) -> None:
     assert drive.energy is None and drive.obstacles is None and drive.heading_fix is None
     measured = {joint for group in scenario.sensors.joint_groups.values() for joint in group.joints}
     assert set(mobility.joints) <= measured
-    law, battery = scenario.power_manager.law, scenario.battery
+    law, battery = scenario.power_manager.law, scenario.power.battery
     volts = battery.cells_series * np.array(battery.ocv_points)
     assert volts[0] < law.derate_stop_voltage < law.shed_voltage < law.derate_start_voltage < volts[-1]
 
@@ -123,3 +126,38 @@ def test_what_cannot_follow_is_asked_for_by_its_key(tmp_path: Path) -> None:
     assert "config/parts/rover_flight.yaml" in told
     assert "drive.limits: the key is missing" in told and "drive.mobility.max_wheel_rate: the key is missing" in told
     assert "corner_cut" not in told and "lateral_weight" not in told
+
+
+@pytest.mark.parametrize("rover", [rover for rover in ROVERS if rover not in CREWED])
+def test_every_rover_that_drives_itself_sees_and_uses_what_it_sees(rover: str) -> None:
+    """The lunar roving vehicle is driven by its crew, Lunokhod by one on Earth."""
+    scenario = load_scenario("flat_drive", [f"machine={rover}", "steps=[]"])
+    drive, sensors = scenario.drive, scenario.sensors
+    assert sensors.first(HazcamParams) is not None and sensors.first(SunSensorParams) is not None
+    assert drive.obstacles is not None and drive.terrain_match is not None and drive.heading_fix is not None
+    assert 0.0 < drive.obstacles.passable.max_step < 0.2
+
+
+def test_curves_of_torque_bring_the_estimate_of_slip(tmp_path: Path) -> None:
+    folder = bare("skid", tmp_path / "skid")
+    mobility = loaded(folder).drive.mobility
+    assert isinstance(mobility, RollingParams) and mobility.slip is None
+    curve = "{limit: 0.6, softness: 0.4, offset: 0.0}"
+    (folder / "measured.yaml").write_text(f"mobility: {{slip: {{fresh: {curve}, rut: {curve}}}}}\n", "utf-8")
+    scenario = loaded(folder)
+    mobility = scenario.drive.mobility
+    assert isinstance(mobility, RollingParams) and mobility.slip is not None
+    drive, wheel = scenario.machine.drives[0], scenario.machine.wheels[0]
+    assert mobility.slip.rotor_inertia == pytest.approx(drive.motor.rotor_inertia * drive.gear.ratio**2)
+    assert mobility.slip.free_slip == pytest.approx(0.008 / 0.188) and mobility.slip.rut_width == 0.5 * wheel.width
+    assert mobility.slip.force_noise == pytest.approx(35e-6 * 9.80665), "of the LN-200S"
+    assert scenario.mobility().slip_model is not None
+
+
+@pytest.mark.parametrize(
+    ("rover", "least", "most"), [("micro", 0.045, 0.05), ("tracked", 0.1, 0.12), ("skid", 0.09, 0.1)]
+)
+def test_the_highest_step_is_that_of_its_wheels_or_of_its_incline(rover: str, least: float, most: float) -> None:
+    """The tracked rover drives over a step of 0.1 m in its course."""
+    obstacles = load_scenario("flat_drive", [f"machine={rover}"]).drive.obstacles
+    assert obstacles is not None and least <= obstacles.passable.max_step <= most

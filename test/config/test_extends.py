@@ -169,16 +169,16 @@ def test_a_machine_of_ones_own_holds_what_differs_alone(tmp_path: Path) -> None:
     mine = tmp_path / "mine"
     written(mine, "machine.yaml", f"extends: {skid / 'machine.yaml'}\ndescription: Mine\ntool: null\n")
     written(mine, "flight.yaml", f"extends: {skid / 'flight.yaml'}\ndrive: {{limits: {{max_speed: 0.15}}}}\n")
-    for file in ("power", "sensors"):
+    for file in ("power", "sensors", "measured"):
         written(mine, f"{file}.yaml", f"extends: {skid / f'{file}.yaml'}\n")
     ours, theirs = (load_scenario("flat_drive", [f"machine={name}"]) for name in (str(mine), "skid"))
     assert ours.drive.limits.max_speed == 0.15
     assert ours.drive.model_copy(update={"limits": theirs.drive.limits}) == theirs.drive
-    assert (ours.machine.wheels, ours.battery, ours.sensors) == (theirs.machine.wheels, theirs.battery, theirs.sensors)
+    assert (ours.machine.wheels, ours.power, ours.sensors) == (theirs.machine.wheels, theirs.power, theirs.sensors)
     assert str(mine / "flight.yaml") in ours.files and "config/parts/maxon_re40.yaml" in ours.files
     stand = written(tmp_path / "stand", "machine.yaml", "extends: stand\ndescription: Mine\narm: scara\n")
     joined, own = joined_machine(str(stand.parent)), joined_machine("scara")
-    assert (joined.battery, joined.sensors, joined.law) == (own.battery, own.sensors, own.law)
+    assert (joined.power, joined.sensors, joined.law) == (own.power, own.sensors, own.law)
 
 
 @pytest.mark.parametrize("name", available("machines"))

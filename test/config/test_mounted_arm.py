@@ -38,8 +38,8 @@ def test_it_brings_its_drives_encoders_and_load_along(carried: LoadedScenario) -
     assert driven[-6:] == list(carried.arm_joints) and len(driven) == 10
     measured = [joint for group in carried.sensors.joint_groups.values() for joint in group.joints]
     assert measured == driven
-    assert [load.name for load in carried.bus.loads] == [*(load.name for load in alone.bus.loads), "arm"]
-    assert carried.power_manager.law.arm_power_limit == params.load.power_w
+    assert [load.name for load in carried.power.loads] == [*(load.name for load in alone.power.loads), "arm"]
+    assert carried.power.loads[-1] == params.load
     assert carried.carried_arm().reflected_inertia[1] == pytest.approx(200e-6 * 107.815**2)
 
 
@@ -127,7 +127,7 @@ def test_drives_and_encoders_fit_motors_and_gears_of_the_urdf(name: str) -> None
         (["machine=puma560", "machine.arm=null"], ["arm", "nothing moves on a fixed base"]),
         (
             ["machine=skid", "machine.arm=puma560", MOUNT],
-            ["max_velocity[1] = 1.0", "skid_battery gives 19.9 V", "allowed is some 0.7"],
+            ["max_velocity[1] = 1.0", "empty stores give 19.9 V", "allowed is some 0.7"],
         ),
         (
             [*CYLINDRICAL, "machine.arm_mount={link: base_link, xyz: [1.2, 0, 0]}"],

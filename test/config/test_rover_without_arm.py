@@ -19,9 +19,13 @@ def test_it_loads_and_has_no_arm() -> None:
     ("scenario", "override", "words"),
     [
         ("lunar_sample", "seed=1", ["steps[2].arm_joints", "steps[3].arm_to_ground", "the machine skid has no arm"]),
+        (
+            "flat_drive", "steps=[{arm_jog: {seconds: 1}}, {arm_task: {name: tare}}]",
+            ["steps[0].arm_jog", "steps[1].arm_task", "the machine skid has no arm"],
+        ),
         ("flat_drive", "arm.tip_link=base_link", ["arm.tip_link=base_link", "the machine skid has no arm"]),
     ],
-)
+)  # fmt: skip
 def test_what_asks_for_an_arm_is_refused(scenario: str, override: str, words: list[str]) -> None:
     with pytest.raises(ConfigError) as caught:
         load_scenario(scenario, ["machine=skid", override])

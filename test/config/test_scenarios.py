@@ -14,7 +14,7 @@ from sojourn_config.errors import ConfigError
 from sojourn_config.load import load_params
 from sojourn_config.paths import available, config_folder, repository_root
 from sojourn_config.scenario import LoadedScenario, load_scenario
-from sojourn_config.steps import ACTIONS
+from sojourn_config.steps import STEPS
 from sojourn_machine.machine import MachineParams
 from sojourn_physics.environment.body import BodyParams
 from sojourn_physics.soil.params import SoilParams
@@ -49,7 +49,14 @@ def test_every_scenario_loads_and_its_ground_can_be_made(name: str) -> None:
     assert math.isfinite(ground.height(scenario.config.start.x, scenario.config.start.y))
     assert (scenario.gravity > 0.0) != scenario.body.free_fall
     for step in scenario.config.steps:
-        assert step.kind in ACTIONS
+        assert step.kind in STEPS.names()
+
+
+@pytest.mark.parametrize("name", available("scenarios"))
+def test_what_a_bag_says_of_a_scenario_is_read_again(name: str) -> None:
+    """With all defaults in it, as a bag has them."""
+    config = load_scenario(name).config
+    assert type(config).model_validate_json(config.model_dump_json()) == config
 
 
 @pytest.mark.parametrize("name", available("soils"))
@@ -68,8 +75,8 @@ def test_bundle_holds_what_a_run_needs(flat: LoadedScenario) -> None:
     assert flat.soil_names == ("lunar_nominal", "rigid_rock")
     assert flat.body.name == "moon"
     assert flat.simulation.substeps == 20
-    assert flat.power_manager.loads == flat.bus.loads
-    assert flat.power_manager.battery == flat.battery
+    assert flat.power_manager.loads == flat.power.loads
+    assert flat.power_manager.power == flat.power
     assert [wheel.name for wheel in flat.machine.wheels] == [
         "front_left", "front_right", "middle_left", "middle_right", "rear_left", "rear_right",
     ]  # fmt: skip
@@ -111,7 +118,7 @@ def test_straight_way_of_the_main_job_is_blocked_and_the_route_is_long_enough() 
     scenario = load_scenario("lunar_sample")
     ground = ground_of("lunar_sample")
     start = scenario.config.start
-    routes = [step.drive_route for step in scenario.config.steps if step.drive_route is not None]
+    routes = [step.action for step in scenario.config.steps if step.kind == "drive_route"]
     assert len(routes) == 1
     points = [(start.x, start.y), *((point.x, point.y) for point in routes[0].points)]
     length = sum(math.dist(a, b) for a, b in pairwise(points))
@@ -181,6 +188,21 @@ BODY = "config/bodies/moon.yaml"
         (SCENARIO, "battery_soc: 0.8", "battery_soc: 80 %", ["'80 %'", "number", "no unit"]),
         (SCENARIO, "machine: explorer", "machine: explorr", ["machine = 'explorr'", "did you mean explorer?"]),
         (SCENARIO, "body: moon", "body: mun", [f"{SCENARIO}:5", "mars", "did you mean moon?"]),
+        (
+            SCENARIO, "body: moon", "body: moon\nsite: {latitude_deg: 91}",
+            [f"{SCENARIO}:6", "site.latitude_deg = 91", "at most 90"],
+        ),
+        (SCENARIO, "body: moon", "body: moon\nsite: {altitude_m: 3}", ["site.latitude_deg", "missing"]),
+        (
+            SCENARIO, "body: moon", "body: low_earth_orbit\nsite: {latitude_deg: 9}",
+            ["site = 'low_earth_orbit'", "free fall"],
+        ),
+        (
+            SCENARIO, "body: moon", "body: moon\nwind: {speed: 3, towards_deg: 0, drag_area: 1}",
+            ["wind = 'moon'", "a body whose file has a table `atmosphere`"],
+        ),
+        (SCENARIO, "body: moon", "body: jupiter", ["body = 'jupiter'", "no ground"]),
+        (BODY, "{kind: oblate,", "{kind: oblat,", ["attraction.kind = 'oblat'", "did you mean oblate?"]),
         (SCENARIO, "soil: lunar_nominal", "soil: lunar", ["config/soils", "did you mean lunar_nominal?"]),
         (SCENARIO, "kind: flat", "kind: flet", ["terrain.kind = 'flet'", "did you mean flat?"]),
         (SCENARIO, "kind: flat", "kind: slope", ["terrain.slope_deg", "more than 0"]),
@@ -422,6 +444,14 @@ def test_scenario_from_a_path(tmp_path: Path) -> None:
     assert (scenario.name, scenario.config.seed) == ("mine", 7)
 
 
+def test_a_site_has_the_gravity_of_its_place() -> None:
+    anywhere, pole = (load_scenario("flat_drive", told) for told in ([], ["site={latitude_deg: 90}"]))
+    assert anywhere.site is None and anywhere.gravity == anywhere.body.surface_gravity
+    assert pole.config.site is not None and pole.site == pole.config.site
+    assert pole.gravity == pytest.approx(1.62323, rel=1e-5)
+    assert pole.machine_body().gravity == pole.gravity
+
+
 # --- overrides ---
 
 
@@ -443,12 +473,11 @@ def test_overrides_reach_every_file() -> None:
     )
     assert scenario.config.seed == 9
     assert scenario.terrain.size_x == 30.0
-    assert scenario.config.steps[0].drive_to is not None
-    assert scenario.config.steps[0].drive_to.x == 1.5
+    assert scenario.config.steps[0].action.x == 1.5
     assert scenario.body.name == "mars"
     assert (scenario.soil.name, scenario.soil.cohesion) == ("jsc_1a", 900.0)
     assert scenario.machine.drives[0].gear.ratio == 900.0
-    assert scenario.battery.capacity_ah == 9.0
+    assert scenario.power.battery.capacity_ah == 9.0
     assert scenario.drive.limits.max_speed == 0.05
     assert scenario.arm.settle_time == 0.3
     assert scenario.overrides[0] == "seed=9"

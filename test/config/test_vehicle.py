@@ -28,8 +28,8 @@ def test_drivetrain_is_that_of_the_plant(plant: Bundle, analysis: VehicleParams)
     assert set(drive.joints) == {wheel.joint for wheel in plant.machine.wheels}
     assert drive.motor == analysis.motor
     assert drive.gear == analysis.gear
-    assert sum(load.power_w for load in plant.bus.loads if load.kind != "commanded") == analysis.house_power
-    capacity = plant.battery.capacity_ah * plant.battery.cells_parallel
+    assert sum(load.power_w for load in plant.power.loads if load.kind != "commanded") == analysis.house_power
+    capacity = plant.power.battery.capacity_ah * plant.power.battery.cells_parallel
     assert capacity * analysis.bus_voltage == pytest.approx(analysis.battery_energy_wh)
 
 

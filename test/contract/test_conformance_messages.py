@@ -15,9 +15,11 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from ros_messages import ros_message
 from sojourn_contract.conformance.geometry import CovarianceRule
 from sojourn_contract.conformance.numbers import NumberRule
 from sojourn_contract.conformance.observation import Observation
+from sojourn_contract.heartbeat import status_message
 from sojourn_contract.topics import topic
 
 Edit = Callable[[Any], None]
@@ -205,6 +207,10 @@ def pose(frame: str, w: float = 1.0) -> PoseStamped:
     return message
 
 
+def request(**switches: str) -> Any:
+    return ros_message(status_message(0, "request", switches))
+
+
 def test_good_goals() -> None:
     joints = list(explorer().arm)
     route = Path(poses=[pose("map")])
@@ -223,6 +229,7 @@ def test_good_goals() -> None:
         "/arm/joint_goal": named,
         "/arm/joint_trajectory": trajectory,
         "/arm/stop": Header(),
+        "/power/request": request(cameras="off", arm="on"),
     }.items():
         assert not list(goal(name, message).judge().lines()), name
 
@@ -243,6 +250,9 @@ def test_good_goals() -> None:
             "joints",
             "points",
         ),
+        ("/power/request", request(oven="on"), "request", "status.values.key"),
+        ("/power/request", request(cameras="dim"), "request", "status.values.cameras"),
+        ("/power/request", request(), "request", "status.values"),
     ],
 )
 def test_bad_goals(name: str, message: Any, rule: str, field: str) -> None:

@@ -133,3 +133,13 @@ def test_the_digest_tells_tables_apart() -> None:
 
     assert digest(STANDARD) == contract_data()["digest"]
     assert digest(STANDARD.for_things({STORE: ("a", "b")})) != digest(STANDARD)
+
+
+@given(NAMES)
+def test_a_row_that_names_all_stands_for_none_without_a_name(names: list[str]) -> None:
+    row = Topic("/heat", "sensor_msgs/Temperature", "sensors", (), 50, 3.0, "of a part", each="/heat", all_named=True)
+    table = STANDARD.joined_with([row]).for_things({"/heat": names})
+    brought = [each for each in table if each.name.startswith("/heat")]
+    assert [each.name for each in brought] == [f"/heat/{name}" for name in names]
+    assert [each.thing for each in brought] == names
+    assert "/heat" not in table and len(table) == len(TOPICS) + len(names)

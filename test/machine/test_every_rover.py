@@ -65,7 +65,7 @@ def test_it_stands_level_on_all_of_its_wheels_and_drives_ahead(rover: str) -> No
     model, state = build_plant(load_scenario("flat_drive", [f"machine={rover}"]))
     x, y = state.configuration[3:5]
     assert np.degrees(2.0 * np.hypot(x, y)) < 1.0, "tilt"
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.joints[0]
     standing, output = step(model, state, command)
     loads = output.contacts[:, FORCE_Z]

@@ -369,7 +369,7 @@ def task(name: str, **numbers: str) -> Any:
 
 
 UNKNOWN_TASKS = {
-    "unknown task": (task("wave"), "unknown task 'wave': there are unfold, stow, place"),
+    "unknown task": (task("wave"), "unknown task 'wave': there are dig, drill, dump"),
     "unknown key": (task("guarded_move", sped="0.01"), "unknown key 'sped' (there are preempt, direction, speed"),
     "no number": (task("guarded_move", force="much"), "force = 'much'"),
     "out of range": (task("guarded_move", force="1000"), "force = '1000'"),

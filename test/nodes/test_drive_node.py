@@ -25,10 +25,10 @@ def drive(bench: Bench) -> DriveNode:
     return node
 
 
-def measure(bench: Bench, period: int, joint_states: Any = None) -> None:
+def measure(bench: Bench, period: int, joint_states: Any = None, felt: Any = None) -> None:
     """What the sensors say at rest in a period: no Sun, nothing ahead."""
     bench.send("/joint_states", joint_states or joints(period))
-    bench.send("/imu/data", imu(period))
+    bench.send("/imu/data", felt or imu(period))
     if period % 50 == 0:
         bench.send("/sun_direction", sun(period))
         bench.send("/hazcam/points", cloud(period))
@@ -94,6 +94,27 @@ def test_a_goal_makes_it_move(bench: Bench, drive: DriveNode) -> None:
     assert (status["state"], status["goal_stamp"]) == ("moving", str(at(4)))
     assert float(status["distance_to_go"]) == pytest.approx(3.0, abs=0.05)
     assert [stamp_of(message) for message in bench.received["/drive/status"]] == [at(50)]
+
+
+def test_a_question_is_answered_and_moves_nothing(bench: Bench, drive: DriveNode) -> None:
+    question = Path()
+    question.header.frame_id, question.header.stamp = "map", ros_time(at(4))
+    question.poses = [pose(2.0, 0.0)]
+    step(bench, 1)
+    send_event(bench, drive, "/drive/question", question)
+    command = step(bench, *range(2, 51))
+    status = bench.status("/drive/status", 50)
+    assert (status["asked_stamp"], status["asked_state"]) == (str(at(4)), "allowed")
+    assert float(status["asked_length_m"]) == pytest.approx(3.0, abs=0.05)
+    assert float(status["asked_energy_wh"]) > 0.0 and float(status["asked_time_s"]) > 30.0
+    assert rates(command) == [0.0] * 6 and (status["state"], status["goal_stamp"]) == ("idle", "0")
+    question.header.frame_id, question.header.stamp = "moon", ros_time(at(52))
+    send_event(bench, drive, "/drive/question", question)
+    step(bench, *range(51, 101))
+    status = bench.status("/drive/status", 100)
+    assert (status["asked_stamp"], status["asked_state"]) == (str(at(52)), "refused")
+    assert "allowed is one of map, odom, base_link" in status["asked_reason"]
+    assert drive.counters.refused == {"/drive/question": 1}
 
 
 def test_goals_in_the_frame_of_the_machine(bench: Bench, drive: DriveNode) -> None:
@@ -245,6 +266,27 @@ def test_switches_limit_the_drive(bench: Bench) -> None:
     bench.send("/power/switches", status_message(at(15), "switches", {"drive": "off"}))
     step(bench, *range(11, 16))
     assert node.state.heard.power_limit == 0.0
+
+
+def test_without_its_imu_it_says_who_switched_it_off(bench: Bench) -> None:
+    """What an operator reads at night: not that a number was refused, but why there is none."""
+    node = bench.start(DriveNode, "sensors", "drive", "power")
+    bench.connect(node)
+    send_event(bench, node, "/goal_pose", pose(2.0, 0.0))
+    step(bench, *range(1, 5))
+    bench.send("/power/switches", status_message(at(5), "switches", {"imu": "off", "drive": "on"}))
+    step(bench, 5)
+    for period in range(6, 181):
+        silent = imu(period)
+        silent.angular_velocity.x = math.nan
+        measure(bench, period, felt=silent)
+        if period % 5 == 0:
+            bench.send("/power/switches", status_message(at(period), "switches", {"imu": "off", "drive": "on"}))
+        if period % 50 == 0:
+            bench.send("/battery_state", battery_state(at(period), 28.0, 0.0, 290.0, 0.9, 0.9 * 57600.0, 57600.0))
+        bench.answer("/odom", period)
+    reason = node.state.asked.last.reason
+    assert reason.startswith("no usable /imu/data for 3.") and reason.endswith("switched off imu")
 
 
 @pytest.mark.parametrize("refuse,state", [("true", "refused"), ("false", "moving")])

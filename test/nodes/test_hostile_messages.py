@@ -28,7 +28,7 @@ ROLES: dict[str, tuple[Any, tuple[str, ...]]] = {
     "sensors": (SensorsNode, ("plant", "sensors", "arm")),
     "drive": (DriveNode, ("sensors", "drive", "power", "operator")),
     "arm": (ArmNode, ("sensors", "drive", "arm", "power", "operator")),
-    "power": (PowerNode, ("sensors", "power")),
+    "power": (PowerNode, ("sensors", "power", "operator")),
     "operator": (OperatorNode, ("plant", "drive", "arm", "power", "operator")),
     "plant": (PlantNode, ("plant", "drive", "arm", "power", "operator", "recorder")),
 }

@@ -30,7 +30,7 @@ def test_the_rotation_vector_between_two_attitudes(
 def test_a_machine_that_shakes_within_a_period_does_not_seem_to_turn() -> None:
     """Yaw swings at 50 Hz: every sample is taken at the same rate, and their sum was a heading that ran away."""
     scenario, dt = load_scenario("flat_drive"), 0.02
-    motion, turned = ImuMotion(scenario.urdf_xml, scenario.gravity), 0.0
+    motion, turned = ImuMotion(scenario.urdf_xml, scenario.gravity_field), 0.0
     before = None
     for period in range(100):
         yaw, rate = 1e-3 * math.sin(100.0 * math.pi * period * dt), 0.1 * math.pi

@@ -188,7 +188,7 @@ def test_switches_cut_the_power_and_are_checked(bench: Bench) -> None:
             values = {5: {"drive": "off", "arm": "0.5"}, 10: {"oven": "on"}, 15: {"drive": "2.0"}, 20: {"drive": "on"}}
             bench.send("/power/switches", status_message(at(period), "switches", values[period]))
     bench.answer("/truth/joint_states", 21)
-    places = {load.name: place for place, load in enumerate(plant.app.model.bus.loads)}
+    places = {load.name: place for place, load in enumerate(plant.app.model.loads)}
     fractions = plant.state.commands.fractions
     assert (fractions[places["drive"]], fractions[places["arm"]]) == (1.0, 0.5)
     assert plant.counters.refused == {"/power/switches": 2}

@@ -195,8 +195,20 @@ def test_the_sun_is_seen_once_a_second_in_the_frame_of_its_sensor(bench: Bench) 
     assert len(bench.received["/sun_direction"]) == 1
 
 
-def test_at_night_no_sun_is_seen(bench: Bench) -> None:
-    bench.connect(bench.start(SensorsNode, "plant", "sensors", overrides=["sun.elevation_deg=-5"]))
+RIM = "terrain.craters=[{x: 0.0, y: 0.0, diameter: 6.0, depth: 1.2}]"
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ["sun.elevation_deg=-5"],
+        ["sun.elevation_deg=5", "sun.ground_hides=true", RIM],
+        ["sun.time=2028-12-31T16:53:00Z", "site.latitude_deg=0"],
+    ],
+    ids=["at night", "in a crater", "in an eclipse"],
+)
+def test_in_the_dark_no_sun_is_seen(bench: Bench, overrides: list[str]) -> None:
+    bench.connect(bench.start(SensorsNode, "plant", "sensors", overrides=overrides))
     for period in range(1, 51):
         feed(bench, period)
         bench.answer("/imu/data", period)

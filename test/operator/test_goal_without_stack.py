@@ -3,10 +3,15 @@
 import subprocess
 import sys
 import time
+from typing import Any, ClassVar
 
 import pytest
 
 from sojourn_config.command_errors import CommandError
+from sojourn_contract.codecs import encode
+from sojourn_contract.heartbeat import status_values
+from sojourn_contract.topics import topic
+from sojourn_operator import goal_sending
 from sojourn_operator.goal_client import main
 from sojourn_operator.goal_sending import ANSWER_S
 
@@ -34,3 +39,64 @@ def test_one_sentence(arguments: list[str], who: str) -> None:
 def test_a_route_needs_pairs() -> None:
     with pytest.raises(CommandError, match="points: 3 numbers, allowed is an even count"):
         main(["route", "1", "2", "-3"])
+
+
+class Heard:
+    """In place of the client of a running stack: keeps what is sent, and says that it was reached."""
+
+    sent: ClassVar[list[tuple[str, str, Any]]] = []
+
+    def __init__(self, *_: object) -> None:
+        self.sent.clear()
+
+    def __enter__(self) -> "Heard":
+        return self
+
+    def __exit__(self, *_: object) -> None: ...
+
+    def send(self, who: str, name: str, message: Any) -> None:
+        encode(topic(name), message)  # which refuses another type than the topic's
+        self.sent.append((who, name, message))
+
+    def follow(self, _who: str, _timeout_s: float) -> tuple[str, str]:
+        return "reached", ""
+
+    def answer(self, _timeout_s: float) -> dict[str, str]:
+        return {"asked_state": "allowed"}
+
+
+@pytest.mark.parametrize(
+    ("command", "who", "name", "places", "frame"),
+    [
+        ("drive 1 2 --z 0.5", "drive", "/goal_pose", [(1.0, 2.0, 0.5)], "map"),
+        ("drive 1 2 --frame base_link --dry-run", "drive", "/drive/question", [(1.0, 2.0, 0.0)], "base_link"),
+        ("route 1 2 3 4", "drive", "/waypoints", [(1.0, 2.0, 0.0), (3.0, 4.0, 0.0)], "map"),
+        ("route 1 2 3 4 --dry-run", "drive", "/drive/question", [(1.0, 2.0, 0.0), (3.0, 4.0, 0.0)], "map"),
+        ("arm 1 0 -0.2", "arm", "/arm/goal_pose", [(1.0, 0.0, -0.2)], "base_link"),
+    ],
+)
+def test_a_place_goes_out_on_the_topic_of_its_command(
+    monkeypatch: pytest.MonkeyPatch, command: str, who: str, name: str, places: list[tuple[float, ...]], frame: str
+) -> None:
+    monkeypatch.setattr(goal_sending, "GoalClient", Heard)
+    assert main(command.split()) == 0
+    ((told, on, message),) = Heard.sent
+    assert (told, on, message.frame) == (who, name, frame)
+    assert [tuple(pose.position) for pose in getattr(message, "poses", (message,))] == places
+
+
+@pytest.mark.parametrize(
+    ("command", "who", "name", "words"),
+    [
+        ("task tare seconds=2", "arm", "/arm/task", {"seconds": "2"}),
+        ("task place position=1,0,0", "arm", "/arm/task", {"position": "1 0 0"}),
+        ("power cameras off", "power", "/power/request", {"cameras": "off"}),
+    ],
+)
+def test_words_go_out_on_the_topic_of_their_command(
+    monkeypatch: pytest.MonkeyPatch, command: str, who: str, name: str, words: dict[str, str]
+) -> None:
+    monkeypatch.setattr(goal_sending, "GoalClient", Heard)
+    assert main(command.split()) == 0
+    ((told, on, message),) = Heard.sent
+    assert (told, on, status_values(message)) == (who, name, words)

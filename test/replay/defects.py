@@ -19,6 +19,7 @@ from ros_messages import ros_message, ros_time, value_of
 from sojourn_contract.heartbeat import RUNNING
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.types import message_class
+from sojourn_physics.environment.gravity.field import UniformField
 
 SECOND = 1_000_000_000
 Alter = Callable[[Any], Any]
@@ -339,7 +340,7 @@ def rates_are_taken_over_a_period_that_drifts(sensors: Any) -> None:
 
 @defect("sensors", replay="/imu/data.linear_acceleration.z")
 def gravity_is_left_out(sensors: Any) -> None:
-    _imu(sensors)._motion._gravity = 0.0
+    _imu(sensors)._motion._gravity = UniformField(0.0)
 
 
 @defect("sensors", replay="/imu/data.orientation", judge="/imu/data.orientation")

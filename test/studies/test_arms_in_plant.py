@@ -7,9 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from sojourn_config.scenario import load_scenario
-from sojourn_config.steps import ArmJointsStep, ArmPoseStep
 from sojourn_flight.arm.goals import ArmGoal, JointGoal, PoseGoal, pose_goal
 from sojourn_flight.arm.kinematics import forward_kinematics
+from sojourn_operator.steps.arm_joints import ArmJointsStep
+from sojourn_operator.steps.arm_to import ArmPoseStep
 from sojourn_studies.measure_arm import ANGLE_DEG, DISTANCE_M, Bench
 
 

@@ -26,6 +26,19 @@ def test_figures_go_into_a_new_file_with_a_yardstick_of_the_same_run(
         bench.main(["--only", "step", "--json", str(file)])
 
 
+def test_a_machine_without_wheels_has_its_figures_too_and_no_bars_of_anothers(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file, parts = tmp_path / "figures.json", ("--only", "step", "--only", "period")
+    assert bench.main(["--scenario", "tracked_course", *parts, "--seconds", "1", "--json", str(file)]) == 0
+    figures = json.loads(file.read_text(encoding="utf-8"))
+    assert figures["contact kernel for each wheel or track [us]"] > 0.0
+    assert figures["app of drive [us]"] > 0.0 and "app of arm [us]" not in figures
+    assert "<=" not in capfd.readouterr().out
+    with pytest.raises(UsageError, match="commands, which has its own scene; allowed: step, period"):
+        bench.main(["--scenario", "tracked_course", "--only", "commands"])
+
+
 def test_without_a_file_named_they_go_into_a_folder_of_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bench_parts, "repository_root", lambda: tmp_path)
     first, second = bench_parts.place_of(None), bench_parts.place_of(None)
@@ -49,9 +62,9 @@ def test_the_loop_is_told_in_the_yardstick_of_its_time(monkeypatch: pytest.Monke
     monkeypatch.setattr(bench_parts.bench_loop, "Yardstick", Clock)
     speeds = iter([5.0, 2.0, 5.0])
     monkeypatch.setattr(
-        bench_parts.bench_loop, "run_loop", lambda kind, seconds: {f"{kind}, times real time": next(speeds)}
+        bench_parts.bench_loop, "run_loop", lambda kind, scenario, seconds: {f"{kind}, times real time": next(speeds)}
     )
-    figures = bench_parts.bench_loop.bench_loop("composed", 1.0, 3, lines.append)
+    figures = bench_parts.bench_loop.bench_loop("composed", "any", 1.0, 3, lines.append)
     assert figures["composed, period of the loop [Y]"] == pytest.approx(400.0)
     assert figures["composed, times real time"] == 5.0 and len(lines) == 3
 

@@ -21,7 +21,7 @@ def test_a_rover_at_a_step_keeps_the_contract() -> None:
     Its wheels at the edge of the step were told as two violations.
     """
     model, state = build_plant(load_scenario("lrv_course", ["start.x=13.5", "steps=[]"]))
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     wheels = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
     columns = model.joints.columns[wheels]

@@ -52,7 +52,7 @@ def scene(slope_deg: float = 0.0, *overrides: str) -> LoadedScenario:
 def drive(scenario: LoadedScenario, rates: FloatArray, seconds: float = 14.0, last: float = 4.0) -> Motion:
     """Sprockets at steady rates [rad/s], left and right."""
     model, state = build_plant(scenario)
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     rows = model.reference_rows([track.joint for track in model.machine.rolling])
     period, start, log = model.simulation.control_period, state.energy, []

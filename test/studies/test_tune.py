@@ -33,7 +33,15 @@ def test_a_machine_that_was_never_measured_is(tmp_path: Path, capsys: pytest.Cap
 
 def test_a_machine_that_says_itself_what_would_be_measured_is_left_alone() -> None:
     with pytest.raises(UsageError, match=r"drive says mobility\.track_ratio.* itself"):
-        tune.main(["skid"])
-    assert not (config_folder() / "machines" / "skid" / MEASURED).exists()
+        tune.main(["lunokhod"])
+    assert not (config_folder() / "machines" / "lunokhod" / MEASURED).exists()
     with pytest.raises(UsageError, match=r"machine\.yaml"):
         tune.main(["no_such_machine"])
+
+
+@pytest.mark.parametrize(("rover", "tells"), [("articulated", True), ("skid", False), ("tracked", False)])
+def test_torque_is_measured_where_it_tells_the_slip(rover: str, tells: bool) -> None:
+    """Wheels that slide sideways in a curve need torque for that as well; a track's law has no curve of ours."""
+    scenario = load_scenario("flat_drive", [f"machine={rover}"])
+    assert tune.tells_slip(scenario, 0.9) == tells
+    assert not tune.tells_slip(scenario, 0.04), "on rock no torque tells slip"

@@ -62,7 +62,7 @@ INPUTS = {
     "operator/tick": (Header, 5, 5),
 }
 """Type, periods between two, and periods that the message lags."""
-GOALS = {"goal_pose": PoseStamped, "waypoints": Path, "cmd_vel": TwistStamped}
+GOALS = {"goal_pose": PoseStamped, "waypoints": Path, "cmd_vel": TwistStamped, "drive/question": Path}
 OUTPUTS = {
     "odom": (Odometry, {"recorder"}),
     "drive/status": (DiagnosticArray, {"operator", "recorder"}),
@@ -295,6 +295,8 @@ class FlightDrive(Node):
 
     def take_goal(self, stamp: int, name: str, message: Any) -> None:
         drive = self.drive
+        if name == "drive/question":  # it foresees nothing
+            return
         if name == "cmd_vel":
             linear, angular = message.twist.linear, message.twist.angular
             if all(map(math.isfinite, (linear.x, linear.y, angular.z))):

@@ -38,7 +38,7 @@ def driven() -> str:
     from sojourn_plant.start import build_plant
 
     model, state = build_plant(load_scenario(str(references_folder() / f"{REFERENCES[0].name}.yaml")))
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     command.reference[1, model.reference_rows([wheel.joint for wheel in model.machine.wheels])] = WHEEL_RATE
     begin = state.configuration[:2]

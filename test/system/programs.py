@@ -30,6 +30,7 @@ ELSEWHERE = {
 }  # fmt: skip
 """What a user may have set: an older processor for each library that asks, and more threads than there are cores."""
 MODULES = {
+    "bench": "sojourn_studies.bench",
     "compare": "sojourn_bags.compare_command",
     "contract_tool": "sojourn_bringup.contract_tool",
     "datasheet": "sojourn_studies.rover_datasheet",

@@ -10,11 +10,12 @@ from programs import demos
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_config.scenario import load_scenario
-from sojourn_config.steps import ArmJointsStep, ArmPoseStep
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import build_arm_model
 from sojourn_flight.arm.orientation import from_quaternion
 from sojourn_machine.params import FloatArray
+from sojourn_operator.steps.arm_joints import ArmJointsStep
+from sojourn_operator.steps.arm_to import ArmPoseStep
 
 HERE = Path(__file__).parent
 MOUNT = "machine.arm_mount={link: forward_link, xyz: [0.0, 0.0, 0.2]}"

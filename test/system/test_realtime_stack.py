@@ -141,6 +141,27 @@ def test_a_goal_too_far_off_is_refused_with_the_reason(stack: Stack, start: Call
     assert "refused" in goal.text and "allowed are 200.0 m" in goal.text
 
 
+def test_a_load_is_switched_or_the_reason_is_told(stack: Stack, start: Callable[..., Program]) -> None:
+    for switch in ("off", "on"):
+        done = start("goal_client", "power", "actuator_heater", switch, "--domain", stack.domain)
+        assert done.wait() == 0 and done.text.splitlines()[-1] == "done", done.text
+    refused = start("goal_client", "power", "computer", "off", "--domain", stack.domain)
+    assert refused.wait() == 1 and "refused: switch of essential load computer" in refused.text
+
+
+def test_a_dry_run_says_what_it_would_take_and_nothing_moves(stack: Stack, start: Callable[..., Program]) -> None:
+    allowed = start(
+        "goal_client", "route", "2", "0", "3", "1", "--frame", "base_link", "--dry-run", "--domain", stack.domain
+    )
+    assert allowed.wait() == 0, allowed.text
+    lines = allowed.text.splitlines()
+    assert lines[0] == "allowed" and [line.partition(":")[0] for line in lines[1:5]] == [
+        "path", "time", "energy", "charge at the end",
+    ], allowed.text  # fmt: skip
+    refused = start("goal_client", "drive", "900", "0", "--dry-run", "--domain", stack.domain)
+    assert refused.wait() == 1 and "allowed are 200.0 m" in refused.text, refused.text
+
+
 def test_stop_stops(stack: Stack, start: Callable[..., Program]) -> None:
     goal = start("goal_client", "drive", "3", "0", "--frame", "base_link", "--domain", stack.domain)
     goal.wait_until(lambda text: "m to go" in text, "the rover drives")

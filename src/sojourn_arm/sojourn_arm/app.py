@@ -13,10 +13,10 @@ from sojourn_arm.measurements import JOINTS, MEASUREMENTS, Measured, Measurement
 from sojourn_arm.rover import Rover, RoverWatch
 from sojourn_arm.stand import LastLoads, Stand
 from sojourn_arm.tasks import Request, task_input
-from sojourn_config.scenario import LoadedScenario
+from sojourn_config.flight import FlightScenario
 from sojourn_contract import stamps
-from sojourn_contract.absence import given_up, seen_usable
-from sojourn_contract.app import Answer, App, Period, Refusal
+from sojourn_contract.absence import given_up, last_refused, seen_usable
+from sojourn_contract.app import Answer, FlightApp, Period, Refusal
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.hazcam import TOPIC as CLOUD
@@ -56,23 +56,22 @@ class ArmAppState:
     """When its measurements could last be used [ns]."""
 
 
-class ArmApp(App[ArmAppState]):
+class ArmApp(FlightApp[ArmAppState]):
     """Role arm."""
 
     role = "arm"
     acts_in_silence = True
 
-    def __init__(self, scenario: LoadedScenario) -> None:
-        scenario = scenario.as_believed()
-        self.params = scenario.carried_arm()
-        self.model = build_arm_model(scenario.urdf_xml, self.params)
-        self._tool = scenario.tool
-        self._loads = scenario.machine.loads_of(self.params.joint_names)
-        self._rated_power = sum(load.power_w for load in scenario.bus.loads if load.name in self._loads)
-        self._measurements = Measurements(self.params.joint_names, scenario.urdf_xml, scenario.gravity)
-        self._rover = RoverWatch(self.params.interlock, [wheel.joint for wheel in scenario.machine.rolling])
-        self._ground = GroundWatch(self.params, scenario, reach_from_base(self.model))
-        self._stand = Stand(self.params, scenario.urdf_xml, scenario.machine)
+    def __init__(self, known: FlightScenario) -> None:
+        self.params = known.carried_arm()
+        self.model = build_arm_model(known.urdf_xml, self.params)
+        self._tool = known.tool
+        self._loads = known.machine.loads_of(self.params.joint_names)
+        self._rated_power = sum(load.power_w for load in known.power.loads if load.name in self._loads)
+        self._measurements = Measurements(self.params.joint_names, known.urdf_xml, known.gravity)
+        self._rover = RoverWatch(self.params.interlock, [wheel.joint for wheel in known.machine.rolling])
+        self._ground = GroundWatch(self.params, known, reach_from_base(self.model))
+        self._stand = Stand(self.params, known.urdf_xml, known.machine)
         self._goals = GoalReader(self.params)
 
     def warm_up(self) -> None:
@@ -103,8 +102,8 @@ class ArmApp(App[ArmAppState]):
             state = self._control(state, inputs[JOINTS], measured, rover)
         else:
             state = replace(state, command=state.command.at_rest())
-            last_refusal = str(refusals[-1][1]) if refusals else period.last_refusal
-            if reason := given_up(MEASUREMENTS, stamp, state.usable_at, inputs, last_refusal):
+            cause = last_refused(str(refusals[-1][1]) if refusals else period.last_refusal)
+            if reason := given_up(MEASUREMENTS, stamp, state.usable_at, inputs, cause):
                 # a stop for when it knows again where it is
                 state = replace(state, goal=state.goal.given_up(reason), pending=StopGoal())
         return state, Answer(_messages(state, stamp), refusals)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sojourn_arm.rover import Rover
-from sojourn_config.scenario import LoadedScenario
+from sojourn_config.known_machine import KnownMachine
 from sojourn_contract.clouds import points_of
 from sojourn_contract.hazcam import TOPIC, hazard_camera_of
 from sojourn_contract.values import JointState, PointCloud2
@@ -51,21 +51,20 @@ class GroundWatch:
         reach: of the arm from base_link [m].
     """
 
-    def __init__(self, params: ArmParams, scenario: LoadedScenario, reach: float) -> None:
+    def __init__(self, params: ArmParams, known: KnownMachine, reach: float) -> None:
         self._fixed: GroundPlane | None = None
         self._under: GroundUnderWheels | None = None
         self._reach = reach
-        wheels = [(wheel.joint, wheel.radius + wheel.grouser_height) for wheel in scenario.machine.wheels]
+        wheels = [(wheel.joint, wheel.radius + wheel.grouser_height) for wheel in known.machine.wheels]
         if params.avoid_ground and params.ground_height is not None:
             self._fixed = GroundPlane(params.ground_height)
         elif params.avoid_ground and wheels:
-            self._under = GroundUnderWheels(scenario.urdf_xml, wheels, params.base_link)
-        self._camera = hazard_camera_of(scenario) if self._under is not None else None
-        known = scenario.drive.obstacles if self._camera is not None else None
-        self._settings = known
-        if known is not None:
-            near = known.map.model_copy(update={"cell": CELL, "size": 2.0 * reach + 2.0})
-            self._settings = known.model_copy(update={"map": near})
+            self._under = GroundUnderWheels(known.urdf_xml, wheels, params.base_link)
+        self._camera = hazard_camera_of(known) if self._under is not None else None
+        self._settings = obstacles = known.drive.obstacles if self._camera is not None else None
+        if obstacles is not None:
+            near = obstacles.map.model_copy(update={"cell": CELL, "size": 2.0 * reach + 2.0})
+            self._settings = obstacles.model_copy(update={"map": near})
 
     def warm_up(self) -> None:
         """Have its compiled kernels loaded."""

@@ -58,9 +58,9 @@ class Measurements:
         """Measurements of a period from /joint_states, /imu/data and /wrist/wrench; None where they cannot be used,
         with the reasons added to `refusals`.
         """
-        joints, imu, wrist = inputs[JOINTS], inputs[IMU], inputs.get("/wrist/wrench")
+        joints, imu, wrist = inputs.get(JOINTS), inputs.get(IMU), inputs.get("/wrist/wrench")
         places, gravity = self._places_in(joints, refusals), self._gravity_in_base(imu, refusals)
-        if places is None or gravity is None:
+        if joints is None or places is None or gravity is None:
             return None
         return Measured(
             positions=joints.position[places],

@@ -10,7 +10,8 @@ from sojourn_flight.arm.goals import ArmGoal
 from sojourn_flight.arm.jogging import JogCommand
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput
-from sojourn_flight.arm.tasks.requests import TASKS, TaskRequest, parse_task
+from sojourn_flight.arm.tasks.names import TASKS
+from sojourn_flight.arm.tasks.requests import TaskRequest, parse_task
 from sojourn_flight.arm.tasks.task_control import TaskInput, TaskReport
 from sojourn_machine.evolution import replace
 
@@ -25,7 +26,7 @@ def task_of(message: DiagnosticArray) -> TaskRequest:
         GoalRefusedError: no status or several; a name, a key or a number that is not allowed.
     """
     if len(message.status) != 1:
-        raise GoalRefusedError(f"{len(message.status)} statuses: allowed is one, named {', '.join(TASKS)}")
+        raise GoalRefusedError(f"{len(message.status)} statuses: allowed is one, named {', '.join(TASKS.names())}")
     return parse_task(message.status[0].name, status_values(message))
 
 

@@ -11,7 +11,7 @@ from sojourn_bags.judging import machine_of
 from sojourn_bags.reading import Bag
 from sojourn_bags.replay import play
 from sojourn_bags.replay_harness import ReplaySettings
-from sojourn_bags.replay_script import ReplayScript, Step, script_of
+from sojourn_bags.replay_script import ReplayPeriod, ReplayScript, script_of
 from sojourn_bags.run_configuration import RunConfiguration
 from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.judge import Judge
@@ -39,7 +39,7 @@ class CandidateJudge:
             unseen=[row.name for row in script.table if row.name not in rows],
         )
 
-    def sent(self, step: Step) -> None:
+    def sent(self, step: ReplayPeriod) -> None:
         """The judge knows by the inputs what the candidate was asked, and by /clock what time it is."""
         for name, data in (*step.goals, *step.inputs):
             take_bytes(self._judge, self._script.table.topic(name), data)

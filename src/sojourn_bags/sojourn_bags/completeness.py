@@ -143,4 +143,6 @@ def account(
 
 def due_by(row: Topic, last_stamp: int) -> int:
     """Messages of a periodic row that somebody has waited for by this stamp [ns]."""
+    if row.delivery is not None:
+        return sum(1 for _ in row.delivery.departures(last_stamp // CONTROL_PERIOD_NS))
     return max(0, last_stamp // CONTROL_PERIOD_NS - row.lag) // row.every

@@ -8,7 +8,13 @@ from sojourn_bags.definitions import full_type
 from sojourn_bags.errors import OtherContractError
 from sojourn_bags.provenance import CONTRACT_NAME, VERSIONS_NAME, versions
 from sojourn_bags.reading import Bag
-from sojourn_contract.description import contract_data, contract_differences, contract_name, row_of_data
+from sojourn_contract.description import (
+    contract_data,
+    contract_differences,
+    contract_name,
+    delivered_by_data,
+    row_of_data,
+)
 from sojourn_contract.errors import TopicNameError
 from sojourn_contract.run_table import row_named
 from sojourn_contract.topic_table import TopicTable
@@ -65,13 +71,15 @@ def table_of_bag(bag: Bag) -> TopicTable:
     """
     theirs = _own_contract(bag)
     described: Mapping[str, Any] = dict.fromkeys(bag.topics) if theirs is None else theirs["topics"]
-    rows = []
+    rows, delivered = [], []
     try:
         for name, data in described.items():
             row = row_named(name) or (None if data is None else row_of_data(name, data))
             if row is not None and name not in STANDARD:
                 rows.append(row)
-        return STANDARD.joined_with(rows)
+            if row is not None and data is not None:
+                delivered.append(delivered_by_data(row, data))
+        return STANDARD.joined_with(rows).delivered(delivered)
     except (TopicNameError, *_UNREADABLE) as error:
         raise OtherContractError(bag.path, f"its {CONTRACT_NAME} cannot be read: {error}") from error
 

@@ -10,14 +10,15 @@ from collections.abc import Iterable
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rclpy.duration import Infinite
-from rclpy.qos import QoSProfile
 from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from sojourn_bags.errors import UnreadableMessageError
+
+if TYPE_CHECKING:  # who reads a bag needs none of the ROS library
+    from rclpy.qos import QoSProfile
 
 _NANOSECONDS = 1_000_000_000
 RUN_RECORD = "sojourn_run"
@@ -88,7 +89,7 @@ def type_hash(type_name: str) -> str:
     return typestore().hash_rihs01(type_name)
 
 
-def offered_entries(nominal: dict[str, Any], offered: Iterable[QoSProfile]) -> list[dict[str, Any]]:
+def offered_entries(nominal: dict[str, Any], offered: Iterable["QoSProfile"]) -> list[dict[str, Any]]:
     """What publishers offer, each profile once. Others are not told history and depth: as in `nominal`."""
     found: list[dict[str, Any]] = []
     for profile in offered:
@@ -99,8 +100,10 @@ def offered_entries(nominal: dict[str, Any], offered: Iterable[QoSProfile]) -> l
     return found
 
 
-def qos_entry(profile: QoSProfile) -> dict[str, Any]:
+def qos_entry(profile: "QoSProfile") -> dict[str, Any]:
     """A profile as metadata of version 9 writes it."""
+    from rclpy.duration import Infinite
+
     endless = {"sec": Infinite.nanoseconds // _NANOSECONDS, "nsec": Infinite.nanoseconds % _NANOSECONDS}
     return {
         "history": profile.history.name.lower(),

@@ -95,11 +95,13 @@ def unit_of(messages: Messages, path: str) -> str:
                 return _plain(rule.unit)
     if messages.type in _SPARSE:
         if messages.topic == "/truth/loads":
-            return {"power": "W", "energy": "J"}.get(bare.partition(" ")[0], "")
+            return UNITS_OF_LOADS.get(bare.partition(" ")[0], "")
         return next((unit for end, unit in SUFFIX_UNITS.items() if bare.endswith(end)), "")
     return ""
 
 
+UNITS_OF_LOADS = {"power": "W", "source": "W", "energy": "J", "network": "J", "temperature": "K", "winding": "K"}
+"""By the first word of a key of /truth/loads."""
 _SPARSE = frozenset({"diagnostic_msgs/msg/DiagnosticArray"})
 """Types whose messages may lack a field: it is drawn where it is there."""
 

@@ -4,6 +4,7 @@ A goal and a status belong together by the goal's stamp. For a goal without a st
 final status about such a goal after it arrived.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -19,16 +20,6 @@ STATUS_OF = {**dict.fromkeys(DRIVE_TOPICS, "/drive/status"), **dict.fromkeys(ARM
 REACHED = "reached"
 FINAL_STATES = (REACHED, "refused", "stopped", "failed")
 REPLACED, UNFINISHED = "replaced by the next goal", "not finished"
-STEP_TOPICS = {
-    "drive_to": "/goal_pose",
-    "drive_route": "/waypoints",
-    "arm_to": "/arm/goal_pose",
-    "arm_to_ground": "/arm/goal_pose",
-    "arm_joints": "/arm/joint_goal",
-    "arm_path": "/arm/path",
-    "arm_task": "/arm/task",
-}
-"""Topic on which the operator sends a step of a scenario."""
 
 
 @dataclass(frozen=True)
@@ -134,16 +125,12 @@ def sent_goals(bag: Bag) -> list[SentGoal]:
     return sorted(goals, key=lambda goal: goal.effect_s)
 
 
-def missing_steps(step_kinds: Sequence[str], goals: Sequence[SentGoal]) -> int:
-    """How many steps of a scenario have not been sent."""
-    sent: dict[str, int] = {}
-    wanted: dict[str, int] = {}
-    for goal in goals:
-        sent[goal.topic] = sent.get(goal.topic, 0) + 1
-    for kind in step_kinds:
-        if kind in STEP_TOPICS:
-            wanted[STEP_TOPICS[kind]] = wanted.get(STEP_TOPICS[kind], 0) + 1
-    return sum(max(0, count - sent.get(topic, 0)) for topic, count in wanted.items())
+def missing_steps(step_topics: Sequence[str], goals: Sequence[SentGoal]) -> int:
+    """How many steps of a scenario have not been sent. step_topics: on which each is sent; others than of goals have
+    nobody who tells what became of them."""
+    sent = Counter(goal.topic for goal in goals)
+    wanted = Counter(topic for topic in step_topics if topic in STATUS_OF)
+    return (wanted - sent).total()
 
 
 def _describe(topic, message) -> tuple[str, tuple[float, float, float] | None]:

@@ -112,12 +112,14 @@ def machine_of(bag: Bag) -> JudgedMachine:
     """The rover that the bag describes. Raises UnjudgeableBagError if it describes none."""
     try:
         run = Run.of_bag(bag)
+        power = run.resolved["power"]
+        buses = [power["bus"], *power["buses"].values()]
         return JudgedMachine.of(
             run.scenario.machine,
             run.machine,
             parse_urdf(run.urdf, f"URDF of {run.name}"),
             run.arm_joints,
-            [load["name"] for load in run.resolved["bus"]["loads"]],
+            [load["name"] for bus in buses for load in bus["loads"]],
             () if run.arm is None else tuple(run.arm["named_poses"]),
             run.tool,
             run.moving_joints,

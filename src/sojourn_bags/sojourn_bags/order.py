@@ -45,7 +45,10 @@ class PeriodOrder:
         """Last period of which everything due has come."""
         self.released = 0
         """Last period that has been released."""
-        self._awaited = tuple(awaited)
+        self._awaited = tuple((channel, row) for channel, row in awaited if row.delivery is None)
+        self._delivered = {channel: row for channel, row in awaited if row.delivery is not None}
+        self._here: set[tuple[int, int]] = set()
+        """Channel and stamp of messages of rows with a delivery, until the period in which they leave is collected."""
         self._bits = {channel: 1 << number for number, (channel, _) in enumerate(self._awaited)}
         self._cycle = lcm(*(row.every for _, row in self._awaited))
         self._masks: dict[int, int] = {}
@@ -60,6 +63,12 @@ class PeriodOrder:
 
     def offer(self, channel: int, stamp: int, data: bytes) -> None:
         """Take a message of an awaited row."""
+        delivered = self._delivered.get(channel)
+        if delivered is not None:
+            self._here.add((channel, stamp))
+            period = self._period_of(delivered.heard_at(stamp))
+            self._keep(period, channel, 0, stamp, data, period * CONTROL_PERIOD_NS)
+            return
         period = self._period_of(stamp)
         if stamp == period * CONTROL_PERIOD_NS and period > self.collected:
             self._arrived[period] = self._arrived.get(period, 0) | self._bits[channel]
@@ -85,13 +94,15 @@ class PeriodOrder:
         """Step to the next period if everything that is due in it has come."""
         period = self.collected + 1
         due = self._due(period)
-        if self._arrived.get(period, 0) & due != due:
+        leaving = self._leaving(period)
+        if self._arrived.get(period, 0) & due != due or not self._here.issuperset(leaving):
             return False
         for channel, count in self._ticks.get(period, {}).items():
             if self._goals.get(channel, 0) < count:
                 return False
         self._arrived.pop(period, None)
         self._ticks.pop(period, None)
+        self._here.difference_update(leaving)
         self.collected = period
         return True
 
@@ -120,12 +131,23 @@ class PeriodOrder:
         """Rows that the period in progress waits for."""
         period = self.collected + 1
         arrived = self._arrived.get(period, 0)
-        return [row for channel, row in self._awaited if is_due(row, period) and not arrived & self._bits[channel]]
+        lacking = {channel for channel, stamp in self._leaving(period) if (channel, stamp) not in self._here}
+        rows = [row for channel, row in self._awaited if is_due(row, period) and not arrived & self._bits[channel]]
+        return rows + [row for channel, row in self._delivered.items() if channel in lacking]
 
     @property
     def last_begun(self) -> int:
         """Last period of which something has come on two topics: one message with a stamp of its own begins none."""
         return max((period for period, bits in self._arrived.items() if bits & (bits - 1)), default=self.collected)
+
+    def _leaving(self, period: int) -> list[tuple[int, int]]:
+        """Channel and stamp of messages that leave in a period, of rows with a delivery."""
+        return [
+            (channel, each * CONTROL_PERIOD_NS)
+            for channel, row in self._delivered.items()
+            if row.delivery is not None
+            for each in row.delivery.left_at(period)
+        ]
 
     def _due(self, period: int) -> int:
         """Bits of the rows that are due. The pattern repeats, because no row lags for the recorder."""
@@ -143,12 +165,13 @@ class PeriodOrder:
         period = -(-stamp // CONTROL_PERIOD_NS)
         return period if period <= self.collected + MAX_AHEAD_PERIODS else self.collected + 1
 
-    def _keep(self, period: int, channel: int, rank: int, stamp: int, data: bytes) -> None:
-        log_time = stamp
+    def _keep(self, period: int, channel: int, rank: int, stamp: int, data: bytes, heard: int = 0) -> None:
+        """heard: when it is there [ns], 0 for with its stamp."""
+        log_time = heard or stamp
         if period <= self.released:
             period = self.released + 1
             log_time = period * CONTROL_PERIOD_NS
-        elif stamp > period * CONTROL_PERIOD_NS:  # a goal from far ahead
+        elif log_time > period * CONTROL_PERIOD_NS:  # a goal from far ahead
             log_time = period * CONTROL_PERIOD_NS
         self._arrivals += 1
         entry = (log_time, channel, rank, self._arrivals, stamp, data)

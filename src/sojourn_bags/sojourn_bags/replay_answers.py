@@ -62,10 +62,11 @@ class Answers:
                 continue
             until = (period + self._lead - self._lag[name]) * CONTROL_PERIOD_NS
             place, latest = self._place[name], self._latest[name]
+            row = self._table.get(name)
             while place < len(stamps) and stamps[place] <= latest:
                 place += 1
             self._place[name] = place
-            if place < len(stamps) and stamps[place] <= until:
+            if place < len(stamps) and (stamps[place] if row is None else row.heard_at(stamps[place])) <= until:
                 found.append((name, stamps[place]))
         return found
 

@@ -22,7 +22,7 @@ from sojourn_bags.errors import UnansweredError
 from sojourn_bags.reading import Messages
 from sojourn_bags.replay_answers import Answers
 from sojourn_bags.replay_choices import DEFAULT_TIMEOUT_S
-from sojourn_bags.replay_script import HEARTBEATS, Script, Step
+from sojourn_bags.replay_script import HEARTBEATS, ReplayPeriod, Script
 from sojourn_contract import qos, stamps
 from sojourn_contract.codecs import decode, encode
 from sojourn_contract.conformance.endpoints import Endpoint, endpoint_findings
@@ -49,7 +49,7 @@ RECORDER_TICK = "/recorder/tick"
 class Listener(Protocol):
     """Gets all that is said in a replay, in the order in which it is said."""
 
-    def sent(self, step: Step) -> None:
+    def sent(self, step: ReplayPeriod) -> None:
         """All messages of a period, just before they are sent."""
 
     def heard(self, row: Topic, stamp: int, data: bytes) -> None:
@@ -212,7 +212,7 @@ class ReplayHarness:
 
     # During the run
 
-    def _play(self, step: Step) -> None:
+    def _play(self, step: ReplayPeriod) -> None:
         """Send all of a period: goals first. The candidate waits for those that a tick announces; others must arrive
         before the rest, which the middleware confirms only after seconds.
         """

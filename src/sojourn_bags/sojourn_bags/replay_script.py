@@ -6,10 +6,11 @@ sent by hand in the step under which the recorder has filed it.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from sojourn_bags.comparison import stamps_of, until
+from sojourn_bags.completeness import due_by
 from sojourn_bags.contract_version import check_contract, table_of_bag
 from sojourn_bags.errors import ReplayError
 from sojourn_bags.provenance import run_of
@@ -26,7 +27,7 @@ CLOCK, TICK, HEARTBEATS = "/clock", "/operator/tick", "/diagnostics"
 
 
 @dataclass
-class Step:
+class ReplayPeriod:
     """One control period.
 
     Args:
@@ -50,7 +51,7 @@ class Script(Protocol):
     @property
     def table(self) -> TopicTable: ...
     @property
-    def steps(self) -> tuple[Step, ...]: ...
+    def steps(self) -> tuple[ReplayPeriod, ...]: ...
     @property
     def inputs(self) -> tuple[Topic, ...]: ...
     @property
@@ -75,7 +76,7 @@ class ReplayScript:
     role: str
     participants: tuple[str, ...]
     table: TopicTable
-    steps: tuple[Step, ...]
+    steps: tuple[ReplayPeriod, ...]
     inputs: tuple[Topic, ...]
     recorded: Mapping[str, Messages]
     cut_off: bool = False
@@ -145,7 +146,7 @@ def _inputs(
     """Rows that the role may hear: what it waits for, goals, heartbeats, and the clock where the plant is another."""
     names = {row.name for row in awaited}
     rows = [row for row in table.inputs_of(role) if row.name in names or row.is_event or row.publisher == "all"]
-    clock = () if role == "plant" or CLOCK not in topics else (table.topic(CLOCK),)
+    clock = () if role == "plant" or CLOCK not in topics or CLOCK in names else (table.topic(CLOCK),)
     return (*clock, *rows)
 
 
@@ -171,19 +172,23 @@ def _check_topics(
     periods = max(each.log_times[-1] for each in topics.values()) // CONTROL_PERIOD_NS
     awaited, outputs = rows
     for row in awaited:
-        if row.logged and row.name not in topics and periods >= row.every:
+        if row.logged and row.name not in topics and due_by(replace(row, lag=0), periods * CONTROL_PERIOD_NS):
             raise ReplayError(f"{bag.path} lacks {row.name}, without which {role} cannot be replayed")
     for row in outputs:
-        if not row.is_event and row.name not in recorded and periods > row.every:
+        if (
+            not row.is_event
+            and row.name not in recorded
+            and due_by(replace(row, lag=0), (periods - 1) * CONTROL_PERIOD_NS)
+        ):
             raise ReplayError(f"{bag.path} lacks {row.name} of {role}: there is nothing to compare its answers with")
 
 
-def _steps(role: str, inputs: Sequence[Topic], topics: Mapping[str, Messages], end: int) -> tuple[Step, ...]:
+def _steps(role: str, inputs: Sequence[Topic], topics: Mapping[str, Messages], end: int) -> tuple[ReplayPeriod, ...]:
     ticks = _ticks(topics)
     last = end // CONTROL_PERIOD_NS
     if role == "plant" and not any(ends and period + OPERATOR_LAG <= last for period, (_, ends) in ticks.items()):
         last -= 1  # it would answer what the run did not ask for
-    steps = {period: Step(period) for period in range(1, last + 1)}
+    steps = {period: ReplayPeriod(period) for period in range(1, last + 1)}
     entries = []
     for row in inputs:
         if row.name == "/recorder/tick" or row.name not in topics:
@@ -200,8 +205,8 @@ def _steps(role: str, inputs: Sequence[Topic], topics: Mapping[str, Messages], e
             if period in steps:
                 steps[period].goals.append((row.name, data))
                 steps[period].unannounced |= set() if announced else {row.name}
-        elif stamp // CONTROL_PERIOD_NS in steps:
-            steps[stamp // CONTROL_PERIOD_NS].inputs.append((row.name, data))
+        elif (period := row.heard_at(stamp) // CONTROL_PERIOD_NS) in steps:
+            steps[period].inputs.append((row.name, data))
     return tuple(steps.values())
 
 

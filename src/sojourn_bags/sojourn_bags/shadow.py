@@ -19,7 +19,7 @@ from sojourn_bags.definitions import typestore
 from sojourn_bags.errors import UnansweredError
 from sojourn_bags.reading import Messages
 from sojourn_bags.replay_harness import DRAIN_S, POLL_S, ReplayHarness, ReplaySettings
-from sojourn_bags.replay_script import CLOCK, HEARTBEATS, Step
+from sojourn_bags.replay_script import CLOCK, HEARTBEATS, ReplayPeriod
 from sojourn_bags.shadow_tap import Tap
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_table import TopicTable
@@ -49,7 +49,7 @@ class LiveScript:
     inputs: tuple[Topic, ...]
     lead: int = 0
     recorded: Mapping[str, Messages] = field(default_factory=dict)
-    steps: tuple[Step, ...] = ()
+    steps: tuple[ReplayPeriod, ...] = ()
 
     @property
     def due(self) -> dict[str, range]:
@@ -87,7 +87,7 @@ class Shadow(ReplayHarness):
         self, role: str, participants: Sequence[str], table: TopicTable, lockstep: bool, settings: ReplaySettings
     ) -> None:
         heard = (row for row in table.inputs_of(role, participants) if row.publisher in participants)
-        script = LiveScript(role, tuple(participants), table, (table.topic(CLOCK), *heard))
+        script = LiveScript(role, tuple(participants), table, tuple(dict.fromkeys((table.topic(CLOCK), *heard))))
         super().__init__(script, replace(settings, namespace=settings.namespace + NAMESPACE))
         self._lockstep, self._stack = lockstep, settings.namespace
         self._divergence: Divergence | None = None

@@ -13,7 +13,7 @@ from rclpy.qos import QoSProfile
 from sojourn_bags.definitions import full_type
 from sojourn_bags.errors import UnansweredError
 from sojourn_bags.reading import Messages
-from sojourn_bags.replay_script import CLOCK, HEARTBEATS, Step
+from sojourn_bags.replay_script import CLOCK, HEARTBEATS, ReplayPeriod
 from sojourn_contract import qos, stamps
 from sojourn_contract.barrier import Barrier, awaited_inputs
 from sojourn_contract.decoding import STAMP_BYTES
@@ -57,7 +57,7 @@ class Tap:
                 self.ours[row.name] = Messages(row.name, full_type(row.type))
                 self._listen(node, row, self._hear_ours)
 
-    def next_step(self) -> Step | None:
+    def next_step(self) -> ReplayPeriod | None:
         """The next period whose inputs are all here, with the goals that came before it; in real time what has come.
 
         Raises:
@@ -74,16 +74,16 @@ class Tap:
                     "the shadow cannot go on"
                 )
             return None
-        step = Step(self._barrier.period)
+        step = ReplayPeriod(self._barrier.period)
         while self._goals and self._goals[0][0] < self._barrier.stamp:
             step.goals.append(self._goals.popleft()[1:])
         step.inputs = list(self._barrier.take().items())
         return step
 
-    def _all_that_waits(self) -> Step | None:
+    def _all_that_waits(self) -> ReplayPeriod | None:
         if not self._waiting:
             return None
-        step = Step(self.newest // stamps.CONTROL_PERIOD_NS, inputs=list(self._waiting))
+        step = ReplayPeriod(self.newest // stamps.CONTROL_PERIOD_NS, inputs=list(self._waiting))
         self._waiting.clear()
         return step
 

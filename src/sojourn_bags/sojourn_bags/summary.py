@@ -50,8 +50,8 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     tip_link = "" if run.arm is None else run.arm["tip_link"]
     results = judge_goals(bag, machine, tip_link, Limits(accept.drive_m, accept.arm_m), end_s)
     operated = "operator" in bag.records.get(RUN_RECORD, {}).get("participants", "operator").split(",")
-    kinds = [step.kind for step in run.scenario.steps] if operated else []
-    not_sent = missing_steps(kinds, [result.goal for result in results])
+    topics = [step.action.topic for step in run.scenario.steps] if operated else []
+    not_sent = missing_steps(topics, [result.goal for result in results])
     drive_errors = [result.error_m for result in results if result.goal.topic in DRIVE_TOPICS]
     arm_errors = [result.error_m for result in results if result.goal.topic in ARM_TOPICS]
     max_tilt_deg = float(np.degrees(tilts(poses_of(bag, "/truth/odom")[:, 3:]).max())) if has_truth else None
@@ -118,12 +118,14 @@ def distance_driven(bag: Bag) -> float:
 
 
 def energy_used(bag: Bag) -> float | None:
-    """Energy that left the battery, by its true voltage and current (negative while discharging) [Wh]."""
-    if "/truth/electrical" not in bag:
+    """Energy that left the stores, by their true voltages and currents (negative while discharging) [Wh]."""
+    first = "/truth/electrical"
+    if first not in bag:
         return None
-    store = bag["/truth/electrical"]
-    power = -store.column("voltage") * store.column("current")
-    joules = float(np.trapezoid(power, store.times)) + float(power[0] * store.times[0])
+    joules = 0.0
+    for store in (bag[name] for name in bag.topics if name == first or name.startswith(f"{first}/")):
+        power = -store.column("voltage") * store.column("current")
+        joules += float(np.trapezoid(power, store.times)) + float(power[0] * store.times[0])
     return joules / JOULES_PER_WATT_HOUR
 
 

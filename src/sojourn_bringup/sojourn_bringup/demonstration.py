@@ -1,6 +1,7 @@
 """A run under a progress bar, and its verdict in words, numbers and a picture: the work of scripts/demo."""
 
 import argparse
+import shlex
 from collections.abc import Sequence
 
 from rich.console import Console
@@ -128,6 +129,9 @@ def _judge(plan: RunPlan, outcome: Outcome, screen: Screen) -> bool:
     speed = f", {factor:.1f} times real time" if factor else ""
     screen.say(f"{summary['sim_time_s']:.0f} s simulated in {outcome.wall_time_s:.0f} s{speed}")
     screen.say(f"bag, summary.json and report.png are in {plan.run_dir}")
+    if plan.loaded is not None and plan.loaded.config.activities:
+        changed = "".join(f" --set {shlex.quote(text)}" for text in plan.overrides)
+        screen.say(f"what is planned for the days around it: scripts/power_plan {plan.scenario}{changed}")
     return bool(summary["all_met"] and summary["complete"])
 
 

@@ -73,6 +73,13 @@ class RunPlan:
         """Folder of the bag; a recorder that was started again writes beside what the first has left."""
         return self.run_dir / ("bag" if attempt == 0 else f"bag_{attempt + 1}")
 
+    @property
+    def companions(self) -> tuple[str, ...]:
+        """Roles whose nodes are our own and start here: as processes in lock-step they hear each other in bundles."""
+        if self.realtime:
+            return ()
+        return tuple(role for role in self.participants if role in self.started and role not in self.replacements)
+
     def parameters(self, role: str, attempt: int = 0) -> dict[str, object]:
         """ROS parameters of a role's node.
 
@@ -94,6 +101,8 @@ class RunPlan:
     def ros_arguments(self, role: str, attempt: int = 0) -> list[str]:
         """Command line arguments that give a process its parameters and its namespace."""
         values = self.parameters(role, attempt)
+        if role in self.companions:
+            values["companions"] = list(self.companions)
         if role == "operator":
             values["result_file"] = str(self.result_file)
         return ros_arguments(values, self.namespace)

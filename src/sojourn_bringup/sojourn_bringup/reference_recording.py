@@ -4,15 +4,17 @@ import argparse
 import difflib
 import shutil
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from sojourn_bags.comparison import compare
 from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.completeness import RECORD
+from sojourn_bags.contract_version import check_contract
 from sojourn_bags.description import Run
 from sojourn_bags.digest import digest
-from sojourn_bags.errors import BagsError
+from sojourn_bags.errors import BagsError, OtherContractError
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bringup import start, start_run
 from sojourn_bringup.record_reference import DIGEST
@@ -47,7 +49,7 @@ def renew(reference: ReferenceBag, domain: int) -> list[str]:
     place = references_folder() / reference.name
     with tempfile.TemporaryDirectory(prefix="sojourn-reference-") as base:
         bag = record(reference, Path(base) / "run", domain)
-        lines = _changes(place, bag)
+        lines = changes(place, bag)
         if not lines:
             return [f"{reference.name}: unchanged"]
         shutil.rmtree(place, ignore_errors=True)
@@ -56,7 +58,7 @@ def renew(reference: ReferenceBag, domain: int) -> list[str]:
     return [*lines, f"{reference.name}: renewed, {(place / 'bag' / bag.path.name).stat().st_size / 1e6:.2f} MB"]
 
 
-def _changes(place: Path, bag: Bag) -> list[str]:
+def changes(place: Path, bag: Bag) -> list[str]:
     """What is different from the bag in its place, in lines; empty where nothing is."""
     try:
         before = read_bag(place)
@@ -65,11 +67,20 @@ def _changes(place: Path, bag: Bag) -> list[str]:
         text = (place / DIGEST).read_text(encoding="utf-8")
     except (BagsError, OSError, ValueError) as error:
         return [f"nothing to compare with: {error}"]
-    same = (old.resolved, old.overrides, old.files) == (new.resolved, new.overrides, new.files)
+    contract = list(_change_of_contract(before))
+    same = not contract and (old.resolved, old.overrides, old.files) == (new.resolved, new.overrides, new.files)
     if comparison.verdict is Verdict.IDENTICAL and same:
         return []
-    changes = difflib.unified_diff(text.splitlines(), digest(bag).splitlines(), "before", "now", lineterm="", n=0)
-    return [*changes, *comparison_lines(comparison, "before", "now")]
+    renewed = difflib.unified_diff(text.splitlines(), digest(bag).splitlines(), "before", "now", lineterm="", n=0)
+    return [*contract, *renewed, *comparison_lines(comparison, "before", "now")]
+
+
+def _change_of_contract(before: Bag) -> Iterator[str]:
+    """In what our contract is another than that of a bag; nothing where it is the same."""
+    try:
+        check_contract(before)
+    except OtherContractError as error:
+        yield str(error)
 
 
 def run(given: argparse.Namespace) -> int:

@@ -6,7 +6,7 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field, SerializeAsAny
 
 from sojourn_flight.arm.params import ArmParams
-from sojourn_machine.drives import JointDriveParams
+from sojourn_machine.actuator_choice import Drive
 from sojourn_machine.power.loads import LoadParams
 from sojourn_machine.sensor_choice import SensorParams
 from sojourn_machine.supports import PadParams
@@ -31,9 +31,7 @@ class ArmConfig(ArmParams):
         description="links whose inertia is kept as published, though no body can have it: without a mass, or with "
         "moments that do not fit together",
     )
-    drives: tuple[JointDriveParams, ...] = Field(
-        default=(), description="motor, gear and servo of groups of its joints"
-    )
+    drives: tuple[Drive, ...] = Field(default=(), description="what drives groups of its joints")
     joint_groups: dict[str, JointGroupParams] = Field(default_factory=dict, description="encoders by group of joints")
     load: LoadParams | None = Field(
         default=None, description="what its motors draw from the bus, for a machine whose bus has no load of that name"

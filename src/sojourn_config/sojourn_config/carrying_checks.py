@@ -12,9 +12,9 @@ from sojourn_config.mounting import LoadedMachine
 from sojourn_config.still_machine import StillMachine
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
-from sojourn_machine.drives import MotorParams
+from sojourn_machine.drives import JointDriveParams, MotorParams
 from sojourn_machine.params import FloatArray
-from sojourn_machine.power.battery import BatteryParams
+from sojourn_machine.power.power_params import PowerParams
 
 
 def carrying_problems(
@@ -29,7 +29,7 @@ def carrying_problems(
     if arm is None or machine.config.arm_mount is None:
         return
     document = documents["arm"]
-    yield from _voltage_problems(arm, machine.battery, document)
+    yield from _voltage_problems(arm, machine.power, document)
     for pose, positions in arm.named_poses.items():
         still = StillMachine(urdf, dict(zip(arm.joint_names, positions, strict=True)))
         yield from _holding_problems(arm, urdf, still, pose, gravity, document)
@@ -37,19 +37,19 @@ def carrying_problems(
             yield from _balance_problems(machine.config, urdf, still, pose, documents["machine"])
 
 
-def _voltage_problems(arm: ArmConfig, battery: BatteryParams, document: YamlDocument) -> Iterator[Problem]:
-    """A motor at its largest speed, against friction: V = k N w + R (F_0 + b w)/(N k n), from an empty battery."""
-    lowest = battery.cells_series * battery.ocv_points[0]
+def _voltage_problems(arm: ArmConfig, power: PowerParams, document: YamlDocument) -> Iterator[Problem]:
+    """A motor at its largest speed, against friction: V = k N w + R (F_0 + b w)/(N k n), from empty stores."""
+    lowest = power.lowest_voltage()
     for index, name in enumerate(arm.joint_names):
         drive = next((drive for drive in arm.drives if name in drive.joints), None)
-        if drive is None or not isinstance(drive.electric, MotorParams):
+        if not (isinstance(drive, JointDriveParams) and isinstance(drive.electric, MotorParams)):
             continue
         motor, gear = drive.electric, drive.transmission
         gain, rate = motor.torque_constant * gear.ratio, arm.max_velocity[index]
         effort = (drive.friction_torque + drive.viscous_friction * rate) / gear.efficiency
         needed = gain * rate + motor.resistance * effort / gain
         if needed > lowest:
-            allowed = f"needs {needed:.3g} V from the bus, but an empty {battery.name} gives {lowest:.3g} V: "
+            allowed = f"needs {needed:.3g} V from the bus, but empty stores give {lowest:.3g} V: "
             allowed += f"allowed is some {rate * lowest / needed:.2g} at most"
             yield document.problem(("max_velocity", index), rate, allowed)
 

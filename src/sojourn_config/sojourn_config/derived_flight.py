@@ -16,7 +16,7 @@ from sojourn_config.yaml_file import Data
 from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams, steering_geometry
 from sojourn_flight.mobility.wheel_table import scrubs
 from sojourn_machine.body import BodyLayout
-from sojourn_machine.supports import TrackParams
+from sojourn_machine.supports import TrackParams, WheelParams
 
 GUESS = "a guess: scripts/tune measures it"
 LENGTHS_A_SECOND = 0.3
@@ -39,13 +39,15 @@ class _Size(NamedTuple):
     """Of the farthest support."""
     radius: float
     """Of the smallest wheel."""
+    step: tuple[float, str]
+    """That it gets up, and from what that follows."""
 
 
 def placeholders() -> Derivation:
     """What stands for all that cannot be derived of a machine whose wheels do not fit its URDF: it is refused for that,
     and not for keys that would follow.
     """
-    size = _Size(1.0, 1.0, 0.5, 0.5, 1.0, 1.0, 0.2)
+    size = _Size(1.0, 1.0, 0.5, 0.5, 1.0, 1.0, 0.2, (0.1, GUESS))
     mobility = dict.fromkeys(("max_wheel_rate", "lateral_weight", "max_steer_rate", "max_steer_acceleration"), 1.0)
     lengths = {
         key: 1.0 for key in ("max_curvature", "corner_cut", "lateral_length", "heading_length", "approach_speed")
@@ -68,7 +70,10 @@ def derived_flight(layout: BodyLayout, sensors: Mapping[str, Data]) -> Derivatio
     fastest = _slowest(layout, [one.joint for one in layout.machine.rolling])
     drive: dict[str, DerivedValue | Derivation] = {
         "mobility": dict(_mobility(layout, geometry, fastest)),
-        "odometry": {key: DerivedValue(value, GUESS) for key, value in UNMEASURED_SLIP.items()},
+        "odometry": {
+            **{key: DerivedValue(value, GUESS) for key, value in UNMEASURED_SLIP.items()},
+            "turn_sigma": _turn_sigma(geometry, size),
+        },
         "follower": dict(_following(geometry, size)),
     }
     if fastest is not None:
@@ -121,6 +126,14 @@ def _mobility(
         yield "max_steer_acceleration", DerivedValue(_rounded(rate / 0.3), f"{rate:g} rad/s after 0.3 s")
 
 
+def _turn_sigma(geometry: SteeringGeometryParams, size: _Size) -> DerivedValue:
+    """The skid rover, 0.60 m between its axles, is dragged back by 0.08 m in a turn of 0.8 rad; the explorer, all of
+    whose wheels point along their ways, by 0.03 m in 0.6 rad, with 1.4 m.
+    """
+    part, why = (0.17, "wheels slide") if scrubs(geometry.wheels) else (0.035, "wheels roll")
+    return DerivedValue(_rounded(part * size.wheelbase), f"{why} in a turn; wheelbase {size.wheelbase:.2f} m")
+
+
 def _limits(speed: float, size: _Size) -> Iterator[tuple[str, DerivedValue]]:
     why = f"0.8 of the rim's at the velocity of the drive joints, {LENGTHS_A_SECOND:g} wheelbases a second at most"
     yield "max_speed", DerivedValue(speed, why)
@@ -140,7 +153,7 @@ def _following(geometry: SteeringGeometryParams, size: _Size) -> Iterator[tuple[
 
 def _passing(size: _Size) -> Derivation:
     places = "places of wheels and tracks"
-    wheel = f"half the radius of the smallest wheel, {size.radius:.3f} m"
+    highest, why = size.step
     return {
         "outline": {
             "front": DerivedValue(_rounded(size.front), places),
@@ -149,7 +162,7 @@ def _passing(size: _Size) -> Derivation:
             "ride_height": DerivedValue(_rounded(size.height), places),
         },
         "passable": {
-            "max_step": DerivedValue(_rounded(0.5 * size.radius), wheel),
+            "max_step": DerivedValue(_rounded(highest), why),
             "clearance": DerivedValue(_rounded(0.5 * size.height), "half the height of base_link"),
         },
     }
@@ -180,7 +193,18 @@ def _size_of(layout: BodyLayout, geometry: SteeringGeometryParams) -> _Size:
         wheelbase=max(float(np.ptp(x)), run, float(side.max())),
         turn_radius=max(math.hypot(wheel.x, wheel.y) for wheel in geometry.wheels),
         radius=min(wheel.radius for wheel in geometry.wheels),
+        step=min(map(_highest_step, layout.machine.rolling)),
     )
+
+
+def _highest_step(support: WheelParams | TrackParams) -> tuple[float, str]:
+    """A wheel rolls up half its radius; the front of a track first runs up its incline, and then does as a wheel."""
+    if not isinstance(support, TrackParams):
+        return 0.5 * support.shear_radius, f"half the radius of the smallest wheel, {support.shear_radius:.3f} m"
+    rises = [
+        end.length * math.sin(math.radians(end.angle_deg)) + 0.5 * end.radius for end in (support.front, support.rear)
+    ]
+    return min(rises), "rise of the incline of the track, and half the radius of the wheel at its end"
 
 
 def _slowest(layout: BodyLayout, joints: Sequence[str]) -> float | None:

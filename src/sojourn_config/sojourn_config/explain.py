@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import annotated_types
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, RootModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
@@ -151,7 +151,7 @@ def _child(place: KeySchema, part: str | int) -> KeySchema | None:
             others = getattr(annotation, "others", None)
             if isinstance(others, KindsOf):  # any other key names a thing, by default one of the kind of that name
                 named = part in others.registry.names()
-                return KeySchema(others.registry.get(part)) if named else _schema(object, [others], "")
+                return _kind(others.registry.get(part)) if named else _schema(object, [others], "")
             continue
         origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
         element: object | None = None
@@ -165,6 +165,14 @@ def _child(place: KeySchema, part: str | int) -> KeySchema | None:
         if element is not None:
             return _unwrap(element, place.description)
     return None
+
+
+def _kind(kind: type[BaseModel]) -> KeySchema:
+    """Of a kind by its name; one that is no table is what stands there itself."""
+    if issubclass(kind, RootModel):
+        info = kind.model_fields["root"]
+        return _schema(info.annotation, list(info.metadata), info.description or "")
+    return KeySchema(kind)
 
 
 def _unwrap(annotation: object, description: str) -> KeySchema:
@@ -205,6 +213,8 @@ def _key_names(place: KeySchema) -> tuple[str, ...]:
     for annotation in _members(place.annotation):
         if isinstance(annotation, type) and issubclass(annotation, BaseModel):
             names.extend(annotation.model_fields)
+            others = getattr(annotation, "others", None)
+            names.extend(others.registry.names() if isinstance(others, KindsOf) else ())
     return tuple(dict.fromkeys(names))
 
 

@@ -15,8 +15,6 @@ from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.machine import MachineParams
 from sojourn_machine.params import Params
-from sojourn_machine.power.battery import BatteryParams
-from sojourn_machine.power.loads import BusParams
 from sojourn_machine.registry import Registry
 from sojourn_machine.supports import WheelParams
 
@@ -51,13 +49,6 @@ class ArmMountParams(Params):
     def foot(self) -> str:
         """Name of the fixed joint that holds the arm."""
         return self.joint or f"{self.prefix}mount_joint"
-
-
-class PowerSet(Params):
-    """`power.yaml`: the hardware."""
-
-    battery: BatteryParams = Field(description="the store of energy")
-    bus: BusParams = Field(description="loads and lockout")
 
 
 class FlightSet(Params):

@@ -4,29 +4,31 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 from sojourn_config.arm_config import ArmConfig
-from sojourn_config.errors import Problem
+from sojourn_config.errors import MISSING, Problem
 from sojourn_config.machine import MachineConfig
 from sojourn_config.machine_body import body_layout
 from sojourn_config.machine_reader import MachineSets
 from sojourn_config.mechanism_checks import BASE_LINK, mass_problems, mechanism_problems
+from sojourn_config.sensor_checks import sensor_problems
 from sojourn_config.support_checks import joint_problem, support_problems
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.power_manager.params import PowerLawParams
 from sojourn_flight.supervision.params import DriveParams
-from sojourn_machine.drives import JointDriveParams
+from sojourn_machine.actuator_choice import ActuatorParams
+from sojourn_machine.drives import JointDriveParams, PlayParams
 from sojourn_machine.names import names_text
-from sojourn_machine.power.loads import BusParams
-from sojourn_machine.sensor_choice import SENSORS
-from sojourn_physics.sensors.params import JointGroupParams, SensorSuiteParams
+from sojourn_machine.power.power_params import PowerParams
+from sojourn_physics.sensors.params import JointGroupParams
 
 AnyArm = TypeVar("AnyArm", bound=ArmParams)
 
 
 def machine_problems(sets: MachineSets) -> list[Problem]:
     """All that does not fit together."""
-    config, urdf, bus, sensors, arm = (
-        sets.joined.config, sets.joined.urdf, sets.joined.bus, sets.joined.sensors, sets.joined.arm,
+    config, urdf, power, sensors, arm = (
+        sets.joined.config, sets.joined.urdf, sets.joined.power, sets.joined.sensors, sets.joined.arm,
     )  # fmt: skip
     documents = sets.documents
     own_drives = config.drives[: len(config.drives) - len(arm.drives)] if arm else config.drives
@@ -37,16 +39,16 @@ def machine_problems(sets: MachineSets) -> list[Problem]:
         *mass_problems(config, sets.own_urdf, documents["machine"]),
         *mechanism_problems(config, urdf, documents["machine"], arm.inertias_as_published if arm else ()),
         *support_problems(config, urdf, documents["machine"]),
-        *_drive_problems(own_drives, urdf, bus, documents["machine"]),
+        *_drive_problems(own_drives, urdf, power, documents["machine"]),
         *_reference_problems(config, urdf, documents["machine"]),
-        *_sensor_problems(sensors, urdf, documents["sensors"]),
-        *_supply_problems(sensors, bus, documents["sensors"]),
+        *sensor_problems(sets),
+        *_power_problems(power, sets.joined.law, documents),
         *_group_problems(own_groups, urdf, documents["sensors"]),
     ]
     if arm is not None:
         measured = {joint for group in sensors.joint_groups.values() for joint in group.joints}
         problems += _arm_problems(arm, config, urdf, measured, documents["arm"])
-        problems += _drive_problems(arm.drives, urdf, bus, documents["arm"])
+        problems += _drive_problems(arm.drives, urdf, power, documents["arm"])
         prefix = config.arm_mount.prefix if config.arm_mount else ""
         named_in_file = {name.removeprefix(prefix): group for name, group in arm.joint_groups.items()}
         problems += _shaft_problems(arm, config, own_groups, documents["sensors"])
@@ -65,7 +67,7 @@ def with_drive_data(arm: AnyArm, config: MachineConfig) -> AnyArm:
         "reflected_inertia": tuple(drive.reflected_inertia for drive in found),
         "coulomb_friction": tuple(drive.friction_torque for drive in found),
         "viscous_friction": tuple(drive.viscous_friction for drive in found),
-        "gear_efficiency": tuple(drive.transmission.efficiency for drive in found),
+        "gear_efficiency": tuple(drive.efficiency for drive in found),
         "winding_loss": tuple(drive.winding_loss for drive in found),
         "motor_effort": tuple(drive.motor_effort for drive in found),
         **_gear_data(found),
@@ -73,9 +75,9 @@ def with_drive_data(arm: AnyArm, config: MachineConfig) -> AnyArm:
     return arm.model_copy(update={name: value for name, value in update.items() if not getattr(arm, name)})
 
 
-def _gear_data(drives: Sequence[JointDriveParams]) -> dict[str, tuple[float, ...]]:
+def _gear_data(drives: Sequence[ActuatorParams]) -> dict[str, tuple[float, ...]]:
     """Play and give that the arm's law has to make up for: of gears whose encoder is on the motor."""
-    seen = [drive.play if drive.servo.encoder == "motor" else None for drive in drives]
+    seen = [_unseen_play(drive) for drive in drives]
     if not any(seen):
         return {}
     return {
@@ -85,11 +87,16 @@ def _gear_data(drives: Sequence[JointDriveParams]) -> dict[str, tuple[float, ...
     }
 
 
+def _unseen_play(drive: ActuatorParams) -> PlayParams | None:
+    """Behind the encoder that the servo is closed on."""
+    return drive.play if isinstance(drive, JointDriveParams) and drive.servo.encoder == "motor" else None
+
+
 def _drive_problems(
-    drives: Sequence[JointDriveParams], urdf: UrdfSummary, bus: BusParams, document: YamlDocument
+    drives: Sequence[ActuatorParams], urdf: UrdfSummary, power: PowerParams, document: YamlDocument
 ) -> Iterator[Problem]:
-    loads = {load.name: load for load in bus.loads}
-    commanded = [load.name for load in bus.loads if load.kind == "commanded"]
+    loads = {load.name: load for load in power.loads}
+    commanded = [load.name for load in power.loads if load.kind == "commanded"]
     for index, drive in enumerate(drives):
         path: KeyPath = ("drives", index)
         if drive.load not in commanded:
@@ -100,11 +107,11 @@ def _drive_problems(
             problem = joint_problem(document, (*path, "joints", number), name, urdf)
             if problem is not None:
                 yield problem
-            elif drive.servo.max_torque > urdf.joints[name].effort:
+            elif drive.largest_torque > urdf.joints[name].effort:
                 effort = urdf.joints[name].effort
                 unit = urdf.joints[name].effort_unit
                 allowed = f"allowed is at most {effort:g} {unit}, the effort of {name} in {urdf.file}"
-                yield document.problem((*path, "servo", "max_torque"), drive.servo.max_torque, allowed)
+                yield document.problem((*path, *drive.torque_key), drive.largest_torque, allowed)
 
 
 def _reference_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
@@ -140,7 +147,7 @@ def _shaft_problems(
     for group, params in groups.items():
         for name in params.joints:
             drive = drives.get(name)
-            if name not in arm.joint_names or drive is None or drive.play is None:
+            if name not in arm.joint_names or not isinstance(drive, JointDriveParams) or drive.play is None:
                 continue
             wanted = "motor" if drive.servo.encoder == "motor" else "output"
             if params.encoder.side != wanted:
@@ -149,24 +156,19 @@ def _shaft_problems(
                 yield document.problem(("joint_groups", group, "encoder", "side"), params.encoder.side, why)
 
 
-def _sensor_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
-    """A sensor sits on a link that there is."""
-    for name, params in sensors.named.items():
-        for link in params.links:
-            if link not in urdf.links:
-                allowed = f"is no link of {urdf.file}: " + names_text(link, urdf.links)
-                yield document.problem((name, "link"), link, allowed)
-
-
-def _supply_problems(sensors: SensorSuiteParams, bus: BusParams, document: YamlDocument) -> Iterator[Problem]:
-    """A sensor, or one that the machine might have, is fed by a load that there is."""
-    loads = [load.name for load in bus.loads]
-    known = tuple(dict.fromkeys((*sensors.named, *SENSORS.names())))
-    for sensor, load in sensors.powered_by.items():
-        if sensor not in known:
-            yield document.problem(("powered_by", sensor), load, "is no sensor: " + names_text(sensor, known))
+def _power_problems(
+    power: PowerParams, law: PowerLawParams, documents: Mapping[str, YamlDocument]
+) -> Iterator[Problem]:
+    """Loads can be fed, those that the power manager limits are there, and it has a charge to go by."""
+    for path, value, allowed in power.load_problems():
+        yield documents["power"].problem(path, value, allowed)
+    if not power.all_stores:
+        yield documents["power"].problem(("stores",), MISSING, "the key is missing: allowed is at least one store")
+    loads = [load.name for load in power.loads]
+    for load, limit in law.load_limits.items():
         if load not in loads:
-            yield document.problem(("powered_by", sensor), load, "is no load of the bus: " + names_text(load, loads))
+            path = ("power_manager", "load_limits", load)
+            yield documents["flight"].problem(path, limit, "is no load of the bus: " + names_text(load, loads))
 
 
 def _arm_problems(

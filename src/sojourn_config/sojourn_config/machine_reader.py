@@ -13,22 +13,26 @@ from sojourn_config.derived import laid_over, with_derived
 from sojourn_config.derived_flight import derived_flight, placeholders, sensor_of
 from sojourn_config.derived_power import derived_power
 from sojourn_config.derived_sensors import derived_sensors
+from sojourn_config.derived_slip import derived_slip
 from sojourn_config.errors import MISSING, ConfigError
 from sojourn_config.explain import problems_of
 from sojourn_config.extends import PARTS
-from sojourn_config.machine import MACHINE_KINDS, FlightSet, MachineConfig, PowerSet
+from sojourn_config.machine import MACHINE_KINDS, FlightSet, MachineConfig
 from sojourn_config.machine_body import body_layout
 from sojourn_config.measured_file import MEASURED
 from sojourn_config.mounting import LoadedMachine, join, mount_problems
 from sojourn_config.paths import SUFFIX, config_folder
 from sojourn_config.set_reader import ReadSet, Referrer, SetReader
 from sojourn_config.support_checks import support_problems
+from sojourn_config.thermal_checks import thermal_problems
 from sojourn_config.tool_config import ToolSet, pad_problem
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import Data, YamlDocument
 from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.errors import UnknownNameError
 from sojourn_machine.names import names_text
+from sojourn_machine.power.power_params import PowerParams
+from sojourn_machine.thermal.thermal_params import ThermalParams
 from sojourn_physics.sensors.params import SensorSuiteParams
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -38,13 +42,17 @@ COMPLETED = ("flight", "sensors")
 """Files that need not say all: what stands for them where they are not there stands for what they leave out, too."""
 PARTS_OF_SENSORS: Mapping[str, str] = {"hazcam": "camera_flight", "sun": "sun_flight"}
 """What the drive goes by of a machine that has a sensor of a kind: sets of `config/parts`."""
+PART_OF_SLIP = "slip_flight"
+"""What it goes by where the curves of torque against slip are known."""
 COMMAND_LINE = Referrer(YamlDocument("command line", {}), Path("command line"))
 """Names a set where no file does."""
+POWER_TABLES = tuple(PowerParams.model_fields)
 FILES: Mapping[str, tuple[str, ...]] = {
     "machine": (),
-    "power": ("battery", "bus"),
+    "power": POWER_TABLES,
     "flight": ("drive", "power_manager"),
     "sensors": (),
+    "thermal": (),
 }
 """Files of a machine's folder, and the tables in them that an override may begin with; none: the file's own name."""
 HEADS = tuple(head for file, tables in FILES.items() for head in tables or (file,))
@@ -58,13 +66,16 @@ class MachineSets:
     Args:
         joined: with its arm. own_urdf: without it.
         drive: None for a machine that stands fast. tool: None for an arm without one.
-        documents: its files by role (`machine`, `power`, `flight`, `sensors`; `arm` and `tool` where it has them).
+        thermal: None for a machine whose heat is not looked at.
+        documents: its files by role (`machine`, `power`, `flight`, `sensors`; `arm`, `tool` and `thermal` where it has
+            them).
     """
 
     joined: LoadedMachine
     own_urdf: UrdfSummary
     drive: DriveParams | None
     tool: ReadSet[ToolSet] | None
+    thermal: ThermalParams | None
     documents: Mapping[str, YamlDocument]
 
 
@@ -73,7 +84,7 @@ class MachineFiles(NamedTuple):
 
     config: MachineConfig
     urdf: UrdfSummary
-    power: PowerSet
+    power: PowerParams
     sensors: YamlDocument
 
 
@@ -92,14 +103,18 @@ class MachineReader(SetReader):
             return None
         config = read.params
         urdf = self.urdf(config.urdf, read.asked)
-        power = self._file(path, "power", PowerSet, config)
+        power = self._file(path, "power", PowerParams, config)
         sensors = None if urdf is None else self._sensors(path, config, urdf)
         flight = None
         if urdf is not None and sensors is not None and power is not None:
             flight = self._flight(path, MachineFiles(config, urdf, power.params, sensors.document))
         arm = self._arm(name, read)
         tool = self._tool(read, asked, mounted)
+        known = len(self.problems)
+        thermal = self._thermal(path, name)
         if urdf is None or power is None or flight is None or sensors is None:
+            return None
+        if len(self.problems) > known:
             return None
         if (config.arm is not None and arm is None) or (tool is None and (mounted or config.tool)):
             return None
@@ -107,20 +122,20 @@ class MachineReader(SetReader):
             role: found.document
             for role, found in (
                 ("machine", read), ("power", power), ("flight", flight),
-                ("sensors", sensors), ("arm", arm), ("tool", tool),
+                ("sensors", sensors), ("arm", arm), ("tool", tool), ("thermal", thermal),
             )
             if found is not None
         }  # fmt: skip
         law: FlightSet = flight.params
-        alone = LoadedMachine(
-            config, urdf, power.params.battery, power.params.bus, law.power_manager, sensors.params, arm and arm.params
-        )
+        alone = LoadedMachine(config, urdf, power.params, law.power_manager, sensors.params, arm and arm.params)
         joined = self._with_arm(alone, documents, arm)
         if joined is None:
             return None
         misplaced = tool and pad_problem(joined.config, tool.params, tool.document)
         self.problems += [misplaced] if misplaced else []
-        return MachineSets(joined, urdf, law.drive, tool, documents)
+        if thermal is not None:
+            self.problems += thermal_problems(thermal.params, joined.power, thermal.document)
+        return MachineSets(joined, urdf, law.drive, tool, thermal and thermal.params, documents)
 
     def config(self, path: Path) -> ReadSet[MachineConfig] | None:
         """The set of `machine.yaml`, of the kind that it names; None with the reason in `problems`."""
@@ -137,6 +152,15 @@ class MachineReader(SetReader):
             return None
         return self.validated(document, path, kind)
 
+    def _thermal(self, path: Path, name: str) -> ReadSet[ThermalParams] | None:
+        """`thermal.yaml`; None where the machine has none, or with the reason in `problems`."""
+        own = path.with_name("thermal" + SUFFIX)
+        if not own.is_file():
+            self.refuse_overrides("thermal", f"the machine {name} has no thermal.yaml")
+            return None
+        document = self.document(own, MACHINES, self._overrides_of("thermal"))
+        return None if document is None else self.validated(document, own, ThermalParams)
+
     def _sensors(self, path: Path, config: MachineConfig, urdf: UrdfSummary) -> ReadSet[SensorSuiteParams] | None:
         """`sensors.yaml`, and encoders on all joints where it names none."""
         own, document = self._document(path, "sensors", config)
@@ -152,12 +176,12 @@ class MachineReader(SetReader):
         own, document = self._document(path, "flight", config)
         if document is None:
             return None
-        document = with_derived(document, derived_power(files.power.battery, files.power.bus))
+        document = with_derived(document, derived_power(files.power))
         if isinstance(document.data.get(DRIVE), dict):
             measured = path.with_name(MEASURED)
             base = self.document(measured, PARTS) if measured.is_file() else None
             document = document if base is None else laid_over(document, base, DRIVE)
-            document = self._with_sensors(document, sensors)
+            document = self._with_slip(self._with_sensors(document, sensors), config, sensors)
             fits = not any(support_problems(config, urdf, YamlDocument("", {})))  # told later, with their lines
             derived = derived_flight(body_layout(config, urdf), sensors) if fits else placeholders()
             document = with_derived(document, derived)
@@ -176,6 +200,16 @@ class MachineReader(SetReader):
                 base = dataclasses.replace(base, data=begun)
             flight = laid_over(flight, base, DRIVE)
         return flight
+
+    def _with_slip(self, flight: YamlDocument, config: MachineConfig, sensors: Mapping[str, Data]) -> YamlDocument:
+        """What goes with the curves of torque against slip, where there are any."""
+        drive = flight.data.get(DRIVE)
+        mobility = drive.get("mobility") if isinstance(drive, dict) else None
+        base = self.document(_part(PART_OF_SLIP), PARTS)
+        if base is None or not isinstance(mobility, dict) or not isinstance(mobility.get("slip"), dict):
+            return flight
+        derived = {DRIVE: {"mobility": {"slip": derived_slip(config, sensors)}}}
+        return with_derived(laid_over(flight, base, DRIVE), derived)
 
     def _file(self, path: Path, file: str, model: type[Model], config: MachineConfig) -> ReadSet[Model] | None:
         """One of the files beside `machine.yaml`, or what stands for it in machines of its kind."""

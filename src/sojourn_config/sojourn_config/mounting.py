@@ -12,8 +12,7 @@ from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import YamlDocument
 from sojourn_flight.power_manager.params import PowerLawParams
 from sojourn_machine.names import names_text
-from sojourn_machine.power.battery import BatteryParams
-from sojourn_machine.power.loads import BusParams
+from sojourn_machine.power.power_params import PowerParams
 from sojourn_physics.sensors.params import SensorSuiteParams
 
 
@@ -23,8 +22,7 @@ class LoadedMachine:
 
     config: MachineConfig
     urdf: UrdfSummary
-    battery: BatteryParams
-    bus: BusParams
+    power: PowerParams
     law: PowerLawParams
     sensors: SensorSuiteParams
     arm: ArmConfig | None
@@ -116,10 +114,9 @@ def join(machine: LoadedMachine, arm_urdf: UrdfSummary | None) -> LoadedMachine:
         arm = on_machine(arm, config.arm_mount, root, arm_urdf.joints[arm.joint_names[0]].child)
     if config.fixed_base and arm.ground_height is None:
         arm = arm.model_copy(update={"ground_height": 0.0})  # where a stand stands is known, without wheels to tell it
-    bus, law = machine.bus, machine.law
-    if arm.load is not None and arm.load.name not in {load.name for load in bus.loads}:
-        bus = bus.model_copy(update={"loads": (*bus.loads, arm.load)})
-        law = law.model_copy(update={"arm_power_limit": arm.load.power_w})
+    power = machine.power
+    if arm.load is not None and arm.load.name not in {load.name for load in power.loads}:
+        power = power.with_load(arm.load)
     sensors = machine.sensors
     joined = {**sensors.joint_groups, **arm.joint_groups}
     return LoadedMachine(
@@ -131,9 +128,8 @@ def join(machine: LoadedMachine, arm_urdf: UrdfSummary | None) -> LoadedMachine:
             }
         ),
         urdf=urdf,
-        battery=machine.battery,
-        bus=bus,
-        law=law,
+        power=power,
+        law=machine.law,
         sensors=sensors.model_copy(update={"joint_groups": joined}).with_sensor("wrist", arm.wrist),
         arm=arm,
     )

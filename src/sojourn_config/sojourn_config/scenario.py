@@ -1,27 +1,34 @@
 """Scenarios: the schema of `config/scenarios/NAME.yaml`, and `load_scenario`, which loads all of a run."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from pydantic import Field, field_validator
 
 from sojourn_config import machine_reader
 from sojourn_config.bundle import Bundle, BundleReader
-from sojourn_config.errors import ConfigError, single
+from sojourn_config.errors import ConfigError, Problem, single
 from sojourn_config.extends import read_document
+from sojourn_config.flight import FlightScenario
+from sojourn_config.known_machine import KnownMachine
 from sojourn_config.load import validate
 from sojourn_config.overrides import override_document, route_overrides, split_beliefs, split_override
 from sojourn_config.paths import resolve
 from sojourn_config.scenario_checks import scenario_problems
 from sojourn_config.steps import FARTHEST, LONGEST, StepConfig
+from sojourn_config.yaml_file import YamlDocument
+from sojourn_flight.power_manager.activities import ActivityParams
 from sojourn_machine.errors import InvalidValueError, MachineError
-from sojourn_machine.params import FloatArray, Params
+from sojourn_machine.params import Params
 from sojourn_machine.timing import CONTROL_PERIOD_S
 from sojourn_machine.tools import ObjectParams
-from sojourn_physics.environment.sun import SunParams, sun_direction
+from sojourn_physics.environment.air.wind import MovingAir, WindParams
+from sojourn_physics.environment.site import SiteParams
+from sojourn_physics.environment.sun.over import SunOver
+from sojourn_physics.environment.sun.path import SunParams
 from sojourn_physics.plant.params import FaultParams, SimulationParams
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.params import TerrainParams
@@ -29,9 +36,10 @@ from sojourn_physics.terrain.params import TerrainParams
 if TYPE_CHECKING:
     from sojourn_physics.terrain.raster import Raster
 
+Known = TypeVar("Known", bound=KnownMachine)
 HEADS = ("body", "soil", "rock_soil", "arm", "tool", *machine_reader.HEADS)
 """First word of an override that is for another file than the scenario's."""
-TRUTH_ALONE = ("battery", "bus")
+TRUTH_ALONE = machine_reader.POWER_TABLES
 """Of these, what a run does to the machine behind the back of its computer, which goes by the files."""
 
 
@@ -60,11 +68,15 @@ class ScenarioConfig(Params):
         default=None, min_length=1, description="name in config/tools, in place of the machine's own tool"
     )
     body: str = Field(min_length=1, description="name in config/bodies")
+    site: SiteParams | None = Field(
+        default=None, description="where on the body the origin of map is; none: gravity is the body's mean"
+    )
     terrain: TerrainParams = Field(description="the ground")
     soil: str = Field(min_length=1, description="name in config/soils")
     rock_soil: str = Field(default="rigid_rock", min_length=1, description="name in config/soils")
+    wind: WindParams | None = Field(default=None, description="over the ground, where the body has air; none: calm")
     start: StartConfig = Field(default_factory=StartConfig, description="where the rover stands")
-    sun: SunParams = Field(default_factory=SunParams, description="where the Sun stands at the start")
+    sun: SunParams = Field(default_factory=SunParams, description="the Sun at the start: its place, or the date")
     battery_soc: float = Field(default=1.0, ge=0.0, le=1.0, description="state of charge at the start [1]")
     duration_limit_s: float = Field(gt=0.0, le=LONGEST, description="simulated time at which a run ends [s]")
     simulation: SimulationParams = Field(default_factory=SimulationParams, description="steps of the plant")
@@ -75,6 +87,10 @@ class ScenarioConfig(Params):
     faults: tuple[FaultParams, ...] = Field(default=(), description="motors that fail during the run")
     objects: tuple[ObjectParams, ...] = Field(default=(), description="what lies on the ground and may be picked")
     steps: tuple[StepConfig, ...] = Field(default=(), description="what the operator sends, in order")
+    activities: tuple[ActivityParams, ...] = Field(
+        default=(),
+        description="what is planned for the hours and days ahead; forecasts of power go by it",
+    )
 
     @field_validator("simulation")
     @classmethod
@@ -105,9 +121,14 @@ class LoadedScenario(Bundle):
     digests: dict[str, str] = field(default_factory=dict)
     belief: Bundle | None = None
 
-    def as_believed(self) -> "LoadedScenario":
-        """The scenario as the roles that would fly know it."""
-        return self if self.belief is None else replace(self, **self.belief.fields(), belief=None)
+    def as_believed(self) -> FlightScenario:
+        """The scenario as the roles that would fly know it: that of `load_flight`."""
+        return _flight(self.config, self if self.belief is None else self.belief)
+
+    @property
+    def start(self) -> StartConfig:
+        """Where the rover stands at the start."""
+        return self.config.start
 
     @property
     def terrain(self) -> TerrainParams:
@@ -124,9 +145,15 @@ class LoadedScenario(Bundle):
         """Names of the default soil and of the soil of rocks."""
         return self.soil.name, self.rock_soil.name
 
-    def sun_direction(self, time: float) -> FloatArray:
-        """Unit vector to the Sun in map, shape (3,), `time` [s] after the start of the run."""
-        return sun_direction(self.config.sun, self.body.solar_day, time)
+    def sun_over(self, terrain: Callable[[], HeightField] | None = None) -> SunOver:
+        """The Sun over the site. terrain: makes the ground, where it may hide the Sun."""
+        return SunOver(self.config.sun, self.body, self.site, terrain)
+
+    @property
+    def moving_air(self) -> MovingAir | None:
+        """The wind, and the air that it is made of; None in a calm."""
+        wind = self.config.wind
+        return None if wind is None else MovingAir(wind, self.body.air_at(self.site).density)
 
     def height_field(self) -> HeightField:
         """Make the ground, from the scenario's seed.
@@ -144,7 +171,7 @@ class LoadedScenario(Bundle):
 
 
 def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
-    """Load a scenario and everything that it names.
+    """Load a scenario and everything that it names: the truth, and what is believed of it.
 
     Args:
         name: name in `config/scenarios`, or the path of a file.
@@ -163,14 +190,13 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
     config = validate(document, ScenarioConfig)
     reader = BundleReader(document, path, routed)
     soils = config.soil, config.rock_soil, config.terrain.extra_soils
-    bundle = reader.read(config.machine, config.body, *soils, config.tool)
+    bundle = reader.read(config.machine, config.body, *soils, config.tool, config.site)
     problems = [*reader.problems, *scenario_problems(config, bundle, document)]
     belief = None
     if not problems and (beliefs or any(routed[head] for head in TRUTH_ALONE)):
-        known = [text for text in told if split_override(text)[0][0] not in TRUTH_ALONE]
-        reader = BundleReader(document, path, route_overrides([*known, *beliefs], HEADS)[1])
-        belief = reader.read(config.machine, config.body, *soils, config.tool)
-        problems += reader.problems
+        reader = BundleReader(document, path, route_overrides(_known_overrides(overrides), HEADS)[1])
+        belief = reader.read(config.machine, config.body, *soils, config.tool, config.site)
+        problems += [*reader.problems, *_belief_problems(bundle, belief, document)]
     raster, digests = None, {}
     if config.terrain.file is not None:
         from sojourn_config.raster_file import RasterReader  # both load scipy, and this one GDAL
@@ -197,7 +223,55 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
     )
 
 
-def _blind(bundle: Bundle) -> Bundle:
+def load_flight(name: str, overrides: Sequence[str] = ()) -> FlightScenario:
+    """Load what the roles that would fly know of a scenario: its own file, the machine's and the body's, and no other.
+
+    Args:
+        name, overrides: as for `load_scenario`; those that are the truth's alone are left out.
+
+    Raises:
+        ConfigError: with every problem of every file that is read.
+    """
+    path = resolve("scenarios", name, ("command line", "scenario"))
+    own, routed = route_overrides(_known_overrides(overrides), HEADS)
+    document = override_document(read_document(path, "scenarios"), own)
+    config = validate(document, ScenarioConfig)
+    reader = BundleReader(document, path, routed)
+    known = reader.read_known(config.machine, config.body, config.tool, config.site)
+    if known is None or reader.problems:
+        raise ConfigError(reader.problems)
+    return _flight(config, _blind(known) if config.blind_drive else known)
+
+
+def _known_overrides(overrides: Sequence[str]) -> list[str]:
+    """Those that the machine's computer knows of, its beliefs over the truth."""
+    told, beliefs = split_beliefs(overrides, HEADS)
+    return [text for text in told if split_override(text)[0][0] not in TRUTH_ALONE] + beliefs
+
+
+def _flight(config: ScenarioConfig, known: KnownMachine) -> FlightScenario:
+    return FlightScenario(**known.known_fields(), start=config.start, sun=config.sun, activities=config.activities)
+
+
+def _belief_problems(bundle: Bundle | None, belief: Bundle | None, document: YamlDocument) -> Iterator[Problem]:
+    """Topics and switches go by names: the computer knows which stores and loads there are."""
+    if bundle is None or belief is None:
+        return
+    for thing, true, known in (
+        ("stores", list(bundle.power.all_stores), list(belief.power.all_stores)),
+        ("loads", [load.name for load in bundle.power.loads], [load.name for load in belief.power.loads]),
+    ):
+        if true != known:
+            allowed = f"differ from what is believed, {', '.join(known)}: allowed are the same names in the same order"
+            yield document.problem((thing,), ", ".join(true), allowed)
+    for name, params in bundle.sensors.sensors.items():
+        believed = belief.sensors.sensors.get(name)
+        if believed is not None and params.heard != believed.heard:
+            allowed = "is not as it is believed: allowed is one for both, by which they wait for its messages"
+            yield document.problem(("sensors", name, "timing"), "rate, latency or losses", allowed)
+
+
+def _blind(bundle: Known) -> Known:
     """The same, its drive without the camera."""
     if bundle.driving is None:
         return bundle

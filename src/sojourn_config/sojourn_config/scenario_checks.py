@@ -6,11 +6,12 @@ from collections.abc import Iterator
 
 from sojourn_config.bundle import Bundle
 from sojourn_config.errors import Problem
-from sojourn_config.steps import ArmGroundStep, ArmJointsStep, ArmPoseStep, DriveGoalStep, DriveRouteStep
-from sojourn_config.urdf import UrdfSummary
+from sojourn_config.steps import Step
 from sojourn_config.yaml_file import KeyPath, YamlDocument
-from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.power_manager.activities import activity_problems
+from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.names import names_text
+from sojourn_physics.environment.sun.over import sun_path
 from sojourn_physics.terrain.params import TerrainParams
 
 if typing.TYPE_CHECKING:
@@ -25,23 +26,34 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
     places: list[tuple[KeyPath, float, float]] = [(("start",), config.start.x, config.start.y)]
     for index, step in enumerate(config.steps):
         path: KeyPath = ("steps", index, step.kind)
-        action = step.action
-        if isinstance(action, DriveGoalStep | DriveRouteStep) and bundle is not None and bundle.driving is None:
-            yield document.problem(path, step.kind, f"the machine {config.machine} stands fast: it has no wheels")
-        elif isinstance(action, DriveGoalStep):
-            places.append((path, action.x, action.y))
-        elif isinstance(action, DriveRouteStep):
-            places += [((*path, "points", i), point.x, point.y) for i, point in enumerate(action.points)]
-        elif isinstance(action, ArmPoseStep | ArmGroundStep | ArmJointsStep) and bundle is not None:
-            if bundle.arm is None:
-                yield document.problem(path, step.kind, f"the machine {config.machine} has no arm")
-            elif isinstance(action, ArmJointsStep):
-                yield from _arm_goal_problems(action, path, bundle.arm, bundle.urdf, document)
+        action: Step = step.action
+        lacking = "" if bundle is None else _lacking(action.role, bundle)
+        if lacking:
+            yield document.problem(path, step.kind, f"the machine {config.machine} {lacking}")
+            continue
+        places += [((*path, *at), x, y) for at, x, y in action.places()]
+        for at, value, allowed in () if bundle is None else action.problems(bundle):
+            yield document.problem((*path, *at), value, allowed)
     if bundle is not None and bundle.body.free_fall and bundle.machine.stands_on:
         allowed = f"is in free fall, where {config.machine} does not press on the ground: allowed is a planet, "
         yield document.problem(("body",), config.body, allowed + "a moon or an asteroid")
+    if bundle is not None and config.wind is not None:
+        try:
+            bundle.body.air_at(bundle.site)
+        except MachineError as error:
+            yield document.problem(("wind",), config.body, str(error))
+    if bundle is not None and not bundle.body.ground:
+        yield document.problem(
+            ("body",), config.body, "has no ground: allowed is a planet, a moon or an asteroid that has"
+        )
     if bundle is not None:
         yield from _fault_problems(config, bundle, document)
+        yield from _sun_problems(config, bundle, document)
+        if bundle.thermal is not None and bundle.body.regolith is None:
+            allowed = f"has no table regolith, which the heat of {config.machine} goes by"
+            yield document.problem(("body",), config.body, allowed)
+        for place, key, value, allowed in activity_problems(bundle.power_manager, config.activities):
+            yield document.problem(("activities", place, key), value, allowed)
     for index, thing in enumerate(config.objects):
         path = ("objects", index)
         places.append((path, thing.x, thing.y))
@@ -49,6 +61,22 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
             yield document.problem((*path, "name"), thing.name, "is there above already: allowed is each name once")
     for path, x, y in places:
         yield from _place_problems(config.terrain, path, x, y, document)
+
+
+def _lacking(role: str, bundle: Bundle) -> str:
+    """Why a machine has no use for a role, "" where it has."""
+    if role == "drive" and bundle.driving is None:
+        return "stands fast: it has no wheels"
+    return "has no arm" if role == "arm" and bundle.arm is None else ""
+
+
+def _sun_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
+    """A date goes with a site on a body that has an ephemeris, a Sun by its place with no other latitude."""
+    try:
+        sun_path(config.sun, bundle.body, bundle.site)
+    except InvalidValueError as error:
+        key = "body" if error.name == "body" else error.name.removeprefix("sun.")
+        yield document.problem(("body",) if key == "body" else ("sun", key), error.value, "allowed is " + error.allowed)
 
 
 def _place_problems(
@@ -71,7 +99,7 @@ def _place_problems(
 
 def _fault_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
     """A motor that fails is one of the machine's, and an angle at which it locks one that it can reach."""
-    servos = {joint: drive.servo.mode for drive in bundle.machine.drives for joint in drive.joints}
+    servos = {joint: drive.mode for drive in bundle.machine.drives for joint in drive.joints}
     for index, fault in enumerate(config.faults):
         path: KeyPath = ("faults", index)
         if fault.joint not in servos:
@@ -89,23 +117,3 @@ def _fault_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocu
         elif not low <= fault.angle_deg <= high:
             allowed = f"allowed is {low:g} to {high:g} degrees, the limits of {fault.joint}"
             yield document.problem((*path, "angle_deg"), fault.angle_deg, allowed)
-
-
-def _arm_goal_problems(
-    action: ArmJointsStep, path: KeyPath, arm: ArmParams, urdf: UrdfSummary, document: YamlDocument
-) -> Iterator[Problem]:
-    if action.name is not None and action.name not in arm.named_poses:
-        allowed = "is no pose of the arm: " + names_text(action.name, arm.named_poses)
-        yield document.problem((*path, "name"), action.name, allowed)
-    if action.positions is None:
-        return
-    names = arm.joint_names
-    if len(action.positions) != len(names):
-        allowed = f"has {len(action.positions)} values: allowed is {len(names)}, for " + ", ".join(names)
-        yield document.problem((*path, "positions"), list(action.positions), allowed)
-        return
-    for index, (value, name) in enumerate(zip(action.positions, names, strict=True)):
-        joint = urdf.joints[name]
-        if not joint.lower <= value <= joint.upper:
-            allowed = f"allowed is {joint.lower:g} to {joint.upper:g} {joint.unit}, the limits of {name}"
-            yield document.problem((*path, "positions", index), value, allowed)

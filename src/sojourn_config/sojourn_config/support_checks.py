@@ -47,18 +47,23 @@ def joint_problem(document: YamlDocument, path: KeyPath, name: str, urdf: UrdfSu
     return document.problem(path, name, f"{why} in {urdf.file}: " + names_text(name, urdf.moving_joints))
 
 
+def _kind_problems(document: YamlDocument, path: KeyPath, name: str, kind: str, urdf: UrdfSummary) -> Iterator[Problem]:
+    """What is wrong with a joint that is to be of a kind."""
+    problem = joint_problem(document, path, name, urdf)
+    if problem is not None:
+        yield problem
+    elif urdf.joints[name].kind != kind:
+        yield document.problem(path, name, f"is {urdf.joints[name].kind} in {urdf.file}: allowed is {kind}")
+
+
 def _wheel_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
     driven = {joint for drive in config.drives for joint in drive.joints}
     for index, wheel in enumerate(config.wheels):
         path: KeyPath = ("wheels", index)
-        problem = joint_problem(document, (*path, "joint"), wheel.joint, urdf)
-        if problem is not None:
-            yield problem
+        yield from _kind_problems(document, (*path, "joint"), wheel.joint, "continuous", urdf)
+        if wheel.joint not in urdf.moving_joints:
             continue
         joint = urdf.joints[wheel.joint]
-        if joint.kind != "continuous":
-            allowed = f"is {joint.kind} in {urdf.file}: allowed is continuous"
-            yield document.problem((*path, "joint"), wheel.joint, allowed)
         if wheel.joint not in driven:
             yield document.problem((*path, "joint"), wheel.joint, "has no drive: name it in drives")
         size = urdf.cylinders.get(joint.child)
@@ -71,13 +76,7 @@ def _wheel_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocu
                     allowed = f"allowed is {wanted:g} m, that of the cylinder of {joint.child} in {urdf.file}"
                     yield document.problem((*path, key), value, allowed)
         if wheel.steer_joint is not None:
-            steer = joint_problem(document, (*path, "steer_joint"), wheel.steer_joint, urdf)
-            if steer is not None:
-                yield steer
-            elif urdf.joints[wheel.steer_joint].kind != "revolute":
-                kind = urdf.joints[wheel.steer_joint].kind
-                allowed = f"is {kind} in {urdf.file}: allowed is revolute"
-                yield document.problem((*path, "steer_joint"), wheel.steer_joint, allowed)
+            yield from _kind_problems(document, (*path, "steer_joint"), wheel.steer_joint, "revolute", urdf)
 
 
 def _track_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
@@ -86,14 +85,7 @@ def _track_problems(config: MachineConfig, urdf: UrdfSummary, document: YamlDocu
         if track.link not in urdf.links:
             allowed = f"is no link of {urdf.file}: " + names_text(track.link, urdf.links)
             yield document.problem((*path, "link"), track.link, allowed)
-        problem = joint_problem(document, (*path, "joint"), track.joint, urdf)
-        if problem is not None:
-            yield problem
-            continue
-        joint = urdf.joints[track.joint]
-        if joint.kind != "continuous":
-            allowed = f"is {joint.kind} in {urdf.file}: allowed is continuous"
-            yield document.problem((*path, "joint"), track.joint, allowed)
-        if track.link == joint.child:
+        yield from _kind_problems(document, (*path, "joint"), track.joint, "continuous", urdf)
+        if track.joint in urdf.moving_joints and track.link == urdf.joints[track.joint].child:
             allowed = "turns with the sprocket: allowed is the link that carries it"
             yield document.problem((*path, "link"), track.link, allowed)

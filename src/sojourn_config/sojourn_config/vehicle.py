@@ -17,7 +17,7 @@ from sojourn_config.machine_body import STOWED
 from sojourn_config.paths import SUFFIX, resolve
 from sojourn_config.yaml_file import Data, KeyPath, YamlDocument
 from sojourn_machine.names import names_text
-from sojourn_machine.power.battery import open_circuit_voltage
+from sojourn_machine.power.battery import SECONDS_PER_HOUR
 
 ANALYSIS = f"analysis{SUFFIX}"
 AXLES = "axles"
@@ -42,9 +42,11 @@ def vehicle_of_machine(name: str, bundle: Bundle, standing: StandingMachine | No
 
 
 def supply_of(bundle: Bundle) -> BusSupply:
-    """Voltage of the half full battery, the energy of the full one, and what the loads beside the motors take."""
-    house = sum(load.power_w for load in bundle.bus.loads if load.kind != "commanded")
-    return BusSupply(open_circuit_voltage(bundle.battery, 0.5), bundle.battery.energy_capacity_wh, house)
+    """Voltage of the half full first store, the energy of all full ones, and what the loads beside the motors take."""
+    house = sum(load.power_w for load in bundle.power.loads if load.kind != "commanded")
+    stores = list(bundle.power.all_stores.values())
+    energy = sum(store.stored_energy(1.0) / SECONDS_PER_HOUR for store in stores)
+    return BusSupply(stores[0].open_circuit_voltage(0.5), energy, house)
 
 
 def _over(vehicle: VehicleParams, document: YamlDocument) -> YamlDocument:

@@ -10,20 +10,25 @@ PATIENCE_S = 3.0
 
 
 def given_up(
-    names: Sequence[str], stamp: int, usable_at: int | None, inputs: Mapping[str, Any], last_refusal: str = ""
+    names: Sequence[str], stamp: int, usable_at: int | None, inputs: Mapping[str, Any], cause: str = ""
 ) -> str:
     """Why goals are given up in the period stamped `stamp` [ns], in words; "" while they need not be.
 
     Args:
         names: topics without which a node cannot follow a goal. usable_at: as `seen_usable` gives it.
-        inputs: those of this period, None where one is missing. last_refusal: what has been refused last, and why.
+        inputs: those of this period, None where one is missing. cause: in words, where it is known.
     """
     away_s = 0.0 if usable_at is None else stamps.seconds(stamp - usable_at)
     if away_s < PATIENCE_S:
         return ""
     missing = [name for name in names if inputs.get(name) is None] or names
-    cause = f"; last refused: {last_refusal}" if last_refusal else ""
-    return f"no usable {' or '.join(missing)} for {away_s:.1f} s{cause}"
+    absent = f"no usable {' or '.join(missing)} for {away_s:.1f} s"
+    return f"{absent}; {cause}" if cause else absent
+
+
+def last_refused(refusal: str) -> str:
+    """What has been refused last, and why, as a cause; "" for ""."""
+    return f"last refused: {refusal}" if refusal else ""
 
 
 def seen_usable(stamp: int, before: int | None, usable: bool) -> int:

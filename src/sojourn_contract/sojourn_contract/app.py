@@ -7,9 +7,11 @@ that a run can be saved, restored and branched; a node is the shell that gives i
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
+from typing import Any, ClassVar, Generic, Self, TypeAlias, TypeVar
 
-from sojourn_config.scenario import LoadedScenario
+from sojourn_config.flight import FlightScenario
+from sojourn_config.known_machine import KnownMachine
+from sojourn_config.scenario import LoadedScenario, load_flight, load_scenario
 from sojourn_contract.topic_types import Topic
 
 State = TypeVar("State")
@@ -50,10 +52,10 @@ NOTHING = Answer()
 
 
 class App(Generic[State]):
-    """Base of every role's app.
+    """Base of every role's app; those that would fly stand on `FlightApp`.
 
     Args:
-        scenario: with what the role knows of the machine.
+        scenario: in truth, and what is believed of it.
     """
 
     role: ClassVar[str]
@@ -63,6 +65,16 @@ class App(Generic[State]):
 
     def __init__(self, scenario: LoadedScenario) -> None:
         raise NotImplementedError
+
+    @staticmethod
+    def read(name: str, overrides: Sequence[str]) -> KnownMachine:
+        """The scenario that it is made of. Raises ConfigError."""
+        return load_scenario(name, overrides)
+
+    @classmethod
+    def of(cls, scenario: LoadedScenario) -> Self:
+        """For a scenario that has been loaded already."""
+        return cls(scenario)
 
     def warm_up(self) -> None:
         """Have every compiled kernel loaded, so that no period waits for one; changes nothing. It is called before the
@@ -91,3 +103,24 @@ class App(Generic[State]):
     def heartbeat_values(self, state: State, stamp: int) -> dict[str, str]:
         """What it adds to the role's heartbeat at a stamp [ns]; must not depend on wall time in lock-step."""
         return {}
+
+
+class FlightApp(App[State]):
+    """Base of the apps that would fly.
+
+    Args:
+        known: all that they are told of the machine and its mission; nothing of it is the plant's truth.
+    """
+
+    def __init__(self, known: FlightScenario) -> None:
+        raise NotImplementedError
+
+    @staticmethod
+    def read(name: str, overrides: Sequence[str]) -> KnownMachine:
+        """See App."""
+        return load_flight(name, overrides)
+
+    @classmethod
+    def of(cls, scenario: LoadedScenario) -> Self:
+        """See App."""
+        return cls(scenario.as_believed())

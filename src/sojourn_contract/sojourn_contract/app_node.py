@@ -1,10 +1,11 @@
 """The shell round an app: gives it the messages of a period, and sends what it answers. No memory of its own."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, ClassVar
 
 from rclpy.context import Context
 
+from sojourn_config.known_machine import KnownMachine
 from sojourn_contract.app import App, Period
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topic_types import Topic
@@ -42,6 +43,10 @@ class AppNode(ContractNode):
         self.app = kind(self.scenario)
         self.app.warm_up()
         self.state = self.app.initial_state()
+
+    def read_scenario(self, name: str, overrides: Sequence[str]) -> KnownMachine:
+        """What its app goes by."""
+        return self.app_class.read(name, overrides)
 
     def check(self, row: Topic, message: Any) -> None:
         """The contract's checks, then the app's own."""

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field, replace
 from math import gcd
 from typing import Generic, TypeVar
 
-from sojourn_contract.stamps import CONTROL_PERIOD_NS
-from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.delivery import Delivery
+from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
+from sojourn_contract.topic_table import CLOCK, TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import STANDARD
 
@@ -18,6 +19,8 @@ Message = TypeVar("Message")
 
 MAX_PENDING_PERIODS = 512
 """A message further ahead than this is refused: its sender's clock is not ours."""
+LONGEST_AGE_S = 1e6
+"""For which a message counts that never ages [s]."""
 
 
 def awaited_inputs(role: str, participants: Iterable[str], table: TopicTable = STANDARD) -> tuple[Topic, ...]:
@@ -33,12 +36,23 @@ def awaited_inputs(role: str, participants: Iterable[str], table: TopicTable = S
 
 def is_due(row: Topic, period: int) -> bool:
     """Whether the consumer at control period `period` (1, 2, ...) needs a message of this row."""
+    if row.delivery is not None:
+        return period % row.pace == 0 and stamp_due(row, period) > 0
     return period % row.every == 0 and period > row.lag
 
 
 def stamp_due(row: Topic, period: int) -> int:
-    """Stamp [ns] that the message needed at control period `period` carries."""
+    """Stamp [ns] that the message needed at control period `period` carries: of a row with a delivery the newest that
+    has left and is not too old, zero where there is none.
+    """
+    if row.delivery is not None:
+        return row.delivery.newest(period, oldest_age(row)) * CONTROL_PERIOD_NS
     return (period - row.lag) * CONTROL_PERIOD_NS
+
+
+def oldest_age(row: Topic) -> int:
+    """Control periods for which a message of a row counts."""
+    return int(min(row.max_age_s, LONGEST_AGE_S) * NANOSECONDS) // CONTROL_PERIOD_NS
 
 
 @dataclass
@@ -55,7 +69,8 @@ class Barrier(Generic[Message]):
     _messages: dict[str, dict[int, Message]] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
-        self.stride = 1 if self.every_period or not self.awaited else gcd(*(row.every for row in self.awaited))
+        paces = [row.pace for row in self.awaited if row.name != CLOCK]
+        self.stride = 1 if self.every_period or not paces else gcd(*paces)
         self.period = self.stride
         self._messages = {row.name: {} for row in self.awaited}
 
@@ -66,14 +81,26 @@ class Barrier(Generic[Message]):
 
     def refusal(self, row: Topic, stamp: int) -> str | None:
         """Why a message with this stamp cannot be taken, or None."""
+        if row.delivery is not None:
+            return self._refusal_of_delivered(row.delivery, self._messages[row.name], stamp)
         grid = row.every * CONTROL_PERIOD_NS
         if stamp % grid:
             return f"a multiple of {grid / 1e9:.2f} s, its period"
-        oldest = max(self.stamp - row.lag * CONTROL_PERIOD_NS, CONTROL_PERIOD_NS)
+        unheard = max(self.stride - row.pace, 0)  # of the clock, at which beats the role does not act
+        oldest = max(self.stamp - (row.lag + unheard) * CONTROL_PERIOD_NS, CONTROL_PERIOD_NS)
         if stamp < oldest or self._messages[row.name].get(stamp) is not None:  # one that was refused may be replaced
             return f"newer than {oldest / 1e9 - 1e-9 * CONTROL_PERIOD_NS:.2f} s, once a stamp"
         if stamp > self.stamp + MAX_PENDING_PERIODS * CONTROL_PERIOD_NS:
             return f"at most {MAX_PENDING_PERIODS} periods ahead of {self.stamp / 1e9:.2f} s"
+        return None
+
+    def _refusal_of_delivered(
+        self, delivery: Delivery, messages: Mapping[int, Message | None], stamp: int
+    ) -> str | None:
+        if stamp % CONTROL_PERIOD_NS or not delivery.leaves(stamp // CONTROL_PERIOD_NS):
+            return "that of a measurement whose message is not lost"
+        if stamp < min(messages, default=0) or messages.get(stamp) is not None:
+            return "newer than those that have been taken, once a stamp"
         return None
 
     def offer(self, row: Topic, stamp: int, message: Message) -> None:
@@ -92,7 +119,10 @@ class Barrier(Generic[Message]):
         """
         period = self.period
         for row in self.awaited:
-            if (
+            if row.delivery is not None:
+                if is_due(row, period) and stamp_due(row, period) not in self._messages[row.name]:
+                    return False
+            elif (
                 period % row.every == 0
                 and period > row.lag
                 and (period - row.lag) * CONTROL_PERIOD_NS not in self._messages[row.name]
@@ -113,8 +143,17 @@ class Barrier(Generic[Message]):
         period = self.period
         taken = {}
         for row in self.awaited:
-            if is_due(row, period):
-                taken[row.name] = self._messages[row.name].pop(stamp_due(row, period))
+            if not is_due(row, period):
+                continue
+            stamp, messages = stamp_due(row, period), self._messages[row.name]
+            if row.delivery is None:
+                taken[row.name] = messages.pop(stamp)
+                oldest = stamp if row.pace < self.stride else 0  # it does not act at every beat of the clock
+            else:  # until there is a newer one
+                taken[row.name] = messages[stamp]
+                oldest = stamp
+            if oldest:
+                self._messages[row.name] = {at: message for at, message in messages.items() if at >= stamp}
         self.period = self._next(period)
         return taken
 

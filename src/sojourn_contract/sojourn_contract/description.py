@@ -3,10 +3,12 @@
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, replace
 from math import isfinite
 from typing import Any
 
 from sojourn_contract import qos
+from sojourn_contract.delivery import Delivery, Loss
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_contract.topic_types import INFINITY, FieldRule, Reliability, Topic
 from sojourn_contract.topics import TOPICS
@@ -35,7 +37,7 @@ def row_of_data(name: str, data: Mapping[str, Any]) -> Topic:
     """
     rate, age = data["rate_hz"], data["max_age_s"]
     best_effort = str(data["qos"]["lockstep"]).startswith(Reliability.BEST_EFFORT.value)
-    return Topic(
+    row = Topic(
         name,
         str(data["type"]),
         str(data["publisher"]),
@@ -51,6 +53,16 @@ def row_of_data(name: str, data: Mapping[str, Any]) -> Topic:
         str(data["child_frame"]),
         str(data["joints"]),
     )
+    return delivered_by_data(row, data)
+
+
+def delivered_by_data(row: Topic, data: Mapping[str, Any]) -> Topic:
+    """A row with what a contract says of the delivery of its messages, if anything. Raises as `row_of_data`."""
+    told = data.get("delivery")
+    if told is None:
+        return row
+    delivery = Delivery(**{**told, "losses": tuple(Loss(**each) for each in told["losses"])})
+    return replace(row, every=delivery.every, max_age_s=float(data["max_age_s"]), delivery=delivery)
 
 
 def _rule(data: Mapping[str, Any]) -> FieldRule:
@@ -100,7 +112,8 @@ def _digest(topics: Mapping[str, Any]) -> str:
 
 def _interface(topic: Mapping[str, Any]) -> dict[str, Any]:
     units = {rule["path"]: f"{rule['unit']} {rule['frame']}".strip() for rule in topic.get("fields", ())}
-    return {key: topic.get(key) for key in (*_INTERFACE, "joints")} | {"units": units}
+    delivery = {"delivery": topic["delivery"]} if "delivery" in topic else {}
+    return {key: topic.get(key) for key in (*_INTERFACE, "joints")} | {"units": units} | delivery
 
 
 def _topic(row: Topic) -> dict[str, Any]:
@@ -118,12 +131,12 @@ def _topic(row: Topic) -> dict[str, Any]:
         "joints": row.joints,
         "meaning": row.meaning,
         "fields": [_field(rule) for rule in row.fields],
-    }
+    } | ({} if row.delivery is None else {"delivery": asdict(row.delivery)})
 
 
 def _qos(row: Topic, lockstep: bool) -> str:
-    profile = qos.profile(row, lockstep)
-    return f"{profile.reliability.name.lower().replace('_', ' ')}, keep last {profile.depth}"
+    reliability = Reliability.BEST_EFFORT if qos.is_best_effort(row, lockstep) else Reliability.RELIABLE
+    return f"{reliability.value}, keep last {qos.depth(row, lockstep)}"
 
 
 def _field(rule: FieldRule) -> dict[str, Any]:

@@ -3,7 +3,10 @@
 from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, Any
 
+from rclpy.duration import Duration
+
 from sojourn_contract import qos
+from sojourn_contract.bundles import Bundles, is_for
 from sojourn_contract.codecs import encode
 from sojourn_contract.neighbours import Neighbours, are_near
 from sojourn_contract.topic_types import Topic
@@ -24,6 +27,7 @@ class Endpoints:
     Attributes:
         inputs: rows to subscribe: in lock-step what is awaited, in real time whoever may publish it; goals always.
         outputs: rows that the node publishes, by topic. senders, readers: of the ROS library, by topic.
+        bundles: what goes to and comes from companions, nodes of the same run in other processes.
     """
 
     def __init__(self, node: "ContractNode", take: Callable[[Topic, bytes], None]) -> None:
@@ -36,7 +40,8 @@ class Endpoints:
         ]
         self.outputs = {row.name: row for row in node.table.outputs_of(node.role, everyone)}
         self.senders = {name: self._sender(row) for name, row in self.outputs.items()}
-        self.readers = {row.name: self._reader(row, take) for row in self.inputs}
+        self.bundles = Bundles(node, self.outputs.values(), take)
+        self.readers = {row.name: self._reader(row, take) for row in self.inputs if not self.bundles.brings(row)}
         self._neighbours: Neighbours | None = None
         self._near: Collection[str] = ()
         self._unheard: Collection[str] = ()
@@ -50,18 +55,31 @@ class Endpoints:
         return direct
 
     def look(self) -> None:
-        """See which topics nobody hears over the middleware; a node with neighbours sends nothing on those."""
-        if self._neighbours is not None:
-            self._unheard = {name for name, sender in self.senders.items() if not sender.get_subscription_count()}
+        """See which topics nobody hears but neighbours and companions, who hear them otherwise; those are not sent."""
+        if self._neighbours is not None or self.bundles.listeners:
+            self._unheard = {
+                name
+                for name, sender in self.senders.items()
+                if not sender.get_subscription_count() and not self._listeners(self.outputs[name])
+            }
 
     def send(self, topic: str, message: Message) -> None:
-        """To the neighbours, and over the middleware to all others who listen."""
+        """To the neighbours, to companions in the bundle, and on its topic to all others who listen."""
         row = self.outputs[topic]
         if self._neighbours is not None:
             self._neighbours.say(row, message)
             if topic in self._unheard:
                 return
-        self.senders[topic].publish(encode(row, message))
+        data, sender = encode(row, message), self.senders[topic]
+        if self.bundles.carries(row, message):
+            self.bundles.say(row, data, None if topic in self._unheard else sender)
+        else:
+            sender.publish(data)
+
+    def await_arrival(self, seconds: float) -> None:
+        """Wait until what has been said last is with those who hear it, so long at most [s]."""
+        for sender in (*self.bundles.senders(), self.senders["/diagnostics"]):
+            sender.wait_for_all_acked(Duration(seconds=seconds))
 
     def unmatched(self) -> list[str]:
         """Endpoints of other participants that are not connected yet, in words."""
@@ -76,12 +94,10 @@ class Endpoints:
         return missing
 
     def _listeners(self, row: Topic) -> list[str]:
-        """Roles that hear a row over the middleware."""
+        """Roles that hear a row on its topic. Heartbeats and goals all do."""
         node = self._node
-        roles = [role for role in row.subscribers if role in node.participants]
-        if row.logged and "recorder" in node.participants:
-            roles.append("recorder")
-        near = self._near if are_near(row, self._near) else ()
+        near = (*self._near, *self.bundles.listeners) if are_near(row, (node.role,)) else ()
+        roles = [role for role in node.participants if is_for(row, role)]
         return [role for role in roles if (role != node.role or row.publisher == "all") and role not in near]
 
     def _sender(self, row: Topic) -> Any:
@@ -90,7 +106,8 @@ class Endpoints:
 
     def _reader(self, row: Topic, take: Callable[[Topic, bytes], None]) -> Any:
         def receive(data: bytes) -> None:
-            take(row, data)
+            if not self.bundles.is_twin(row, data):
+                take(row, data)
 
         return self._node.create_subscription(
             message_class(row.type),

@@ -1,4 +1,4 @@
-"""Rows of the topic table that operators publish: goals for drive and arm."""
+"""Rows of the topic table that operators publish: goals for drive and arm, requests to the power manager."""
 
 from dataclasses import replace
 
@@ -39,6 +39,18 @@ GOAL_TOPICS: tuple[Topic, ...] = (
         0,
         10.0,
         "drive along these",
+        (FieldRule("poses.pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),),
+        frames=GOAL_FRAMES,
+    ),
+    Topic(
+        "/drive/question",
+        "nav_msgs/Path",
+        "operator",
+        ("drive",),
+        0,
+        10.0,
+        "what would it take to drive along these? Nothing moves; the answer is in /drive/status, its fields begin with "
+        "asked_",
         (FieldRule("poses.pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),),
         frames=GOAL_FRAMES,
     ),
@@ -113,4 +125,14 @@ GOAL_TOPICS: tuple[Topic, ...] = (
         (TEXTS,),
     ),
     Topic("/arm/stop", "std_msgs/Header", "operator", ("arm",), 0, 10.0, "stop the arm and hold"),
+    Topic(
+        "/power/request",
+        "diagnostic_msgs/DiagnosticArray",
+        "operator",
+        ("power",),
+        0,
+        10.0,
+        "switch loads: the keys of its one status are loads, or sleep for the whole machine; their values on or off",
+        (TEXTS,),
+    ),
 )

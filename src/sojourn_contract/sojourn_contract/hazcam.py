@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sojourn_config.scenario import LoadedScenario
+from sojourn_config.known_machine import KnownMachine
 from sojourn_contract.values import PointCloud2
 from sojourn_flight.hazards.stereo_camera import StereoCamera
 from sojourn_machine.mounting import mounting
@@ -11,7 +11,7 @@ from sojourn_physics.sensors.hazcam import HazcamParams
 TOPIC = "/hazcam/points"
 
 
-def hazard_camera_of(scenario: LoadedScenario) -> StereoCamera | None:
+def hazard_camera_of(scenario: KnownMachine) -> StereoCamera | None:
     """The rover's hazard camera; None for a rover without one."""
     camera = scenario.sensors.first(HazcamParams)
     if camera is None:

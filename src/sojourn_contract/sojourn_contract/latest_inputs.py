@@ -5,6 +5,7 @@ from typing import Any
 
 from sojourn_contract import stamps
 from sojourn_contract.timeline import LONGEST_AHEAD_NS, Timeline, ahead_ns
+from sojourn_contract.topic_table import CLOCK
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES
 
@@ -70,11 +71,14 @@ def _period(row: Topic) -> int:
 
 def trigger_of(awaited: Sequence[Topic]) -> str:
     """In real time: the input on which a node acts. Of the fastest ones that of the earliest role of a period: a node
-    that is down, and started again, does not keep those after it from acting. Empty where nothing is awaited.
+    that is down, and started again, does not keep those after it from acting. One that may come late is none where
+    another comes in time, were it the clock. Empty where nothing is awaited.
     """
     if not awaited:
         return ""
+    awaited = [row for row in awaited if row.delivery is None] or awaited
     fastest = min(row.every for row in awaited)
     rows = [row for row in awaited if row.every == fastest]
+    rows = [row for row in rows if row.name != CLOCK] or rows
     first = min((row.publisher for row in rows), key=ROLES.index)
     return [row.name for row in rows if row.publisher == first][-1]

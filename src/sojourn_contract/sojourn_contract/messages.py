@@ -60,13 +60,14 @@ def battery_state(
     soc: float,
     charge: float,
     capacity: float,
+    design_capacity: float | None = None,
 ) -> BatteryState:
     """State of an energy store.
 
     Args:
         voltage: [V]. current_out: out of the store positive [A]; the message counts it negative.
         temperature: [K]. soc: 0 to 1. charge, capacity: [C]; the message has ampere hours. NaN where not
-            known.
+            known. design_capacity: when it was new [C], left out: the same.
     """
     ampere_hours = _single(float(capacity) / 3600.0)
     return BatteryState(
@@ -77,7 +78,7 @@ def battery_state(
         percentage=_single(soc),
         charge=_single(float(charge) / 3600.0),
         capacity=ampere_hours,
-        design_capacity=ampere_hours,
+        design_capacity=ampere_hours if design_capacity is None else _single(design_capacity / 3600.0),
         power_supply_status=DISCHARGING if current_out >= 0.0 else CHARGING,
         power_supply_technology=LITHIUM_ION,
     )

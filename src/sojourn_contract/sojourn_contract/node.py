@@ -6,14 +6,14 @@ stamp at which inputs are due, once they are all in. In real time it is called w
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rclpy.context import Context
-from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from sojourn_config.known_machine import KnownMachine
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import stamps
 from sojourn_contract.arrival import TICK, check_input
@@ -36,6 +36,7 @@ from sojourn_contract.heartbeat import (
 )
 from sojourn_contract.latest_inputs import LatestInputs, trigger_of
 from sojourn_contract.run_table import table_of
+from sojourn_contract.topic_table import CLOCK
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES
 from sojourn_contract.values import Message
@@ -57,8 +58,9 @@ class ContractNode(Node):
     """A node that keeps the contract of one role.
 
     ROS parameters: `scenario` (name or path), `overrides` (KEY=VALUE texts that go over it), `lockstep`
-    (bool), `participants` (roles that take part in the run), `lockstep_timeout_s` (wall time after which a
-    missing answer is an error). The scenario's machine says which topics the run has.
+    (bool), `participants` (roles that take part in the run), `companions` (those of them that are nodes of this stack
+    in processes of their own, see `bundles`), `lockstep_timeout_s` (wall time after which a missing answer is an
+    error). The scenario's machine says which topics the run has.
 
     Args:
         role: row of the process table; also the node's name.
@@ -88,10 +90,12 @@ class ContractNode(Node):
         self.scenario_name: str = self.declare_parameter("scenario", "lunar_sample").value
         self.lockstep: bool = self.declare_parameter("lockstep", True).value
         self.participants: tuple[str, ...] = tuple(self.declare_parameter("participants", list(ROLES)).value)
+        self.companions = tuple(filter(None, self.declare_parameter("companions", [""]).value))
         self.timeout_s: float = self.declare_parameter("lockstep_timeout_s", 10.0).value
         overrides_given = self.declare_parameter("overrides", [""]).value
         self.scenario_overrides = tuple(text for text in overrides_given if text)
-        self.scenario = load_scenario(self.scenario_name, self.scenario_overrides)
+        self.scenario: Any = self.read_scenario(self.scenario_name, self.scenario_overrides)
+        """As its role knows it."""
         self.table = table_of(self.scenario)
         """The topics of the run."""
         self.counters = Counters()
@@ -123,6 +127,10 @@ class ContractNode(Node):
     """Whether it acts once a second where its trigger stays away in real time, to say so in its status."""
 
     # What a node implements or calls
+
+    def read_scenario(self, name: str, overrides: Sequence[str]) -> KnownMachine:
+        """What the node goes by. Raises ConfigError."""
+        return load_scenario(name, overrides)
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """Act on one period.
@@ -195,7 +203,7 @@ class ContractNode(Node):
         if self.now:
             self._send_heartbeat(ENDED, self.now)
             # or the end of the node may overtake its last words, and the recorder's account lacks its counters
-            self.endpoints.senders["/diagnostics"].wait_for_all_acked(Duration(seconds=FAREWELL_S))
+            self.endpoints.await_arrival(FAREWELL_S)
 
     def unmatched(self) -> list[str]:
         """Endpoints of other participants that are not connected yet, in words."""
@@ -295,6 +303,8 @@ class ContractNode(Node):
         if row.name != self._trigger:
             return
         self._heard_trigger = time.monotonic()
+        if row.name == CLOCK and stamp % (self.barrier.stride * stamps.CONTROL_PERIOD_NS):
+            return  # it beats more often than the node acts
         if stamp <= self.now and self.now > self.latest.timeline.now + stamps.CONTROL_PERIOD_NS:
             self._begin_anew(stamp)  # it has acted on a stamp that nobody else has reached
         if stamp > self.now:
@@ -354,10 +364,14 @@ class ContractNode(Node):
         """Run one period and send the heartbeat when one is due."""
         self._last_progress = time.monotonic()
         previous, self.now = self.now, stamp
+        if not previous:
+            self.endpoints.look()  # who listens from the beginning misses nothing
         self.events, goals = self.events.taken(stamp)
+        self.endpoints.bundles.hold()
         self.on_period(stamp, inputs, goals)
         if beats(previous, stamp):
             self._send_heartbeat(RUNNING, stamp)
+        self.endpoints.bundles.release()
 
     def _send_heartbeat(self, state: str, stamp: int, detail: str = "", extra: dict[str, str] | None = None) -> None:
         values = self.heartbeat_values() | (extra or {})

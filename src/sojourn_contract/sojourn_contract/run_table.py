@@ -3,47 +3,79 @@
 What a bag or a tool finds on a topic it can look up by the topic's name alone: `row_named`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
+from math import gcd
 
-from sojourn_config.scenario import LoadedScenario
+from sojourn_config.known_machine import KnownMachine
+from sojourn_contract.delivery import Delivery, Loss
 from sojourn_contract.errors import SensorRowError
+from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topic_table import TopicTable, of_thing
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import STANDARD
+from sojourn_machine.chance import stream_of
 from sojourn_machine.sensor_choice import SENSORS, SensorParams
+from sojourn_machine.sensor_timing import SensorTimingParams
 
 STORE = "store"
 """Rows with `each` of it stand once for each energy store."""
+OWN = "{name}"
+"""In a row of a kind of sensor: every sensor of the kind has that row alone, under its own name."""
 RECORDED_BESIDES = ("/tf",)
 """Topics that the recorder adds; no row is about them."""
 
 
-def table_of(scenario: LoadedScenario) -> TopicTable:
+def table_of(scenario: KnownMachine) -> TopicTable:
     """The topics of a run of a scenario, whoever takes part. Raises TopicNameError, SensorRowError."""
-    rows = {row.name: row for params in scenario.sensors.sensors.values() for row in rows_of(params)}
+    sensors = scenario.sensors.sensors.items()
+    rows = {row.name: row for name, params in sensors for row in (*rows_of(params, name), *params.hears)}
     brought = [row for name, row in rows.items() if name not in STANDARD]
-    return STANDARD.joined_with(brought).for_things(things_of(scenario))
+    table = STANDARD.joined_with(brought).for_things(things_of(scenario))
+    return table.delivered(_delivered(scenario, table))
 
 
-def things_of(scenario: LoadedScenario) -> Mapping[str, tuple[str, ...]]:
+def rows_of_sensor(scenario: KnownMachine, table: TopicTable, name: str) -> Iterator[Topic]:
+    """Rows of a run's table on which the sensor of a name speaks: those that it has alone, and of the others the first
+    that has a row of its kind has it under the row's own name, unless that names all.
+    """
+    things = things_of(scenario)
+    for row in rows_of(scenario.sensors.sensors[name], name):
+        if row.each == STORE:
+            yield from table.each(row.name)
+        elif not row.each:
+            yield table.topic(row.name)
+        else:
+            is_first = things[row.each][0] == name and not row.all_named
+            yield table.topic(row.name if is_first else f"{row.name}/{name}")
+
+
+def things_of(scenario: KnownMachine) -> Mapping[str, tuple[str, ...]]:
     """What a machine may have several of: names by what rows have as `each`, in the order of its files."""
-    found: dict[str, tuple[str, ...]] = {STORE: ("battery",)}
+    found: dict[str, tuple[str, ...]] = {STORE: tuple(scenario.power.all_stores)}
     for name, params in scenario.sensors.sensors.items():
-        for each in dict.fromkeys(row.each for row in rows_of(params) if row.each != STORE):
+        for each in dict.fromkeys(row.each for row in rows_of(params, name) if row.each not in (STORE, "")):
             found[each] = (*found.get(each, ()), name)
     return found
 
 
-def rows_of(params: SensorParams | type[SensorParams]) -> Iterator[Topic]:
-    """Rows on which the first sensor of a kind speaks. Raises SensorRowError for one that no sensor can have."""
+def rows_of(params: SensorParams | type[SensorParams], name: str = OWN) -> Iterator[Topic]:
+    """Rows on which the first sensor of a kind speaks, and those that a sensor of this name has alone, which have no
+    `each`. Raises SensorRowError for one that no sensor can have.
+    """
     for row in params.speaks_on:
         if row.publisher != "sensors" or row.is_event or not row.logged:
             raise SensorRowError(row.name, "a logged row of the role sensors, with a rate")
         if row.name in STANDARD and row != STANDARD.topic(row.name):
             raise SensorRowError(row.name, "a name that no topic of the contract has, or that topic's own row")
-        yield row if row.each else replace(row, each=row.name)
+        if OWN in row.name:
+            own = replace(row, name=row.name.replace(OWN, name))
+            if own.name in STANDARD:
+                raise SensorRowError(own.name, "a name that no topic of the contract has: name the sensor otherwise")
+            yield own
+        else:
+            yield row if row.each else replace(row, each=row.name)
 
 
 def row_named(name: str) -> Topic | None:
@@ -55,7 +87,35 @@ def row_named(name: str) -> Topic | None:
     if known is not None or name in RECORDED_BESIDES:
         return known
     brought = _brought()
-    return brought.get(name) or _of_further(brought.get(first), thing)
+    return brought.get(name) or _of_further(brought.get(first), thing) or _own(name)
+
+
+def _delivered(scenario: KnownMachine, table: TopicTable) -> Iterator[Topic]:
+    """Rows of sensors with a timing of their own, and of those of which faults lose messages."""
+    for name, params in scenario.sensors.sensors.items():
+        timing, faults = params.heard
+        if params.timing is not None or faults:
+            lost = [Loss(round(after * NANOSECONDS), probability) for after, probability in faults]
+            yield from (delivered(row, name, timing, lost) for row in rows_of_sensor(scenario, table, name))
+
+
+def delivered(row: Topic, name: str, timing: SensorTimingParams, faults: Sequence[Loss] = ()) -> Topic:
+    """A row as the sensor of a name speaks on it: with its own rate, and as much older as it is late. faults: what is
+    lost besides.
+    """
+    every = timing.every or row.every
+    latency, jitter = (round(time * NANOSECONDS) for time in (timing.latency, timing.jitter))
+    delivery = Delivery(
+        every=every,
+        phase=timing.phase_periods,
+        pace=gcd(row.every, every),
+        latency=latency,
+        jitter=jitter,
+        losses=(Loss(0, timing.dropped), *faults),
+        stream=stream_of(timing.seed, name),
+    )
+    age = row.max_age_s * every / row.every + timing.latency + timing.jitter
+    return replace(row, every=every, max_age_s=age, delivery=delivery)
 
 
 def _of_further(row: Topic | None, thing: str) -> Topic | None:
@@ -65,4 +125,13 @@ def _of_further(row: Topic | None, thing: str) -> Topic | None:
 @cache
 def _brought() -> Mapping[str, Topic]:
     """Rows of all kinds of sensors that are installed."""
-    return {row.name: row for kind in SENSORS.names() for row in rows_of(SENSORS.get(kind)) if row.name not in STANDARD}
+    kinds = [SENSORS.get(kind) for kind in SENSORS.names()]
+    rows = [row for kind in kinds for row in (*rows_of(kind), *kind.hears)]
+    return {row.name: row for row in rows if row.name not in STANDARD}
+
+
+def _own(topic: str) -> Topic | None:
+    """The row that one sensor has alone: its name is the first word of the topic."""
+    _, _, rest = topic.removeprefix("/").partition("/")
+    row = _brought().get(f"/{OWN}/{rest}")
+    return None if row is None else replace(row, name=topic)

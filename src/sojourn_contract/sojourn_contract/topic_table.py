@@ -9,6 +9,7 @@ from dataclasses import replace
 from sojourn_contract.errors import TopicNameError, UnknownRoleError, UnknownTopicError
 from sojourn_contract.topic_types import ROLES, Topic
 
+CLOCK = "/clock"
 _NAME = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 
 
@@ -75,9 +76,27 @@ class TopicTable:
 
     def for_things(self, things: Mapping[str, Sequence[str]]) -> "TopicTable":
         """The table of a machine with these things, names by kind: a row that stands once for each thing of a kind has
-        further ones behind it, from the second thing on. Raises TopicNameError.
+        further ones behind it, from the second thing on; one with `all_named` gives way to those of all.
+
+        Raises TopicNameError.
         """
-        return self.joined_with(of_thing(row, name) for row in self.rows for name in things.get(row.each, ())[1:])
+        found = self.joined_with(
+            of_thing(row, name) for row in self.rows for name in things.get(row.each, ())[0 if row.all_named else 1 :]
+        )
+        return TopicTable(row for row in found if row.thing or not row.all_named)
+
+    def delivered(self, rows: Iterable[Topic]) -> "TopicTable":
+        """The table with these, which have a delivery, in the places of those that have their names.
+
+        Who listens to one of them goes by the clock: no message tells him that a period has begun.
+        """
+        others = {row.name: row for row in rows if row.delivery is not None}
+        if not others:
+            return self
+        listeners = {role for row in others.values() for role in row.subscribers}
+        clock = self.topic(CLOCK)
+        others[CLOCK] = replace(clock, subscribers=tuple(role for role in ROLES if role in listeners))
+        return TopicTable(others.get(row.name, row) for row in self.rows)
 
     def joined_with(self, rows: Iterable[Topic]) -> "TopicTable":
         """The table with further rows: of a further thing behind that of the thing before it, others behind the last

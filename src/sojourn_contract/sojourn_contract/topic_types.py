@@ -4,6 +4,9 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from enum import Enum
 
+from sojourn_contract.delivery import Delivery
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
+
 INFINITY = float("inf")
 
 ROLES = ("plant", "sensors", "drive", "arm", "power", "operator", "recorder")
@@ -82,6 +85,8 @@ class Topic:
         each: kind of thing of which a machine may have several, as "store": the row stands for the first, and a further
             thing has a row of its own, with its name behind; "" where there is one row whatever the machine has.
         thing: name of the further thing that the row stands for; "" for all others.
+        all_named: the first thing has a row with its name too, and none is called as the row itself.
+        delivery: when its messages are there, None where they come with their stamp.
     """
 
     name: str
@@ -101,10 +106,22 @@ class Topic:
     part: str = ""
     each: str = ""
     thing: str = ""
+    all_named: bool = False
+    delivery: Delivery | None = None
 
     def is_in(self, participants: Collection[str]) -> bool:
         """Whether a run of these roles has the topic."""
         return not self.part or self.part in participants
+
+    @property
+    def pace(self) -> int:
+        """Its listeners look each so many control periods."""
+        return self.every if self.delivery is None else self.delivery.pace
+
+    def heard_at(self, stamp: int) -> int:
+        """When a message with a stamp is there, in lock-step [ns]; with its stamp where the row says nothing else."""
+        leaves = 0 if self.delivery is None else self.delivery.leaves(stamp // CONTROL_PERIOD_NS)
+        return leaves * CONTROL_PERIOD_NS or stamp
 
     @property
     def is_event(self) -> bool:

@@ -242,6 +242,17 @@ TOPICS: tuple[Topic, ...] = (
         (TEXTS,),
     ),
     Topic(
+        "/power/forecast",
+        "trajectory_msgs/JointTrajectory",
+        "power",
+        (),
+        3000,
+        200.0,
+        "what is expected of the hours ahead, a point a step: charge, charge_low, charge_high, offered_w (the most "
+        "that all sources could give), used_w",
+        (FieldRule("points.positions", "1, W", low=0.0, high=1e7),),
+    ),
+    Topic(
         "/odom",
         "nav_msgs/Odometry",
         "drive",
@@ -300,7 +311,7 @@ TOPICS: tuple[Topic, ...] = (
         "/operator/tick",
         "std_msgs/Header",
         "operator",
-        ("plant", "drive", "arm"),
+        ("plant", "drive", "arm", "power"),
         5,
         INFINITY,
         "the scripted operator has sent all goals of this period; frame_id counts them, 'end' ends the run",

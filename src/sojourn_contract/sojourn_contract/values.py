@@ -194,6 +194,52 @@ class PointCloud2(NamedTuple):
     is_dense: bool = True
 
 
+class Image(NamedTuple):
+    """sensor_msgs/Image."""
+
+    stamp: int
+    frame: str
+    height: int
+    width: int
+    encoding: str
+    """As "mono8", "16UC1"."""
+    step: int
+    """Bytes of a row."""
+    data: bytes
+    is_bigendian: int = 0
+
+
+class RegionOfInterest(NamedTuple):
+    """sensor_msgs/RegionOfInterest."""
+
+    x_offset: int = 0
+    y_offset: int = 0
+    height: int = 0
+    width: int = 0
+    do_rectify: bool = False
+
+
+class CameraInfo(NamedTuple):
+    """sensor_msgs/CameraInfo."""
+
+    stamp: int
+    frame: str
+    height: int
+    width: int
+    distortion_model: str
+    distortion: FloatArray
+    """Its `d`."""
+    intrinsic: FloatArray
+    """Its `k`, (9,)."""
+    rectification: FloatArray
+    """Its `r`, (9,)."""
+    projection: FloatArray
+    """Its `p`, (12,)."""
+    binning_x: int = 0
+    binning_y: int = 0
+    roi: RegionOfInterest = RegionOfInterest()
+
+
 class DiagnosticStatus(NamedTuple):
     """diagnostic_msgs/DiagnosticStatus; level: 0 good, 1 warning, 2 error, 3 stale."""
 

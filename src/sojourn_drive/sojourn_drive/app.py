@@ -6,21 +6,22 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from sojourn_config.scenario import LoadedScenario
+from sojourn_config.flight import FlightScenario
 from sojourn_contract import stamps
-from sojourn_contract.absence import given_up, seen_usable
-from sojourn_contract.app import Answer, App, Period, Refusal
+from sojourn_contract.absence import given_up, last_refused, seen_usable
+from sojourn_contract.app import Answer, FlightApp, Period, Refusal
 from sojourn_contract.barrier import is_due
 from sojourn_contract.clouds import points_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.hazcam import TOPIC as CLOUD
 from sojourn_contract.hazcam import hazard_camera_of, newest_cloud
 from sojourn_contract.heartbeat import status_values
+from sojourn_contract.run_table import table_of
 from sojourn_contract.topics import topic
-from sojourn_contract.values import TwistStamped
+from sojourn_contract.values import Path, TwistStamped
 from sojourn_drive.arm_interlock import ArmInterlock
 from sojourn_drive.charge import ChargeGauge
-from sojourn_drive.goals import GoalStatus, goal_of
+from sojourn_drive.goals import GoalStatus, QuestionStatus, goal_of
 from sojourn_drive.measurements import JointMeasurements
 from sojourn_drive.reports import drive_report, odometry_report
 from sojourn_drive.sun import SunSightings
@@ -34,6 +35,7 @@ from sojourn_machine.errors import MachineError
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
+QUESTION = "/drive/question"
 MEASUREMENTS = ("/joint_states", "/imu/data")
 
 
@@ -48,6 +50,9 @@ class Asked:
     """The last velocity command and its stamp [ns]."""
     abandoned: str = ""
     """Why the goal has been given up for want of measurements, until the drive has heard of it."""
+    question: Goal | None = None
+    """One that waits likewise."""
+    questioned: QuestionStatus = field(default_factory=QuestionStatus)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +61,8 @@ class Heard:
 
     power_limit: float = 1.0
     """Factor of the power manager on all speeds [-]."""
+    dark: bool = False
+    """The power manager has switched off the load of the IMU."""
     supply: EnergyLeft | None = None
     """Of energy; None until the first reading of the battery."""
     interlock: str = ""
@@ -82,20 +89,21 @@ class DriveAppState:
     """Angular velocity of base_link about its x and y axes, as last measured [rad/s]."""
 
 
-class DriveApp(App[DriveAppState]):
+class DriveApp(FlightApp[DriveAppState]):
     """Role drive."""
 
     role = "drive"
     acts_in_silence = True
 
-    def __init__(self, scenario: LoadedScenario) -> None:
-        scenario = scenario.as_believed()
-        self._start = scenario.config.start
-        self.model = DriveModel(scenario.drive, scenario.mobility(), hazard_camera_of(scenario))
-        self._measurements = JointMeasurements(scenario.machine, self.model.mobility.joints, scenario.urdf_xml)
-        self._sun = SunSightings(scenario)
-        self._charge = ChargeGauge(scenario.power_manager, self._measurements.loads)
-        self._interlock = ArmInterlock(scenario.arm)
+    def __init__(self, known: FlightScenario) -> None:
+        self._charges = tuple(row.name for row in table_of(known).each("/battery_state"))
+        self._start = known.start
+        self.model = DriveModel(known.drive, known.mobility(), hazard_camera_of(known))
+        self._measurements = JointMeasurements(known.machine, self.model.mobility.joints, known.urdf_xml)
+        self._sun = SunSightings(known)
+        self._charge = ChargeGauge(known.power_manager, self._measurements.loads)
+        self._interlock = ArmInterlock(known.arm)
+        self._imu_load = known.sensors.powered_by.get("imu", "")
 
     def warm_up(self) -> None:
         """Those of the drive."""
@@ -123,10 +131,12 @@ class DriveApp(App[DriveAppState]):
             state = replace(stepped, heard=replace(stepped.heard, usable_at=usable_at))
             output = state.output
         else:
-            last_refusal = str(refusals[-1][1]) if refusals else period.last_refusal
-            reason = given_up(MEASUREMENTS, stamp, usable_at, period.inputs, last_refusal)
+            cause = last_refused(str(refusals[-1][1]) if refusals else period.last_refusal)
+            if heard.dark:
+                cause = f"the power manager has switched off {self._imu_load}"
+            reason = given_up(MEASUREMENTS, stamp, usable_at, period.inputs, cause)
             if reason:  # nobody knows where the rover is: fail the goal, and drop a velocity
-                asked = Asked(asked.last.given_up(reason), abandoned=reason)
+                asked = Asked(asked.last.given_up(reason), abandoned=reason, questioned=asked.questioned)
             state = replace(state, asked=asked, heard=replace(heard, usable_at=usable_at))
             output = _stopped(state.output)
         state = replace(state, asked=replace(state.asked, last=state.asked.last.noted(output.outcomes)))
@@ -134,15 +144,17 @@ class DriveApp(App[DriveAppState]):
 
     def _hear(self, state: DriveAppState, inputs: Mapping[str, Any]) -> Heard:
         heard, switches = state.heard, inputs.get("/power/switches")
-        limit = heard.power_limit
+        limit, dark = heard.power_limit, heard.dark
         if switches is not None:
-            limit = self._measurements.power_limit(status_values(switches), limit)
+            values = status_values(switches)
+            limit, dark = self._measurements.power_limit(values, limit), values.get(self._imu_load) == "off"
         driving = state.drive.mode != "idle"
         return replace(
             heard,
             power_limit=limit,
-            interlock=self._interlock.why_not(inputs["/joint_states"], driving, heard.interlock),
-            supply=self._charge.supply(inputs.get("/battery_state"), heard.supply),
+            dark=dark,
+            interlock=self._interlock.why_not(inputs.get("/joint_states"), driving, heard.interlock),
+            supply=self._charge.supply([inputs.get(name) for name in self._charges], heard.supply),
             cloud=newest_cloud(inputs.get(CLOUD), heard.cloud),
         )
 
@@ -152,7 +164,9 @@ class DriveApp(App[DriveAppState]):
         """The goal that takes effect now; of several the last."""
         asked, refusals = state.asked, list[Refusal]()
         for name, message in goals:
-            if heard.interlock:
+            if name == QUESTION:
+                asked = self._take_question(state, asked, heard, message, refusals)
+            elif heard.interlock:
                 asked = replace(asked, last=asked.last.refused(message, heard.interlock))
                 none = f"none while {heard.interlock}"
                 refusals.append((name, RefusedMessageError(name, "header", "a goal now", none)))
@@ -170,6 +184,21 @@ class DriveApp(App[DriveAppState]):
                     refusals.append((name, refusal))
         return asked, refusals
 
+    @staticmethod
+    def _take_question(
+        state: DriveAppState, asked: Asked, heard: Heard, message: Path, refusals: list[Refusal]
+    ) -> Asked:
+        """With a question that the drive will answer, or that is refused as its goal would be."""
+        told = QuestionStatus(message.stamp)
+        try:
+            if heard.interlock:
+                raise RefusedMessageError(QUESTION, "header", "a goal now", f"none while {heard.interlock}")
+            goal = goal_of(QUESTION, message, state.drive.odometry, 0)
+        except RefusedMessageError as refusal:
+            refusals.append((QUESTION, refusal))
+            return replace(asked, question=None, questioned=replace(told, refused=str(refusal)))
+        return replace(asked, question=goal, questioned=told)
+
     def _cloud(self, inputs: Mapping[str, Any], is_new: bool, refusals: list[Refusal]) -> FloatArray | None:
         """Points of a cloud that is new, shape (n, 3) [m]; None without one, and of one that is refused."""
         try:
@@ -184,8 +213,8 @@ class DriveApp(App[DriveAppState]):
         """The state after a step with the measurements of this period; None where they cannot be used, with the refusal
         added to `refusals`.
         """
-        joints, imu = (period.inputs[name] for name in MEASUREMENTS)
-        if joints is None or imu is None:  # refused on arrival
+        joints, imu = (period.inputs.get(name) for name in MEASUREMENTS)
+        if joints is None or imu is None:  # refused on arrival, or too old
             return None
         stamp, drive = period.stamp, state.drive
         try:
@@ -196,7 +225,7 @@ class DriveApp(App[DriveAppState]):
         except (MachineError, RefusedMessageError) as error:
             refusals.append(("/joint_states", error))
             return None
-        asked = replace(state.asked, pending=None, abandoned="")
+        asked = replace(state.asked, pending=None, abandoned="", question=None)
         gyro = measured.felt.gyro or (0.0, 0.0, 0.0)
         return DriveAppState(drive, replace(output, make_status=None), asked, heard, stamp, (gyro[0], gyro[1]))
 
@@ -215,6 +244,7 @@ class DriveApp(App[DriveAppState]):
             cloud=cloud,
             twist=twist,
             goal=asked.pending,
+            question=asked.question,
             supply=heard.supply,
             power_limit=heard.power_limit,
         )
@@ -229,7 +259,10 @@ class DriveApp(App[DriveAppState]):
         yield "/odom", odometry_report(stamp, output, state.tilt_rates)
         if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
             status = {} if output.pace is None else drive_status(self.model, state.drive, output.pace)
-            yield "/drive/status", drive_report(stamp, state.asked.last.status(state.drive), status)
+            said = state.asked.last.status(state.drive)
+            if state.asked.question is None:  # what has been asked is answered
+                status |= state.asked.questioned.status(state.drive.foreseen)
+            yield "/drive/status", drive_report(stamp, said, status)
 
 
 def _stopped(output: DriveOutput) -> DriveOutput:

@@ -2,14 +2,14 @@
 status.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.messages import yaw_of
-from sojourn_contract.values import Message, PoseStamped
+from sojourn_contract.values import Message, Path, PoseStamped
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_flight.supervision.drive_types import DriveState
@@ -68,13 +68,27 @@ class GoalStatus:
         }
 
 
+@dataclass(frozen=True, slots=True)
+class QuestionStatus:
+    """The last question, and what kept it from the drive if anything did."""
+
+    stamp: int = 0
+    refused: str = ""
+
+    def status(self, answer: Mapping[str, str | float]) -> dict[str, str | float]:
+        """Fields of /drive/status; none before the first question. answer: the drive's, if it has been asked."""
+        if self.refused:
+            return {"asked_stamp": str(self.stamp), "asked_state": "refused", "asked_reason": self.refused}
+        return {"asked_stamp": str(self.stamp), **answer} if answer else {}
+
+
 def goal_of(topic: str, message: Message, here: OdometryState, number: int) -> Goal:
     """Goal of a PoseStamped or a Path, in odom. A z other than 0 is the height of its point, for the forecast.
 
     Raises:
         RefusedMessageError: a frame that is not known, a path without points.
     """
-    poses = message.poses if topic == "/waypoints" else [message]
+    poses = message.poses if isinstance(message, Path) else [message]
     frame = message.frame
     points = [_point(topic, frame, pose, here) for pose in poses]
     if not points:
@@ -85,7 +99,7 @@ def goal_of(topic: str, message: Message, here: OdometryState, number: int) -> G
     base = here.z if frame == "base_link" else 0.0
     z = [float(pose.position[2]) for pose in poses]
     heights = tuple(base + height if height != 0.0 else None for height in z)
-    goal = Goal.along(points, yaw, number) if topic == "/waypoints" else Goal.at(*points[0], yaw, number)
+    goal = Goal.along(points, yaw, number) if isinstance(message, Path) else Goal.at(*points[0], yaw, number)
     return replace(goal, heights=heights)
 
 

@@ -1,6 +1,6 @@
 """Readings of the sun sensor as the drive's input, with where the ephemeris has the Sun."""
 
-from sojourn_config.scenario import LoadedScenario
+from sojourn_config.flight import FlightScenario
 from sojourn_contract import stamps
 from sojourn_contract.values import Vector3Stamped
 from sojourn_flight.odometry.heading_fix import SunSighting
@@ -11,13 +11,13 @@ class SunSightings:
     """Takes each reading once.
 
     Args:
-        scenario: its Sun is the ephemeris of the site; of a machine without a sun sensor there are no sightings.
+        known: its Sun is the ephemeris of the site; of a machine without a sun sensor there are no sightings.
     """
 
-    def __init__(self, scenario: LoadedScenario) -> None:
-        self._scenario = scenario
-        sensor = scenario.sensors.first_on("/sun_direction")
-        self._sensor_to_base = None if sensor is None else mounting(scenario.urdf_xml, sensor.links[0])[0]
+    def __init__(self, known: FlightScenario) -> None:
+        self._sun = known.sun_over()
+        sensor = known.sensors.first_on("/sun_direction")
+        self._sensor_to_base = None if sensor is None else mounting(known.urdf_xml, sensor.links[0])[0]
 
     def sighting(self, stamp: int, message: Vector3Stamped | None, last: int) -> tuple[SunSighting | None, int]:
         """The reading that belongs to this period [ns], None where there is none, or it has been taken before; and the
@@ -31,4 +31,4 @@ class SunSightings:
         if sent <= last or not 0 <= stamp - sent <= stamps.CONTROL_PERIOD_NS:
             return None, last
         in_base = self._sensor_to_base @ message.vector
-        return SunSighting(in_base, self._scenario.sun_direction(stamps.seconds(sent))), sent
+        return SunSighting(in_base, self._sun.direction(stamps.seconds(sent))), sent

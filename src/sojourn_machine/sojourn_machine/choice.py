@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BeforeValidator, ValidationError
-from pydantic_core import InitErrorDetails
+from pydantic_core import ErrorDetails, InitErrorDetails
 
 from sojourn_machine.errors import UnknownNameError
 from sojourn_machine.registry import Registry
@@ -25,15 +25,19 @@ class KindsOf:
     key: str
 
 
-def kinds_of(registry: Registry[Any], key: str) -> tuple[KindsOf, BeforeValidator]:
-    """What makes a field one of the registered kinds, by the name that stands at `key` of its table."""
+def kinds_of(registry: Registry[Any], key: str, otherwise: str | None = None) -> tuple[KindsOf, BeforeValidator]:
+    """What makes a field one of the registered kinds, by the name that stands at `key` of its table.
+
+    Args:
+        otherwise: kind of a table that names none; None: it is refused.
+    """
 
     def read(table: Any) -> Any:
         if not isinstance(table, Mapping):
             return table
-        if key not in table:
+        if key not in table and otherwise is None:
             raise _at(key, InitErrorDetails(type="missing", loc=(key,), input=dict(table)))
-        name = table[key]
+        name = table.get(key, otherwise)
         if not isinstance(name, str):
             raise _at(key, InitErrorDetails(type="string_type", loc=(key,), input=name))
         try:
@@ -48,3 +52,10 @@ def kinds_of(registry: Registry[Any], key: str) -> tuple[KindsOf, BeforeValidato
 
 def _at(key: str, details: InitErrorDetails) -> ValidationError:
     return ValidationError.from_exception_data(key, [details])
+
+
+def within(name: str, detail: ErrorDetails) -> InitErrorDetails:
+    """The same problem, told of the table of that name."""
+    return InitErrorDetails(
+        type=detail["type"], loc=(name, *detail["loc"]), input=detail["input"], ctx=detail.get("ctx", {})
+    )

@@ -1,11 +1,13 @@
-"""Parameters of a joint's drive: motor, gear, servo. A joint without a motor has friction alone."""
+"""Parameters of the drive that comes with us: motor, gear, servo. A joint without a drive has friction alone."""
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self, TypeAlias
+from collections.abc import Collection, Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from sojourn_machine.actuator_choice import ActuatorParams
+from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import Params
 from sojourn_machine.screw import ScrewParams
 
@@ -172,17 +174,11 @@ AnyMotorParams: TypeAlias = Annotated[
 ]
 
 
-class JointDriveParams(Params):
-    """A joint's whole drive.
+class JointDriveParams(ActuatorParams):
+    """A motor with its gear and servo: the drive that the plant's kernels solve."""
 
-    Args:
-        joints: joints of the URDF that have one of these.
-        load: name of the electrical load that feeds it; the power manager switches and limits it by this
-            name.
-    """
-
-    joints: tuple[str, ...] = Field(min_length=1, description="joints of the URDF with this drive")
-    load: str = Field(min_length=1, description="name of the electrical load that feeds it")
+    kind: Literal["geared_motor"] = Field(default="geared_motor", description="kind of drive")
+    torque_key: ClassVar[tuple[str, ...]] = ("servo", "max_torque")
     motor: AnyMotorParams
     gear: GearParams
     servo: ServoParams
@@ -193,8 +189,6 @@ class JointDriveParams(Params):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if len(set(self.joints)) != len(self.joints):
-            raise ValueError("joints: allowed is each joint once")
         if self.servo.mode == "position" and self.servo.derivative == 0.0:
             raise ValueError("servo.derivative = 0: allowed is above 0 in mode 'position', or the joint swings")
         if self.servo.mode == "position" and isinstance(self.motor, SeriesMotorParams):
@@ -207,6 +201,26 @@ class JointDriveParams(Params):
                 "takes from a brake alone: allowed is one with a brake"
             )
         return self
+
+    @property
+    def mode(self) -> Literal["rate", "position"]:
+        """See the class above."""
+        return self.servo.mode
+
+    @property
+    def largest_torque(self) -> float:
+        """See the class above."""
+        return self.servo.max_torque
+
+    @property
+    def encoder_ratio(self) -> float | None:
+        """See the class above."""
+        return self.gear.ratio
+
+    @property
+    def efficiency(self) -> float:
+        """See the class above."""
+        return self.transmission.efficiency
 
     @property
     def electric(self) -> MotorParams | SeriesMotorParams:
@@ -278,3 +292,16 @@ class JointDriveParams(Params):
         gear, motor = self.transmission, self.motor
         own = motor.viscous_friction * gear.ratio**2 if isinstance(motor, SeriesMotorParams) else 0.0
         return gear.viscous_friction + own
+
+
+def geared_motor_of(drives: Collection[ActuatorParams], joint: str) -> JointDriveParams:
+    """The motor, gear and servo that drive a joint, for closed forms that are about these.
+
+    Raises:
+        InvalidValueError: the joint has no drive, or one of another kind.
+    """
+    for drive in drives:
+        if joint in drive.joints and isinstance(drive, JointDriveParams):
+            return drive
+    found = next((drive.kind for drive in drives if joint in drive.joints), "none")
+    raise InvalidValueError(f"drive of {joint}", found, "a geared_motor, whose closed forms are known")

@@ -5,7 +5,8 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from sojourn_machine.drives import JointDriveParams, JointFrictionParams
+from sojourn_machine.actuator_choice import Drive
+from sojourn_machine.drives import JointFrictionParams
 from sojourn_machine.params import Params
 from sojourn_machine.supports import FootParams, PadParams, SupportParams, TrackParams, WheelParams
 
@@ -60,7 +61,7 @@ class MachineParams(Params):
     tracks: tuple[TrackParams, ...] = Field(default=(), description="tracks")
     feet: tuple[FootParams, ...] = Field(default=(), description="feet of legs")
     pads: tuple[PadParams, ...] = Field(default=(), description="other points that may touch the ground")
-    drives: tuple[JointDriveParams, ...] = Field(default=(), description="motor, gear and servo of groups of joints")
+    drives: tuple[Drive, ...] = Field(default=(), description="what drives groups of joints")
     passive_joint: JointFrictionParams
     suspensions: tuple[SuspensionParams, ...] = Field(default=(), description="springs and dampers on joints")
     wrench_sensor_link: str | None = Field(

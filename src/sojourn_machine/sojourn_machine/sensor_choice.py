@@ -4,36 +4,88 @@ What the sensor does and says is found by the name of its kind when it is needed
 """
 
 from collections.abc import Iterable
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from sojourn_machine.params import Params
 from sojourn_machine.registry import Registry
+from sojourn_machine.sensor_faults import SensorFaultParams
+from sojourn_machine.sensor_timing import SensorTimingParams
 
 SENSORS: "Registry[type[SensorParams]]" = Registry("sojourn.sensors", "kind of sensor")
 """Parameter sets of the kinds of sensors, by their names."""
+
+ASIDE = ("timing", "faults")
+"""Keys that every kind has beside its own; a table without them has none."""
+
+
+class MachinePart(NamedTuple):
+    """Parts of a machine that a sensor is on, as one key of its table names them.
+
+    Args:
+        key: of the table. kind: what they are: a `node` of the machine's heat, a `store`, a `joint` that moves, a joint
+            whose `travel` has ends, a `motor` by its joint, whose heat is known, a load that is a `string` of a bus
+            with a store.
+        names: of the parts; one for a key that is a name, or those of its list.
+    """
+
+    key: str
+    kind: str
+    names: tuple[str, ...]
 
 
 class SensorParams(Params):
     """One sensor. Each kind has a subclass with its parameters, registered under the default of its `kind`."""
 
     kind: str = Field(description="kind of sensor; left out: the name of the sensor")
+    timing: SensorTimingParams | None = Field(default=None, description="when it measures and when it is heard")
+    faults: dict[str, SensorFaultParams] = Field(
+        default_factory=dict, description="what is wrong with it, by any names"
+    )
     speaks_on: ClassVar[tuple[Any, ...]] = ()
     """Rows of the topic table on which the first sensor speaks that has them; a further one has its name behind."""
+    hears: ClassVar[tuple[Any, ...]] = ()
+    """Rows of the plant's truth that only runs with such a sensor have."""
+    left_out: ClassVar[tuple[str, ...]] = ()
+    """Further keys that a table does not have where there is nothing under them."""
     alone: ClassVar[bool] = False
     """Whether a machine has one of the kind at most."""
 
     @model_serializer(mode="wrap")
     def _without_the_kind(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """As a table of the file: the kind is that of the name under which it stands there."""
-        return {key: value for key, value in dump(self).items() if key != "kind"}
+        unsaid = (*ASIDE, *self.left_out)
+        return {key: value for key, value in dump(self).items() if key != "kind" and (value or key not in unsaid)}
+
+    @model_validator(mode="after")
+    def _check_timing(self) -> Self:
+        if self.timing is not None:
+            for row in self.speaks_on:
+                self.timing.check_row(row)
+        return self
+
+    @property
+    def heard(self) -> tuple[SensorTimingParams, tuple[tuple[float, float], ...]]:
+        """When it is heard: its timing, and from when on [s] how many of its messages are lost [-] by its faults."""
+        lost = tuple((fault.after, fault.loses) for fault in self.faults.values() if fault.loses)
+        return self.timing or SensorTimingParams(), lost
 
     @property
     def links(self) -> tuple[str, ...]:
         """Links of the URDF on which it sits: that of its parameter `link`, if the kind has one."""
         link = getattr(self, "link", None)
         return () if link is None else (str(link),)
+
+    @property
+    def parts(self) -> tuple[MachinePart, ...]:
+        """Parts of the machine that it is on."""
+        return ()
+
+    @property
+    def bytes_a_second(self) -> float:
+        """Of what it says, where that is much: images."""
+        return 0.0
 
     @classmethod
     def silence(cls, stamp: int) -> Iterable[tuple[str, Any]]:

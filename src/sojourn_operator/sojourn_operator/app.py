@@ -15,11 +15,10 @@ from sojourn_contract.heartbeat import status_values
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Header, Odometry
 from sojourn_machine.evolution import replace
-from sojourn_operator.actions import Action, ArmGround, ArmTo
-from sojourn_operator.goal_messages import goal_message, report_of
-from sojourn_operator.ground import ground_point
+from sojourn_operator.goal_messages import report_of
 from sojourn_operator.scenario_steps import script_steps
-from sojourn_operator.script import GoalReport, OperatorScript, ScriptState
+from sojourn_operator.script import OperatorScript, ScriptState
+from sojourn_operator.steps.step import GoalReport, RunFacts
 
 TRUTH, TICK = "/truth/odom", "/operator/tick"
 _STATUSES = {"/drive/status": "drive", "/arm/status": "arm"}
@@ -50,9 +49,10 @@ class OperatorApp(App[OperatorState]):
     role = "operator"
 
     def __init__(self, scenario: LoadedScenario) -> None:
-        self.script = OperatorScript(script_steps(scenario), scenario.config.duration_limit_s)
-        needs_ground = any(isinstance(action, ArmGround) for action, _ in self.script.steps)
-        self._terrain = scenario.height_field() if needs_ground else None
+        steps = script_steps(scenario)
+        terrain = scenario.height_field() if any(step.looks_at_ground for step, _ in steps) else None
+        around = RunFacts(scenario.arm_joints, terrain)
+        self.script = OperatorScript(steps, scenario.config.duration_limit_s, around)
 
     def initial_state(self) -> OperatorState:
         """Before the first step."""
@@ -69,15 +69,15 @@ class OperatorApp(App[OperatorState]):
                     state = replace(state, drive_status=status_values(status))
         truth = inputs.get(TRUTH) or state.truth
         state = replace(state, truth=truth)
-        if stamp // _LOOK_NS == state.looked // _LOOK_NS:
+        if truth is None or stamp // _LOOK_NS == state.looked // _LOOK_NS:
             return state, NOTHING
         state = replace(state, looked=stamp)
         if state.has_said_end:
             return state, NOTHING
-        script, goal = self.script.look(state.script, stamp, state.reports)
+        script, goal = self.script.look(state.script, stamp, state.reports, truth)
         sent, messages = dict(state.sent), []
         if goal is not None:
-            messages.append((goal.topic, goal_message(self._looked_up(goal.action, truth), goal.stamp)))
+            messages.append((goal.topic, goal.message))
             sent[goal.topic] = sent.get(goal.topic, 0) + 1
         tick = format_tick(sent, script.finished)
         messages.append((TICK, Header(stamp, tick)))
@@ -87,14 +87,3 @@ class OperatorApp(App[OperatorState]):
         """Where in the script it is."""
         done = f"{len(state.script.results)} of {len(self.script.steps)}"
         return {"step": self.script.position(state.script), "steps done": done}
-
-    def _looked_up(self, action: Action, truth: Odometry | None) -> Action:
-        """The action with its place in numbers.
-
-        The ground is looked up in the scenario's terrain from the true pose, as a person would pick a target in the
-        picture of the stereo cameras.
-        """
-        if not isinstance(action, ArmGround) or self._terrain is None or truth is None:
-            return action
-        x, y, z = ground_point(self._terrain, truth.position, truth.orientation, action)
-        return ArmTo(x, y, z)

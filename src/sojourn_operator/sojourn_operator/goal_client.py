@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Sequence
 
 from sojourn_config import command_line
-from sojourn_flight.arm.tasks.names import TASK_NAMES
+from sojourn_flight.arm.tasks.names import TASKS
 
 
 def parser() -> argparse.ArgumentParser:
@@ -28,15 +28,22 @@ def parser() -> argparse.ArgumentParser:
     )
     route.add_argument("--yaw", type=command_line.number, help="heading at the last point [rad]; any if left out")
     route.add_argument("--frame", default="map", help="map, odom or base_link (default: %(default)s)")
+    for command in (drive, route):
+        command.add_argument(
+            "--dry-run", action="store_true", help="do not drive: say what it would take, and whether it is allowed"
+        )
     arm = commands.add_parser("arm", help="place the tip of the arm")
     for axis in ("x", "y", "z"):
         arm.add_argument(axis, type=command_line.number, help="[m]")
     arm.add_argument("--frame", default="base_link", help="base_link (default)")
     task = commands.add_parser("task", help="a task of the arm: guarded_move force=10 speed=0.01")
-    task.add_argument("name", help=f"one of {', '.join(TASK_NAMES)}")
+    task.add_argument("name", help=f"one of {', '.join(TASKS.names())}")
     task.add_argument("values", nargs="*", metavar="KEY=VALUE", help="its numbers; a vector as 0,0,-1")
+    power = commands.add_parser("power", help="switch a load on or off")
+    power.add_argument("load", help="its name in the machine's power.yaml; sleep: the machine")
+    power.add_argument("switch", choices=("on", "off"))
     stop = commands.add_parser("stop", help="stop drive and arm")
-    for command in (drive, route, arm, task, stop):
+    for command in (drive, route, arm, task, power, stop):
         command_line.add_place(command)
         command.add_argument(
             "--timeout",
@@ -49,7 +56,9 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Send a goal; 0 only if it was reached (a stop: if drive and arm say that they stand)."""
+    """Send a goal; 0 only if it was reached (a stop: if drive and arm stand; a dry run: if it is allowed; a switch: if
+    it is done).
+    """
     given = parser().parse_args(arguments)
     from sojourn_operator.goal_sending import run  # not above: --help needs none of it
 

@@ -4,45 +4,44 @@ from collections.abc import Sequence
 from math import cos, sin
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from sojourn_contract.heartbeat import is_count, status_message, status_values
-from sojourn_contract.values import DiagnosticArray, Header, JointState, Message, Path, PoseStamped, TwistStamped
-from sojourn_operator.actions import Action, ArmAlong, ArmJog, ArmJoints, ArmTask, ArmTo, DriveAlong, DriveTo
-from sojourn_operator.script import GoalReport
+from sojourn_contract.heartbeat import is_count, status_values
+from sojourn_contract.values import DiagnosticArray, Header, Message, Path, PoseStamped, TwistStamped
+from sojourn_operator.steps.step import GoalReport
 
+QUESTION = "/drive/question"
 ANY = (0.0, 0.0, 0.0, 0.0)
 """An orientation of zero length."""
 
 
-def goal_message(action: Action, stamp: int) -> Message:
-    """Message that asks for an action, stamped `stamp` [ns]. Raises TypeError for one that is no goal (a wait), or
-    whose place is still to be looked up."""
-    match action:
-        case DriveTo():
-            return _pose(action.frame, stamp, (action.x, action.y, action.z), _heading(action.yaw))
-        case DriveAlong():
-            last = len(action.points) - 1
-            poses = [
-                _pose(action.frame, stamp, (x, y, 0.0), _heading(action.yaw if place == last else None))
-                for place, (x, y) in enumerate(action.points)
-            ]
-            return Path(stamp, action.frame, tuple(poses))
-        case ArmTo():
-            return _pose(action.frame, stamp, (action.x, action.y, action.z), action.orientation)
-        case ArmJoints():
-            names = tuple(name for name, _ in action.positions)
-            return JointState(stamp, names, np.array([angle for _, angle in action.positions]), frame=action.name)
-        case ArmAlong():
-            poses = [
-                _pose("arc" if point.on_arc else action.frame, stamp, (point.x, point.y, point.z), point.orientation)
-                for point in action.points
-            ]
-            return Path(stamp, action.frame, tuple(poses))
-        case ArmJog():
-            return TwistStamped(stamp, action.frame, np.array(action.linear), np.array(action.angular))
-        case ArmTask():
-            return status_message(stamp, action.name, dict(action.values))
-    raise TypeError(f"{action!r} is no goal")
+def drive_goal(
+    stamp: int, place: tuple[float, float], yaw: float | None, frame: str = "map", height: float = 0.0
+) -> PoseStamped:
+    """Goal of the drive.
+
+    Args:
+        stamp: of it [ns]. place: x, y [m]. yaw: wanted heading there [rad], None for any.
+        height: of the ground there over that of the start [m], 0 if it is not known.
+    """
+    return pose_message(stamp, frame, (*place, height), _heading(yaw))
+
+
+def route_goal(stamp: int, points: Sequence[tuple[float, float]], yaw: float | None, frame: str = "map") -> Path:
+    """Goal of the drive along points x, y [m]; `yaw` [rad] is the wanted heading at the last, None for any."""
+    headings = [None] * (len(points) - 1) + [yaw]
+    poses = (drive_goal(stamp, point, heading, frame) for point, heading in zip(points, headings, strict=True))
+    return Path(stamp, frame, tuple(poses))
+
+
+def question_message(goal: PoseStamped | Path) -> Path:
+    """Message that asks what it would take to drive so."""
+    return goal if isinstance(goal, Path) else Path(goal.stamp, goal.frame, (goal,))
+
+
+def pose_message(stamp: int, frame: str, position: ArrayLike, orientation: ArrayLike) -> PoseStamped:
+    """A pose. position: (3,) [m]. orientation: quaternion x y z w."""
+    return PoseStamped(stamp, frame, np.array(position, dtype=float), np.array(orientation, dtype=float))
 
 
 def stop_messages(stamp: int) -> list[tuple[str, Message]]:
@@ -66,8 +65,12 @@ def report_of(status: DiagnosticArray) -> GoalReport:
     return GoalReport(values.get("state", ""), int(stamp) if is_count(stamp) else 0, values.get("reason", ""))
 
 
-def _pose(frame: str, stamp: int, position: Sequence[float], orientation: Sequence[float]) -> PoseStamped:
-    return PoseStamped(stamp, frame, np.array(position, dtype=float), np.array(orientation, dtype=float))
+def request_report_of(status: DiagnosticArray) -> GoalReport:
+    """What a status of the power manager says of the last request: state, stamp, reason."""
+    values = status_values(status)
+    stamp = values.get("request_stamp", "0")
+    state, reason = values.get("request_state", ""), values.get("request_reason", "")
+    return GoalReport(state, int(stamp) if is_count(stamp) else 0, reason)
 
 
 def _heading(yaw: float | None) -> tuple[float, float, float, float]:

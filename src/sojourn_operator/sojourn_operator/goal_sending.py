@@ -15,22 +15,42 @@ from sojourn_contract import qos
 from sojourn_contract.codecs import encode
 from sojourn_contract.decoding import hearing
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.heartbeat import status_values
+from sojourn_contract.heartbeat import status_message, status_values
 from sojourn_contract.stamps import seconds
 from sojourn_contract.stop_flag import StopFlag
 from sojourn_contract.topics import topic
 from sojourn_contract.types import message_class
-from sojourn_contract.values import Clock, DiagnosticArray, Message
-from sojourn_operator.actions import ArmTask, ArmTo, DriveAlong, DriveTo
-from sojourn_operator.goal_messages import goal_message, report_of, stamped, stop_messages
-from sojourn_operator.script import FINAL_STATES, REACHED
+from sojourn_contract.values import UPRIGHT, Clock, DiagnosticArray, Message, Path, PoseStamped
+from sojourn_operator.foresight_words import foresight_lines
+from sojourn_operator.goal_messages import (
+    QUESTION,
+    drive_goal,
+    pose_message,
+    question_message,
+    report_of,
+    request_report_of,
+    route_goal,
+    stamped,
+    stop_messages,
+)
+from sojourn_operator.steps.step import FINAL_STATES, REACHED
 
 ANSWER_S = 5.0
 """Wall time within which a running stack must be found."""
 SHOW_S = 1.0
-STATUS_TOPICS = {"drive": "/drive/status", "arm": "/arm/status"}
-GOAL_TOPICS = {DriveTo: "/goal_pose", DriveAlong: "/waypoints", ArmTo: "/arm/goal_pose", ArmTask: "/arm/task"}
+STATUS_TOPICS = {"drive": "/drive/status", "arm": "/arm/status", "power": "/power/status"}
+GOALS = {
+    "drive": ("drive", "/goal_pose"),
+    "route": ("drive", "/waypoints"),
+    "arm": ("arm", "/arm/goal_pose"),
+    "task": ("arm", "/arm/task"),
+    "power": ("power", "/power/request"),
+}
+"""Of each command who carries it out, and on which topic it goes."""
 STOP_TOPICS = {"drive": "/cmd_vel", "arm": "/arm/stop"}
+DONE = "done"
+ENDS = {"power": (DONE, "waiting", "refused")}
+"""States in which there is nothing to wait for; of goals FINAL_STATES. A load that waits comes back by itself."""
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 """Name that ROS gives to a node of which it knows an endpoint only, so far."""
 STOP_SETTLE_S = 0.2
@@ -134,8 +154,8 @@ class GoalClient:
             status = self.statuses.get(who)
             if status is None:
                 continue
-            report = report_of(status)
-            if report.goal_stamp == self._last_stamp and report.state in FINAL_STATES:
+            report = request_report_of(status) if who == "power" else report_of(status)
+            if report.goal_stamp == self._last_stamp and report.state in ENDS.get(who, FINAL_STATES):
                 return report.state, report.reason
             if time.monotonic() - shown > SHOW_S and report.goal_stamp == self._last_stamp:
                 shown = time.monotonic()
@@ -143,6 +163,16 @@ class GoalClient:
         if self.stop.is_set:
             return "interrupted", "the goal goes on: stop it with scripts/goal stop"
         return "not finished", f"within {timeout_s:g} s of wall time; the goal goes on"
+
+    def answer(self, timeout_s: float) -> dict[str, str] | None:
+        """The drive's answer to the question just sent, fields of its status; None if none comes in that time."""
+        end = time.monotonic() + timeout_s
+        while not self.stop.is_set and time.monotonic() < end:
+            self.spin(0.05)
+            values = status_values(self.statuses["drive"]) if "drive" in self.statuses else {}
+            if values.get("asked_stamp") == str(self._last_stamp):
+                return values
+        return None
 
     def _is_heard(self, sender: Any) -> bool:
         """Whether somebody who acts on it gets what is sent, and all others who want it. The recorder does not act."""
@@ -199,17 +229,24 @@ def _to_go(who: str, values: dict[str, str]) -> str:
     return f"{100.0 * float(values.get('progress', 0.0)):.0f} % done, {values.get('time_to_go', '?')} s to go"
 
 
-def _action(given: argparse.Namespace) -> DriveTo | DriveAlong | ArmTo | ArmTask:
-    """The goal that was asked for."""
+def _drive_goal(given: argparse.Namespace) -> PoseStamped | Path:
+    """Where to drive."""
     if given.command == "drive":
-        return DriveTo(given.x, given.y, given.yaw, given.frame, given.z)
-    if given.command == "route":
-        if len(given.points) % 2:
-            raise CommandError(f"points: {len(given.points)} numbers, allowed is an even count: X Y for each point")
-        return DriveAlong(tuple(zip(given.points[::2], given.points[1::2], strict=True)), given.yaw, given.frame)
+        return drive_goal(0, (given.x, given.y), given.yaw, given.frame, given.z)
+    if len(given.points) % 2:
+        raise CommandError(f"points: {len(given.points)} numbers, allowed is an even count: X Y for each point")
+    return route_goal(0, list(zip(given.points[::2], given.points[1::2], strict=True)), given.yaw, given.frame)
+
+
+def _goal(given: argparse.Namespace) -> Message:
+    """What was asked for, as a message."""
+    if given.command in ("drive", "route"):
+        return _drive_goal(given)
     if given.command == "task":
-        return ArmTask(given.name, tuple(_key_and_value(text) for text in given.values))
-    return ArmTo(given.x, given.y, given.z, given.frame)
+        return status_message(0, given.name, dict(_key_and_value(text) for text in given.values))
+    if given.command == "power":
+        return status_message(0, "request", {given.load: given.switch})
+    return pose_message(0, given.frame, (given.x, given.y, given.z), UPRIGHT)
 
 
 def _key_and_value(text: str) -> tuple[str, str]:
@@ -219,18 +256,32 @@ def _key_and_value(text: str) -> tuple[str, str]:
     return key, value.replace(",", " ")
 
 
+def _ask(client: GoalClient, goal: PoseStamped | Path, timeout_s: float) -> int:
+    """Ask what it would take to drive; 0 if the goal is allowed."""
+    client.send("drive", QUESTION, question_message(goal))
+    answer = client.answer(timeout_s)
+    if answer is None:
+        raise CommandError(f"the drive did not answer within {timeout_s:g} s of wall time")
+    print("\n".join(foresight_lines(answer)))
+    return 0 if answer.get("asked_state") == "allowed" else 1
+
+
 def run(given: argparse.Namespace) -> int:
-    """Send a goal; 0 only if it was reached (a stop: if drive and arm say that they stand)."""
-    action = _action(given) if given.command != "stop" else None
+    """Send a goal; 0 only if it was reached (a stop: if drive and arm stand; a dry run: if it is allowed; a switch: if
+    it is done).
+    """
+    message = None if given.command == "stop" else _goal(given)
     with GoalClient(given.domain, given.namespace) as client:
-        if action is None:
+        if message is None:
             stands, words = client.halt()
             print(words)
             return 0 if stands else 1
-        who = "arm" if isinstance(action, ArmTo | ArmTask) else "drive"
-        client.send(who, GOAL_TOPICS[type(action)], goal_message(action, 0))
+        if isinstance(message, PoseStamped | Path) and given.command in ("drive", "route") and given.dry_run:
+            return _ask(client, message, given.timeout)
+        who, name = GOALS[given.command]
+        client.send(who, name, message)
         outcome, reason = client.follow(who, given.timeout)
     print(f"{outcome}{': ' + reason if reason else ''}")
     if outcome == "interrupted":
         return INTERRUPTED
-    return 0 if outcome == REACHED else 1
+    return 0 if outcome in (REACHED, DONE) else 1

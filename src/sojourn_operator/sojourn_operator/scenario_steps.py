@@ -6,31 +6,7 @@ from pathlib import Path
 
 from sojourn_config.paths import available, resolve
 from sojourn_config.scenario import LoadedScenario, load_scenario
-from sojourn_config.steps import (
-    ArmGroundStep,
-    ArmJogStep,
-    ArmJointsStep,
-    ArmPathStep,
-    ArmPoseStep,
-    ArmTaskStep,
-    DriveGoalStep,
-    DriveRouteStep,
-    StepAction,
-)
-from sojourn_operator.actions import (
-    Action,
-    ArmAlong,
-    ArmGround,
-    ArmJog,
-    ArmJoints,
-    ArmTask,
-    ArmTo,
-    DriveAlong,
-    DriveTo,
-    TipPoint,
-    Wait,
-    receiver_of,
-)
+from sojourn_operator.steps.step import OperatorStep
 
 
 @dataclass(frozen=True)
@@ -55,15 +31,14 @@ def prepare_scenario(name: str, overrides: Sequence[str] = ()) -> PreparedScenar
     return PreparedScenario(known, tuple(overrides), loaded)
 
 
-def script_steps(scenario: LoadedScenario) -> list[tuple[Action, float | None]]:
+def script_steps(scenario: LoadedScenario) -> list[tuple[OperatorStep, float | None]]:
     """Steps of a scenario, each with its limit [s] or None."""
-    joints = scenario.arm_joints
-    return [(_action(step.action, joints), step.timeout_s) for step in scenario.config.steps]
+    return [(step.action, step.timeout_s) for step in scenario.config.steps]
 
 
 def needed_roles(scenario: LoadedScenario) -> tuple[str, ...]:
     """Roles that carry out the steps of a scenario."""
-    roles = {receiver_of(action) for action, _ in script_steps(scenario)}
+    roles = {step.role for step, _ in script_steps(scenario)}
     return tuple(role for role in ("drive", "arm") if role in roles)
 
 
@@ -81,25 +56,3 @@ def absent_roles(scenario: LoadedScenario) -> dict[str, str]:
     if scenario.driving is None:
         reasons["drive"] = "stands fast, it has no wheels"
     return reasons
-
-
-def _action(step: StepAction, joints: Sequence[str]) -> Action:
-    match step:
-        case DriveGoalStep():
-            return DriveTo(step.x, step.y, step.yaw)
-        case DriveRouteStep():
-            return DriveAlong(tuple((point.x, point.y) for point in step.points), step.yaw)
-        case ArmPoseStep():
-            return ArmTo(step.x, step.y, step.z, step.frame, step.orientation)
-        case ArmGroundStep():
-            return ArmGround(step.x, step.y, step.height)
-        case ArmJointsStep():
-            return ArmJoints(tuple(zip(joints, step.positions or (), strict=False)), step.name or "")
-        case ArmPathStep():
-            points = (TipPoint(p.x, p.y, p.z, p.orientation, p.on_arc) for p in step.points)
-            return ArmAlong(tuple(points), step.frame)
-        case ArmJogStep():
-            return ArmJog(step.linear, step.angular, step.seconds, step.frame)
-        case ArmTaskStep():
-            return ArmTask(step.name, tuple(step.texts.items()))
-    return Wait(step)

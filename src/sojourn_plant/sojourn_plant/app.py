@@ -1,25 +1,36 @@
 """The plant without ROS: the simulated machine and its ground. Commands in, the truth of the next period out."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.app import Answer, App, Period
+from sojourn_contract.barrier import is_due
 from sojourn_contract.events import parse_tick
+from sojourn_contract.ground import GROUND, ground_cloud
+from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_types import Topic
 from sojourn_machine.evolution import replace
 from sojourn_physics.plant.faults import HeldAngles, MotorFaults
+from sojourn_physics.plant.flight import LONG
 from sojourn_physics.plant.state import PlantState
 from sojourn_physics.plant.step import step
 from sojourn_physics.terrain import earthwork
+from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_plant.commands import COMMANDS, Commands, HeldCommands
 from sojourn_plant.start import build_plant
 from sojourn_plant.truth import TruthMessages
 
 TICK = "/operator/tick"
-_EVENTS = {"rolled_over": "the rover has rolled over", "off_terrain": "the rover has left the terrain"}
+_EVENTS: tuple[tuple[Callable[[PlantState], bool], str], ...] = (
+    (lambda machine: machine.rolled_over, "the rover has rolled over"),
+    (lambda machine: machine.off_terrain, "the rover has left the terrain"),
+    (lambda machine: machine.flight.long, f"the rover has been off the ground for {LONG:g} s"),
+    (lambda machine: machine.flight.escaped, "the rover has left the ground faster than gravity can bring it back"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +41,8 @@ class PlantAppState:
     commands: HeldCommands
     locked: HeldAngles
     """Of motors that have failed."""
+    told: GroundMemory
+    """The ground that has been told of."""
 
 
 class PlantApp(App[PlantAppState]):
@@ -42,6 +55,7 @@ class PlantApp(App[PlantAppState]):
         self._commands = Commands(self.model)
         self._faults = MotorFaults(self.model, scenario.config.faults)
         self._truth = TruthMessages(self.model)
+        self._tells_ground = GROUND.name in table_of(scenario)
 
     def warm_up(self) -> None:
         """Those of digging; the others were loaded while the machine settled."""
@@ -50,11 +64,13 @@ class PlantApp(App[PlantAppState]):
 
     def initial_state(self) -> PlantAppState:
         """The machine at rest where the scenario has it start."""
-        return PlantAppState(self._start, self._commands.holding(self._start.motor_angles), {})
+        held = self._commands.holding(self._start.motor_angles)
+        return PlantAppState(self._start, held, {}, self.model.untouched_ground)
 
     def first_messages(self, state: PlantAppState, stamp: int) -> Iterator[tuple[str, Any]]:
         """Truth of the machine as it stands, with which a run begins, at a stamp [ns]."""
-        return self._truth.first(stamp, state.machine)
+        yield from self._ground(stamp, state.told, state.machine)
+        yield from self._truth.first(stamp, state.machine)
 
     def check(self, row: Topic, message: Any) -> None:
         """Refuse commands that the machine cannot follow."""
@@ -70,18 +86,32 @@ class PlantApp(App[PlantAppState]):
         asked = self._commands.at(commands, stamp)
         command, locked = self._faults.on(asked, state.locked, before.joints[0], stamps.seconds(stamp))
         machine, output = step(self.model, before, command)
-        new = [text for flag, text in _EVENTS.items() if getattr(machine, flag) and not getattr(before, flag)]
-        messages = self._truth.messages(stamp + stamps.CONTROL_PERIOD_NS, machine, output)
-        return replace(state, machine=machine, commands=commands, locked=locked), Answer(messages, errors=new)
+        new = [text for happened, text in _EVENTS if happened(machine) and not happened(before)]
+        following = stamp + stamps.CONTROL_PERIOD_NS
+        ground = self._ground(following, state.told, machine)
+        messages = chain(ground, self._truth.messages(following, machine, output))
+        told = machine.ground if ground else state.told
+        return replace(state, machine=machine, commands=commands, locked=locked, told=told), Answer(
+            messages, errors=new
+        )
+
+    def _ground(self, stamp: int, told: GroundMemory, machine: PlantState) -> list[tuple[str, Any]]:
+        """What is new of the ground, where a sensor looks at it and it is time."""
+        if not self._tells_ground or not is_due(GROUND, stamp // stamps.CONTROL_PERIOD_NS):
+            return []
+        return [(GROUND.name, ground_cloud(stamp, told, machine.ground))]
 
     def heartbeat_values(self, state: PlantAppState, stamp: int) -> dict[str, str]:
         """Events of the machine, motors that have failed by the scenario, and lost commands."""
         faults = [f"{fault.joint} {fault.kind}" for fault in self._faults.acting(stamps.seconds(stamp))]
+        seconds = state.machine.flight.periods * self.model.simulation.control_period
+        flying = {"off the ground for": f"{seconds:.0f} s"} if seconds >= LONG else {}
         return {
             "faults": ", ".join(faults),
             "rolled over": str(state.machine.rolled_over).lower(),
             "off the terrain": str(state.machine.off_terrain).lower(),
             "lost commands": ", ".join(state.commands.lost(stamp)),
+            **flying,
         }
 
 

@@ -74,7 +74,7 @@ class Commands:
         if model.tool is not None:
             self._index[TOOL_JOINT] = self._tool = len(kinds)
             self._by_position |= {TOOL_JOINT} if model.tool.params.joint.held else set()
-        self._loads = {load.name: place for place, load in enumerate(model.bus.loads)}
+        self._loads = {load.name: place for place, load in enumerate(model.loads)}
         self._joint_count = len(kinds)
         self._named: dict[str, NamedJoints] = {}
         """Of the last command of each topic: looked up again only when the names change."""

@@ -1,5 +1,6 @@
 """The plant of a scenario, settled on its ground."""
 
+from sojourn_config.expected_heat import site_heat
 from sojourn_config.machine_body import STOWED
 from sojourn_config.scenario import LoadedScenario
 from sojourn_physics.plant.model import PlantModel, Site
@@ -17,19 +18,22 @@ def build_plant(scenario: LoadedScenario, terrain: HeightField | None = None) ->
     Raises:
         MachineError: parameters that do not fit together. ConfigError: a terrain that cannot be made.
     """
+    ground = terrain or scenario.height_field()
     site = Site(
-        terrain or scenario.height_field(),
+        ground,
         list(scenario.soils.values()),
-        scenario.gravity,
+        scenario.gravity_field,
         scenario.terrain.memory_cell if scenario.terrain.memory else 0.0,
         scenario.config.objects,
+        scenario.sun_over(lambda: ground),
+        scenario.moving_air,
+        site_heat(scenario),
     )
     model = PlantModel(
         scenario.urdf_xml,
         scenario.machine,
         site,
-        scenario.battery,
-        scenario.bus,
+        scenario.power,
         scenario.simulation,
         scenario.tool,
     )

@@ -9,10 +9,12 @@ from sojourn_contract import stamps
 from sojourn_contract.barrier import is_due
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.messages import battery_state, contact_cloud, wrench_stamped
-from sojourn_contract.topics import topic
+from sojourn_contract.run_table import STORE
+from sojourn_contract.topics import STANDARD, topic
 from sojourn_contract.values import Clock, DiagnosticArray, JointState, Odometry
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import TOOL_JOINT
+from sojourn_physics.actuators.drive_condition import WINDING
 from sojourn_physics.actuators.joint_drive import MOTOR_RATE
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantOutput, PlantState
@@ -29,7 +31,9 @@ class TruthMessages:
         self._joints = (*model.joints.names, *(() if model.tool is None else (TOOL_JOINT,)))
         self._with_play = np.flatnonzero(model.joints.rotors)
         self._motors = tuple([model.joints.names[i] for i in self._with_play])
-        self._loads = tuple(load.name for load in model.bus.loads)
+        self._loads = tuple(load.name for load in model.loads)
+        things = STANDARD.for_things({STORE: tuple(model.power.params.all_stores)})
+        self._stores = tuple(row.name for row in things.each("/truth/electrical"))
         self._wrist_frame = model.machine.wrench_sensor_link or ""
 
     def first(self, stamp: int, state: PlantState) -> Iterator[tuple[str, Any]]:
@@ -39,8 +43,7 @@ class TruthMessages:
             contacts=model.report.copy(),
             efforts=model.efforts.copy(),
             currents=model.currents.copy(),
-            load_power=np.zeros(len(self._loads)),
-            battery_current=0.0,
+            power=model.power.at_rest(state.power),
             spread=np.zeros_like(state.velocity),
             wrist_wrench=None if model.wrist is None else model.wrist.at_rest(state.configuration, model.report),
         )
@@ -54,20 +57,7 @@ class TruthMessages:
         rates = state.velocity[self._model.joints.columns]
         seldom = is_due(topic("/truth/electrical"), period)
         if seldom:
-            battery = self._model.battery
-            supply = state.battery
-            yield (
-                "/truth/electrical",
-                battery_state(
-                    stamp,
-                    state.bus_voltage,
-                    output.battery_current,
-                    supply.temperature,
-                    supply.soc,
-                    supply.soc * battery.charge_capacity,
-                    battery.charge_capacity,
-                ),
-            )
+            yield from self._store_messages(stamp, state, output)
         yield "/truth/odom", _odometry(stamp, state, output)
         yield "/truth/wrist_wrench", wrench_stamped(stamp, self._wrist_frame, output.wrist_wrench)
         yield "/truth/joint_states", self._joint_message(stamp, state, rates, output.efforts)
@@ -76,6 +66,20 @@ class TruthMessages:
         yield "/truth/contacts", contact_cloud(stamp, output.contacts)
         if seldom:
             yield "/truth/loads", self._load_message(stamp, state, output)
+
+    def _store_messages(self, stamp: int, state: PlantState, output: PlantOutput) -> Iterator[tuple[str, Any]]:
+        network = self._model.power
+        for name, store, of_store, bus, current in zip(
+            self._stores,
+            network.stores,
+            state.power.stores,
+            network.store_bus,
+            output.power.store_currents,
+            strict=True,
+        ):
+            soc, capacity = of_store.soc, store.charge_capacity
+            measured = state.power.voltages[bus], current, of_store.temperature
+            yield name, battery_state(stamp, *measured, soc, soc * capacity, capacity)
 
     def _joint_message(self, stamp: int, state: PlantState, rates: FloatArray, efforts: FloatArray) -> JointState:
         angles, tool = state.joints[0], state.tool
@@ -90,12 +94,48 @@ class TruthMessages:
         return JointState(stamp, self._motors, angles, joints[MOTOR_RATE][places], output.efforts[places])
 
     def _load_message(self, stamp: int, state: PlantState, output: PlantOutput) -> DiagnosticArray:
-        values = {f"power {name}": f"{power:.6g}" for name, power in zip(self._loads, output.load_power, strict=True)}
+        values = {
+            f"power {name}": f"{power:.6g}" for name, power in zip(self._loads, output.power.load_power, strict=True)
+        }
+        calm = self._model.air is None
         for name in state.energy.__dataclass_fields__:
+            if calm and name == "air_work":
+                continue
             values[f"energy {name}"] = f"{getattr(state.energy, name):.9g}"
+        values |= self._network_values(state, output) | self._fuses(state) | self._temperatures(state)
         if state.tool is not None and state.tool.has_worked:
             values |= {name: f"{value:.9g}" for name, value in state.tool.report().items()}
         return status_message(stamp, "loads", values)
+
+    def _fuses(self, state: PlantState) -> dict[str, str]:
+        """Of the loads that have one."""
+        fuses = state.power.fuses
+        if fuses is None:
+            return {}
+        loads = zip(self._model.loads, fuses.blown, strict=True)
+        return {f"fuse {load.name}": "open" if blown else "closed" for load, blown in loads if load.fuse is not None}
+
+    def _temperatures(self, state: PlantState) -> dict[str, str]:
+        """Of the nodes of a machine whose heat is known, and of the windings of motors whose heat is [K]."""
+        model, values = self._model, dict[str, str]()
+        if model.heat is not None and state.heat is not None:
+            nodes = zip(model.heat.machine.network.names, state.heat.nodes.thermal.temperatures, strict=True)
+            values = {f"temperature {name}": f"{kelvin:.6g}" for name, kelvin in nodes}
+        if model.conditions is not None and state.conditions is not None:
+            drives = zip(model.conditions.rows, model.conditions.thermal, state.conditions[WINDING], strict=True)
+            motors = [(model.joints.names[row], kelvin) for row, thermal, kelvin in drives if thermal is not None]
+            values |= {f"winding {joint}": f"{kelvin:.6g}" for joint, kelvin in motors}
+        return values
+
+    def _network_values(self, state: PlantState, output: PlantOutput) -> dict[str, str]:
+        """Of a network that is more than one battery: power of each source, and the account of the buses."""
+        network = self._model.power
+        if len(network.stores) == 1 and not (network.sources or network.converters):
+            return {}
+        powers = zip(network.params.sources, output.power.source_powers, strict=True)
+        values = {f"source {name}": f"{power:.6g}" for name, power in powers}
+        account = state.power.energy
+        return values | {f"network {name}": f"{getattr(account, name):.9g}" for name in account._fields}
 
 
 def _odometry(stamp: int, state: PlantState, output: PlantOutput) -> Odometry:

@@ -1,7 +1,7 @@
 """The sensors without ROS: truth in, measurements out, from the sensors that the machine's file names."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,8 +17,10 @@ from sojourn_contract.values import JointState, Odometry
 from sojourn_machine.errors import MachineError
 from sojourn_machine.evolution import replace
 from sojourn_sensors.absent import absent_kinds
+from sojourn_sensors.fault_hooks import FaultyState, hook_of
 from sojourn_sensors.sensor import Sensor, SensorSite, Truth
 from sojourn_sensors.supply import LOADS, without_power
+from sojourn_sensors.timing import LateReading, timing_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +33,10 @@ class SensorsState:
     """The last of each sensor, which is told again where the truth cannot be used; None without power."""
     dead: frozenset[str] = frozenset()
     """Sensors without power."""
+    faulty: Mapping[str, FaultyState] = field(default_factory=dict)
+    """What is wrong with the readings of sensors, by the names of those that have faults."""
+    waiting: Mapping[str, Sequence[LateReading]] = field(default_factory=dict)
+    """Readings that are told later, by the names of the sensors that have a timing of their own."""
     measured_at: int = 0
     """Stamp of the last truth that could be used [ns]; zero where it is not known."""
 
@@ -47,6 +53,12 @@ class SensorsApp(App[SensorsState]):
         self.sensors: tuple[Sensor[Any, Any, Any], ...] = tuple(
             params.sensor(name, site) for name, params in self.params.sensors.items()
         )
+        self._timings = [timing_of(sensor.rows, sensor.every) for sensor in self.sensors]
+        self._is_timed = any(timing is not None for timing in self._timings)
+        """Whether anything is told later than it is measured."""
+        self._hooks = {sensor.name: hook for sensor in self.sensors if (hook := hook_of(sensor)) is not None}
+        if self._hooks:
+            self._check_faults()
         self._absent = absent_kinds(self._table, [sensor.rows for sensor in self.sensors])
 
     def warm_up(self) -> None:
@@ -59,7 +71,7 @@ class SensorsApp(App[SensorsState]):
 
     def initial_state(self) -> SensorsState:
         """Before the first truth."""
-        return SensorsState()
+        return SensorsState(faulty={name: hook.initial_state() for name, hook in self._hooks.items()})
 
     def on_new_time(self, state: SensorsState) -> SensorsState:
         """The time since the last truth is not known."""
@@ -73,7 +85,10 @@ class SensorsApp(App[SensorsState]):
         state, refusals = self._measure(state, period)
         if state.sensors is None:  # nothing has been measured yet
             return state, Answer(refusals=refusals) if refusals else NOTHING
-        return state, Answer(self._messages(state.readings, period), refusals)
+        late: Mapping[str, Sequence[LateReading]] = {}
+        if self._is_timed:
+            state, late = self._told(state, period.stamp // stamps.CONTROL_PERIOD_NS)
+        return state, Answer(self._messages(state.readings, late, period), refusals)
 
     def _measure(self, state: SensorsState, period: Period) -> tuple[SensorsState, list[tuple[str, Exception]]]:
         """What the sensors say of a period; where its truth cannot be used what they said last, if anything."""
@@ -90,21 +105,61 @@ class SensorsApp(App[SensorsState]):
             else:
                 after, readings = list(state.sensors), list(state.readings)
             for place, sensor in enumerate(self.sensors):
-                if number % sensor.every == 0:
+                if self._measures(place, number):
                     read = sensor.step_without_power if sensor.name in state.dead else sensor.step
                     after[place], readings[place] = read(after[place], truth, dt)
+                elif sensor.params.hears:
+                    after[place] = sensor.hear(after[place], truth)
         except (MachineError, RefusedMessageError) as error:
             return state, [("/truth/joint_states", error)]
-        return SensorsState(tuple(after), tuple(readings), state.dead, stamp), []
+        faulty = self._fault(state, readings, stamp) if self._hooks else state.faulty
+        return SensorsState(tuple(after), tuple(readings), state.dead, faulty, state.waiting, stamp), []
 
-    def _messages(self, readings: tuple[Any, ...], period: Period) -> Iterator[tuple[str, Any]]:
+    def _measures(self, place: int, number: int) -> bool:
+        """Whether a sensor measures in a control period."""
+        timing, every = self._timings[place], self.sensors[place].every
+        return number % every == 0 if timing is None else timing.measures(number)
+
+    def _fault(self, state: SensorsState, readings: list[Any], stamp: int) -> Mapping[str, FaultyState]:
+        """Put faults on the readings that are of this stamp [ns]; the state of the faults after it."""
+        faulty, number = dict(state.faulty), stamp // stamps.CONTROL_PERIOD_NS
+        for place, sensor in enumerate(self.sensors):
+            hook = self._hooks.get(sensor.name)
+            if hook is not None and self._measures(place, number):
+                faulty[sensor.name], readings[place] = hook.step(faulty[sensor.name], readings[place], stamp)
+        return faulty
+
+    def _check_faults(self) -> None:
+        """Raise ConfigError for a fault that no reading of its sensor can have."""
+        truth = self._at_rest()
+        for sensor in self.sensors:
+            hook = self._hooks.get(sensor.name)
+            if hook is not None:
+                hook.check(sensor.step(sensor.initial_state(truth), truth, stamps.CONTROL_PERIOD_S)[1])
+
+    def _told(self, state: SensorsState, number: int) -> tuple[SensorsState, Mapping[str, Sequence[LateReading]]]:
+        """What of late readings is told in a control period, by sensor, and the state in which the others wait."""
+        told: dict[str, Sequence[LateReading]] = {}
+        rest: dict[str, Sequence[LateReading]] = {}
+        for sensor, timing, reading in zip(self.sensors, self._timings, state.readings, strict=True):
+            if timing is not None:
+                waiting = timing.with_reading(state.waiting.get(sensor.name, ()), number, reading)
+                told[sensor.name] = [one for one in waiting if one.leaves <= number]
+                rest[sensor.name] = tuple(one for one in waiting if one.leaves > number)
+        return replace(state, waiting=rest), told
+
+    def _messages(
+        self, readings: tuple[Any, ...], late: Mapping[str, Sequence[LateReading]], period: Period
+    ) -> Iterator[tuple[str, Any]]:
         number = period.stamp // stamps.CONTROL_PERIOD_NS
         for sensor, reading in zip(self.sensors, readings, strict=True):
+            if sensor.name in late:
+                for one in late[sensor.name]:
+                    yield from _said(sensor, one.measured * stamps.CONTROL_PERIOD_NS, one.reading, one.topics)
+                continue
             due = [row.name for row in sensor.rows if is_due(row, number)]
             if due and _all_new(sensor.speaks_with, period.inputs):
-                for name, message in sensor.messages(period.stamp, reading):
-                    if name in due:
-                        yield name, message
+                yield from _said(sensor, period.stamp, reading, due)
         for row, kind in self._absent:
             if is_due(row, number):
                 yield from kind.silence(period.stamp)
@@ -120,6 +175,11 @@ class SensorsApp(App[SensorsState]):
         inputs["/truth/wrist_wrench"] = wrench_stamped(0, "", np.zeros(6))
         odometry = Odometry(0, "map", "base_link", np.zeros(3), still, np.zeros(3), np.zeros(3))
         return Truth(0, odometry, JointState(0, names, zeros, zeros, zeros), inputs)
+
+
+def _said(sensor: Sensor[Any, Any, Any], stamp: int, reading: Any, due: Sequence[str]) -> Iterator[tuple[str, Any]]:
+    """Of what a sensor says of a reading that was measured at a stamp [ns] what is due now."""
+    return ((name, message) for name, message in sensor.messages(stamp, reading) if name in due)
 
 
 def _all_new(topics: tuple[str, ...], inputs: Mapping[str, Any]) -> bool:

@@ -1,5 +1,5 @@
-"""True motion of the IMU from the truth of the base: differences of attitude and velocity over a period, and the
-lever arm.
+"""True motion of an inertial sensor from the truth of the base: differences of attitude and velocity over a period, and
+the lever arm.
 """
 
 from dataclasses import dataclass
@@ -12,6 +12,7 @@ import pinocchio as pin
 from sojourn_contract.values import Odometry
 from sojourn_machine.mounting import IMU_LINK, mounting
 from sojourn_machine.params import FloatArray
+from sojourn_physics.environment.gravity.field import GravityField
 
 Vector: TypeAlias = tuple[float, float, float]
 """Three numbers: of so few numpy would take most of the time to be called."""
@@ -19,7 +20,7 @@ Vector: TypeAlias = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class InertialMotion:
-    """Of the IMU, in its own frame, each (3,): angular velocity [rad/s], acceleration less gravity
+    """Of the sensor, in its own frame, each (3,): angular velocity [rad/s], acceleration less gravity
     [m/s^2].
     """
 
@@ -32,24 +33,24 @@ class MotionBefore:
     """Of the period before: what is remembered."""
 
     velocity: FloatArray
-    """Of the IMU in map, (3,) [m/s]."""
+    """Of the sensor in map, (3,) [m/s]."""
     orientation: FloatArray
     """Of the base in map, quaternion x y z w."""
 
 
 class ImuMotion:
-    """What an ideal IMU on the machine feels.
+    """What an ideal IMU on a link of the machine feels.
 
-    Velocity of the IMU  v = R (v_base + ω × r);  specific force = R_imuᵀ (Δv/Δt - g);  angular velocity = rotation
+    Velocity of the link  v = R (v_base + ω × r);  specific force = R_imuᵀ (Δv/Δt - g);  angular velocity = rotation
     vector of R_beforeᵀ R over Δt. Both are means over the period, as an IMU gives them that integrates (Titterton and
     Weston 2004, sec. 11.2): a machine that shakes within a period would else seem to turn.
 
     Args:
-        urdf_xml: the machine, with a link `imu_link`. gravity: [m/s^2].
+        urdf_xml: the machine. gravity: in map. link: of the sensor.
     """
 
-    def __init__(self, urdf_xml: str, gravity: float) -> None:
-        self._rotation_imu_to_base, lever = mounting(urdf_xml, IMU_LINK)
+    def __init__(self, urdf_xml: str, gravity: GravityField, link: str = IMU_LINK) -> None:
+        self._rotation_imu_to_base, lever = mounting(urdf_xml, link)
         self._into_imu = self._rotation_imu_to_base.T.tolist()
         self._lever: Vector = tuple(lever.tolist())
         self._gravity = gravity
@@ -72,7 +73,8 @@ class ImuMotion:
             ax, ay, az = ((velocity - before.velocity) / dt).tolist()
             rx, ry, rz = rotation_vector(before.orientation, orientation)
             mean = (rx / dt, ry / dt, rz / dt)
-        specific = _turned(rotation.T.tolist(), (ax, ay, az + self._gravity))
+        gx, gy, gz = self._gravity.acceleration(odometry.position, rotation @ odometry.linear).tolist()
+        specific = _turned(rotation.T.tolist(), (ax - gx, ay - gy, az - gz))
         motion = InertialMotion(np.array(_turned(self._into_imu, mean)), np.array(_turned(self._into_imu, specific)))
         return MotionBefore(velocity, orientation), motion
 

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any, ClassVar, Generic, TypeVar
 
 from sojourn_config.scenario import LoadedScenario
-from sojourn_contract.run_table import rows_of, things_of
+from sojourn_contract.run_table import rows_of_sensor
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.values import JointState, Odometry
@@ -20,6 +20,8 @@ from sojourn_machine.mounting import mounting
 from sojourn_machine.params import FloatArray
 from sojourn_machine.sensor_choice import SensorParams
 from sojourn_physics.terrain.height_field import HeightField
+from sojourn_sensors.fault_hooks import FaultNow, faulted
+from sojourn_sensors.scenes import CameraScene
 
 AnyParams = TypeVar("AnyParams", bound=SensorParams)
 AnyState = TypeVar("AnyState")
@@ -46,15 +48,20 @@ class SensorSite:
         """The ground as it was at the start; made when it is first asked for. Raises ConfigError."""
         return self.scenario.height_field()
 
+    @cached_property
+    def scene(self) -> CameraScene:
+        """What cameras see; made when one first asks for it. Raises ConfigError."""
+        return CameraScene(self.scenario, self.ground)
+
     def mounting(self, link: str) -> tuple[FloatArray, FloatArray]:
         """Rotation from a link to base_link, (3, 3), and the link's place in base_link, (3,) [m]."""
         return mounting(self.scenario.urdf_xml, link)
 
     def rows(self, name: str) -> tuple[Topic, ...]:
-        """Rows on which the sensor of a name speaks: the first that has a row of its kind has it under its own name."""
-        things = things_of(self.scenario)
-        rows = rows_of(self.scenario.sensors.sensors[name])
-        return tuple(row if things[row.each][0] == name else self.table.topic(f"{row.name}/{name}") for row in rows)
+        """Rows on which the sensor of a name speaks: those that it has alone, and of the others the first that has a
+        row of its kind has it under the row's own name, unless that names all.
+        """
+        return tuple(rows_of_sensor(self.scenario, self.table, name))
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +118,18 @@ class Sensor(Generic[AnyParams, AnyState, AnyReading]):
     def step_without_power(self, state: AnyState, truth: Truth, dt: float) -> tuple[AnyState, AnyReading | None]:
         """The same while its load draws nothing: it stands still."""
         return state, None
+
+    def hear(self, state: AnyState, truth: Truth) -> AnyState:
+        """Take in what comes on the rows that its parameters name in `hears`, in a period in which it does not measure.
+
+        Raises:
+            RefusedMessageError: it is nothing that it can use.
+        """
+        return state
+
+    def faulted(self, reading: AnyReading, fault: FaultNow) -> AnyReading:
+        """A reading with a numerical fault. Raises ValueError, with what is allowed, for one that it cannot have."""
+        return faulted(reading, fault)
 
     def messages(self, stamp: int, reading: AnyReading | None) -> Iterable[tuple[str, Any]]:
         """(topic, message) of a reading, None without power, stamped `stamp` [ns]."""

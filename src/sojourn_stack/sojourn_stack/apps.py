@@ -20,4 +20,4 @@ APPS: dict[str, type[App[Any]]] = {kind.role: kind for kind in _KINDS}
 def make_apps(scenario: LoadedScenario, roles: Iterable[str]) -> dict[str, App[Any]]:
     """The apps of these roles, the recorder left out, in the order of the contract."""
     wanted = set(roles)
-    return {role: kind(scenario) for role, kind in APPS.items() if role in wanted}
+    return {role: kind.of(scenario) for role, kind in APPS.items() if role in wanted}

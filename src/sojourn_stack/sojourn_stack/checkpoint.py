@@ -2,7 +2,8 @@
 
 The file is a ZIP: `state.json`, a tree of plain values, and its arrays in numpy's own format. Values of our own classes
 (dataclasses, named tuples, parameters, enumerations) are kept by the name of their class and of their fields. Nothing
-of what is read is run: a class is taken only from our own packages, and only if its fields are those of the file.
+of what is read is run: a class is taken only from our own packages and from those that are installed with kinds of
+their own (entry points of a group `sojourn.`), and only if its fields are those of the file.
 """
 
 import base64
@@ -13,6 +14,8 @@ import io
 import json
 import zipfile
 from collections.abc import Callable, Mapping
+from functools import cache
+from importlib.metadata import distributions
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +29,8 @@ FORMAT = 2
 """Of the file; another one is refused."""
 TREE = "state.json"
 OURS = "sojourn_"
+KINDS = "sojourn."
+"""Beginning of the groups of entry points by which a package brings kinds of its own."""
 PLAIN = (bool, int, float, str)
 LARGEST = 1 << 30
 """Bytes that a part of a checkpoint may have."""
@@ -205,19 +210,30 @@ class _Reader:
     }
 
 
+@cache
+def _packages() -> frozenset[str]:
+    """Packages that bring kinds."""
+    points = (point for package in distributions() for point in package.entry_points)
+    return frozenset(point.module.partition(".")[0] for point in points if point.group.startswith(KINDS))
+
+
+def _is_known(module: str) -> bool:
+    return module.startswith(OURS) or module.partition(".")[0] in _packages()
+
+
 def _name(value: Any, place: str) -> str:
-    """Of the class of a value, one of ours."""
+    """Of the class of a value, one that `_class` takes."""
     kind = type(value)
-    if not kind.__module__.startswith(OURS) or "<" in kind.__qualname__:
+    if not _is_known(kind.__module__) or "<" in kind.__qualname__:
         raise CheckpointError(place, f"a {kind.__module__}.{kind.__qualname__} cannot be kept")
     return f"{kind.__module__}:{kind.__qualname__}"
 
 
 def _class(name: str, place: str) -> Any:
-    """A class of ours by its name. Raises CheckpointError where there is none, or it is not for values."""
+    """A class by its name. Raises CheckpointError where there is none, or it is not for values."""
     module, _, qualified = name.partition(":")
-    if not module.startswith(OURS):
-        raise CheckpointError(place, f"a class of {module}: allowed is one of ours")
+    if not _is_known(module):
+        raise CheckpointError(place, f"a class of {module}: allowed is one of ours, or of a package with kinds of ours")
     try:
         found: Any = importlib.import_module(module)
         for part in qualified.split("."):

@@ -13,7 +13,7 @@ from typing import Any
 from sojourn_contract import stamps
 from sojourn_contract.app import App, Period
 from sojourn_contract.arrival import check_input
-from sojourn_contract.barrier import Barrier, awaited_inputs, is_due
+from sojourn_contract.barrier import Barrier, awaited_inputs, is_due, oldest_age, stamp_due
 from sojourn_contract.errors import RefusedMessageError, unreadable
 from sojourn_contract.events import EventQueue
 from sojourn_contract.heartbeat import ENDED, RUNNING, Counters, beats, heartbeat_message
@@ -103,13 +103,12 @@ class Stack:
             for row in rows.values()
             if row.is_event
         }
-        self.kept_for = {
-            row.name: row.lag * stamps.CONTROL_PERIOD_NS for rows in self._awaited.values() for row in rows
-        }
+        self.kept_for = {row.name: _kept_for(row) for rows in self._awaited.values() for row in rows}
         """How long a message of a topic is waited for after its stamp [ns]."""
         rows = [row for awaited in self._awaited.values() for row in awaited]
         self._cycle = lcm(*self._strides.values(), *(row.every for row in rows))
         self._latest = max((row.lag for row in rows), default=0)
+        self._repeats = all(row.delivery is None for row in rows)
         self._agendas: dict[int, Mapping[str, Sequence[Due]]] = {}
 
     def begin(self) -> tuple[StackState, list[Said]]:
@@ -143,7 +142,7 @@ class Stack:
 
     def agenda(self, period: int) -> Mapping[str, Sequence[Due]]:
         """Roles that act in a period, and what each waits for. It repeats, once all is waited for that ever is."""
-        if period <= self._latest:
+        if period <= self._latest or not self._repeats:
             return self._agenda(period)
         place = period % self._cycle
         agenda = self._agendas.get(place)
@@ -157,8 +156,9 @@ class Stack:
         return heartbeat_message(role, kind, one.now, one.counters, "", values)
 
     def _agenda(self, period: int) -> Mapping[str, Sequence[Due]]:
+        now = period * stamps.CONTROL_PERIOD_NS
         return {
-            role: [(row, row.lag * stamps.CONTROL_PERIOD_NS) for row in self._awaited[role] if is_due(row, period)]
+            role: [(row, now - stamp_due(row, period)) for row in self._awaited[role] if is_due(row, period)]
             for role, stride in self._strides.items()
             if period % stride == 0
         }
@@ -258,6 +258,11 @@ class _Period:
             except RefusedMessageError as late:
                 refusal = str(late)
         self._roles[role] = one.refusing(row.name, refusal) if refusal else one
+
+
+def _kept_for(row: Topic) -> int:
+    """How long a message of a row is waited for after its stamp [ns]."""
+    return (row.lag if row.delivery is None else oldest_age(row) + row.pace) * stamps.CONTROL_PERIOD_NS
 
 
 def _is_none(check: Callable[[Topic, Message], None]) -> bool:

@@ -15,6 +15,10 @@ PART_NAMES = (
     "step", "period", "start", "direct", "composed", "processes", "commands", "wheel", "contacts", "ground", "arm",
     "arm_limits", "wheels", "energy",
 )  # fmt: skip
+OF_A_SCENARIO = ("step", "period", "direct", "composed", "processes")
+"""Parts that can be measured of any scenario; the others have scenes of their own."""
+SCENARIO = "lunar_sample"
+"""The one that the bars are about."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -27,6 +31,9 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("--seconds", type=command_line.positive_seconds, help="simulated time of a run of the loop [s]")
     result.add_argument("--rounds", type=command_line.count, help="runs of the loop; the median counts")
     result.add_argument("--json", type=Path, metavar="FILE", help=f"new file to write (default: runs/<time>/{RESULT})")
+    result.add_argument(
+        "--scenario", metavar="NAME", help=f"measure {', '.join(OF_A_SCENARIO)} of this one (default: {SCENARIO})"
+    )
     result.add_argument(
         "--only", action="append", choices=PART_NAMES, help="measure this part; again for more (default: all)"
     )

@@ -51,7 +51,7 @@ def bench_ground(sizes: Sequence[int]) -> dict[str, float]:
 def _driving(scenario: LoadedScenario, size: int) -> tuple[PlantModel, PlantState, PlantCommand]:
     """The machine on a map of this size [m], two seconds after it has set out."""
     model, state = build_plant(scenario, ground(size))
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     command.reference[1, model.reference_rows([wheel.joint for wheel in model.machine.wheels])] = 0.5
     for _ in range(WARM_UP):

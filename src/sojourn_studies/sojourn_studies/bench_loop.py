@@ -17,7 +17,7 @@ from sojourn_bringup import start, start_run
 from sojourn_bringup.screen import Screen
 from sojourn_config.command_errors import CommandError
 from sojourn_contract.stamps import CONTROL_PERIOD_S
-from sojourn_studies.bench_step import SCENARIO, Yardstick
+from sojourn_studies.bench_step import Yardstick
 
 KINDS = ("direct", "composed", "processes")
 TARGETS = {
@@ -27,16 +27,17 @@ TARGETS = {
 }
 
 
-def bench_loop(kind: str, seconds: float, rounds: int, tell: Callable[[str], None]) -> dict[str, float]:
+def bench_loop(kind: str, scenario: str, seconds: float, rounds: int, tell: Callable[[str], None]) -> dict[str, float]:
     """Medians over rounds; each is held against a Y that is measured just before and just after it.
 
     Args:
-        kind: one of KINDS. seconds: simulated time of a round [s]. tell: takes a line of progress.
+        kind: one of KINDS. scenario: that is run. seconds: simulated time of a round [s].
+        tell: takes a line of progress.
     """
     yardstick, runs = Yardstick(), []
     for number in range(rounds):
         before = yardstick.microseconds()
-        run = run_loop(kind, seconds)
+        run = run_loop(kind, scenario, seconds)
         unit = 0.5 * (before + yardstick.microseconds())
         speed = run[f"{kind}, times real time"]
         run[f"{kind}, Y of that time [us]"] = unit
@@ -46,11 +47,11 @@ def bench_loop(kind: str, seconds: float, rounds: int, tell: Callable[[str], Non
     return {name: statistics.median(run[name] for run in runs) for name in runs[0]}
 
 
-def run_loop(kind: str, seconds: float) -> dict[str, float]:
+def run_loop(kind: str, scenario: str, seconds: float) -> dict[str, float]:
     """Speed, start-up and memory of one run, in a process of its own. Raises CommandError if it fails."""
     with tempfile.TemporaryDirectory(prefix="sojourn-bench-") as folder:
         command = [sys.executable, "-m", "sojourn_studies.bench", "--child", kind, "--seconds", str(seconds)]
-        command += ["--run-dir", str(Path(folder) / "run"), "--began", repr(time.monotonic())]
+        command += ["--scenario", scenario, "--run-dir", str(Path(folder) / "run"), "--began", repr(time.monotonic())]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise CommandError(f"the bench of {kind} failed: {done.stderr.strip() or done.stdout.strip()}")
@@ -60,7 +61,7 @@ def run_loop(kind: str, seconds: float) -> dict[str, float]:
 
 def child(given: argparse.Namespace) -> int:
     """One run of the loop, in a process that `run_loop` has started; prints its figures as JSON."""
-    wishes = [SCENARIO, "--run-dir", given.run_dir, "--domain", str(given.domain)]
+    wishes = [given.scenario, "--run-dir", given.run_dir, "--domain", str(given.domain)]
     wishes += ["--set", f"duration_limit_s={given.seconds}"]
     screen = Screen(Console(file=open(os.devnull, "w")))  # noqa: SIM115 - for the life of the process
     plan = start_run.make_plan(start.parser().parse_args(wishes), screen)

@@ -122,8 +122,8 @@ def _driving(count: int) -> tuple[PlantModel, PlantState, PlantCommand]:
         chassis=Chassis(MASS_PER_AXLE * axles),
     )
     soils, memory_cell = list(scenario.soils.values()), scenario.terrain.memory_cell
-    site = Site(scenario.height_field(), soils, scenario.gravity, memory_cell)
-    model = PlantModel(platform.urdf_xml, platform.machine, site, scenario.battery, scenario.bus, scenario.simulation)
+    site = Site(scenario.height_field(), soils, scenario.gravity_field, memory_cell)
+    model = PlantModel(platform.urdf_xml, platform.machine, site, scenario.power, scenario.simulation)
     state = initial_state(model, 0.0, 0.0, 0.0, soc=0.8)
     command = _command(model, state)
     state, _ = step(model, state, command)
@@ -132,7 +132,7 @@ def _driving(count: int) -> tuple[PlantModel, PlantState, PlantCommand]:
 
 def _command(model: PlantModel, state: PlantState, rate: float = WHEEL_RATE) -> PlantCommand:
     """Wheels at a rate [rad/s], all other joints where they are."""
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     command.reference[1, model.reference_rows([wheel.joint for wheel in model.machine.wheels])] = rate
     return command

@@ -4,7 +4,7 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,7 +28,7 @@ from sojourn_studies import (
     bench_step,
     bench_wheel,
 )
-from sojourn_studies.bench import RESULT
+from sojourn_studies.bench import OF_A_SCENARIO, RESULT, SCENARIO
 
 TARGETS = {
     **bench_step.TARGETS,
@@ -70,12 +70,12 @@ QUICK = Size(100_000, (10, 100), 1000, 50, 500, 3.0, 15.0, 1, 100, 2, 600)
 FULL = Size(1_000_000, (10, 100, 1000), 10_000, 200, 100_000, 100.0, 40.0, 3, 400, 7, 3000)
 Part = Callable[[Size, argparse.Namespace], dict[str, float]]
 PARTS: dict[str, Part] = {
-    "step": lambda size, given: bench_step.bench_step(),
-    "period": lambda size, given: bench_period.bench_period(size.periods, given.domain),
+    "step": lambda size, given: bench_step.bench_step(given.scenario),
+    "period": lambda size, given: bench_period.bench_period(given.scenario, size.periods, given.domain),
     "start": lambda size, given: bench_start.bench_start(given.domain, size.starts, tell),
-    "direct": lambda size, given: bench_loop.bench_loop("direct", size.seconds, size.rounds, tell),
-    "composed": lambda size, given: bench_loop.bench_loop("composed", size.seconds, size.rounds, tell),
-    "processes": lambda size, given: bench_loop.bench_loop("processes", size.seconds, size.rounds, tell),
+    "direct": lambda size, given: _loop("direct", size, given),
+    "composed": lambda size, given: _loop("composed", size, given),
+    "processes": lambda size, given: _loop("processes", size, given),
     "commands": lambda size, given: bench_commands.bench_commands(given.domain, size.commands),
     "wheel": lambda size, given: bench_wheel.bench_wheel(size.cases),
     "contacts": lambda size, given: bench_contacts.bench_contacts(size.cases),
@@ -89,15 +89,19 @@ PARTS: dict[str, Part] = {
 }
 
 
+def _loop(kind: str, size: Size, given: argparse.Namespace) -> dict[str, float]:
+    return bench_loop.bench_loop(kind, given.scenario, size.seconds, size.rounds, tell)
+
+
 def tell(text: str) -> None:
     """A line of progress."""
     print(f"bench: {text}", file=sys.stderr, flush=True)
 
 
-def _table(figures: dict[str, float]) -> Table:
+def _table(figures: dict[str, float], targets: Mapping[str, tuple[str, float]]) -> Table:
     table = Table("figure", "measured", "to reach", title="Bench")
     for name, value in figures.items():
-        sign, target = TARGETS.get(name, ("", 0.0))
+        sign, target = targets.get(name, ("", 0.0))
         met = not sign or (value <= target if sign == "<=" else value >= target)
         table.add_row(escape(name), f"{value:.2f}", f"{sign} {target:g}" if sign else "", style=None if met else "red")
     return table
@@ -139,10 +143,16 @@ def run(given: argparse.Namespace) -> int:
     if given.child:
         given.began = float(given.began)
         return bench_loop.child(given)
+    parts = tuple(given.only or (PARTS if given.scenario is None else OF_A_SCENARIO))
+    if given.scenario is not None and (other := [name for name in parts if name not in OF_A_SCENARIO]):
+        allowed = ", ".join(OF_A_SCENARIO)
+        raise UsageError(f"--scenario does not go with --only {other[0]}, which has its own scene; allowed: {allowed}")
+    targets = TARGETS if given.scenario in (None, SCENARIO) else {}
+    given.scenario = given.scenario or SCENARIO
     chosen = {name: value for name in ("seconds", "rounds") if (value := getattr(given, name)) is not None}
     place = place_of(given.json)
     size = (FULL if given.full else QUICK)._replace(**chosen)
-    figures, failed = measure(given.only or tuple(PARTS), size, given, place)
-    Console().print(_table(figures))
+    figures, failed = measure(parts, size, given, place)
+    Console().print(_table(figures, targets))
     tell(f"the figures are in {place}")
     return 1 if failed else 0

@@ -23,12 +23,14 @@ from sojourn_contract import qos
 from sojourn_contract.app import Answer, Period
 from sojourn_contract.codecs import decode, encode
 from sojourn_contract.run_table import table_of
-from sojourn_contract.topics import ROLES, inputs_of
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topics import ROLES
 from sojourn_contract.types import message_class
+from sojourn_operator.scenario_steps import absent_roles
 from sojourn_stack.apps import make_apps
 from sojourn_stack.recorder import DirectRecorder
 from sojourn_stack.stack import Said, Stack
-from sojourn_studies.bench_step import SCENARIO, Yardstick
+from sojourn_studies.bench_step import Yardstick
 
 WARM_PERIODS = 150
 """Periods before the first that counts: every kernel has been loaded by then."""
@@ -58,18 +60,23 @@ class Stopwatch:
         return spent
 
 
-def bench_period(periods: int, domain: int) -> dict[str, float]:
-    """Where a period goes, the median of so many. Args: periods: that count. domain: ROS domain for the middleware."""
-    scenario, watch, yardstick = load_scenario(SCENARIO), Stopwatch(), Yardstick()
-    apps = make_apps(scenario, ROLES)
+def bench_period(name: str, periods: int, domain: int) -> dict[str, float]:
+    """Where a period of a scenario goes, the median of so many.
+
+    Args:
+        periods: that count. domain: ROS domain for the middleware.
+    """
+    scenario, watch, yardstick = load_scenario(name), Stopwatch(), Yardstick()
+    table, roles = table_of(scenario), tuple(role for role in ROLES if role not in absent_roles(scenario))
+    apps = make_apps(scenario, roles)
     for role, app in apps.items():
         app.warm_up()
         app.step = watch.timing(f"app of {role}", _eager(app.step))  # type: ignore[method-assign]
         app.check = watch.timing("checks", app.check)  # type: ignore[method-assign]
-    stack = Stack(apps, ROLES, table_of(scenario))
+    stack = Stack(apps, roles, table)
     settle_collector()
     with tempfile.TemporaryDirectory(prefix="sojourn-bench-") as folder:
-        recorder = DirectRecorder(Path(folder) / "bag", RecordedRun(SCENARIO, (), ROLES, loaded=scenario))
+        recorder = DirectRecorder(Path(folder) / "bag", RecordedRun(name, (), roles, loaded=scenario))
         record = watch.timing("recorder, with encoding", recorder.take)
         state, said = stack.begin()
         laps, spoken, units = [], [], []
@@ -88,7 +95,7 @@ def bench_period(periods: int, domain: int) -> dict[str, float]:
     unit = statistics.median(units)
     spent = {name: _median(laps, name) for name in sorted({name for lap in laps for name in lap}, key=_place)}
     spent["the stack's own"] = spent["period"] - sum(value for name, value in spent.items() if name != "period")
-    spent |= _codecs(spoken)
+    spent |= _codecs(spoken, table, roles)
     spent["middleware, published and taken in one process"] = _middleware(spoken, domain)
     return {
         f"{name} [{sign}]": value / scale for name, value in spent.items() for sign, scale in (("us", 1.0), ("Y", unit))
@@ -116,11 +123,11 @@ def _place(name: str) -> tuple[int, str]:
     return (0 if name == "period" else 1, name)
 
 
-def _codecs(spoken: Sequence[Sequence[Said]]) -> dict[str, float]:
+def _codecs(spoken: Sequence[Sequence[Said]], table: TopicTable, roles: Sequence[str]) -> dict[str, float]:
     """Mean time of a period [us]: each message encoded once, and decoded once for each role that takes it."""
     takers = {row.name: 0 for said in spoken for row, _ in said}
-    for role in ROLES:
-        for row in inputs_of(role, ROLES) if role != "recorder" else ():
+    for role in roles:
+        for row in table.inputs_of(role, roles) if role != "recorder" else ():
             if row.name in takers:
                 takers[row.name] += 1
     begin = time.perf_counter()

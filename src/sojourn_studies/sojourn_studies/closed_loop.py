@@ -59,7 +59,7 @@ class ClosedLoop:
         """What the plant tells of the last period."""
         self.period = 0
         self._wheels = JointMeasurements(scenario.machine, self.drive.mobility.joints, scenario.urdf_xml)
-        self._camera, self._sightings, self._sighted = self.drive.camera, SunSightings(scenario), 0
+        self._camera, self._sightings, self._sighted = self.drive.camera, SunSightings(scenario.as_believed()), 0
         self._joint_names = (*self.plant.joints.names, *(() if self.plant.tool is None else (TOOL_JOINT,)))
         self._sensors = SensorsApp(scenario)
         self._sensing = self._sensors.initial_state()

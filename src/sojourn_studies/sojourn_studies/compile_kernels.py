@@ -27,6 +27,7 @@ from sojourn_stack.apps import make_apps
 
 SCENARIO = "lunar_sample"
 """Has all kinds of ground in it."""
+WITH_CAMERAS = "machine=explorer_cameras"
 
 
 def main() -> None:
@@ -38,6 +39,7 @@ def main() -> None:
     _step_plant(scenario)
     for app in make_apps(scenario, ROLES).values():
         app.warm_up()
+    make_apps(load_scenario(SCENARIO, [WITH_CAMERAS]), ("sensors",))["sensors"].warm_up()
     table = scenario.steering.table()
     allowed_twist(table, PlanarTwist(0.1, 0.0, 0.1), *np.zeros((2, len(table))))
     wheel = load_params("wheels", "explorer", WheelShape)
@@ -57,7 +59,7 @@ def _use_arm() -> None:
 
 def _step_plant(scenario: LoadedScenario) -> None:
     model, state = build_plant(scenario)
-    step(model, state, zeros_command(len(model.joints.names), len(model.bus.loads)))
+    step(model, state, zeros_command(len(model.joints.names), len(model.loads)))
     earthwork.warm_up(model.memory, model.terrain, model.grid)
 
 

@@ -18,6 +18,7 @@ from sojourn_config.command_errors import UsageError
 from sojourn_config.machine_body import STOWED
 from sojourn_config.machine_reader import machine_config
 from sojourn_config.vehicle import supply_of, vehicle_of_machine
+from sojourn_machine.drives import JointDriveParams
 from sojourn_machine.errors import MachineError
 from sojourn_studies.linear_rover import linear_plants
 
@@ -103,15 +104,17 @@ def of_tracks(machine: str, body: str, soil: str) -> Told:
     return Told(name, figures, sheet, lead, f"config/machines/{name}")
 
 
-def of_a_stand(machine: str, body: str, soil: str) -> Told:
-    """Of a machine that stands fast: its motors.
+def of_its_drives(machine: str, body: str, soil: str) -> Told:
+    """Of a machine that stands fast, or moves by drives whose closed forms are not known: its drives alone.
 
     Raises:
         ConfigError: files that do not fit together, such as an arm that cannot hold itself on that body.
     """
     bundle = read_machine(machine, body, soil)
     sheet = Datasheet((motors_of(bundle.machine.drives, supply_of(bundle).voltage),), ())
-    lead = ["It stands fast: its motors, computed from its files; nothing here is measured."]
+    forms = "The closed forms of driving are those of a motor with its gear"
+    why = "It stands fast" if bundle.machine.fixed_base else forms
+    lead = [f"{why}: its drives, computed from its files; nothing here is measured."]
     figures = {"vehicle": machine, "body": body, "figures": _figures(sheet)}
     return Told(Path(machine).name, figures, sheet, lead, f"config/machines/{Path(machine).name}")
 
@@ -131,8 +134,10 @@ def _plain(value: float | str | None) -> float | str | None:
 
 def _teller(machine: str) -> Callable[[str, str, str], Told]:
     config = machine_config(machine)
-    if config.fixed_base:
-        return of_a_stand
+    moving = {wheel.joint for wheel in config.wheels} | {track.joint for track in config.tracks}
+    geared = all(isinstance(drive, JointDriveParams) for drive in config.drives if moving & set(drive.joints))
+    if config.fixed_base or not geared:
+        return of_its_drives
     return of_tracks if config.tracks and not config.wheels else of_a_rover
 
 

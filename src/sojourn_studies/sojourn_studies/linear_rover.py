@@ -31,10 +31,10 @@ def linear_plants(bundle: Bundle, pose: dict[str, float], speed: float) -> tuple
     ground = HeightField(
         np.zeros(nodes), np.zeros(nodes, np.uint8), RESOLUTION, -10.0, -0.5 * WIDTH, (bundle.soil.name,)
     )
-    site = Site(ground, list(bundle.soils.values()), bundle.gravity)
-    model = PlantModel(bundle.urdf_xml, bundle.machine, site, bundle.battery, bundle.bus)
+    site = Site(ground, list(bundle.soils.values()), bundle.gravity_field)
+    model = PlantModel(bundle.urdf_xml, bundle.machine, site, bundle.power)
     state = initial_state(model, 0.0, 0.0, 0.0, 1.0, pose)
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     standing = linearise(model, state, command)
     rows = model.reference_rows([wheel.joint for wheel in bundle.machine.wheels])

@@ -76,7 +76,7 @@ class Bench:
         self._imu_to_base = mounting(scenario.urdf_xml, IMU_LINK)[0]
         self._sensors, self._gravity = SensorsApp(scenario), scenario.gravity
         self._sensing = self._sensors.initial_state()
-        self._command = zeros_command(len(self.model.joints.names), len(self.model.bus.loads))
+        self._command = zeros_command(len(self.model.joints.names), len(self.model.loads))
         self._command.reference[0] = self.state.motor_angles
         self._rows = self.model.reference_rows(self.params.joint_names)
         self._stamp = CONTROL_PERIOD_NS

@@ -47,12 +47,12 @@ class MeteredLoop(ClosedLoop):
         self.spent = Spent()
         machine = scenario.machine
         moving = machine.loads_of([*(one.joint for one in machine.rolling), *machine.steer_joints])
-        self._moves = [load.name in moving for load in self.plant.bus.loads]
+        self._moves = [load.name in moving for load in self.plant.loads]
 
     def tick(self, goal: Goal | None = None) -> DriveOutput:
         """One period, with what it took."""
         output = self.step(goal=goal)
-        powers = self.plant_output.load_power if self.plant_output is not None else ()
+        powers = self.plant_output.power.load_power if self.plant_output is not None else ()
         motion = sum(float(power) for power, moves in zip(powers, self._moves, strict=True) if moves)
         period = self.plant.simulation.control_period
         spent, total = self.spent, float(sum(powers))

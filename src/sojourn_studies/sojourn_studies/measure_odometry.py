@@ -21,9 +21,9 @@ import numpy as np
 from sojourn_config import command_line
 from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import LoadedScenario, load_scenario
-from sojourn_config.steps import DriveRouteStep
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_flight.planning.goal import Goal
+from sojourn_operator.steps.drive_route import DriveRouteStep
 from sojourn_studies.closed_loop import ClosedLoop
 
 SPREAD = {"shear_modulus": 0.15, "k_phi": 0.25, "cohesion": 0.3}
@@ -71,7 +71,7 @@ def route_of(scenario: LoadedScenario) -> Goal:
     """
     for step in scenario.config.steps:
         if isinstance(step.action, DriveRouteStep):
-            return Goal.along([(point.x, point.y) for point in step.action.points])
+            return Goal.along(step.action.corners)
     raise UsageError(f"scenario {scenario.name}: no step drives a route; allowed is one with drive_route")
 
 

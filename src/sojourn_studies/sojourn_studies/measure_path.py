@@ -18,8 +18,8 @@ from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_flight.planning.energy_forecast import SECONDS_PER_HOUR
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.planning.path import PlannedPath
-from sojourn_operator.actions import DriveAlong
 from sojourn_operator.scenario_steps import script_steps
+from sojourn_operator.steps.drive_route import DriveRouteStep
 from sojourn_studies.measure_energy import MeteredLoop
 
 LONGEST_S = 3600.0
@@ -112,9 +112,9 @@ def follow_path(scenario: LoadedScenario, goal: Goal) -> PathFigures:
 
 def route_of(scenario: LoadedScenario) -> Goal:
     """The first route of a scenario. Raises CommandError if it has none."""
-    for action, _ in script_steps(scenario):
-        if isinstance(action, DriveAlong):
-            return Goal.along(action.points, action.yaw)
+    for step, _ in script_steps(scenario):
+        if isinstance(step, DriveRouteStep):
+            return Goal.along(step.corners, step.yaw)
     raise CommandError(f"scenario {scenario.name} has no drive_route among its steps")
 
 

@@ -40,7 +40,7 @@ def on_plane(scenario: str, overrides: Sequence[str], slope_deg: float, uphill_d
 def drive(scenario: LoadedScenario) -> tuple[float, float]:
     """Slip along and way to the left over way ahead [-]."""
     model, state = build_plant(scenario)
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     wheels = model.reference_rows([wheel.joint for wheel in model.machine.rolling])
     radii = np.array([wheel.shear_radius for wheel in model.machine.rolling])

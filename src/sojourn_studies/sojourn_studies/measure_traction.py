@@ -9,7 +9,7 @@ expects; so errors of these loads are in the curves.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 from sojourn_config import command_line
 from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import LoadedScenario
-from sojourn_flight.mobility.rolling import RollingMobility
+from sojourn_flight.mobility.wheel_load_map import wheel_load_map
 from sojourn_flight.odometry.traction import coefficient, in_rut
 from sojourn_machine.contact_report import ReportColumn
 from sojourn_machine.params import FloatArray, IntArray
@@ -29,6 +29,8 @@ from sojourn_studies.measure_slip import PART_OF_SPEED, on_plane
 
 GRADES_DEG = (-8.0, -4.0, 0.0, 4.0, 8.0, 11.0, 13.0, 16.0)
 LENGTH_S, BEGIN_S, EVERY_S = 45.0, 3.0, 1.0
+LONGEST = 30.0
+"""Travel of the rims at most [m]: the plane goes on for 40 m."""
 STEADY = 0.01
 """Change of the slip from one look to the next that counts as steady [-]."""
 START = (0.5, 0.3, 0.05, 0.5, 0.0)
@@ -46,15 +48,16 @@ class Sample(NamedTuple):
 def samples(scenario: LoadedScenario, grade_deg: float, loads: FloatArray, rut_width: float) -> list[Sample]:
     """What a drive up a plane shows, a look a second, while the slip is steady."""
     model, state = build_plant(scenario)
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     rows = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
     table, period = scenario.steering.table(), model.simulation.control_period
-    command.reference[1, rows] = PART_OF_SPEED * scenario.drive.limits.max_speed / table[:, 2]
+    speed = PART_OF_SPEED * scenario.drive.limits.max_speed
+    command.reference[1, rows] = speed / table[:, 2]
     pitch = -math.radians(grade_deg)
     levers = table[:, 2] * (loads @ np.array((math.cos(pitch), math.sin(pitch), 0.0)))
     begin, found, before = state.configuration[:3].copy(), [], math.nan
-    for tick in range(1, round(LENGTH_S / period) + 1):
+    for tick in range(1, round(min(LENGTH_S, LONGEST / speed) / period) + 1):
         state, output = step(model, state, command)
         if tick * period < BEGIN_S or tick % round(EVERY_S / period):
             continue
@@ -91,6 +94,28 @@ def fit(looks: Sequence[Sample]) -> FloatArray:
     return curves(least_squares(misfit, START, loss="soft_l1", f_scale=0.01, bounds=bounds).x)
 
 
+def measured_curves(scenario: str, overrides: Sequence[str], say: Callable[[str], None]) -> dict[str, dict[str, float]]:
+    """The keys `fresh` and `rut` of `drive.mobility.slip`; `say` hears of each plane. Raises UsageError for a machine
+    without wheels.
+    """
+    looks: list[Sample] = []
+    for grade in GRADES_DEG:
+        plane = on_plane(scenario, overrides, abs(grade), 0.0 if grade > 0.0 else 180.0)
+        body = plane.machine_body()
+        if not body.machine.wheels or body.machine.tracks:
+            raise UsageError(f"{plane.config.machine} has no wheels that pull alone; allowed is one that has")
+        loads = wheel_load_map(body.urdf_xml, body.machine, body.gravity, body.stowed)
+        found = samples(plane, grade, loads, 0.5 * body.machine.wheels[0].width)
+        looks += found
+        told = f"slip {found[-1].slip:.3f}, torque coefficient {found[-1].torque:.3f}" if found else "no steady slip"
+        say(f"grade {grade:+.0f} deg: {told}")
+    keys = ("limit", "softness", "offset")
+    return {
+        name: {key: round(float(value), 3) for key, value in zip(keys, row, strict=True)}
+        for name, row in zip(("fresh", "rut"), fit(looks), strict=True)
+    }
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print."""
     parser = command_line.Parser(
@@ -99,20 +124,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
     given = parser.parse_args(arguments)
-    looks: list[Sample] = []
-    for grade in GRADES_DEG:
-        scenario = on_plane(given.scenario, given.set, abs(grade), 0.0 if grade > 0.0 else 180.0)
-        mobility = scenario.mobility()
-        if not isinstance(mobility, RollingMobility) or mobility.slip_model is None:
-            why = "no `mobility.slip`; allowed is one that rolls and estimates it"
-            raise UsageError(f"the drive of {scenario.config.machine}: {why}")
-        belief = mobility.slip_model
-        looks += samples(scenario, grade, belief.machine.loads, belief.params.rut_width)
-        print(
-            f"grade {grade:+.0f} deg: slip {looks[-1].slip:.3f}, torque coefficient {looks[-1].torque:.3f}", flush=True
-        )
-    for name, (limit, softness, offset) in zip(("fresh", "rut"), fit(looks), strict=True):
-        print(f"{name}: {{limit: {limit:.3f}, softness: {softness:.3f}, offset: {offset:.3f}}}")
+    for name, curve in measured_curves(given.scenario, given.set, command_line.say).items():
+        print(f"{name}: {{{', '.join(f'{key}: {value:.3f}' for key, value in curve.items())}}}")
     return 0
 
 

@@ -54,7 +54,7 @@ class MeasuredTurn(NamedTuple):
 def turn(scenario: LoadedScenario, speed: float, yaw_rate: float, angle: float = TURN) -> MeasuredTurn:
     """Drive one motion: speed [m/s], yaw rate [rad/s] and angle [rad] of a machine without slip."""
     model, state = build_plant(scenario)
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     wheels = model.reference_rows([wheel.joint for wheel in model.machine.rolling])
     radii = np.array([wheel.shear_radius for wheel in model.machine.rolling])

@@ -3,7 +3,9 @@
     scripts/pictures             all of them
     scripts/pictures arm power   some of them; names are those of FIGURES in picture_list.py
     scripts/pictures report RUN  the report of a finished run (a folder in runs/), reduced, for README.md
-    scripts/pictures course RUN  the machine of a run of scripts/demo --machine NAME, and its track, for sojourn_machine
+    scripts/pictures course RUN [NAME]  the machine of a run of scripts/demo --machine NAME, and its track, for
+                                 sojourn_machine; NAME: of the picture, where the machine is a folder of its own
+    scripts/pictures view RUN CAMERA TIME  what a camera of a run has seen at that second, for sojourn_sensors
 
 For maintainers, after a change of a model or of a parameter set. Takes about two minutes, most of it for the arm.
 """
@@ -19,7 +21,12 @@ def parser() -> argparse.ArgumentParser:
     result = command_line.Parser(
         prog="pictures", formatter_class=argparse.RawDescriptionHelpFormatter, description=__doc__
     )
-    result.add_argument("names", nargs="*", metavar="NAME", help="pictures to draw, report RUN, or course RUN")
+    result.add_argument(
+        "names",
+        nargs="*",
+        metavar="NAME",
+        help="pictures to draw, report RUN, course RUN [NAME], or view RUN CAMERA TIME",
+    )
     return result
 
 

@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 from sojourn_config.load import load_params
 from sojourn_config.scenario import LoadedScenario
 from sojourn_machine.supports import WheelParams
+from sojourn_operator.steps.drive_route import DriveRouteStep
 from sojourn_physics.contact.rigid_rim import RimContact
 from sojourn_physics.contact.wheel_on_soil import QUADRATURE, rim_forces
 from sojourn_physics.soil.params import SoilParams, kernel_row
@@ -66,8 +67,8 @@ def terrain(scenario: LoadedScenario) -> Figure:
     heights = axis.imshow(ground.heights, extent=extent, origin="lower", cmap="cividis", alpha=0.35)
     rocks = np.ma.masked_where(ground.soil_index == 0, np.ones_like(ground.soil_index))
     axis.imshow(rocks, extent=extent, origin="lower", cmap=ListedColormap(["#5a3a1c"]), interpolation="nearest")
-    route = next(step.drive_route for step in scenario.config.steps if step.drive_route is not None)
-    points = [(scenario.config.start.x, scenario.config.start.y)] + [(p.x, p.y) for p in route.points]
+    route = next(step.action for step in scenario.config.steps if isinstance(step.action, DriveRouteStep))
+    points = [(scenario.config.start.x, scenario.config.start.y), *route.corners]
     axis.plot(
         *np.array(points).T,
         "o-",

@@ -194,8 +194,12 @@ def _turns(model: pin.Model, frame: pin.Frame, track: TrackParams) -> bool:
     return frame.type == pin.FrameType.BODY and frame.parentJoint == model.getJointId(track.joint)
 
 
-def course(run: Path) -> None:
-    """A machine from the right, and its track over the heights of its course, from a run of the demo with --machine."""
+def course(run: Path, name: str = "") -> None:
+    """A machine from the right, and its track over the heights of its course, from a run of the demo with --machine.
+
+    Args:
+        name: of the machine and of the picture; left out: as config/machines has it.
+    """
     bag = read_bag(run)
     story = Run.of_bag(bag)
     model = pin.buildModelFromXML(story.urdf)
@@ -221,18 +225,21 @@ def course(run: Path) -> None:
     side.set(xlim=ends, ylim=(ground - reach, points[:, 2].max() + reach),
              xlabel="x forward [m]", ylabel="z up [m]", title="From the right")  # fmt: skip
     terrain, way = story.terrain(), poses_of(bag, "/truth/odom")
+    x_min, x_max, y_min, y_max = terrain.bounds
     low, high = way[:, :2].min(axis=0) - 1.0, way[:, :2].max(axis=0) + 1.0
-    x, y = np.linspace(low[0], high[0], 160), np.linspace(low[1], high[1], 120)
+    beside = max(0.5 * (0.45 * (high[0] - low[0]) - (high[1] - low[1])), 0.0)  # of a long way more than a strip
+    x = np.linspace(max(low[0], x_min), min(high[0], x_max), 160)
+    y = np.linspace(max(low[1] - beside, y_min), min(high[1] + beside, y_max), 120)
     heights = np.array([[terrain.height(float(u), float(v)) for u in x] for v in y])
     shade = above.pcolormesh(x, y, heights, cmap="cividis", shading="auto", rasterized=True)
-    figure.colorbar(shade, ax=above, label="height of the ground [m]")
+    figure.colorbar(shade, cax=above.inset_axes((1.02, 0.0, 0.025, 1.0)), label="height [m]")
     above.plot(way[:, 0], way[:, 1], color="white", linewidth=2.2)
     above.plot(way[:, 0], way[:, 1], color=ORANGE, linewidth=1.2)
     above.plot(*way[0, :2], "o", color="white", markersize=5)
     above.plot(*way[-1, :2], "s", color="white", markersize=5)
     above.set_aspect("equal")
     above.set(xlabel="x, east [m]", ylabel="y, north [m]", title="Its course: from the circle to the square mark")
-    name = story.scenario.machine
+    name = name or story.scenario.machine
     figure.suptitle(f"{name}: {story.machine.description}", fontsize=10.5)
     target = repository_root() / "src" / "sojourn_machine" / "doc" / f"{name}.jpg"
     figure.savefig(target, dpi=90, pil_kwargs={"quality": 80, "optimize": True})

@@ -6,26 +6,27 @@ from matplotlib.figure import Figure
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_flight.power_manager import law as manager
-from sojourn_machine.power import battery, loads
+from sojourn_flight.power_manager.reading import StoreReading
+from sojourn_machine.power.network import PowerNetwork
 from sojourn_studies.picture_style import BLUE, GREEN, GREY, ORANGE, PINK
 
 
 def power(scenario: LoadedScenario) -> Figure:
     """The battery runs down with 60 W of driving: charge, voltage, and which loads the manager sheds."""
-    pack, bus, params = scenario.battery, scenario.bus, scenario.power_manager
-    names = [load.name for load in bus.loads]
+    network, params = PowerNetwork(scenario.power), scenario.power_manager
+    loads = scenario.power.loads
+    names = [load.name for load in loads]
     demand = np.array([{"drive": 50.0, "steer": 5.0, "arm": 5.0}.get(name, 0.0) for name in names])
-    state, line, mind = battery.initial_state(pack, 0.32), loads.BusState(), manager.initial_state(params)
+    state, mind = network.initial_state(0.32), manager.initial_state(params)
     fractions, rows, dt = np.ones(len(names)), [], 2.0
     for step in range(6000):
-        source, resistance = battery.thevenin(pack, state)
-        line, output = loads.step(bus, line, source, resistance, fractions, demand, dt)
-        telemetry = manager.PowerManagerInput(output.voltage, output.current, state.temperature)
-        mind, command = manager.step(params, mind, telemetry, dt)
-        state = battery.step(pack, state, output.current, dt)
+        state, output = network.step(state, fractions, demand, dt)
+        store = state.stores[0]
+        reading = StoreReading(output.voltage, output.store_currents[0], store.temperature)
+        mind, command = manager.step(params, mind, manager.PowerManagerInput((reading,)), dt)
         fractions = np.array(command.fractions())
-        rows.append((step * dt / 3600.0, state.soc, command.soc, output.voltage, output.load_power.sum(), *fractions))
-        if state.soc < 0.04:
+        rows.append((step * dt / 3600.0, store.soc, command.soc, output.voltage, output.load_power.sum(), *fractions))
+        if store.soc < 0.04:
             break
     time, true_soc, soc, voltage, watts, *switches = np.array(rows).T
     figure, axes = plt.subplots(
@@ -46,7 +47,7 @@ def power(scenario: LoadedScenario) -> Figure:
     volts.plot(time, voltage, color=PINK, linewidth=1.4)
     volts.set_ylabel("bus [V]", color=PINK)
     volts.grid(False)
-    order = sorted(range(len(names)), key=lambda i: (bus.loads[i].essential, bus.loads[i].priority, i))
+    order = sorted(range(len(names)), key=lambda i: (loads[i].essential, loads[i].priority, i))
     for place, index in enumerate(reversed(order)):
         axes[2].fill_between(
             time,
@@ -54,7 +55,7 @@ def power(scenario: LoadedScenario) -> Figure:
             place - 0.36 + 0.72 * switches[index],
             step="post",
             linewidth=0,
-            color=GREY if bus.loads[index].essential else BLUE,
+            color=GREY if loads[index].essential else BLUE,
         )
     axes[2].set_yticks(range(len(names)), [names[i].replace("_", " ") for i in reversed(order)])
     axes[2].set(xlabel="time [h]", xlim=(0.0, time[-1]), title="Loads switched on (grey: essential, never shed)")

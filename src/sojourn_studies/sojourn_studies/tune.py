@@ -2,15 +2,15 @@
 
     scripts/tune MACHINE
 
-The slip that its odometry expects, the track ratio of one that scrubs in a turn, what driving costs: all of it goes
-into `measured.yaml` in the machine's folder, which stands for what the table `drive` of its flight.yaml leaves out;
-before it is there, guesses do.
+The slip that its odometry expects, the torque that goes with slip, the track ratio of one that scrubs in a turn, what
+driving costs: all of it goes into `measured.yaml` in the machine's folder, which stands for what the table `drive` of
+its flight.yaml leaves out; before it is there, guesses do.
 """
 
 import argparse
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sojourn_config import command_line
 from sojourn_config.command_errors import UsageError
@@ -18,8 +18,13 @@ from sojourn_config.measured_file import MEASURED, UNMEASURED_SLIP
 from sojourn_config.paths import config_folder, display, is_path
 from sojourn_config.yaml_file import read_yaml
 
+if TYPE_CHECKING:
+    from sojourn_config.scenario import LoadedScenario
+
 SCENARIO = "flat_drive"
-MEASURED_KEYS = {"mobility": ("track_ratio",), "odometry": tuple(UNMEASURED_SLIP), "energy": ()}
+LEAST_SLIP_PER_GRADE = 0.1
+"""On ground that gives less the torque tells nothing: what slips there by 1 % pulls all it can [-]."""
+MEASURED_KEYS = {"mobility": ("track_ratio", "slip"), "odometry": tuple(UNMEASURED_SLIP), "energy": ()}
 """Keys of the table `drive` that are measured, by their tables; of energy all."""
 
 
@@ -27,8 +32,8 @@ def parser() -> argparse.ArgumentParser:
     """Options of scripts/tune."""
     result = command_line.Parser(
         prog="tune",
-        description="Measure in the plant what a machine's drive goes by (slip, turning, energy), and write it into "
-        f"its {MEASURED}. Some minutes.",
+        description="Measure in the plant what a machine's drive goes by (slip, traction, turning, energy), and write "
+        f"it into its {MEASURED}. Some minutes.",
     )
     result.add_argument("machine", help="a machine that drives: its name in config/machines, or the path of its folder")
     result.add_argument("--body", default="moon", help="name in config/bodies (default: %(default)s)")
@@ -71,6 +76,7 @@ def measured(overrides: Sequence[str], say: Callable[[str], None]) -> dict[str, 
     from sojourn_flight.mobility.wheel_table import scrubs  # not above: --help needs none of it
     from sojourn_studies.measure_energy import cost_of_driving
     from sojourn_studies.measure_slip import expected_slip, on_plane
+    from sojourn_studies.measure_traction import measured_curves
     from sojourn_studies.measure_turning import measured_ratio
 
     slip = expected_slip(SCENARIO, overrides, say)
@@ -79,8 +85,30 @@ def measured(overrides: Sequence[str], say: Callable[[str], None]) -> dict[str, 
     if scrubs(scenario.steering.wheels):
         ratio = round(measured_ratio(scenario, say), 2)
         known.append(f"drive.mobility.track_ratio={ratio}")
+    mobility: dict[str, Any] = {"kind": "rolling", "track_ratio": ratio}  # a machine of another kind takes none of it
+    if tells_slip(scenario, slip["slip_per_grade"]):
+        say("torque against slip")
+        mobility["slip"] = measured_curves(SCENARIO, known, say)
     say("driving up and down, turning on the spot: what it costs")
-    return {"mobility": {"track_ratio": ratio}, "odometry": slip, "energy": cost_of_driving(SCENARIO, known)}
+    return {"mobility": mobility, "odometry": slip, "energy": cost_of_driving(SCENARIO, known)}
+
+
+def tells_slip(scenario: "LoadedScenario", slip_per_grade: float) -> bool:
+    """Whether the torques of a machine tell its slip: on wheels that slip for what they pull, and of which none slides
+    sideways in a curve, which takes torque as well.
+    """
+    from sojourn_flight.mobility.wheel_table import scrubs
+
+    rolls_straight = not scenario.machine.tracks and not scrubs(scenario.steering.wheels)
+    return rolls_straight and slip_per_grade > LEAST_SLIP_PER_GRADE
+
+
+def _lines(table: Mapping[str, Any], indent: str) -> str:
+    """A table as YAML, those in it indented by more."""
+    return "".join(
+        f"{indent}{name}:\n{_lines(one, indent + '  ')}" if isinstance(one, Mapping) else f"{indent}{name}: {one}\n"
+        for name, one in table.items()
+    )
 
 
 def write(file: Path, found: Mapping[str, Any], where: str) -> None:
@@ -88,7 +116,7 @@ def write(file: Path, found: Mapping[str, Any], where: str) -> None:
     text = f"# {where}\n# Keys and units are those of `drive` in config/machines/explorer/flight.yaml.\n"
     for key, value in found.items():
         if isinstance(value, Mapping):
-            text += f"{key}:\n" + "".join(f"  {name}: {one}\n" for name, one in value.items())
+            text += f"{key}:\n" + _lines(value, "  ")
         else:
             text += f"{key}: {value}\n"
     try:

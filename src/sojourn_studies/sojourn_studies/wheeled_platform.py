@@ -7,7 +7,8 @@ is, which law its contacts follow. Its files would be a URDF and a YAML as those
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from sojourn_machine.drives import JointDriveParams, JointFrictionParams
+from sojourn_machine.actuator_choice import ActuatorParams
+from sojourn_machine.drives import JointFrictionParams
 from sojourn_machine.machine import MachineParams, SuspensionParams
 from sojourn_machine.supports import WheelParams
 
@@ -41,8 +42,8 @@ PLAIN = Chassis()
 def wheeled_platform(
     places: Sequence[float],
     wheel: WheelParams,
-    drives: Sequence[JointDriveParams],
-    steering: JointDriveParams | None = None,
+    drives: Sequence[ActuatorParams],
+    steering: ActuatorParams | None = None,
     steered: Sequence[int] = (),
     struts: SuspensionParams | None = None,
     chassis: Chassis = PLAIN,

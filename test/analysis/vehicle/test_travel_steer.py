@@ -174,7 +174,7 @@ def test_two_bodies_of_an_articulated_machine() -> None:
     assert halves.largest_angle == pytest.approx(0.7)
     with pytest.raises(InvalidValueError, match="knee"):
         two_bodies(machine, "knee")
-    with pytest.raises(InvalidValueError, match="motor drives"):
+    with pytest.raises(InvalidValueError, match="geared_motor"):
         two_bodies(read_and_stand("explorer"), "bogie_left_joint")
 
 

@@ -91,7 +91,7 @@ class RoverArm:
             self.loads,
         )
         self.tasks, self.said, self.report = task_control.step(params, self.arm, self.tasks, inputs, DT)
-        command = zeros_command(len(model.joints.names), len(model.bus.loads))
+        command = zeros_command(len(model.joints.names), len(model.loads))
         command.reference[0] = self.plant.joints[0]
         drives = model.reference_rows([wheel.joint for wheel in model.machine.wheels])
         command.reference[0, drives] = 0.0

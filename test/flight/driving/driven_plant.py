@@ -28,7 +28,7 @@ class DrivenPlant:
         self.drive = WheelDrive(loaded.drive, loaded.steering)
         start = loaded.config.start
         self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
-        self._command = zeros_command(len(self.plant.joints.names), len(self.plant.bus.loads))
+        self._command = zeros_command(len(self.plant.joints.names), len(self.plant.loads))
         self._command.reference[0] = self.state.joints[0]
         wheels = loaded.machine.wheels
         self._wheels = self.plant.reference_rows([wheel.joint for wheel in wheels])

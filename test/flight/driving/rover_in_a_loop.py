@@ -51,7 +51,7 @@ class Loop:
         self._wheels = self.plant.reference_rows([wheel.joint for wheel in wheels])
         self._steered = [place for place, wheel in enumerate(wheels) if wheel.steer_joint is not None]
         self._steers = self.plant.reference_rows([wheel.steer_joint for wheel in wheels if wheel.steer_joint])
-        self.command = zeros_command(len(self.plant.joints.names), len(self.plant.bus.loads))
+        self.command = zeros_command(len(self.plant.joints.names), len(self.plant.loads))
         self.command.reference[0] = self.state.joints[0]
         self._names = self.plant.supports.names
         self._rates = np.zeros(len(self.plant.joints.names))

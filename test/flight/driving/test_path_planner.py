@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from sojourn_flight.mobility.ability import TurningLimits
@@ -63,6 +63,8 @@ def chain(legs: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 @settings(max_examples=80, deadline=None)
 @given(turns, st.floats(-3.1, 3.1))
+@example([(2.0, 0.5), (2.0, 0.0)], 0.0)  # the first point in line with start and end, but not with the heading
+@example([(2.0, 0.5), (1.0, 0.0), (1.0, 0.0)], 0.1)
 def test_a_machine_that_turns_on_the_spot_gets_a_path_through_any_points(
     params: GoalFollowerParams, legs: list[tuple[float, float]], yaw: float
 ) -> None:

@@ -238,7 +238,8 @@ def test_slip_that_changes_with_the_soil_is_a_random_walk_in_the_long_run(
 def test_random_errors_grow_with_the_root_of_the_distance(
     params: OdometryParams, explorer: SteeringGeometryParams
 ) -> None:
-    rough = params.model_copy(update={"slip_sigma": 1e-9, "side_slip_sigma": 1e-9, "gyro_bias_sigma": 1e-12})
+    nothing = {"slip_sigma": 1e-9, "side_slip_sigma": 1e-9, "gyro_bias_sigma": 1e-12, "gyro_bias_walk": 1e-12}
+    rough = params.model_copy(update=nothing)
     state = drive(rough, explorer.table(), initial_wheels(rough), PlanarTwist(0.1, 0.0, 0.0), 100.0)
     assert math.sqrt(state.covariance[0, 0]) == pytest.approx(params.travel_sigma * math.sqrt(10.0), rel=0.01)
     assert math.sqrt(state.covariance[2, 2] - START_YAW_VARIANCE) == pytest.approx(

@@ -6,12 +6,13 @@ from sojourn_config.machine_reader import joined_machine
 from sojourn_flight.power_manager import law as manager
 from sojourn_flight.power_manager.law import PowerManagerInput
 from sojourn_flight.power_manager.params import PowerManagerParams
-from sojourn_machine.power import battery, loads
-from sojourn_machine.power.loads import BusState
+from sojourn_flight.power_manager.reading import StoreReading
+from sojourn_machine.power import battery
+from sojourn_machine.power.network import PowerNetwork
 
 EXPLORER = joined_machine("explorer")
-PACK, BUS = EXPLORER.battery, EXPLORER.bus
-PARAMS = PowerManagerParams(battery=PACK, loads=BUS.loads, law=EXPLORER.law)
+PACK, BUS = EXPLORER.power.battery, EXPLORER.power.bus
+PARAMS = PowerManagerParams(power=EXPLORER.power, law=EXPLORER.law, derated=("drive",))
 
 
 def test_the_pack_is_of_the_mer_class() -> None:
@@ -36,18 +37,24 @@ def test_the_hysteresis_of_the_bus_is_larger_than_the_rebound_of_shedding_a_leve
 
 def test_a_full_battery_driven_until_empty_sheds_in_order_and_keeps_the_computer_to_the_end() -> None:
     dt, demand = 5.0, tuple(60.0 if load.name == "drive" else 0.0 for load in BUS.loads)
-    cell, bus, state = battery.initial_state(PACK, 1.0), BusState(), manager.initial_state(PARAMS, 1.0)
+    network = PowerNetwork(EXPLORER.power)
+    awake = PARAMS.model_copy(
+        update={"law": PARAMS.law.model_copy(update={"sleep": None})}
+    )  # or its computer would rest
+    power, state = network.initial_state(1.0), manager.initial_state(awake, 1.0)
     fractions: tuple[float, ...] = (1.0,) * len(BUS.loads)
     levels, delivered = [0], 0.0
     computer = [load.name for load in BUS.loads].index("computer")
-    while cell.soc > 0.0:
-        bus, electrical = loads.step(BUS, bus, *battery.thevenin(PACK, cell), fractions, demand, dt)
+    while power.stores[0].soc > 0.0:
+        power, electrical = network.step(power, fractions, demand, dt)
+        cell = power.stores[0]
         assert electrical.load_power[computer] == pytest.approx(30.0)
         assert not electrical.brownout
-        cell = battery.step(PACK, cell, electrical.current, dt)
         delivered += float(electrical.load_power.sum()) * dt
-        telemetry = PowerManagerInput(electrical.voltage, electrical.current, cell.temperature)
-        state, output = manager.step(PARAMS, state, telemetry, dt)
+        telemetry = PowerManagerInput(
+            (StoreReading(electrical.voltage, electrical.store_currents[0], cell.temperature),)
+        )
+        state, output = manager.step(awake, state, telemetry, dt)
         fractions = output.fractions()
         levels.append(output.shed_level)
     assert output.soc == pytest.approx(0.0, abs=0.02)

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from sojourn_config.bundle import read_machine
@@ -67,6 +69,22 @@ def test_a_held_current_heats_the_motor_as_integration_says() -> None:
     assert state[:CLOSED, 0] == pytest.approx(path.y[:, -1], abs=0.02)
 
 
+@settings(max_examples=30, deadline=None)
+@given(here=st.floats(100.0, 330.0), current=st.floats(0.0, 5.0))
+def test_what_is_round_a_motor_stands_for_what_its_parameters_say(here: float, current: float) -> None:
+    """A motor in a cold place is one whose parameters name that place; one without a place of its own goes by them."""
+    told = conditions_of([None, drive(thermal=HEAT)], table())
+    named = conditions_of([None, drive(thermal=HEAT.model_copy(update={"surroundings": here}))], table())
+    assert told is not None and named is not None
+    state, other, plain = told.first([here]), named.first(), told.first()
+    squares = np.array([0.0, current**2])
+    for _ in range(200):
+        state = told.after(state, told.now(state), squares, np.ones(2), 1.0, [here])
+        other = named.after(other, named.now(other), squares, np.ones(2), 1.0)
+    assert state == pytest.approx(other, rel=1e-9)
+    assert (told.first([None]) == plain).all()
+
+
 def test_a_hot_motor_is_weaker_and_is_held_back() -> None:
     conditions = conditions_of([None, drive(thermal=HEAT)], table())
     assert conditions is not None
@@ -103,8 +121,8 @@ def stand(**change: object) -> PlantModel:
     drives = tuple(one.model_copy(update=change) for one in bundle.machine.drives)
     ground = HeightField(np.zeros((41, 41)), np.zeros((41, 41), np.uint8), 0.1, -2.0, -2.0, (bundle.soil.name,))
     rover = bundle.machine.model_copy(update={"drives": drives})
-    site = Site(ground, list(bundle.soils.values()), bundle.gravity)
-    return PlantModel(bundle.urdf_xml, rover, site, bundle.battery, bundle.bus)
+    site = Site(ground, list(bundle.soils.values()), bundle.gravity_field)
+    return PlantModel(bundle.urdf_xml, rover, site, bundle.power)
 
 
 def test_brakes_hold_an_arm_without_power_that_would_fall() -> None:
@@ -112,9 +130,9 @@ def test_brakes_hold_an_arm_without_power_that_would_fall() -> None:
     for name, change in (("braked", {"brake": BrakeParams(holding_torque=1.5)}), ("free", {})):
         model = stand(**change)
         start = initial_state(model, 0.0, 0.0, 0.0, 0.8, REACHING)
-        command = zeros_command(len(model.joints.names), len(model.bus.loads))
+        command = zeros_command(len(model.joints.names), len(model.loads))
         command.reference[0] = start.motor_angles
-        off = replace(command, load_fractions=np.zeros(len(model.bus.loads)))
+        off = replace(command, load_fractions=np.zeros(len(model.loads)))
         state = start
         for _ in range(25):
             state, _ = step(model, state, off)
@@ -135,7 +153,7 @@ def test_the_heat_of_the_windings_is_in_the_motors() -> None:
     """Temperatures times capacities, and what has gone to the surroundings, are the account's winding heat."""
     model = stand(thermal=HEAT.model_copy(update={"surroundings": 298.15}))
     state = initial_state(model, 0.0, 0.0, 0.0, 0.8, REACHING)
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     lost, begun = 0.0, state.energy.winding_heat
     for _ in range(100):

@@ -51,7 +51,7 @@ from sojourn_plant.start import build_plant
 
 scenario = load_scenario(sys.argv[1])
 model, state = build_plant(scenario)
-command = zeros_command(len(model.joints.names), len(model.bus.loads))
+command = zeros_command(len(model.joints.names), len(model.loads))
 command.reference[0] = state.motor_angles
 command.reference[1, model.reference_rows([wheel.joint for wheel in model.machine.wheels])] = 0.5
 for _ in range(50):

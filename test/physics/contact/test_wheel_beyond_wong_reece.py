@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
@@ -131,6 +131,7 @@ def test_motion_is_found_again_from_the_slips(slip: float, angle: float) -> None
 
 @settings(max_examples=200, deadline=None)
 @given(st.floats(0.1, 1.5), st.floats(-0.99, -0.01), st.floats(-0.1, 0.0))
+@example(entry=1.0, slip=-0.0625, shift=-0.09375)
 def test_turning_angle_is_where_the_shear_turns(entry: float, slip: float, shift: float) -> None:
     turn = turning_angle(entry, slip, shift)
     behind = -math.acos(1.0 + slip)  # further back it would turn again
@@ -138,11 +139,9 @@ def test_turning_angle_is_where_the_shear_turns(entry: float, slip: float, shift
     shear = (1.0 + slip) * (entry - theta) - (math.sin(entry) - np.sin(theta)) + shift
     ahead = theta[shear > 1e-9]
     if math.isinf(turn):
-        assert len(ahead) == 0
+        assert len(ahead) == 0 or shear[0] > -1e-9  # none of it is ahead, or all
     elif shear[0] < 0.0:
-        # Where the shear hardly turns at all, Newton may find the other end of what is ahead: as good a place to split.
-        ends = (ahead.min(), ahead.max()) if shear.max() < 0.01 else (ahead.min(),)
-        assert min(abs(turn - end) for end in ends) < 5e-3
+        assert abs(turn - ahead.min()) < 5e-3
 
 
 def test_sinkage_grows_by_the_stated_factor() -> None:

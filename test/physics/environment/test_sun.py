@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sojourn_machine.params import FloatArray
-from sojourn_physics.environment.sun import SunParams, sun_direction
+from sojourn_physics.environment.sun.path import SunParams, sun_direction
 
 DAY = 88775.244  # of Mars [s]
 

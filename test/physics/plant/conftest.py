@@ -1,9 +1,11 @@
 """The explorer on its ground: models are made once, and runs are shared."""
 
 import math
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -15,6 +17,8 @@ from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantCommand, PlantOutput, PlantState, zeros_command
 from sojourn_physics.plant.step import step
 from sojourn_plant.start import build_plant
+
+sys.path.insert(0, str(Path(__file__).parent))  # `sprung_drive`
 
 
 @dataclass
@@ -34,7 +38,7 @@ class Machine:
 
     def hold(self, rate: float = 0.0) -> PlantCommand:
         """All joints where they are at the start, wheels at a rate [rad/s]."""
-        command = zeros_command(len(self.model.joints.names), len(self.model.bus.loads))
+        command = zeros_command(len(self.model.joints.names), len(self.model.loads))
         command.reference[0] = self.start.motor_angles
         rows = self.model.reference_rows([wheel.joint for wheel in self.model.machine.wheels])
         command.reference[1, rows] = rate
@@ -81,7 +85,8 @@ def values(state: PlantState) -> FloatArray:
     """Every number of a state, in one array."""
     return np.concatenate([
         state.configuration, state.velocity, state.joints.ravel(), *(states.ravel() for states in state.supports),
-        [state.bus_voltage, state.served, state.energy.electrical, state.energy.soil_work, state.battery.soc],
+        [*state.power.voltages, *state.power.served, state.power.stores[0].soc],
+        [state.energy.electrical, state.energy.soil_work],
     ])  # fmt: skip
 
 

@@ -25,6 +25,7 @@ from sojourn_machine.drives import JointDriveParams
 from sojourn_machine.params import FloatArray
 from sojourn_machine.supports import WheelParams
 from sojourn_physics.actuators.joint_drive import MAX_TORQUE
+from sojourn_physics.environment.gravity.field import UniformField
 from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.state import PlantCommand, PlantState, zeros_command
 from sojourn_physics.plant.step import initial_state, step
@@ -86,15 +87,15 @@ class Bench:
         steered: tuple[int, ...] = (),
     ) -> None:
         self.platform = wheeled_platform([FRONT, -REAR], pattern, drives, STEERING, steered, track=TRACK)
-        site = Site(scenario.height_field(), list(scenario.soils.values()), EARTH)
+        site = Site(scenario.height_field(), list(scenario.soils.values()), UniformField(EARTH))
         self.model = PlantModel(
-            self.platform.urdf_xml, self.platform.machine, site, scenario.battery, scenario.bus, scenario.simulation
+            self.platform.urdf_xml, self.platform.machine, site, scenario.power, scenario.simulation
         )
         self.start = initial_state(self.model, 0.0, 0.0, 0.0, 0.8)
-        self.command = zeros_command(len(self.model.joints.names), len(self.model.bus.loads))
+        self.command = zeros_command(len(self.model.joints.names), len(self.model.loads))
         self.wheel_joints = self.model.reference_rows([each.joint for each in self.platform.machine.wheels])
         standing = StandingMachine(self.platform.urdf_xml, self.platform.machine, EARTH)
-        self.vehicle = vehicle_of("platform", standing, BusSupply(self.start.bus_voltage, 100.0, 0.0), 1.0)
+        self.vehicle = vehicle_of("platform", standing, BusSupply(self.start.power.voltages[0], 100.0, 0.0), 1.0)
         self.weight = self.model.mass * EARTH
 
     def lean(self, grade: float) -> None:
@@ -311,7 +312,7 @@ def car_on_brushes(rock: LoadedScenario, friction: float) -> Bench:
         "relaxation_length": 0.01, "friction": friction, "rolling_resistance": 0.0,
     }  # fmt: skip
     car = Bench(rock, wheel(**law), [drive(ratio=30.0)], steered=(0,))
-    car.command.load_fractions[[load.name for load in car.model.bus.loads].index("drive")] = 0.0
+    car.command.load_fractions[[load.name for load in car.model.loads].index("drive")] = 0.0
     return car
 
 

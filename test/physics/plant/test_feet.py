@@ -38,15 +38,15 @@ def lander(scenario: str, *overrides: str, **changes: object) -> tuple[PlantMode
     loaded = load_scenario(scenario, overrides)
     pad = PadParams(name="belly", link="base_link", position=(0.0, 0.0, -0.2), radius=0.05)
     machine = MachineParams(feet=feet(**changes), pads=(pad,), passive_joint=NO_FRICTION)
-    site = Site(loaded.height_field(), list(loaded.soils.values()), loaded.gravity)
-    model = PlantModel(URDF, machine, site, loaded.battery, loaded.bus, loaded.simulation)
+    site = Site(loaded.height_field(), list(loaded.soils.values()), loaded.gravity_field)
+    model = PlantModel(URDF, machine, site, loaded.power, loaded.simulation)
     start = loaded.config.start
     return model, initial_state(model, start.x, start.y, start.yaw, 0.8)
 
 
 def test_it_stands_as_deep_as_the_law_says_of_its_weight() -> None:
     model, state = lander("flat_drive")
-    _, output = step(model, state, zeros_command(0, len(model.bus.loads)))
+    _, output = step(model, state, zeros_command(0, len(model.loads)))
     forces = output.contacts[:3, FORCE]
     assert forces[:, 2].sum() == pytest.approx(MASS * model.gravity, rel=1e-4)
     assert forces[:, 2] == pytest.approx([MASS * model.gravity / 3.0] * 3, rel=1e-3)
@@ -60,7 +60,7 @@ def test_it_stands_as_deep_as_the_law_says_of_its_weight() -> None:
 
 def test_parked_on_a_slope_it_does_not_creep() -> None:
     model, state = lander("parked_slope", "terrain.slope_deg=10")
-    command = zeros_command(0, len(model.bus.loads))
+    command = zeros_command(0, len(model.loads))
     start = state.configuration[:3].copy()
     for _ in range(500):
         state, output = step(model, state, command)
@@ -76,7 +76,7 @@ def test_dropped_it_comes_to_rest_and_no_energy_is_made() -> None:
     lifted = state.copy()
     lifted.configuration[2] += 0.1
     lifted.supports.feet[:] = 0.0
-    command, highest = zeros_command(0, len(model.bus.loads)), []
+    command, highest = zeros_command(0, len(model.loads)), []
     for _ in range(200):
         lifted, _ = step(model, lifted, command)
         highest.append(lifted.configuration[2])

@@ -25,7 +25,7 @@ def puma(slope_deg: float = 0.0) -> LoadedScenario:
 
 
 def run(model: PlantModel, state: PlantState, seconds: float) -> PlantState:
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     for _ in range(round(seconds / model.simulation.control_period)):
         state, _ = step(model, state, command)
@@ -36,9 +36,9 @@ def falling_arm(physics_step: float) -> tuple[PlantModel, PlantState]:
     """The arm without motors and friction, let go from its pose."""
     scenario = puma()
     free = {"drives": (), "passive_joint": scenario.machine.passive_joint}
-    site = Site(scenario.height_field(), list(scenario.soils.values()), scenario.gravity)
+    site = Site(scenario.height_field(), list(scenario.soils.values()), scenario.gravity_field)
     model = PlantModel(
-        scenario.urdf_xml, scenario.machine.model_copy(update=free), site, scenario.battery, scenario.bus,
+        scenario.urdf_xml, scenario.machine.model_copy(update=free), site, scenario.power,
         SimulationParams(physics_step=physics_step, settle_time=0.0),
     )  # fmt: skip
     return model, initial_state(model, 0.0, 0.0, 0.3, 0.8, scenario.arm_pose("unfold"))
@@ -83,7 +83,7 @@ def test_it_stands_square_on_a_slope_and_where_it_was_asked_for() -> None:
 
 def test_its_energy_account_is_balanced_while_motors_move_it() -> None:
     model, state = build_plant(puma())
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     rates = np.array([0.3, -0.2, 0.3, 0.5, -0.5, 0.5])
     first, now = state, state
@@ -98,7 +98,7 @@ def test_its_energy_account_is_balanced_while_motors_move_it() -> None:
 
 def test_without_weight_a_resting_arm_costs_no_torque() -> None:
     model, state = build_plant(load_scenario("puma560_course", ["body=low_earth_orbit"]))
-    _, output = step(model, state, replace(zeros_command(6, len(model.bus.loads)), reference=np.vstack(
+    _, output = step(model, state, replace(zeros_command(6, len(model.loads)), reference=np.vstack(
         [state.motor_angles, np.zeros((2, 6))]
     )))  # fmt: skip
     assert model.gravity == 0.0

@@ -31,7 +31,8 @@ def around(tip: FloatArray, opening: float, force: float, supply: float = 1.0) -
     report[:3] = tip
     return ToolSurroundings(
         board=MemoryBoard(GroundMemory(0.02, -5.0, -5.0)), terrain=GROUND, grid=GROUND.grid, soils=np.zeros((1, 40)),
-        gravity=MARS, dt=DT, reference=np.array([opening, 0.0, force]), supply=supply, report=report, drag=np.zeros(2),
+        gravity=MARS, falling=np.array([0.0, 0.0, -MARS]), dt=DT,
+        reference=np.array([opening, 0.0, force]), supply=supply, report=report, drag=np.zeros(2),
         axis=np.array([0.0, 0.0, -1.0]), across=np.array([0.0, 1.0, 0.0]), voltage=28.0,
     )  # fmt: skip
 

@@ -23,6 +23,7 @@ from sojourn_machine.params import FloatArray
 from sojourn_machine.supports import WheelParams
 from sojourn_physics.contact.contact_law import StateColumn
 from sojourn_physics.contact.hysteresis import ON_BACKBONE
+from sojourn_physics.environment.gravity.field import UniformField
 from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.state import PlantCommand, PlantState, zeros_command
 from sojourn_physics.plant.step import initial_state, step
@@ -54,10 +55,10 @@ def wheel(**contact: Any) -> WheelParams:
 
 
 def plant_of(scenario: LoadedScenario, platform: Any) -> tuple[PlantModel, PlantState, PlantCommand]:
-    site = Site(scenario.height_field(), list(scenario.soils.values()), EARTH)
-    model = PlantModel(platform.urdf_xml, platform.machine, site, scenario.battery, scenario.bus, scenario.simulation)
+    site = Site(scenario.height_field(), list(scenario.soils.values()), UniformField(EARTH))
+    model = PlantModel(platform.urdf_xml, platform.machine, site, scenario.power, scenario.simulation)
     state = initial_state(model, 0.0, 0.0, 0.0, 0.8)
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     return model, state, command
 
 
@@ -79,7 +80,7 @@ def sprung(rock: LoadedScenario) -> tuple[PlantModel, PlantState, PlantCommand]:
         chassis=Chassis(CHASSIS, (40.0, CHASSIS * PLACES[0] ** 2, 150.0), (0.0, 0.1)),
     )  # fmt: skip
     model, state, command = plant_of(rock, platform)
-    command.load_fractions[[load.name for load in model.bus.loads].index("drive")] = 0.0
+    command.load_fractions[[load.name for load in model.loads].index("drive")] = 0.0
     return model, *rolling(model, state, command, SPEED)
 
 
@@ -158,7 +159,7 @@ def test_poles_and_gains_of_steering(rock: LoadedScenario) -> None:
         drive("steer", "position", proportional=1e6, derivative=1e3), (0,), track=TRACK,
     )  # fmt: skip
     model, state, command = plant_of(rock, platform)
-    command.load_fractions[[load.name for load in model.bus.loads].index("drive")] = 0.0
+    command.load_fractions[[load.name for load in model.loads].index("drive")] = 0.0
     state, command = rolling(model, state, command, speed)
     steers = [each.steer_joint for each in platform.machine.wheels if each.steer_joint is not None]
     linear = linearise(model, state, command, steers)

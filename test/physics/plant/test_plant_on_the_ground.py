@@ -75,11 +75,11 @@ def test_energy_comes_from_the_battery(flat: Any) -> None:
     state = flat.start
     for _ in range(100):
         state, output = step(flat.model, state, flat.hold(0.5))
-        drawn += output.load_power.sum() * 0.02
-        given += output.battery_current * state.bus_voltage * 0.02
+        drawn += output.power.load_power.sum() * 0.02
+        given += output.power.store_currents[0] * output.power.voltage * 0.02
     assert given == pytest.approx(drawn, rel=0.15)
     assert given >= drawn * (1.0 - 1e-9)
-    assert state.battery.soc < flat.start.battery.soc
+    assert state.power.stores[0].soc < flat.start.power.stores[0].soc
 
 
 @pytest.mark.parametrize(

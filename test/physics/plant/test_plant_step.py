@@ -79,7 +79,7 @@ def test_a_state_that_explodes_is_told(flat: Any) -> None:
 
 def test_a_load_that_is_off_lets_its_wheels_stand(flat: Any) -> None:
     command = flat.hold(0.6)
-    command.load_fractions[[load.name for load in flat.model.bus.loads].index("drive")] = 0.0
+    command.load_fractions[[load.name for load in flat.model.loads].index("drive")] = 0.0
     end = flat.run(2.0, command)
     assert abs(end.configuration[0] - flat.start.configuration[0]) < 1e-3
     assert end.energy.electrical == pytest.approx(0.0, abs=0.1)
@@ -100,8 +100,8 @@ def build(scenario: Any, changes: dict[str, Any]) -> PlantModel:
         name: changes.get(name, getattr(scenario.machine, name)) for name in MachineParams.model_fields
     })  # fmt: skip
     soils = [soil for soil in scenario.soils.values() if soil.name not in changes.get("without", ())]
-    site = Site(scenario.height_field(), soils, scenario.gravity)
-    return PlantModel(scenario.urdf_xml, machine, site, scenario.battery, scenario.bus)
+    site = Site(scenario.height_field(), soils, scenario.gravity_field)
+    return PlantModel(scenario.urdf_xml, machine, site, scenario.power)
 
 
 def test_names_that_do_not_fit_are_refused(flat: Any) -> None:

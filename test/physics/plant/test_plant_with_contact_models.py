@@ -57,11 +57,11 @@ def with_contacts(scenario: str, contacts: list[Contact], *overrides: str) -> tu
     )
     fields = {name: getattr(loaded.machine, name) for name in MachineParams.model_fields}
     machine = MachineParams.model_validate({**fields, "wheels": wheels})
-    site = Site(loaded.height_field(), list(loaded.soils.values()), loaded.gravity)
-    model = PlantModel(loaded.urdf_xml, machine, site, loaded.battery, loaded.bus, loaded.simulation)
+    site = Site(loaded.height_field(), list(loaded.soils.values()), loaded.gravity_field)
+    model = PlantModel(loaded.urdf_xml, machine, site, loaded.power, loaded.simulation)
     start = loaded.config.start
     state = initial_state(model, start.x, start.y, start.yaw, 0.8)
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     command.reference[0] = state.motor_angles
     return model, state, command
 
@@ -163,8 +163,8 @@ def test_ground_that_lacks_what_a_wheel_needs_is_refused() -> None:
         )
         machine = MachineParams.model_validate({**fields, "wheels": wheels})
         soils = [bare.model_copy(update={"name": name}) for name in ground.soil_names]
-        site = Site(ground, soils, loaded.gravity)
-        return PlantModel(loaded.urdf_xml, machine, site, loaded.battery, loaded.bus, loaded.simulation)
+        site = Site(ground, soils, loaded.gravity_field)
+        return PlantModel(loaded.urdf_xml, machine, site, loaded.power, loaded.simulation)
 
     assert len(build([BRUSH, DRY, MESH, MECANUM_LEFT, MAGIC, SERIES]).wheel_names) == 6
     with pytest.raises(InvalidValueError, match=r"rear_left.*cohesion, shear_modulus, shear_modulus_lateral") as caught:

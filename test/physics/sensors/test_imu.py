@@ -12,6 +12,7 @@ from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_physics.sensors import imu
 from sojourn_physics.sensors.imu import ImuParams
+from sojourn_physics.sensors.inertial_errors import BIAS, MATRIX_ROW
 
 MICRO_G = 9.80665e-6
 LN200S = ImuParams(
@@ -65,8 +66,8 @@ def test_allan_deviation_gives_back_the_random_walks_of_the_data_sheet() -> None
 
 def test_biases_over_seeds_have_the_deviation_of_the_data_sheet_and_no_mean() -> None:
     states = [imu.initial_state(LN200S, seed, 0.0, 3.7) for seed in range(700)]
-    gyro = np.degrees(np.array([state.gyro_bias for state in states])) * 3600.0
-    force = np.array([state.accelerometer_bias for state in states]) / MICRO_G
+    gyro = np.degrees(np.array([state.axes[:3, BIAS] for state in states])) * 3600.0
+    force = np.array([state.axes[3:, BIAS] for state in states]) / MICRO_G
     for values, sigma in ((gyro, 1.0), (force, 300.0)):
         assert values.std() == pytest.approx(sigma, rel=0.06)
         assert abs(values.mean()) < 4.0 * sigma / sqrt(values.size)
@@ -89,14 +90,14 @@ def test_scale_factor_and_misalignment_are_drawn_with_their_size() -> None:
         )
     )
     states = [imu.initial_state(params, seed, 0.0, 1.62) for seed in range(400)]
-    for name, scale in (("gyro_matrix", 100e-6), ("accelerometer_matrix", 300e-6)):
-        errors = np.array([getattr(state, name) for state in states]) - np.eye(3)
+    for triad, scale in ((slice(0, 3), 100e-6), (slice(3, 6), 300e-6)):
+        errors = np.array([state.axes[triad, MATRIX_ROW:] for state in states]) - np.eye(3)
         diagonal = errors[:, range(3), range(3)]
         assert diagonal.std() == pytest.approx(scale, rel=0.1)
         assert errors[:, ~np.eye(3, dtype=bool)].std() == pytest.approx(1e-3, rel=0.1)
     rate = np.array([1.0, 0.0, 0.0])
     _, reading = imu.step(params, states[0], rate, REST, 0.02)
-    assert reading.angular_velocity == pytest.approx(states[0].gyro_matrix[:, 0])
+    assert reading.angular_velocity == pytest.approx(states[0].axes[:3, MATRIX_ROW])
 
 
 @settings(max_examples=60, deadline=None)
@@ -181,7 +182,7 @@ def test_the_heading_drifts_with_the_bias_of_the_gyro() -> None:
     for _ in range(501):
         state, reading = imu.step(params, state, np.zeros(3), REST, 0.02)
     drift = imu.heading_of(reading.orientation) - 0.2
-    assert drift == pytest.approx(state.gyro_bias[2] * 10.0, rel=1e-2)
+    assert drift == pytest.approx(state.axes[2, BIAS] * 10.0, rel=1e-2)
 
 
 def test_bad_starts_are_refused() -> None:

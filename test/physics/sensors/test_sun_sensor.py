@@ -11,14 +11,14 @@ from sojourn_physics.sensors import sun_sensor
 from sojourn_physics.sensors.sun_sensor import SunSensorParams, SunSensorState
 
 PARAMS = SunSensorParams(link="deck", field_of_view_deg=60.0, noise_deg=0.1, misalignment_deg=0.0)
-HIGH = math.radians(50.0)
+FULL = 1.0
 SUN = np.array([0.48, -0.36, 0.8])
 
 
 def readings(params: SunSensorParams, seed: int, count: int) -> FloatArray:
     state, found = sun_sensor.initial_state(params, seed), []
     for _ in range(count):
-        state, reading = sun_sensor.step(params, state, SUN, HIGH)
+        state, reading = sun_sensor.step(params, state, SUN, FULL)
         found.append(reading)
     return np.array(found)
 
@@ -43,16 +43,16 @@ def test_the_mounting_stays_through_a_run_and_has_the_stated_deviation_over_seed
 
 
 @pytest.mark.parametrize(
-    "direction,elevation",
-    [(SUN, -1e-6), (SUN, 0.0), (np.array([math.sin(1.05), 0.0, math.cos(1.05)]), HIGH), (-SUN, HIGH)],
-    ids=["below the horizon", "on the horizon", "out of the field of view", "behind"],
+    "direction,visible",
+    [(SUN, 0.0), (SUN, 0.5), (np.array([math.sin(1.05), 0.0, math.cos(1.05)]), FULL), (-SUN, FULL)],
+    ids=["hidden", "half hidden", "out of the field of view", "behind"],
 )
-def test_no_fix_where_there_is_no_sun(direction: FloatArray, elevation: float) -> None:
+def test_no_fix_where_there_is_no_sun(direction: FloatArray, visible: float) -> None:
     state = sun_sensor.initial_state(PARAMS, 5)
-    hidden, reading = sun_sensor.step(PARAMS, state, direction, elevation)
+    hidden, reading = sun_sensor.step(PARAMS, state, direction, visible)
     assert not reading.any()
-    seen, _ = sun_sensor.step(PARAMS, state, SUN, HIGH)
-    after = [sun_sensor.step(PARAMS, branch, SUN, HIGH)[1] for branch in (hidden, seen)]
+    seen, _ = sun_sensor.step(PARAMS, state, SUN, FULL)
+    after = [sun_sensor.step(PARAMS, branch, SUN, FULL)[1] for branch in (hidden, seen)]
     np.testing.assert_array_equal(*after)  # a hidden Sun shifts no later noise
 
 
@@ -60,4 +60,4 @@ def test_a_direction_that_is_none_is_refused() -> None:
     state: SunSensorState = sun_sensor.initial_state(PARAMS, 5)
     for bad in (np.zeros(3), np.array([math.nan, 0.0, 1.0]), np.array([1.0, 0.0])):
         with pytest.raises(InvalidValueError, match="direction of the Sun"):
-            sun_sensor.step(PARAMS, state, bad, HIGH)
+            sun_sensor.step(PARAMS, state, bad, FULL)

@@ -19,7 +19,7 @@ from sojourn_flight.arm.control_laws import Gains, LawName, MeasuredJoints, Refe
 from sojourn_flight.arm.dynamics import mass_matrix, rigid_effort
 from sojourn_flight.arm.friction import friction_effort
 from sojourn_flight.arm.kinematics import forward_kinematics
-from sojourn_flight.arm.profiles import JointMotion, TimedPath, joint_motion
+from sojourn_flight.arm.profiles import TimedLine, TimedPath, joint_motion
 from sojourn_flight.arm.serial_arm import SerialArm
 from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.params import FloatArray
@@ -75,7 +75,7 @@ def settings_for(arm: SerialArm, posture: FloatArray) -> LoopSettings:
     return LoopSettings(bandwidth, 0.1 / bandwidth, settle=12.5 / bandwidth)
 
 
-def comparison_motion(arm: SerialArm, gravity: FloatArray, longest: float) -> JointMotion:
+def comparison_motion(arm: SerialArm, gravity: FloatArray, longest: float) -> TimedLine:
     """A quintic motion through the middle of every joint's range: 80 % of each speed, and at most 80 % of each effort.
 
     Args:

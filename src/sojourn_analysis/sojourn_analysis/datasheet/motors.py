@@ -5,6 +5,7 @@ from collections.abc import Iterable
 
 from sojourn_analysis.datasheet.figures import Figure, Section
 from sojourn_analysis.datasheet.subject import Subject
+from sojourn_machine.actuator_choice import ActuatorParams
 from sojourn_machine.drives import BrushlessMotorParams, JointDriveParams, MotorParams
 from sojourn_physics.actuators import brushless
 from sojourn_physics.actuators.dc_motor import (
@@ -28,19 +29,26 @@ def motors(subject: Subject) -> Section | None:
     return motors_of(subject.machine.machine.drives, subject.vehicle.bus_voltage)
 
 
-def motors_of(drives: Iterable[JointDriveParams], voltage: float) -> Section:
+def motors_of(drives: Iterable[ActuatorParams], voltage: float) -> Section:
     """Figures of each drive at a voltage of the bus [V]."""
     figures = [figure for drive in drives for figure in _drive(drive, voltage)]
     text = f"At {voltage:.3g} V, torques at the joint without its friction; of each kind of drive, "
     return Section("Motors", tuple(figures), (), text + "named by its first joint.")
 
 
-def _drive(drive: JointDriveParams, voltage: float) -> list[Figure]:
+def _drive(drive: ActuatorParams, voltage: float) -> list[Figure]:
     joint = drive.joints[0].removesuffix("_joint")
     name = joint.replace("_", " ")
+    geared = drive if isinstance(drive, JointDriveParams) else None
+    unit = "N m" if geared is None or geared.screw is None else "N"
+    largest = Figure(f"motor_torque_{joint}", f"Largest torque, {name}", drive.motor_effort, unit)
+    return [largest] if geared is None else [largest, *_geared_motor(geared, voltage, joint, unit)]
+
+
+def _geared_motor(drive: JointDriveParams, voltage: float, joint: str, unit: str) -> list[Figure]:
+    name = joint.replace("_", " ")
     motor, gear = drive.electric, drive.transmission
-    unit = "N" if drive.screw is not None else "N m"
-    figures = [Figure(f"motor_torque_{joint}", f"Largest torque, {name}", drive.motor_effort, unit)]
+    figures: list[Figure] = []
     if isinstance(motor, MotorParams):
         fastest, best = no_load_rate(motor, voltage) / gear.ratio, greatest_efficiency(motor, voltage)
         figures += [

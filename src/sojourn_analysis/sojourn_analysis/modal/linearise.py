@@ -161,6 +161,8 @@ class _Tangent:
     """The plant's step as a map between small changes of one state."""
 
     def __init__(self, model: PlantModel, state: PlantState, command: PlantCommand, time_step: float) -> None:
+        if model.outside:
+            raise InvalidValueError("drives", "of another kind", "geared_motor, whose memory is known")
         simulation = SimulationParams(physics_step=time_step, control_period=time_step)
         self.model = model.variant(simulation=simulation, memory_cell=0.0)
         self.state = replace(state.copy(), ground=self.model.untouched_ground)

@@ -14,6 +14,7 @@ import pinocchio as pin
 
 from sojourn_analysis.vehicle.params import AxleParams, VehicleParams
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
+from sojourn_machine.drives import geared_motor_of
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
@@ -60,7 +61,7 @@ def vehicle_of(
         raise InvalidValueError(
             "wheels", [wheel.name for wheel in wheels], "two of them beside one another, on each axle"
         )
-    drives = {joint: drive for drive in machine.machine.drives for joint in drive.joints}
+    driven = {joint for drive in machine.machine.drives for joint in drive.joints}
     axles = []
     for group in groups:
         wheel = wheels[group[0]]
@@ -83,12 +84,12 @@ def vehicle_of(
                 grouser_count=wheel.grouser_count,
                 wheel_width=wheel.width,
                 wheel_inertia=float(model.inertias[joint].inertia[1, 1]),
-                driven=wheel.joint in drives,
+                driven=wheel.joint in driven,
                 max_steer=float(steer),
                 contact=wheel.contact,
             )
         )
-    drive = drives[wheels[0].joint]
+    drive = geared_motor_of(machine.machine.drives, wheels[0].joint)
     pads = [_pad_height(machine, index) for index, pad in enumerate(machine.machine.pads) if pad.link == "base_link"]
     return VehicleParams(
         name=name,

@@ -42,7 +42,7 @@ def side_view(machine: StandingMachine, angles: Mapping[str, float] | None = Non
         wheels.append(SideWheel(float(place[0]), float(place[2]), float(machine.radii[i]), hinge[i] is not None))
     order = sorted(range(len(left)), key=lambda k: -wheels[k].x)
     drives = {name: drive for drive in machine.machine.drives for name in drive.joints}
-    torque = min(drive.servo.max_torque for drive in (drives[machine.machine.wheels[i].joint] for i in left))
+    torque = min(drive.largest_torque for drive in (drives[machine.machine.wheels[i].joint] for i in left))
     all_bogies = [bogie for bogie in bogies if any(bogie in list(model.supports[w]) for w in machine.wheels)]
     hinged_mass, hinged_moment = _mass_of(machine, all_bogies)
     centre = machine.mass * machine.centre_of_mass(stance.configuration) - hinged_moment

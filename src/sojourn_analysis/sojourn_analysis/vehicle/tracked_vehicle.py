@@ -23,7 +23,7 @@ import pinocchio as pin
 from scipy.optimize import minimize_scalar
 
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
-from sojourn_machine.drives import GearParams, MotorParams, SeriesMotorParams
+from sojourn_machine.drives import GearParams, MotorParams, SeriesMotorParams, geared_motor_of
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.supports import TrackEndParams, TrackParams
@@ -93,7 +93,7 @@ def tracked_vehicle_of(
     if not (alike and np.allclose(places[0, ::2], places[1, ::2]) and places[0, 1] != places[1, 1]):
         raise InvalidValueError("tracks", [track.name for track in tracks], "two alike, beside one another")
     pads = [machine.place(pad.link, pad.position)[2] - pad.radius for pad in machine.machine.pads]
-    drive = next(drive for drive in machine.machine.drives if tracks[0].joint in drive.joints)
+    drive = geared_motor_of(machine.machine.drives, tracks[0].joint)
     middle = places.mean(axis=0)
     return TrackedVehicle(
         mass=machine.mass,

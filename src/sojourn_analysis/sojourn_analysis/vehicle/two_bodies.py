@@ -13,6 +13,7 @@ import pinocchio as pin
 
 from sojourn_analysis.vehicle.articulated import Joint, VehicleUnit
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
+from sojourn_machine.drives import geared_motor_of
 from sojourn_machine.errors import InvalidValueError
 
 
@@ -37,9 +38,7 @@ def two_bodies(machine: StandingMachine, joint: str, angles: Mapping[str, float]
     model, data = machine.model, machine.data
     if not model.existJointName(joint):
         raise InvalidValueError("joint", joint, "one of " + ", ".join(list(model.names)[2:]))
-    drives = [drive for drive in machine.machine.drives if joint in drive.joints]
-    if not drives:
-        raise InvalidValueError("joint", joint, "one that a motor drives")
+    servo = geared_motor_of(machine.machine.drives, joint).servo
     stance = machine.stand(lambda x, y: 0.0, angles=angles)
     pin.forwardKinematics(model, data, stance.configuration)
     number = model.getJointId(joint)
@@ -63,7 +62,6 @@ def two_bodies(machine: StandingMachine, joint: str, angles: Mapping[str, float]
                 1.0,
             )
         )
-    drive = drives[0]
     at = model.joints[number].idx_q
     largest = min(abs(model.lowerPositionLimit[at]), abs(model.upperPositionLimit[at]))
-    return TwoBodies(bodies[0], bodies[1], Joint(drive.servo.proportional, drive.servo.derivative), float(largest))
+    return TwoBodies(bodies[0], bodies[1], Joint(servo.proportional, servo.derivative), float(largest))

@@ -1,5 +1,7 @@
 """Sections about what the machine has inside: power with its loads, and the arm."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from sojourn_bags.curves import COLORS, FloatArray, short_name
@@ -25,8 +27,9 @@ def power(story: Story) -> PageSection:
         )
     else:
         parts += _battery(story, source, store, measured)
-    parts.append(_loads(story))
+    parts += _told(story)
     parts.append(_switches(story))
+    parts.append(_forecast(story))
     return PageSection("power", "Power and charge", "".join(parts))
 
 
@@ -46,19 +49,34 @@ def _battery(story: Story, source: Messages, store: Messages | None, measured: M
     ]
 
 
-def _loads(story: Story) -> str:
+def _told(story: Story) -> Iterator[str]:
+    """What the plant tells of loads, sources and nodes, each by its name."""
     loads = story.find("/truth/loads", STATUS)
     if loads is None:
-        return ""
+        return
     values = loads.statuses()
-    names = list(dict.fromkeys(key for row in values for key in row if key.startswith("power ")))
-    drawn = np.array([[_number(row.get(name, "")) for name in names] for row in values]).reshape(
-        len(values), len(names)
-    )
-    # a load that draws nothing all the time would only fill the legend
-    used = [column for column in range(len(names)) if np.nanmax(np.append(drawn[:, column], 0.0)) > 0.0]
-    curves = wheel_curves(story.times(loads), drawn[:, used], [names[column].removeprefix("power ") for column in used])
-    return figure("Power that each load draws", chart(story.axis, curves, "power [W]")) if curves else ""
+    for prefix, title, unit in (
+        ("power ", "Power that each load draws", "power [W]"),
+        ("source ", "Power that each source gives", "power [W]"),
+        ("temperature ", "Temperatures of the machine", "temperature [K]"),
+    ):
+        names = list(dict.fromkeys(key for row in values for key in row if key.startswith(prefix)))
+        told = np.array([[_number(row.get(name, "")) for name in names] for row in values])
+        told = told.reshape(len(values), len(names))
+        # what is 0 all the time would only fill the legend
+        used = [column for column in range(len(names)) if np.nanmax(np.append(told[:, column], 0.0)) > 0.0]
+        curves = wheel_curves(
+            story.times(loads), told[:, used], [names[column].removeprefix(prefix) for column in used]
+        )
+        if curves:
+            yield figure(title, chart(story.axis, curves, unit))
+
+
+def _forecast(story: Story) -> str:
+    """The words of the last forecast."""
+    status = story.find("/power/status", STATUS)
+    words = [row["forecast"] for row in status.statuses() if row.get("forecast")] if status else []
+    return paragraph(f"Forecast at the end of the run: {words[-1]}.") if words else ""
 
 
 def _switches(story: Story) -> str:

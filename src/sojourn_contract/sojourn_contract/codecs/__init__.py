@@ -12,6 +12,7 @@ from sojourn_contract.codecs.battery import BatteryStateCodec
 from sojourn_contract.codecs.blocks import BlockCodec
 from sojourn_contract.codecs.clouds import PointCloudCodec
 from sojourn_contract.codecs.codec import Codec
+from sojourn_contract.codecs.images import CameraInfoCodec, ImageCodec
 from sojourn_contract.codecs.joints import JointStateCodec, JointTrajectoryCodec
 from sojourn_contract.codecs.paths import PathCodec
 from sojourn_contract.codecs.ros_library import codec_of
@@ -30,13 +31,17 @@ CODECS: Mapping[str, Codec] = {
     "nav_msgs/Path": PathCodec(),
     "rosgraph_msgs/Clock": ClockCodec(),
     "sensor_msgs/BatteryState": BatteryStateCodec(),
+    "sensor_msgs/CameraInfo": CameraInfoCodec(),
+    "sensor_msgs/Image": ImageCodec(),
     "sensor_msgs/Imu": BlockCodec(values.Imu, blocks.IMU),
     "sensor_msgs/JointState": JointStateCodec(),
     "sensor_msgs/PointCloud2": PointCloudCodec(),
     "std_msgs/Header": HeaderCodec(),
     "trajectory_msgs/JointTrajectory": JointTrajectoryCodec(),
 }
-"""Of every type in the topic table; a sensor from elsewhere may say others, which the ROS library makes bytes of."""
+"""Of every type in the topic table and those of cameras; a sensor from elsewhere may say others, which the ROS library
+makes bytes of.
+"""
 
 
 def encode(row: Topic, value: Message) -> bytes:

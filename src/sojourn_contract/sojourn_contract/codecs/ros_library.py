@@ -1,13 +1,12 @@
 """Messages of types without a codec of ours: the ROS library makes their bytes, and these are the value.
 
 So a sensor may say anything of common_interfaces that begins with a header. It costs what the library takes, some tens
-of microseconds a message; a type that is said often deserves a codec of its own.
+of microseconds a message; a type that is said often deserves a codec of its own. The library is loaded with the first
+such message: who reads a bag without one does not wait for it.
 """
 
 from functools import cache
 from typing import Any
-
-from rclpy.serialization import deserialize_message, serialize_message
 
 from sojourn_contract import stamps
 from sojourn_contract.types import message_class
@@ -28,6 +27,8 @@ class RosLibraryCodec:
 
     def decode(self, data: bytes) -> Serialised:
         """The value in these bytes. Raises whatever the library raises for what it cannot read."""
+        from rclpy.serialization import deserialize_message
+
         deserialize_message(data, message_class(self._kind))
         return Serialised(stamps.from_cdr(data), self._kind, data)
 
@@ -40,6 +41,8 @@ def codec_of(kind: str) -> RosLibraryCodec:
 
 def serialised(message: Any) -> Serialised:
     """The value of a message of the ROS library. Raises ValueError for a type without a header."""
+    from rclpy.serialization import serialize_message
+
     kind = f"{type(message).__module__.partition('.')[0]}/{type(message).__name__}"
     first = next(iter(type(message).get_fields_and_field_types().values()), "")
     if first != "std_msgs/Header":
@@ -50,4 +53,6 @@ def serialised(message: Any) -> Serialised:
 
 def message_of(value: Serialised) -> Any:
     """The message of the ROS library that a value is."""
+    from rclpy.serialization import deserialize_message
+
     return deserialize_message(value.cdr, message_class(value.type))

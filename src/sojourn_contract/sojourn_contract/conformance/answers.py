@@ -4,8 +4,9 @@ A message that is missing is held against its sender only if the sender had its 
 answer cannot come where nothing was asked. Only for the plant, which paces everybody, nothing excuses a gap.
 """
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
+from sojourn_contract.barrier import is_due, stamp_due
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
 from sojourn_contract.topic_types import Topic
@@ -28,15 +29,22 @@ def missing_answers(
     inputs = {role: _inputs(role, found, seen) for role, found in awaited.items()}
     gaps = []
     for place, row in enumerate(rows):
-        grid = row.every * CONTROL_PERIOD_NS
-        last = end - row.lag * CONTROL_PERIOD_NS
-        for stamp in range((begin // grid + 1) * grid, last + 1, grid):
+        for stamp in _due(row, begin, end):
             if stamp not in seen[row.name] and _was_asked(stamp, inputs[row.publisher], seen):
                 gaps.append((stamp, place))
     for stamp, place in sorted(gaps):
         row = rows[place]
         allowed = f"one message each {seconds(row.every * CONTROL_PERIOD_NS):g} s{_why(inputs[row.publisher])}"
         yield row, stamp, Finding("header.stamp", "missing", allowed)
+
+
+def _due(row: Topic, begin: int, end: int) -> Iterable[int]:
+    """Stamps [ns] of the messages of a row with begin < stamp that are there by `end`."""
+    if row.delivery is not None:
+        departures = row.delivery.departures(end // CONTROL_PERIOD_NS)
+        return [each * CONTROL_PERIOD_NS for each in departures if each * CONTROL_PERIOD_NS > begin]
+    grid = row.every * CONTROL_PERIOD_NS
+    return range((begin // grid + 1) * grid, end - row.lag * CONTROL_PERIOD_NS + 1, grid)
 
 
 def _inputs(role: str, awaited: Sequence[Topic], seen: Mapping[str, Collection[int]]) -> list[Topic]:
@@ -49,11 +57,7 @@ def _inputs(role: str, awaited: Sequence[Topic], seen: Mapping[str, Collection[i
 def _was_asked(stamp: int, inputs: Sequence[Topic], seen: Mapping[str, Collection[int]]) -> bool:
     """Whether all inputs that are due at this stamp were there."""
     period = stamp // CONTROL_PERIOD_NS
-    return all(
-        stamp - row.lag * CONTROL_PERIOD_NS in seen[row.name]
-        for row in inputs
-        if period % row.every == 0 and period > row.lag
-    )
+    return all(stamp_due(row, period) in seen[row.name] for row in inputs if is_due(row, period))
 
 
 def _why(inputs: Sequence[Topic]) -> str:

@@ -29,7 +29,7 @@ from sojourn_contract.conformance.observation import Observation, Rule
 from sojourn_contract.conformance.rates import rate_findings
 from sojourn_contract.conformance.ros_reading import diagnostics_of, stamp_of
 from sojourn_contract.conformance.stamp_rules import StampRule
-from sojourn_contract.conformance.texts import GoalStatusRule, LoadRule, SwitchRule, TickRule
+from sojourn_contract.conformance.texts import GoalStatusRule, LoadRule, RequestRule, SwitchRule, TickRule
 from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES
@@ -185,7 +185,7 @@ class Judge:
 
     def _finish_heartbeats(self, begin: int, until: int) -> None:
         name = heartbeats.HEARTBEATS
-        ordered = {topic: sorted(found) for topic, found in self._stamps.items()}
+        ordered = {topic: sorted(map(self._rows[topic].heard_at, found)) for topic, found in self._stamps.items()}
         uncounted = () if self._lockstep else (CLOCK,)
         for role in self._judged:
             outputs = self._table.outputs_of(role)
@@ -220,6 +220,7 @@ def rules_of(row: Topic, machine: JudgedMachine, lockstep: bool) -> list[Rule]:
         "/drive/status": GoalStatusRule(),
         "/arm/status": GoalStatusRule(),
         "/power/switches": SwitchRule(machine),
+        "/power/request": RequestRule(machine),
         "/operator/tick": TickRule(),
         "/truth/loads": LoadRule(),
     }

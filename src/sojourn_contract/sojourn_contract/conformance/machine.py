@@ -53,7 +53,7 @@ class JudgedMachine:
     ) -> "JudgedMachine":
         """From a machine's parameter sets. moves: joints of its mobility."""
         of_tool = {} if tool is None else {TOOL_JOINT: _actuator(tool)}
-        held = {joint for drive in config.drives if drive.servo.mode == "position" for joint in drive.joints}
+        held = {joint for drive in config.drives if drive.mode == "position" for joint in drive.joints}
         return cls(
             name=name,
             joints={joint: urdf.joints[joint] for joint in urdf.moving_joints} | of_tool,
@@ -75,7 +75,7 @@ class JudgedMachine:
             scenario.machine,
             scenario.urdf,
             scenario.arm_joints,
-            [load.name for load in scenario.bus.loads],
+            [load.name for load in scenario.power.loads],
             () if scenario.arm is None else tuple(scenario.arm.named_poses),
             scenario.tool,
             () if scenario.driving is None else scenario.driving.mobility.joints(scenario.machine),

@@ -30,9 +30,17 @@ def rate_findings(
         rows: periodic rows to judge. stamps: those that have come, by topic.
     """
     for row in rows:
-        ordered = sorted(stamps[row.name])
+        ordered = sorted([*stamps[row.name], *_lost(row, begin, end)])
         yield from ((row, stamp, found) for stamp, found in _gaps(row, ordered, begin, end))
         yield from ((row, stamp, found) for stamp, found in _windows(row, ordered, begin, end))
+
+
+def _lost(row: Topic, begin: int, end: int) -> list[int]:
+    """Stamps [ns] of messages that nobody may expect: they are lost on purpose."""
+    if row.delivery is None:
+        return []
+    periods = row.delivery.samples(begin // CONTROL_PERIOD_NS, end // CONTROL_PERIOD_NS)
+    return [each * CONTROL_PERIOD_NS for each in periods if row.delivery.is_lost(each)]
 
 
 def longest_gap_s(row: Topic) -> float:

@@ -33,7 +33,10 @@ class StampRule:
             return self._event(seen)
         found = []
         stamp = seen.stamp
-        if stamp <= 0 or stamp % self._grid:
+        delivery = self._row.delivery
+        if delivery is not None and (stamp % CONTROL_PERIOD_NS or not delivery.leaves(stamp // CONTROL_PERIOD_NS)):
+            found.append(_finding(stamp, "that of a measurement whose message is not lost"))
+        elif delivery is None and (stamp <= 0 or stamp % self._grid):
             found.append(_finding(stamp, f"a multiple of {seconds(self._grid):g} s, above zero"))
         sender = seen.message.status[0].name if self._row.publisher == "all" and seen.message.status else ""
         last = self._last.get(sender, 0)
@@ -47,10 +50,17 @@ class StampRule:
         latest = seen.clock + AHEAD_PERIODS * CONTROL_PERIOD_NS
         if seen.clock and seen.stamp > latest:
             return [_finding(seen.stamp, f"{seconds(latest):.2f} s at most, by /clock", seen.stamp - latest)]
-        limit_s = 0.0 if self._lockstep else self._row.max_age_s
+        limit_s = self._late(seen.stamp) if self._lockstep else self._row.max_age_s
         if seen.logged is not None:
             return _too_old(seen.logged - seen.stamp, limit_s)
         return [] if self._lockstep or not seen.clock else _too_old(seen.clock - seen.stamp, limit_s)
+
+    def _late(self, stamp: int) -> float:
+        """By how much a message is later than its stamp [ns] in lock-step [s]."""
+        if self._row.delivery is None:
+            return 0.0
+        leaves = self._row.delivery.leaves(stamp // CONTROL_PERIOD_NS)
+        return max(0.0, seconds(leaves * CONTROL_PERIOD_NS - stamp))
 
     def _event(self, seen: Observation) -> list[Finding]:
         """A goal: zero, or not too old, and of the simulation's time."""

@@ -53,6 +53,28 @@ class SwitchRule:
         return []
 
 
+class RequestRule:
+    """Switches that an operator asks for: at least one, each on or off."""
+
+    name = "request"
+
+    def __init__(self, machine: JudgedMachine) -> None:
+        self._loads = machine.loads
+
+    def judge(self, seen: Observation) -> list[Finding]:
+        """A load that the rover does not have, another text than on or off, or nothing at all."""
+        if not seen.message.status or not seen.message.status[0].values:
+            return [Finding("status.values", "empty", "loads with on or off")]
+        values, known = status_values(diagnostics_of(seen.message)), (*self._loads, "sleep")
+        allowed = "one of " + ", ".join(known)
+        unknown = [Finding("status.values.key", name, allowed) for name in values if name not in known]
+        return unknown + [
+            Finding(f"status.values.{name}", text, "on or off")
+            for name, text in values.items()
+            if name in known and text not in ("on", "off")
+        ]
+
+
 class TickRule:
     """Ticks of the operator: the count of goals on each topic, which never falls."""
 

@@ -39,7 +39,7 @@ class Profile(Protocol):
 
 
 class TimedPath(Protocol):
-    """A motion of n joints in time: JointPath, JointMotion, TimedSpline."""
+    """A motion of n joints in time: JointPath, TimedLine, TimedSpline."""
 
     @property
     def duration(self) -> float:
@@ -94,7 +94,7 @@ class CycloidalProfile:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class JointMotion:
+class TimedLine:
     """n joints on a straight line in joint space."""
 
     start: FloatArray  # (n,) [rad or m]
@@ -160,7 +160,7 @@ def joint_motion(
     speed: FloatArray,
     acceleration: FloatArray,
     jerk: FloatArray | None = None,
-) -> JointMotion:
+) -> TimedLine:
     """All joints from `start` to `goal` (n,) together, within limits (n,) each.
 
     Raises:
@@ -169,7 +169,7 @@ def joint_motion(
     way = goal - start
     moving = np.abs(way) > 0.0
     if not np.any(moving):
-        return JointMotion(start, way, PolynomialProfile((0.0,), ((0.0,),), 0.0))
+        return TimedLine(start, way, PolynomialProfile((0.0,), ((0.0,),), 0.0))
     shares = [
         None if limits is None else float(np.min(limits[moving] / np.abs(way[moving])))
         for limits in (speed, acceleration, jerk)
@@ -177,7 +177,7 @@ def joint_motion(
     fastest, hardest, sharpest = shares
     if fastest is None or hardest is None:
         raise InvalidValueError("limits", None, "a speed and an acceleration for each joint")
-    return JointMotion(start, way, rest_to_rest(shape, 1.0, fastest, hardest, sharpest))
+    return TimedLine(start, way, rest_to_rest(shape, 1.0, fastest, hardest, sharpest))
 
 
 def _trapezoid(distance: float, speed: float, acceleration: float) -> PolynomialProfile:

@@ -33,6 +33,8 @@ LEAST_STEEPNESS = 0.05
 """Added to the share of a ray's error that is height: the slope of the ground that it meets is not known yet [-]."""
 LEAST_VARIANCE = 1e-6
 """Of a point's height: points are rounded to a millimetre [m^2]."""
+ALMOST_NONE, LEAST_SHARE = 0.3, 0.003
+"""Part of the way told that is left by the believed slip: below the first it is not trusted [-]."""
 MOST_OUTLIERS = 0.25
 """Part of the points beyond which a match is not used [-]."""
 LEAST_OVERLAP = 0.5
@@ -106,7 +108,7 @@ def match_ground(
     observation = _observation_of(matcher, odometry, state, cloud)
     if len(observation.points) < params.least_points:
         return odometry, replace(state, text=f"only {len(observation.points)} points of the ground in view", points=0)
-    moved = math.hypot(odometry.x - state.at[0], odometry.y - state.at[1])
+    moved = math.hypot(*_told(odometry, state.at[:2]))
     turned = abs(wrap_angle(odometry.yaw - state.at[3]))
     if state.surface is not None and max(moved, turned) < params.least_step:
         if len(state.observations) >= params.clouds or state.matches:
@@ -222,7 +224,7 @@ def _updated(
     params: TerrainMatchParams, odometry: OdometryState, state: TerrainMatchState, found: Match, guess: FloatArray
 ) -> tuple[OdometryState, TerrainMatchState]:
     """The filter's update with a match."""
-    since = odometry.x - state.matched_at[0], odometry.y - state.matched_at[1]
+    since = _told(odometry, state.matched_at)
     fix = fix_way(params, odometry, guess + found.shift[:2], found.information, since)
     state = replace(state, points=found.points, deviation=fix.deviation)
     if fix.odometry is None:
@@ -259,6 +261,15 @@ def _with_key_frame(
     return odometry, replace(
         state, surface=surface, level=level, matched_at=(odometry.x, odometry.y), key_frames=state.key_frames + 1
     )
+
+
+def _told(odometry: OdometryState, place: tuple[float, float]) -> tuple[float, float]:
+    """The way from a place as the wheels tell it [m]: where almost all of it is believed to be slip, the odometry
+    stands whatever they do, and only the camera can tell that it does not.
+    """
+    share = 1.0 - odometry.slip_error
+    scale = 1.0 if share > ALMOST_NONE else 1.0 / max(share, LEAST_SHARE)
+    return scale * (odometry.x - place[0]), scale * (odometry.y - place[1])
 
 
 def _relative_heading_variance(odometry: OdometryState) -> float:

@@ -17,7 +17,9 @@ and drift is widened by slip_walk^2 times the way since the last one.
 Gate. A match that fits the ground but not the believed slip (the squared innovation over its covariance beyond gate^2)
 is first taken for ground that slips otherwise: the covariance is widened by a slip and a drift of lost_slip on the way
 since the last match, as a motor that has died or a soil that has changed makes them. It is used if it fits then, and
-if the next one says so, too (`key_frames`): a single edge on even ground fits in more than one place.
+if the next one says so, too (`key_frames`): a single edge on even ground fits in more than one place. A way shorter
+than LEAST_WAY says nothing of the ground: a machine that turns on the spot or starts may have been dragged by as much,
+and then its place is widened, not its slip.
 
 Sources: Roumeliotis & Burdick (2002), IEEE ICRA, p. 1788 (stochastic cloning); Bar-Shalom, Li & Kirubarajan (2001),
 Estimation with Applications to Tracking and Navigation, sec. 5.4 (gate). Assumptions: small errors of heading; slip and
@@ -40,6 +42,9 @@ from sojourn_machine.params import FloatArray
 LARGEST_SIGMA = 0.03
 """A direction in which a match is worse carries no information [m]."""
 
+LEAST_WAY = 0.08
+"""Way since the last match from which on the ground may be said to slip otherwise [m]."""
+
 
 class Fix(NamedTuple):
     """What became of a match."""
@@ -51,7 +56,7 @@ class Fix(NamedTuple):
     deviation: float
     """The same in standard deviations, before any widening by lost_slip [-]."""
     widened: bool
-    """It fits with another slip than was believed."""
+    """It fits with another slip than was believed, or where the machine has been dragged."""
 
 
 def informative(information: NDArray[Any]) -> NDArray[np.bool_]:
@@ -96,7 +101,7 @@ def fix_way(
     off, lost = float(np.linalg.norm(innovation)), False
     deviation = _deviation(covariance, rows, innovation, noise)
     if deviation > params.gate:
-        covariance, lost = widened(covariance, *since, params.lost_slip), True
+        covariance, lost = _doubted(covariance, since, params.lost_slip), True
         if _deviation(covariance, rows, innovation, noise) > params.gate:
             return Fix(None, off, deviation, lost)
     change = np.zeros(size)
@@ -104,6 +109,16 @@ def fix_way(
         more, covariance = update_all(covariance, row, float(variance), float(value - row @ change))
         change += more
     return Fix(corrected(odometry, change, covariance), off, deviation, lost)
+
+
+def _doubted(covariance: FloatArray, since: tuple[float, float], lost_slip: float) -> FloatArray:
+    """The covariance, widened by what may have happened that nobody told of."""
+    if math.hypot(*since) >= LEAST_WAY:
+        return np.asarray(widened(covariance, *since, lost_slip))
+    dragged = covariance.copy()
+    dragged[0, 0] += (lost_slip * LEAST_WAY) ** 2
+    dragged[1, 1] += (lost_slip * LEAST_WAY) ** 2
+    return dragged
 
 
 def _deviation(covariance: FloatArray, rows: FloatArray, innovation: FloatArray, noise: FloatArray) -> float:

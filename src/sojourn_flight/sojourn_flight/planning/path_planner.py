@@ -35,7 +35,8 @@ from sojourn_flight.planning.goal import Goal, Point
 from sojourn_flight.planning.path import Leg, PlannedPath
 
 DROPPED = (0.25, 0.5, 0.1, 0.0)
-"""Parts of corner_cut within which points are left out, in the order in which they are tried [-]."""
+"""Parts of corner_cut within which points are left out, in the order in which they are tried; 0 leaves out none but
+repeated ones, for one in line with its neighbours may be what the first turn has to lead to [-]."""
 STRAIGHT_ON = 1e-4
 """A smaller turn is no corner [rad]."""
 SCAN = 0.05
@@ -195,6 +196,9 @@ def _vertices(corner_cut: float, dropped: float, start: Pose, points: Sequence[P
     """The points that matter: those farther than a part of corner_cut from the line through the others."""
     line = [(start.x, start.y), *points]
     kept, spans = {len(points)}, [(0, len(points))]
+    if dropped == 0.0:
+        kept |= {place for place, (here, there) in enumerate(pairwise(line[1:]), 1) if line[0] != here != there}
+        spans = []
     while spans:
         begin, end = spans.pop()
         far, worst = dropped * corner_cut, None

@@ -1,15 +1,21 @@
-"""Parameters of the power manager: its belief about battery and loads, and its law (`manager`)."""
+"""Parameters of the power manager: its belief about the power hardware, and its law (`law`)."""
 
 from collections.abc import Collection, Mapping
 from functools import cached_property
-from math import inf
-from typing import Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from sojourn_flight.power_manager.faults import RecognitionParams
+from sojourn_flight.power_manager.forecast_params import ForecastParams
+from sojourn_flight.power_manager.kalman import KalmanParams
+from sojourn_flight.power_manager.modes import SLEEP, SleepParams
+from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.names import names_text
 from sojourn_machine.params import Params
-from sojourn_machine.power.battery import BatteryParams
-from sojourn_machine.power.loads import LoadParams, require_unique_names
+from sojourn_machine.power.loads import LoadParams
+from sojourn_machine.power.power_params import PowerParams
+from sojourn_machine.power.stores import MAIN, StoreParams
 
 
 class PowerLawParams(Params):
@@ -36,8 +42,16 @@ class PowerLawParams(Params):
         gt=0.0, le=100.0, description="time constant with which the drive fraction follows the voltage [s]"
     )
     recovery_rate: float = Field(gt=0.0, le=1e3, description="fastest rise of the drive fraction [1/s]")
-    drive_power_limit: float = Field(gt=0.0, le=1e6, description="most power for all drive loads [W]")
-    arm_power_limit: float = Field(gt=0.0, le=1e6, description="most power for all arm loads [W]")
+    estimator: Literal["coulomb", "kalman"] = Field(
+        default="coulomb", description="of the charge: counting corrected at rest, or an extended Kalman filter"
+    )
+    kalman: KalmanParams = KalmanParams()
+    sleep: SleepParams | None = Field(default=None, description="when the machine sleeps; left out: never")
+    faults: RecognitionParams = RecognitionParams()
+    forecast: ForecastParams = ForecastParams()
+    load_limits: dict[str, Annotated[float, Field(gt=0.0, le=1e6)]] = Field(
+        default_factory=dict, description="most power for a load by its name; for others what they are rated for [W]"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -55,16 +69,63 @@ class PowerLawParams(Params):
 
 
 class PowerManagerParams(Params):
-    """What the manager believes about battery and loads, and its law."""
+    """What the manager believes about stores and loads, and its law."""
 
-    battery: BatteryParams
-    loads: tuple[LoadParams, ...] = Field(min_length=1, description="the switched loads, in the order of the switches")
+    power: PowerParams = Field(description="the network as it is believed to be")
     law: PowerLawParams
+    derated: tuple[str, ...] = Field(
+        default=(), description="loads that drive the machine: they have less power while the voltage of the bus is low"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        require_unique_names(self.loads)
+        names = [load.name for load in self.loads]
+        for name in (*self.law.load_limits, *self.derated):
+            if name not in names:
+                raise InvalidValueError("load_limits", name, "a load of the bus: " + names_text(name, names))
+        asleep = () if self.law.sleep is None else self.law.sleep.loads
+        essential = [load.name for load in self.loads if load.essential]
+        for name in asleep:
+            if name not in essential:
+                raise InvalidValueError("sleep.loads", name, "an essential load: " + names_text(name, essential))
+        if SLEEP in names:
+            raise InvalidValueError(
+                "name of a load", SLEEP, "another: operators ask by it for the sleep of the machine"
+            )
+        if not self.power.all_stores:
+            raise InvalidValueError("stores", (), "at least one: the manager goes by the charge")
         return self
+
+    @property
+    def loads(self) -> tuple[LoadParams, ...]:
+        """The switched loads, in the order of the switches."""
+        return self.power.loads
+
+    @cached_property
+    def stores(self) -> tuple[StoreParams, ...]:
+        """The stores, in the order of the estimates."""
+        return tuple(self.power.all_stores.values())
+
+    @cached_property
+    def watched(self) -> int:
+        """Place of the store whose bus is watched for low voltage: the first on `main`, or the first of all."""
+        return next((place for place, store in enumerate(self.stores) if store.bus == MAIN), 0)
+
+    @cached_property
+    def shares(self) -> tuple[float, ...]:
+        """Part of all energy that each store holds when all are full [1]."""
+        full = [store.stored_energy(1.0) for store in self.stores]
+        return tuple(energy / sum(full) for energy in full)
+
+    @cached_property
+    def ratios(self) -> tuple[float, ...]:
+        """Voltage of each half full store over that of the first: what a charge in it is worth beside its [1]."""
+        halves = [store.open_circuit_voltage(0.5) for store in self.stores]
+        return tuple(voltage / halves[0] for voltage in halves)
+
+    def stored_energy(self, charges: Collection[float]) -> float:
+        """Energy above empty in all stores at these states of charge [J]."""
+        return sum([store.stored_energy(soc) for store, soc in zip(self.stores, charges, strict=True)])
 
     def reserve(self, names: Collection[str]) -> float:
         """Charge at which the first of these loads is shed [1]; 0 if none of them may be."""
@@ -86,20 +147,19 @@ class PowerManagerParams(Params):
 
     @cached_property
     def granted(self) -> tuple[tuple[float, str], ...]:
-        """Of each load that is wanted: the fraction of its power that the limit of its group allows, and why."""
-        limits = {"drive": self.law.drive_power_limit, "arm": self.law.arm_power_limit}
+        """Of each load that is wanted: the fraction of its power that its limit allows, and why."""
         granted = []
         for load in self.loads:
-            rated = sum(other.power_w for other in self.loads if other.group == load.group)
-            limit = limits.get(load.group, inf)
+            limit = self.law.load_limits.get(load.name, load.power_w)
+            limited = limit < load.power_w
             granted.append(
-                (limit / rated, f"{load.group} limited to {limit:.0f} W") if limit < rated else (1.0, "wanted")
+                (limit / load.power_w, f"{load.name} limited to {limit:.0f} W") if limited else (1.0, "wanted")
             )
         return tuple(granted)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """As pydantic's, but a changed copy works out its own levels and limits."""
         copied = super().model_copy(update=update, deep=deep)
-        for name in ("shed_priorities", "shed_thresholds", "granted"):
+        for name in ("stores", "watched", "shares", "ratios", "shed_priorities", "shed_thresholds", "granted"):
             copied.__dict__.pop(name, None)
         return copied

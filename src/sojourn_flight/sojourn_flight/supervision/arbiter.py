@@ -5,19 +5,18 @@ goal will take of the battery, and the obstacles that are known, may refuse it (
 that the machine does not allow is refused as a whole (`allowed_motion`): the rover stands, and says what it can do.
 """
 
-import math
 from dataclasses import dataclass, replace
 
 from sojourn_flight.mobility.twist import NO_MOTION, PlanarTwist
 from sojourn_flight.odometry.odometry import OdometryState
-from sojourn_flight.planning.clothoid import Pose
-from sojourn_flight.planning.energy_forecast import EnergyLeft, EnergyUse, account_step, forecast_way, shortage
+from sojourn_flight.planning.energy_forecast import EnergyLeft, EnergyUse, account_step, shortage
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.planning.goal_follower import FollowerState, accept, stop
-from sojourn_flight.supervision.avoidance import accepted, guarded
+from sojourn_flight.planning.goal_follower import FollowerState, stop
+from sojourn_flight.supervision.avoidance import guarded
 from sojourn_flight.supervision.avoidance_types import AvoidanceState
 from sojourn_flight.supervision.drive_types import Mode, TwistCommand
 from sojourn_flight.supervision.driven_machine import DrivenMachine
+from sojourn_flight.supervision.foresight import foresee
 
 WORTH_TELLING = 1e-3
 """Sideways speed by which a twist that is driven differs from the one asked for, and the status says so [m/s]."""
@@ -52,16 +51,8 @@ class Arbiter:
 
     def take_goal(self, model: DrivenMachine, goal: Goal, here: OdometryState, supply: EnergyLeft | None) -> None:
         """A new goal ends the older one, unless it is refused."""
-        answer = accept(model.params.follower, model.mobility.ability.turning, goal, Pose(here.x, here.y, here.yaw))
-        account = EnergyUse()
-        if isinstance(answer, FollowerState) and model.params.energy is not None:
-            forecast = forecast_way(model.params.energy, answer.path, goal, here.z, here.yaw)
-            account = EnergyUse(forecast, judged=supply is not None)
-            short = shortage(model.params.energy, forecast, supply) if supply is not None else None
-            if short is not None:
-                answer = GoalOutcome("refused", short, goal, math.nan)
-        if model.avoidance is not None and self.avoidance is not None:
-            answer, self.avoidance = accepted(model.avoidance, self.avoidance, goal, answer, here)
+        found = foresee(model, self.avoidance, goal, here, supply)
+        answer, self.avoidance = found.answer, found.avoidance
         if isinstance(answer, GoalOutcome):
             self.outcomes.append(answer)
             if self.follower is None and self.mode == "idle":
@@ -69,7 +60,9 @@ class Arbiter:
             return
         if self.follower is not None:
             self.end_goal(stop(self.follower, "pre-empted by a newer goal"))
-        self.follower, self.mode, self.since_override, self.energy = answer, goal.kind, 0.0, account
+        judged = found.forecast is None or supply is not None
+        self.follower, self.mode, self.since_override = answer, goal.kind, 0.0
+        self.energy = EnergyUse(found.forecast, judged=judged)
 
     def watch_energy(self, model: DrivenMachine, supply: EnergyLeft | None, dt: float) -> None:
         """Count what the goal takes; a goal that came before the first reading of the battery is judged by it."""

@@ -54,6 +54,7 @@ from sojourn_flight.supervision.avoidance import (
 from sojourn_flight.supervision.drive_status import drive_status
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, DriveState, Pace
 from sojourn_flight.supervision.driven_machine import DrivenMachine
+from sojourn_flight.supervision.foresight import foresee, foresight_status
 from sojourn_flight.supervision.slip_policy import mean_slip, speed_part
 from sojourn_machine.errors import InvalidValueError
 
@@ -240,6 +241,10 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         arbiter.take_stop(inputs.stop_reason)
     if inputs.goal is not None:
         arbiter.take_goal(model, inputs.goal, published, inputs.supply)
+    foreseen = state.foreseen
+    if inputs.question is not None:
+        found = foresee(model, arbiter.avoidance, inputs.question, published, inputs.supply)
+        foreseen = foresight_status(model, found, inputs.supply)
     arbiter.watch_energy(model, inputs.supply, dt)
     wanted = arbiter.take_twist(model, inputs.twist, dt)
     health = model.mobility.health(mobility, odometry.slip_error)
@@ -273,6 +278,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         terrain=located.terrain,
         behind=located.behind,
         avoidance=arbiter.avoidance,
+        foreseen=foreseen,
     )
     pose_covariance, twist_covariance = message_covariances(params.odometry, published, dt)
     pace = Pace(inputs.power_limit, moves)

@@ -4,7 +4,7 @@ Joints are in the order of the mobility. Positions [m], angles [rad], time [s].
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
@@ -59,6 +59,8 @@ class DriveInput:
     """Newest /cmd_vel, every period until it is replaced; its age tells when it came."""
     goal: Goal | None = None
     """A goal or path that arrived in this period, in odom."""
+    question: Goal | None = None
+    """A goal that somebody wants to know the cost of, asked in this period, in odom: nothing moves for it."""
     stop: bool = False
     """A stop request that arrived in this period."""
     stop_reason: str = "stop requested"
@@ -98,6 +100,8 @@ class DriveState:
     """Corrections that are not in the published odometry yet."""
     avoidance: AvoidanceState | None = None
     """Obstacles; None without obstacle handling."""
+    foreseen: Mapping[str, str | float] = field(default_factory=dict)
+    """The answer to the last question; see `foresight`."""
 
 
 class Pace(NamedTuple):

@@ -16,10 +16,11 @@ chemical energy out = terminal energy + heat + growth of the energy C1 v^2 / 2 i
 capacitor. R0 and R1 are linear between the points of their tables of temperature and constant beyond them;
 within a step they keep the value of its start.
 
-Assumptions: cells balanced and at one temperature; no entropic heat, no ageing, no hysteresis; low
-temperature shows as resistance and not as lost capacity. Once full, charge is not stored: it becomes heat.
-Below empty the OCV table is extrapolated, so that the last step keeps its energy balance; `thevenin` then
-reports a source of 0 V (the protection switch has opened), which keeps a caller from drawing more.
+Assumptions: cells at one temperature; no entropic heat, no hysteresis; ageing only before the run (`age`); of cells
+out of balance the emptiest ends a discharge and the fullest a charge (`imbalance`). Low temperature shows as
+resistance and not as lost capacity. Once full, charge is not stored: it becomes heat. Below empty the OCV table is
+extrapolated, so that the last step keeps its energy balance; `thevenin` then reports a source of 0 V (the
+protection switch has opened), which keeps a caller from drawing more.
 Valid for currents up to a few times the capacity per hour, steps short against a minute for the temperature.
 """
 
@@ -32,7 +33,6 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from sojourn_machine.errors import InvalidValueError
-from sojourn_machine.params import Params
 from sojourn_machine.power.battery_kernels import (
     PackTables,
     step_kernel,
@@ -41,13 +41,17 @@ from sojourn_machine.power.battery_kernels import (
     table_integral,
     thevenin_kernel,
 )
+from sojourn_machine.power.cell_losses import CellLosses
+from sojourn_machine.power.lithium_age import LithiumAge
+from sojourn_machine.power.stores import StoreParams, StorePoint
 
 SECONDS_PER_HOUR = 3600.0
 
 
-class BatteryParams(Params):
+class BatteryParams(StoreParams):
     """A pack of like cells. All electrical and thermal numbers are of one cell, at the start of life."""
 
+    kind: str = "battery"
     name: str = Field(min_length=1, description="name of the pack, used in telemetry")
     cells_series: int = Field(ge=1, le=1000, description="cells in series [1]")
     cells_parallel: int = Field(ge=1, le=1000, description="strings in parallel [1]")
@@ -80,6 +84,8 @@ class BatteryParams(Params):
     )
     temperature_discharge_min: float = Field(gt=20.0, lt=1000.0, description="coldest temperature to discharge at [K]")
     temperature_charge_min: float = Field(gt=20.0, lt=1000.0, description="coldest temperature to charge at [K]")
+    imbalance: float = Field(default=0.0, ge=0.0, lt=0.5, description="between the cells, of their capacity [1]")
+    age: LithiumAge | None = Field(default=None, description="of its cells; left out: new")
     temperature_max: float = Field(gt=20.0, lt=1000.0, description="hottest temperature to operate at [K]")
 
     @model_validator(mode="after")
@@ -89,9 +95,9 @@ class BatteryParams(Params):
                 f"ocv_points has {len(self.ocv_points)} values: allowed is {len(self.soc_points)}, "
                 "as many as soc_points"
             )
-        _require_rising("soc_points", self.soc_points)
-        _require_rising("ocv_points", self.ocv_points)
-        _require_rising("resistance_temperatures", self.resistance_temperatures)
+        require_rising("soc_points", self.soc_points)
+        require_rising("ocv_points", self.ocv_points)
+        require_rising("resistance_temperatures", self.resistance_temperatures)
         if self.soc_points[0] != 0.0 or self.soc_points[-1] != 1.0:
             raise ValueError("soc_points: allowed is a table that starts at 0 and ends at 1")
         if self.ocv_points[0] <= 0.0:
@@ -114,7 +120,7 @@ class BatteryParams(Params):
     @cached_property
     def pack(self) -> "Pack":
         """The numbers of a cell scaled to the pack, made once."""
-        scale = self.cells_series / self.cells_parallel
+        scale = self.cells_series / self.cells_parallel * (1.0 if self.age is None else self.age.resistance)
         tables = PackTables(
             soc=np.array(self.soc_points, dtype=np.float64),
             ocv=self.cells_series * np.array(self.ocv_points, dtype=np.float64),
@@ -127,7 +133,8 @@ class BatteryParams(Params):
             heat_capacity=self.heat_capacity * self.cells_series * self.cells_parallel,
             conductance=self.thermal_conductance,
         )
-        return Pack(tables)
+        full = self.cells_series * self.ocv_points[-1]
+        return Pack(tables, full, self.charge_current_limit * self.cells_parallel)
 
     @property
     def tables(self) -> PackTables:
@@ -143,7 +150,8 @@ class BatteryParams(Params):
     @property
     def charge_capacity(self) -> float:
         """Charge of the full pack [C]."""
-        return self.cells_parallel * self.capacity_ah * SECONDS_PER_HOUR
+        left = 1.0 if self.age is None else self.age.capacity_left
+        return (1.0 - self.imbalance) * left * self.cells_parallel * self.capacity_ah * SECONDS_PER_HOUR
 
     @property
     def capacitance(self) -> float:
@@ -155,12 +163,86 @@ class BatteryParams(Params):
         """Chemical energy between full and empty [Wh]."""
         return stored_energy(self, 1.0) / SECONDS_PER_HOUR
 
+    @property
+    def charging_efficiency(self) -> float:
+        """Part of the charging current that is stored [1]."""
+        return self.coulombic_efficiency
+
+    @property
+    def strings(self) -> int:
+        """Cells in parallel [1]."""
+        return self.cells_parallel
+
+    def initial_state(self, soc: float, temperature: float | None = None) -> "PackState":
+        """See `initial_state`."""
+        return initial_state(self, soc, temperature)
+
+    def point(self, state: "PackState") -> StorePoint:
+        """Open-circuit voltage less polarisation, behind the ohmic resistance; sources charge it up to the voltage of
+        the full pack and the limit of its current, and not where it is too cold. Empty, it is not discharged.
+        """
+        source, resistance = thevenin(self, state)
+        discharges = state.soc > 0.0
+        if not discharges:
+            source = open_circuit_voltage(self, state.soc) - state.polarisation_voltage
+        ceiling = source
+        if state.temperature >= self.temperature_charge_min:
+            pack = self.pack
+            ceiling = min(source + resistance * pack.largest_charge, pack.full_voltage)
+        return StorePoint(source, resistance, ceiling, discharges, True)
+
+    def step(
+        self, state: "PackState", current: float, dt: float, temperature_surroundings: float | None = None
+    ) -> "PackState":
+        """See `step`."""
+        return step(self, state, current, dt, temperature_surroundings)
+
+    def losses(self, state: "PackState", current: float, dt: float) -> CellLosses:
+        """Of the next `dt` [s] at a current, out positive [A]; other chemistries have others."""
+        return CellLosses(self.coulombic_efficiency)
+
+    def stored_energy(self, soc: float) -> float:
+        """See `stored_energy`."""
+        return stored_energy(self, soc)
+
+    def open_circuit_voltage(self, soc: float) -> float:
+        """See `open_circuit_voltage`."""
+        return open_circuit_voltage(self, soc)
+
+    def soc_from_open_circuit_voltage(self, voltage: float) -> float:
+        """See `soc_from_open_circuit_voltage`."""
+        return soc_from_open_circuit_voltage(self, voltage)
+
+    def heat_given(self, before: Any, after: Any) -> float:
+        """What was released in the cells and did not warm them [J]."""
+        warmed = self.tables.heat_capacity * (after.temperature - before.temperature)
+        return float(after.energy_heat - before.energy_heat - warmed)
+
+    def settled_resistance(self, temperature: float) -> float:
+        """Ohmic and polarisation resistance together [ohm]."""
+        ohmic, polarisation = resistances(self, temperature)
+        return ohmic + polarisation
+
+    def polarisation(self, temperature: float) -> tuple[float, float]:
+        """Resistance of the polarisation pair of the pack [ohm] and its time constant [s]."""
+        _, resistance = resistances(self, temperature)
+        return resistance, resistance * self.capacitance
+
+    def limits_exceeded(self, temperature: float, current: float) -> tuple[str, ...]:
+        """See `limits_exceeded`."""
+        telemetry = PackState(soc=1.0, polarisation_voltage=0.0, temperature=temperature)
+        return limits_exceeded(self, telemetry, current)
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Pack:
     """What the kernels are given of a pack that does not change. Parameters are compared without it."""
 
     tables: PackTables
+    full_voltage: float
+    """Of the rested full pack [V]."""
+    largest_charge: float
+    """Limit of the charging current [A]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -261,14 +343,18 @@ def step(
     if not (np.isfinite(dt) and dt > 0.0):
         raise InvalidValueError("dt [s]", dt, "a finite number above 0")
     _require_temperature(params, around)
+    losses, tables = params.losses(state, current, dt), params.pack.tables
+    if losses.efficiency != tables.efficiency:
+        tables = tables._replace(efficiency=losses.efficiency)
     soc, polarisation, temperature, energy_terminal, heat = step_kernel(
-        params.pack.tables,
+        tables,
         state.soc,
         state.polarisation_voltage,
         state.temperature,
         float(current),
         float(dt),
         float(around),
+        losses.side_current,
     )
     return PackState(
         soc=soc,
@@ -298,7 +384,8 @@ def limits_exceeded(params: BatteryParams, state: PackState, current: float) -> 
     return tuple(found)
 
 
-def _require_rising(name: str, values: tuple[float, ...]) -> None:
+def require_rising(name: str, values: tuple[float, ...]) -> None:
+    """Refuse a table whose numbers do not rise. Raises ValueError."""
     for i in range(1, len(values)):
         if not values[i] > values[i - 1]:
             raise ValueError(f"{name}[{i}] = {values[i]}: allowed is above {values[i - 1]}, the value before it")

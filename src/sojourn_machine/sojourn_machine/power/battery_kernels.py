@@ -94,11 +94,13 @@ def step_kernel(
     current: float,
     dt: float,
     surroundings: float,
+    side: float,
 ) -> tuple[float, float, float, float, float]:
     """One step: soc [1], polarisation [V], temperature [K], terminal energy [J], heat [J] of this step.
 
     Args:
         current: out of the pack positive [A]. dt: [s]. surroundings: their temperature [K].
+        side: that empties the cells beside it, all of it heat [A].
     """
     charge_capacity, efficiency, heat_capacity = pack.charge_capacity, pack.efficiency, pack.heat_capacity
     r0 = table_clamped(pack.temperature, pack.ohmic, temperature)
@@ -120,6 +122,12 @@ def step_kernel(
         overflow = max(-current * dt - stored / efficiency, 0.0)
         source = chemical / efficiency - overflow * table_extrapolated(pack.soc, pack.ocv, soc_new)
     side_heat = chemical - source
+    if side > 0.0:
+        drained = soc_new - side * dt / charge_capacity
+        side_heat += charge_capacity * (
+            table_integral(pack.soc, pack.ocv, soc_new) - table_integral(pack.soc, pack.ocv, drained)
+        )
+        soc_new = drained
 
     # v(t) = end + (v0 - end) exp(-t / tau), and the integrals of v and v^2 over the step.
     tau = r1 * pack.capacitance

@@ -13,9 +13,11 @@ Assumptions: friction of the brake independent of rate and temperature, the same
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
+from sojourn_machine.actuator_choice import ActuatorParams
 from sojourn_machine.drives import BrakeParams, JointDriveParams, MotorThermalParams
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_physics.actuators import motor_thermal
@@ -24,6 +26,10 @@ from sojourn_physics.actuators.joint_drive import FRICTION, MAX_CURRENT, RATIO, 
 WINDING, HOUSING, CLOSED = range(3)
 CONDITION_ROWS = 3
 """Temperatures of winding and housing [K], closed share of the brake [-]; of a drive without one of them, unused."""
+
+
+Surroundings: TypeAlias = Sequence[float | None]
+"""Temperature of what is round each drive; None: as its parameters have it [K]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,13 +46,19 @@ class DriveConditions:
     brakes: tuple[BrakeParams | None, ...]
     parameters: FloatArray
 
-    def first(self) -> FloatArray:
+    def first(self, around: Surroundings | None = None) -> FloatArray:
         """Motors as cold as their surroundings, brakes open: (CONDITION_ROWS, drives)."""
         state = np.zeros((CONDITION_ROWS, len(self.rows)))
         for number, thermal in enumerate(self.thermal):
             if thermal is not None:
-                state[WINDING, number] = state[HOUSING, number] = thermal.surroundings
+                state[:CLOSED, number] = thermal.surroundings + self._shift(thermal, number, around)
         return state
+
+    @staticmethod
+    def _shift(thermal: MotorThermalParams, number: int, around: Surroundings | None) -> float:
+        """How much warmer it is round a motor than its parameters say [K]."""
+        here = None if around is None else around[number]
+        return 0.0 if here is None else here - thermal.surroundings
 
     def now(self, state: FloatArray) -> FloatArray:
         """Parameters of the joints for a period, (joints, JOINT_COLUMNS)."""
@@ -64,21 +76,31 @@ class DriveConditions:
         return table
 
     def after(
-        self, state: FloatArray, table: FloatArray, squares: FloatArray, limits: FloatArray, dt: float
+        self,
+        state: FloatArray,
+        table: FloatArray,
+        squares: FloatArray,
+        limits: FloatArray,
+        dt: float,
+        around: Surroundings | None = None,
     ) -> FloatArray:
         """State at the end of a period of dt [s].
 
         Args:
             table: what `now` gave for the period. squares: (joints,) mean square of each motor's current in it [A^2].
             limits: (joints,) part of its current that each motor could draw.
+            around: what is round each drive [K]; left out: as the parameters have it.
         """
         new = state.copy()
         for number, row in enumerate(self.rows):
             thermal, brake = self.thermal[number], self.brakes[number]
             if thermal is not None:
-                before = motor_thermal.MotorTemperatures(float(state[WINDING, number]), float(state[HOUSING, number]))
+                # the equations are linear: as warm as it is round the motor, so much warmer is all of it
+                winding, housing = (state[:CLOSED, number] - (shift := self._shift(thermal, number, around))).tolist()
+                before = motor_thermal.MotorTemperatures(winding, housing)
                 loss = float(table[row, RESISTANCE] * squares[row])
                 new[:CLOSED, number] = motor_thermal.step_temperatures(thermal, before, loss, dt)
+                new[:CLOSED, number] += shift
             if brake is not None:
                 closes = limits[row] <= 0.0
                 span = brake.closing_time if closes else brake.opening_time
@@ -87,15 +109,18 @@ class DriveConditions:
         return new
 
 
-def conditions_of(drives: Sequence[JointDriveParams | None], parameters: FloatArray) -> DriveConditions | None:
-    """Of a machine, joint by joint; None where no drive heats up or has a brake."""
-    rows = [i for i, drive in enumerate(drives) if drive is not None and (drive.thermal or drive.brake)]
-    if not rows:
+def conditions_of(drives: Sequence[ActuatorParams | None], parameters: FloatArray) -> DriveConditions | None:
+    """Of a machine, joint by joint; None where no motor heats up or has a brake."""
+    named = {
+        row: drive
+        for row, drive in enumerate(drives)
+        if isinstance(drive, JointDriveParams) and (drive.thermal or drive.brake)
+    }
+    if not named:
         return None
-    named = [drive for drive in drives if drive is not None and (drive.thermal or drive.brake)]
     return DriveConditions(
-        np.array(rows, dtype=np.int64),
-        tuple(drive.thermal for drive in named),
-        tuple(drive.brake for drive in named),
+        np.array(list(named), dtype=np.int64),
+        tuple(drive.thermal for drive in named.values()),
+        tuple(drive.brake for drive in named.values()),
         parameters,
     )

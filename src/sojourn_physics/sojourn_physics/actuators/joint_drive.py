@@ -99,7 +99,7 @@ class JointCommand(NamedTuple):
     limits: FloatArray
     """(joints,): fraction of its current that each motor may draw; 0 is switched off, or dead."""
     bus_voltage: FloatArray
-    """(1,) [V]"""
+    """(joints,): of the bus that each motor is on [V]."""
 
 
 class JointWork(NamedTuple):
@@ -182,7 +182,7 @@ def joint_torques(
         lead: time since the command's stamp [s]: a position reference moves on at its rate.
         velocity: (nv,) [rad/s]. states: (STATE_ROWS, joints), servo integral advanced in place. work: written.
     """
-    kinds, reference, bus_voltage = joints.kinds, command.reference, command.bus_voltage[0]
+    kinds, reference = joints.kinds, command.reference
     generalised_force = work.force
     for i in range(kinds.shape[0]):
         p = joints.parameters[i]
@@ -192,6 +192,7 @@ def joint_torques(
         torque = 0.0
         slope = 0.0
         series = p[SATURATION] > 0.0
+        bus_voltage = command.bus_voltage[i]
         braking = False
         has_play = p[TOOTH_STIFFNESS] > 0.0
         joint_rate = rate  # from here to the friction, `rate` is the motor's

@@ -19,6 +19,14 @@ def place_body(carried: Carried, i: int, placements: FloatArray, body: Body) -> 
 
 
 @small_kernel
+def move_point(twist: FloatArray, centre: FloatArray, velocity: FloatArray) -> None:
+    """Velocity of a point of a body, (3,), written, from the twist (6,) of its point at the map's origin."""
+    velocity[0] = twist[0] + twist[4] * centre[2] - twist[5] * centre[1]
+    velocity[1] = twist[1] + twist[5] * centre[0] - twist[3] * centre[2]
+    velocity[2] = twist[2] + twist[3] * centre[1] - twist[4] * centre[0]
+
+
+@small_kernel
 def move_body(chain: IntArray, machine: Kinematics, twist: FloatArray, body: Body) -> None:
     """Velocities of a support's body. twist: (6,), written: those of the point of the body at the map's origin."""
     twist[:] = 0.0
@@ -27,10 +35,7 @@ def move_body(chain: IntArray, machine: Kinematics, twist: FloatArray, body: Bod
             break
         for k in range(6):
             twist[k] += machine.jacobian[k, column] * machine.velocity[column]
-    centre, velocity = body.centre, body.velocity
-    velocity[0] = twist[0] + twist[4] * centre[2] - twist[5] * centre[1]
-    velocity[1] = twist[1] + twist[5] * centre[0] - twist[3] * centre[2]
-    velocity[2] = twist[2] + twist[3] * centre[1] - twist[4] * centre[0]
+    move_point(twist, body.centre, body.velocity)
 
 
 @small_kernel

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from sojourn_machine.contact_report import ReportColumn
 from sojourn_machine.kernels import kernel, small_kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.contact.carrying import add_force, move_body, place_body
+from sojourn_physics.contact.carrying import add_force, move_body, move_point, place_body
 from sojourn_physics.contact.contact_law import REST_SPEED, StateColumn
 from sojourn_physics.contact.shear_memory import clip
 from sojourn_physics.contact.tables import Ground, Kinematics, Touch, TrackTable, Workspace
@@ -192,15 +192,6 @@ def _look_ahead(
 
 
 @small_kernel
-def _move_plate(twist: FloatArray, frame: FloatArray) -> None:
-    """Velocity of a plate, the third row of `frame`, from that of its body at the map's origin."""
-    centre, velocity = frame[0], frame[2]
-    velocity[0] = twist[0] + twist[4] * centre[2] - twist[5] * centre[1]
-    velocity[1] = twist[1] + twist[5] * centre[0] - twist[3] * centre[2]
-    velocity[2] = twist[2] + twist[3] * centre[1] - twist[4] * centre[0]
-
-
-@small_kernel
 def _track(
     tracks: TrackTable, number: int, joint: FloatArray, belt: float, ground: Ground, dt: float, states: FloatArray,
     report: FloatArray, work: Workspace,
@@ -230,7 +221,7 @@ def _track(
             _lift(states[i])
             continue
         on_map &= inside
-        _move_plate(work.twist, frame)
+        move_point(work.twist, frame[0], frame[2])
         soil_number = sample_soil(ground.soil_index, grid[0], grid[1], grid[2], frame[0, 0], frame[0, 1])
         plate = Plate(tracks.plates[first + i, PlateColumn.SHARE], depth, deepest)
         pressed = _press(track, plate, belt, ground.soils[soil_number], dt, states[i], sums)

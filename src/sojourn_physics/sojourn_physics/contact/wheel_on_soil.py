@@ -145,8 +145,21 @@ def turning_angle(entry: float, slip: float, shift: float) -> float:
     for _ in range(4):
         slope = math.cos(theta) - 1.0 - slip
         if abs(slope) < 1e-9:
-            return math.inf
+            break
         theta -= ((1.0 + slip) * (entry - theta) - (sin_entry - math.sin(theta)) + shift) / slope
+    left = (1.0 + slip) * (entry - theta) - (sin_entry - math.sin(theta)) + shift
+    if abs(theta) <= extreme and abs(left) < 1e-6:
+        return theta
+    # Near a level stretch Newton leaps away. The shear rises all the way from -extreme to extreme: halve that.
+    low, high = -extreme, extreme
+    if (1.0 + slip) * (entry - low) - (sin_entry - math.sin(low)) + shift >= 0.0:
+        return math.inf
+    for _ in range(30):
+        theta = 0.5 * (low + high)
+        if (1.0 + slip) * (entry - theta) - (sin_entry - math.sin(theta)) + shift < 0.0:
+            low = theta
+        else:
+            high = theta
     return theta
 
 

@@ -1,25 +1,35 @@
 """A planet, moon or asteroid as the machine on its surface feels it.
 
-    g = GM / R^2              (mean gravity of a sphere; the centrifugal part is left out, 0.2 % of g on Mars)
+    g = GM / R^2              (mean gravity of a sphere; of a site: `gravity/field.py`)
     S = S_1 / a^2             (inverse-square law; S_1 = 1361 W/m2 at 1 au: Kopp & Lean 2011)
 
 In orbit a machine falls with its station: nothing has weight. Left out are the tide, some 1e-6 m/s2 a metre off the
 station's centre of mass, and drag.
 
 Range: g is the mean over the body. For Phobos, Eros and Itokawa, which are far from round, it is good to a
-factor of about 1.5. S is at the mean distance; over an orbit of eccentricity e it goes from S / (1 + e)^2
-to S / (1 - e)^2.
+factor of about 1.5; a site has the gravity of its latitude, altitude and shape. S is at the mean distance; over an
+orbit of eccentricity e it goes from S / (1 + e)^2 to S / (1 - e)^2.
 """
 
-from typing import Self
+from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializeAsAny, model_validator
 
+from sojourn_machine.choice import kinds_of
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import Params
+from sojourn_physics.environment.air.atmosphere import ATMOSPHERES, Air, AtmosphereParams
+from sojourn_physics.environment.gravity.attraction import ATTRACTIONS, AttractionParams
+from sojourn_physics.environment.gravity.field import BodyField, GravityField, UniformField
+from sojourn_physics.environment.rotation import RotationParams
+from sojourn_physics.environment.shape import ShapeParams
+from sojourn_physics.environment.site import SiteParams, site_frame
+from sojourn_physics.thermal.regolith_params import RegolithParams
 
 SOLAR_FLUX_AT_1_AU = 1361.0
 """Total solar irradiance at 1 au [W/m2]."""
+Atmosphere = Annotated[SerializeAsAny[AtmosphereParams], *kinds_of(ATMOSPHERES, "kind")]
+Attracting = Annotated[SerializeAsAny[AttractionParams], *kinds_of(ATTRACTIONS, "kind")]
 
 
 class BodyParams(Params):
@@ -40,6 +50,15 @@ class BodyParams(Params):
     surface_pressure: float = Field(default=0.0, ge=0.0, description="atmospheric pressure, 0 for none [Pa]")
     surface_density: float = Field(default=0.0, ge=0.0, description="atmospheric density, 0 for none [kg/m3]")
     free_fall: bool = Field(default=False, description="in orbit: nothing weighs anything; radius is the orbit's")
+    ground: bool = Field(default=True, description="false of a giant planet: its surface is the level of 1 bar")
+    shape: ShapeParams | None = Field(default=None, description="reference ellipsoid; none: a sphere of `radius`")
+    rotation: RotationParams | None = Field(default=None, description="against the stars; none: it does not turn")
+    attraction: Attracting | None = Field(default=None, description="how its mass draws; none: as a point does")
+    regolith: RegolithParams | None = Field(default=None, description="the ground to heat; none: not known")
+    sky_temperature: float = Field(
+        default=2.7, gt=0.0, le=2000.0, description="as which the sky radiates in the infrared [K]"
+    )
+    atmosphere: Atmosphere | None = Field(default=None, description="its air by altitude; none: it has no air")
 
     @model_validator(mode="after")
     def _fields_agree(self) -> Self:
@@ -60,6 +79,37 @@ class BodyParams(Params):
         if self.free_fall:
             return 0.0
         return self.gravitational_parameter / self.radius**2
+
+    @property
+    def semi_axes(self) -> tuple[float, float, float]:
+        """Of the reference ellipsoid, along x, y and z, the longest first [m]."""
+        return (self.radius, self.radius, self.radius) if self.shape is None else self.shape.semi_axes
+
+    def gravity_over(self, site: SiteParams | None) -> GravityField:
+        """Gravity in map over a site; without one the mean gravity of the body, everywhere and straight down.
+
+        Raises:
+            InvalidValueError: a site in an orbit, where nothing has weight; what the kind of attraction refuses.
+        """
+        return UniformField(self.surface_gravity) if site is None else self.field_over(site)
+
+    def field_over(self, site: SiteParams) -> BodyField:
+        """Gravity in map over a site. Raises as `gravity_over` does."""
+        if self.free_fall:
+            raise InvalidValueError("site", self.name, "none: in free fall there is no ground to stand on")
+        attraction = (self.attraction or ATTRACTIONS.get("oblate")(kind="oblate")).build(self)
+        spin = 0.0 if self.rotation is None else self.rotation.rate
+        return BodyField(attraction, spin, site_frame(site, self.semi_axes))
+
+    def air_at(self, site: SiteParams | None) -> Air:
+        """Its air at a site, or at its mean surface.
+
+        Raises:
+            InvalidValueError: it has none; a site higher or lower than its air is known for.
+        """
+        if self.atmosphere is None:
+            raise InvalidValueError("air", self.name, "a body whose file has a table `atmosphere`")
+        return self.atmosphere.at(0.0 if site is None else site.altitude_m)
 
     @property
     def solar_flux(self) -> float:

@@ -22,8 +22,19 @@ def mechanical_energy(
     """
     table = model.joints
     links = pin.computeKineticEnergy(model.multibody, model.data, configuration, velocity)
-    height = pin.computePotentialEnergy(model.multibody, model.data, configuration)
+    height = _potential_energy(model, configuration)
     return float(links + height + _of_joints(velocity, joints, table.armature, table.rotors, table.parameters))
+
+
+def _potential_energy(model: "PlantModel", configuration: FloatArray) -> float:
+    """Over z = 0; in gravity that is not the same everywhere, over the machine drawn together in the origin of map,
+    its links as far from its base as they are but in the base's gravity [J].
+    """
+    if model.field.uniform and model.air is None:
+        return float(pin.computePotentialEnergy(model.multibody, model.data, configuration))
+    base = configuration[:3]
+    reach = model.centre_of_mass(configuration) - base
+    return model.mass * float(model.field.potential(base) - model.field.acceleration(base) @ reach)
 
 
 @njit(cache=True)

@@ -16,54 +16,42 @@ the foundation, and the state of every machine has one form.
 
 import copy
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from sojourn_machine.contact_report import REPORT_COLUMNS
-from sojourn_machine.drives import SeriesMotorParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.machine import MachineParams
 from sojourn_machine.params import FloatArray, IntArray
-from sojourn_machine.power.battery import BatteryParams
-from sojourn_machine.power.loads import BusParams
+from sojourn_machine.power.loads import LoadParams
+from sojourn_machine.power.network import PowerNetwork
+from sojourn_machine.power.power_params import PowerParams
 from sojourn_machine.tools import ObjectParams, ToolParams
-from sojourn_physics.actuators import drive_condition, joint_drive
+from sojourn_physics.actuators import joint_drive
+from sojourn_physics.actuators.drive_condition import conditions_of
 from sojourn_physics.contact.soil_needs import needs_of_soil
 from sojourn_physics.contact.support_tables import support_tables
+from sojourn_physics.environment.air.wind import MovingAir
+from sojourn_physics.environment.gravity.field import MAP_ORIGIN, GravityField
+from sojourn_physics.environment.sun.over import SunOver
+from sojourn_physics.plant.heat import PlantHeat, PlantHeatState
+from sojourn_physics.plant.joint_tables import joint_tables
 from sojourn_physics.plant.params import SimulationParams
 from sojourn_physics.plant.tools.mounted_tool import MountedTool, with_tool
 from sojourn_physics.plant.working_memory import WorkingMemory
 from sojourn_physics.plant.wrist import WristLoad
 from sojourn_physics.soil.params import SoilParams, kernel_table
-from sojourn_physics.terrain.height_field import HeightField
+from sojourn_physics.terrain.height_field import HeightField, OutsideTerrainError
 from sojourn_physics.terrain.memory import GroundMemory, MemoryBoard
+from sojourn_physics.thermal.site_heat import SiteHeat
 
 PLACEMENT_SIZE = 12
 BASE_RATES = 6
 STIFFEST_SPRING = 0.3
 """Largest angular frequency of a spring and what hangs on it, times the physics step [-]."""
-
-
-@dataclass(frozen=True, slots=True)
-class JointTables:
-    """Joints with one degree of freedom, as arrays for the kernels; (joints, ...)."""
-
-    names: tuple[str, ...]
-    parameters: FloatArray
-    kinds: IntArray
-    columns: IntArray
-    loads: IntArray
-    armature: FloatArray
-    """(nv,) reflected rotor inertia of motors that turn as one with their joints [kg m^2]."""
-    rotors: FloatArray
-    """(joints,) reflected rotor inertia of motors behind a gear with play [kg m^2]."""
-
-    def tables(self, parameters: FloatArray) -> joint_drive.Joints:
-        """For the kernels, with the parameters as they are now."""
-        return joint_drive.Joints(parameters, self.kinds, self.columns, self.loads)
 
 
 class Site(NamedTuple):
@@ -72,12 +60,18 @@ class Site(NamedTuple):
     terrain: HeightField
     soils: Sequence[SoilParams]
     """Those that the terrain names, in any order."""
-    gravity: float
-    """[m/s^2]"""
+    field: GravityField
+    """Gravity in map."""
     memory_cell: float = 0.0
     """Distance of the nodes at which the ground remembers wheels [m]; 0: it does not."""
     objects: Sequence[ObjectParams] = ()
     """That lie about, for a gripper."""
+    sun: SunOver | None = None
+    """What shines on the machine; None: nothing does."""
+    air: MovingAir | None = None
+    """Where a wind blows."""
+    heat: SiteHeat | None = None
+    """Round the nodes of a machine whose heat is known."""
 
 
 class PlantModel:
@@ -87,7 +81,7 @@ class PlantModel:
         urdf_xml: text of the machine's URDF.
         machine: what the URDF does not say.
         site: where it is.
-        battery, bus: energy supply and its loads.
+        power: energy supply and its loads.
         simulation: steps.
         tool: at the end of the machine's arm, or none.
 
@@ -102,22 +96,24 @@ class PlantModel:
         urdf_xml: str,
         machine: MachineParams,
         site: Site,
-        battery: BatteryParams,
-        bus: BusParams,
+        power: PowerParams,
         simulation: SimulationParams | None = None,
         tool: ToolParams | None = None,
     ) -> None:
-        gravity, terrain = site.gravity, site.terrain
+        gravity, terrain = site.field.gravity, site.terrain
         self.machine = machine = with_tool(machine, tool)
         self.terrain = terrain
-        self.battery = battery
-        self.bus = bus
+        self.power = PowerNetwork(power)
         self.simulation = simulation or SimulationParams()
-        self.gravity = gravity
+        self.field, self.gravity = site.field, gravity
+        self.air, self.sun = site.air, site.sun
         self.multibody = pin.buildModelFromXML(urdf_xml, pin.JointModelFreeFlyer())
-        self.multibody.gravity.linear = np.array([0.0, 0.0, -gravity])
+        self.multibody.gravity.linear = self.field.acceleration(MAP_ORIGIN)
         self.mass = float(sum(inertia.mass for inertia in self.multibody.inertias))
-        self.joints = self._joint_tables(machine, bus)
+        self.joints, self.outside = joint_tables(self.multibody, machine, self.loads)
+        by_joint = {joint: drive for drive in machine.drives for joint in drive.joints}
+        self.conditions = conditions_of([by_joint.get(name) for name in self.joints.names], self.joints.parameters)
+        self.heat = None if site.heat is None else PlantHeat(site.heat, self.power, self.simulation.control_period)
         self.joint_index = {name: index for index, name in enumerate(self.joints.names)}
         self.coupling = self._coupling_rows(machine)
         by_name = {soil.name: soil for soil in site.soils}
@@ -159,6 +155,44 @@ class PlantModel:
         other.work = WorkingMemory(other)
         return other
 
+    def weigh(self, configuration: FloatArray, velocity: FloatArray) -> FloatArray | None:
+        """Let all links weigh what they do where the base is and as it moves, (nq,), (nv,), and be blown at together.
+
+        Returns:
+            force of the air in map, (3,) [N]; None where no wind blows.
+        """
+        if self.field.uniform and self.air is None:
+            return None
+        moving = pin.Quaternion(configuration[3:7]) * velocity[:3]
+        acceleration = self.field.acceleration(configuration[:3], moving)
+        force = None if self.air is None else self.air.force(self._height(configuration), moving)
+        self.multibody.gravity.linear = acceleration if force is None else acceleration + force / self.mass
+        return force
+
+    def centre_of_mass(self, configuration: FloatArray) -> FloatArray:
+        """In map, (3,) [m]."""
+        return np.array(pin.centerOfMass(self.multibody, self._aside, configuration))
+
+    def _height(self, configuration: FloatArray) -> float:
+        """Of the centre of mass over the ground, or off the map over z = 0 [m]."""
+        x, y, z = self.centre_of_mass(configuration).tolist()
+        try:
+            return float(z - self.terrain.height(x, y))
+        except OutsideTerrainError:
+            return float(z)
+
+    @property
+    def loads(self) -> tuple[LoadParams, ...]:
+        """The loads of all buses, in the order of every array."""
+        return self.power.params.loads
+
+    def round_drives(self, heat: PlantHeatState | None) -> list[float | None] | None:
+        """What is round each drive that has conditions [K]; None where the machine's heat is not known."""
+        if heat is None or self.heat is None or self.conditions is None:
+            return None
+        loads = [self.loads[load].name for load in self.joints.loads[self.conditions.rows]]
+        return self.heat.round_drives(heat, loads)
+
     @property
     def wheel_names(self) -> tuple[str, ...]:
         """Names of the wheels, in the order of the report."""
@@ -176,86 +210,6 @@ class PlantModel:
         if joint not in self.joint_index:
             raise InvalidValueError("joint", joint, "one of " + ", ".join(self.joints.names))
         return self.joint_index[joint]
-
-    def _joint_tables(self, machine: MachineParams, bus: BusParams) -> JointTables:
-        model = self.multibody
-        drives = {joint: drive for drive in machine.drives for joint in drive.joints}
-        springs = {joint: suspension for suspension in machine.suspensions for joint in suspension.joints}
-        load_names = [load.name for load in bus.loads]
-        identifiers = range(2, model.njoints)
-        names = tuple(model.names[i] for i in identifiers)
-        for joint in (*drives, *springs):
-            if joint not in names:
-                raise InvalidValueError("joint of a drive or a spring", joint, "one of " + ", ".join(names))
-        parameters = np.zeros((len(names), joint_drive.JOINT_COLUMNS))
-        kinds = np.zeros(len(names), dtype=np.int64)
-        loads = np.zeros(len(names), dtype=np.int64)
-        columns = np.zeros(len(names), dtype=np.int64)
-        armature = np.zeros(model.nv)
-        rotors = np.zeros(len(names))
-        for i, name in zip(range(len(names)), names, strict=True):
-            joint = model.joints[i + 2]
-            if joint.nv != 1:
-                raise InvalidValueError(f"degrees of freedom of {name}", joint.nv, "1")
-            columns[i] = joint.idx_v
-            row = parameters[i]
-            turns = joint.nq == 2  # a continuous joint is a point on a circle, and has no stops
-            row[joint_drive.LOWER] = -np.inf if turns else model.lowerPositionLimit[joint.idx_q]
-            row[joint_drive.UPPER] = np.inf if turns else model.upperPositionLimit[joint.idx_q]
-            row[joint_drive.STOP_STIFFNESS] = machine.stop_stiffness
-            row[joint_drive.STOP_DAMPING] = machine.stop_damping
-            row[joint_drive.EFFICIENCY] = 1.0
-            row[joint_drive.FRICTION] = machine.passive_joint.friction_torque
-            row[joint_drive.VISCOUS] = machine.passive_joint.viscous_friction
-            spring = springs.get(name)
-            if spring is not None:
-                row[joint_drive.SPRING_STIFFNESS] = spring.stiffness
-                row[joint_drive.SPRING_REST] = spring.rest
-                row[joint_drive.VISCOUS] += spring.damping
-            drive = drives.get(name)
-            if drive is None:
-                continue
-            if drive.load not in load_names:
-                raise InvalidValueError(f"load of the drive of {name}", drive.load, "one of " + ", ".join(load_names))
-            kinds[i] = joint_drive.RATE if drive.servo.mode == "rate" else joint_drive.POSITION
-            loads[i] = load_names.index(drive.load)
-            if drive.screw is not None and not joint.shortname().startswith("JointModelP"):
-                raise InvalidValueError(f"screw of the drive of {name}", joint.shortname(), "a joint that slides")
-            motor, gear = drive.electric, drive.transmission
-            row[joint_drive.RATIO] = gear.ratio
-            if isinstance(motor, SeriesMotorParams):
-                row[joint_drive.TORQUE_CONSTANT] = motor.field_constant
-                row[joint_drive.RESISTANCE] = motor.series_resistance
-                row[joint_drive.SATURATION] = motor.saturation_current
-            else:
-                row[joint_drive.TORQUE_CONSTANT] = motor.torque_constant
-                row[joint_drive.RESISTANCE] = motor.resistance
-            row[joint_drive.MAX_CURRENT] = motor.max_current
-            row[joint_drive.EFFICIENCY] = gear.efficiency
-            if gear.back_efficiency is not None:
-                row[joint_drive.BACK_LOSS] = 1.0 / gear.back_efficiency - 1.0 - (1.0 - gear.efficiency)
-            row[joint_drive.FRICTION] = drive.friction_torque
-            row[joint_drive.VISCOUS] = drive.viscous_friction
-            row[joint_drive.PROPORTIONAL] = drive.servo.proportional
-            row[joint_drive.INTEGRAL] = drive.servo.integral
-            row[joint_drive.DERIVATIVE] = drive.servo.derivative
-            row[joint_drive.MAX_TORQUE] = drive.servo.max_torque
-            row[joint_drive.MAX_EFFORT] = model.effortLimit[joint.idx_v] or np.inf
-            row[joint_drive.MAX_RATE] = model.velocityLimit[joint.idx_v] or np.inf
-            row[joint_drive.ARMATURE] = drive.reflected_inertia
-            if drive.play is None:
-                armature[joint.idx_v] = drive.reflected_inertia
-                continue
-            rotors[i] = drive.reflected_inertia
-            row[joint_drive.HALF_GAP] = 0.5 * drive.play.backlash
-            row[joint_drive.TOOTH_STIFFNESS] = drive.play.stiffness
-            row[joint_drive.TOOTH_DAMPING] = drive.play.damping
-            row[joint_drive.BEARING_FRICTION] = drive.play.bearing_friction
-            row[joint_drive.BEARING_VISCOUS] = drive.play.bearing_viscous
-            row[joint_drive.SEES_JOINT] = float(drive.servo.encoder == "joint")
-        warming = [drives.get(name) for name in names]
-        self.conditions = drive_condition.conditions_of(warming, parameters)
-        return JointTables(names, parameters, kinds, columns, loads, armature, rotors)
 
     def _check_springs(self) -> None:
         """Springs are integrated explicitly: each must swing slowly against the step, even if the base stood still."""
@@ -281,6 +235,7 @@ class PlantModel:
         """Working memory, and views on Pinocchio's own, which stays in place as long as the model lives."""
         model = self.multibody
         self.data = model.createData()
+        self._aside = model.createData()
         self.jacobian: FloatArray = self.data.J
         self.bias: FloatArray = self.data.nle
         self.mass_matrix: FloatArray = self.data.M
@@ -296,7 +251,7 @@ class PlantModel:
         self.report = np.zeros((len(self.supports.names), REPORT_COLUMNS))
         self.efforts = np.zeros(len(self.joints.names))
         self.currents = np.zeros(len(self.joints.names))
-        self.load_power = np.zeros(len(self.bus.loads))
+        self.load_power = np.zeros(len(self.loads))
         self.work = WorkingMemory(self)
 
 

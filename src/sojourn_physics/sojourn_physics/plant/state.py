@@ -4,15 +4,17 @@ All of them are plain values: copy one and you have a branch.
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
-from sojourn_machine.power.battery import PackState
-from sojourn_machine.power.loads import BusState
+from sojourn_machine.power.network_state import NetworkOutput, NetworkState
 from sojourn_physics.actuators.joint_drive import ANGLE, TWIST
 from sojourn_physics.contact.tables import SupportStates
+from sojourn_physics.plant.flight import STANDING, Flight
+from sojourn_physics.plant.heat import PlantHeatState
 from sojourn_physics.plant.tools.tool_state import ToolState
 from sojourn_physics.terrain.memory import GroundMemory
 
@@ -22,19 +24,22 @@ class EnergyAccount:
     """Energies since the start of the run [J].
 
     electrical in = work on the machine + winding heat; work = change of kinetic and potential energy +
-    friction heat + stop heat + work done on the soil.
+    friction heat + stop heat + work done on the soil and on the air.
     """
 
     electrical: float = 0.0
     """Net, at the motors' terminals."""
     winding_heat: float = 0.0
     friction_heat: float = 0.0
-    """Of gears, bearings, dampers and brakes, what is stored in the deflection of gears and bearings included."""
+    """Of gears, bearings, dampers, brakes and drives of other kinds, what is stored in the deflection of gears and
+    bearings included."""
     stop_heat: float = 0.0
     soil_work: float = 0.0
     """Into the ground, what is stored in it included."""
+    air_work: float = 0.0
+    """Into the air; negative where a wind drives the machine."""
     mechanical: float = 0.0
-    """Kinetic and potential energy of the machine, its springs included."""
+    """Kinetic and potential energy of the machine, its springs and what drives of other kinds store included."""
 
     def balance_error(self, start: "EnergyAccount") -> float:
         """Energy that is missing since `start`, as a fraction of the largest of its terms [-]."""
@@ -62,12 +67,8 @@ class PlantState:
     """What each kind of support remembers of its contact with the ground."""
     ground: GroundMemory
     """Ruts, see `terrain/memory`."""
-    battery: PackState
-    bus: BusState
-    bus_voltage: float
-    """[V]"""
-    served: float
-    """Part of the power asked of the bus that it can give, 1 unless browned out."""
+    power: NetworkState
+    """Stores, sources and buses."""
     energy: EnergyAccount = field(default_factory=EnergyAccount)
     rolled_over: bool = False
     """Has been tilted beyond the machine's limit since the start."""
@@ -75,8 +76,15 @@ class PlantState:
     """A contact is, or has been, beyond the edge of the map."""
     tool: ToolState | None = None
     """Of the tool at the arm's end; None where there is none."""
+    flight: Flight = STANDING
+    """Off the ground."""
     conditions: FloatArray | None = None
     """(CONDITION_ROWS, drives): heat and brakes, see `drive_condition`; None where no drive names them. Not written."""
+
+    heat: PlantHeatState | None = None
+    """Of a machine whose heat is known."""
+    outside: tuple[Any, ...] = ()
+    """Of the drives whose law is their own, in the model's order, see `outside_drives`."""
 
     @property
     def motor_angles(self) -> FloatArray:
@@ -123,10 +131,8 @@ class PlantOutput:
     """(joints,) torque at each joint, gear friction included [N m]."""
     currents: FloatArray
     """(joints,) motor current [A]."""
-    load_power: FloatArray
-    """(loads,) power of each load [W]."""
-    battery_current: float
-    """Out of the battery [A]."""
+    power: NetworkOutput
+    """What stores, sources and loads gave and got."""
     spread: FloatArray
     """(nv,) root mean square of what the velocity was in the period less what it is at its end, [m/s], [rad/s]."""
     wrist_wrench: FloatArray | None = None

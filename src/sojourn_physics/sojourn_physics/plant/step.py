@@ -7,11 +7,12 @@ in the joints' stiff terms. For each physics step:
     2  contact forces, joint torques and their slopes; acceleration, couplings, new velocity, energy (`kernels.advance`)
     3  configuration on the group                                (Pinocchio)
 
-The tool at the arm's end, the battery and the bus take one step a control period, these with the mean power of the
+The tool at the arm's end and the power network take one step a control period, these with the mean power of the
 motors; the bus voltage holds for the next period.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -20,7 +21,6 @@ from sojourn_machine.contact_report import FORCE
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
-from sojourn_machine.power import battery, loads
 from sojourn_physics.actuators.joint_drive import (
     ELECTRICAL,
     FRICTION_HEAT,
@@ -29,9 +29,12 @@ from sojourn_physics.actuators.joint_drive import (
     WINDING_HEAT,
 )
 from sojourn_physics.plant.energy import mechanical_energy
+from sojourn_physics.plant.flight import flight_after
+from sojourn_physics.plant.heat import Moved
 from sojourn_physics.plant.kernels import SOIL_WORK, advance
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import EnergyAccount, PlantCommand, PlantOutput, PlantState, zeros_command
+from sojourn_physics.plant.supply import powered
 from sojourn_physics.plant.tools.mounted_tool import NO_ENERGY
 
 SETTLED_SPEED = 1e-6
@@ -65,15 +68,16 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     conditions, parameters = model.conditions, model.joints.parameters
     if conditions is not None and state.conditions is not None:
         parameters = conditions.now(state.conditions)
-    limits = (command.load_fractions * state.served)[model.joints.loads]
+    limits = (command.load_fractions * model.power.served_at_loads(state.power))[model.joints.loads]
     if command.motor_health is not None:
         limits *= command.motor_health
     model.memory.load(state.ground)
+    blown = model.weigh(state.configuration, state.velocity)
     if model.tool is not None and state.tool is not None:
         model.tool.prepare(state.tool)
     work = model.work
     work.begin(state, command.reference, limits, parameters)
-    configuration, on_map = _sub_steps(model, state.configuration)
+    configuration, on_map, outside = _sub_steps(model, state)
     steps, motion, sums = model.simulation.substeps, work.tables.motion, work.tables.sums
     velocity = motion.rates[-1].copy()
     if not (_is_finite(configuration) and _is_finite(velocity)):
@@ -81,7 +85,8 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     warmed = state.conditions
     if conditions is not None and warmed is not None:
         squares, period = sums.current_squares / steps, model.simulation.control_period
-        warmed = conditions.after(warmed, parameters, squares, limits, period)
+        around = model.round_drives(state.heat)
+        warmed = conditions.after(warmed, parameters, squares, limits, period, around)
     new = replace(
         state,
         configuration=configuration,
@@ -90,6 +95,7 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
         supports=motion.supports.copy(),
         off_terrain=state.off_terrain or not on_map,
         conditions=warmed,
+        outside=outside,
     )
     wrist = None
     if model.wrist is not None:
@@ -98,25 +104,35 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
         mean = (velocity - state.velocity) / model.simulation.control_period
         wrist = model.wrist.wrench(configuration, velocity, mean, report)
     spread = np.sqrt(np.add.reduce(np.square(motion.rates[1:] - velocity), axis=0) / steps)
+    if blown is not None:
+        moved = model.centre_of_mass(configuration) - model.centre_of_mass(state.configuration)
+        into_air = state.energy.air_work - float(blown @ moved)
+        new = replace(new, energy=replace(state.energy, air_work=into_air))
     return _close_period(model, new, command, wrist, spread)
 
 
-def _sub_steps(model: PlantModel, configuration: FloatArray) -> tuple[FloatArray, bool]:
-    """The physics steps of a period: the configuration at its end, and whether all contacts were on the map."""
-    multibody, data, work = model.multibody, model.data, model.work
+def _sub_steps(model: PlantModel, state: PlantState) -> tuple[FloatArray, bool, tuple[Any, ...]]:
+    """The physics steps of a period: the configuration at its end, whether all contacts were on the map, and the states
+    of the drives whose law is their own.
+    """
+    multibody, data, work, drives = model.multibody, model.data, model.work, model.outside
     period, rates, displacement = work.period, work.rates, work.tables.motion.displacement
-    on_map = True
+    configuration, outside, on_map = state.configuration, state.outside, True
     for i in range(model.simulation.substeps):
         pin.crba(multibody, data, configuration, pin.Convention.WORLD)
         pin.nonLinearEffects(multibody, data, configuration, rates[i])
+        if outside:
+            drives.push(work.tables, outside, i)
         on_map &= advance(period, i)
+        if outside:
+            outside = drives.settle(work.tables, outside, i)
         configuration = pin.integrate(multibody, configuration, displacement)
-    return configuration, on_map
+    return configuration, on_map, outside
 
 
 def _check_command(model: PlantModel, command: PlantCommand) -> None:
     shape = (3, len(model.joints.names))
-    if command.reference.shape != shape or command.load_fractions.shape != (len(model.bus.loads),):
+    if command.reference.shape != shape or command.load_fractions.shape != (len(model.loads),):
         raise InvalidValueError(
             "shapes of the command",
             (command.reference.shape, command.load_fractions.shape),
@@ -139,22 +155,22 @@ def _close_period(
     model: PlantModel, state: PlantState, command: PlantCommand, wrist: FloatArray | None, spread: FloatArray
 ) -> tuple[PlantState, PlantOutput]:
     """Tool, supply, energy account and events of the period that has passed."""
-    configuration, velocity, period = state.configuration, state.velocity, model.simulation.control_period
+    configuration, velocity = state.configuration, state.velocity
     sums, load_energy = model.work.tables.readings.energy, model.work.tables.sums.load_energy
     mechanical = mechanical_energy(model, configuration, velocity, state.joints)
     tool, drawn, gained = state.tool, NO_ENERGY, 0.0
     if model.tool is not None and tool is not None:
-        supplied = float(command.load_fractions[model.tool.load] * state.served)
-        tool, drawn = model.tool.advance(model, tool, state.supports.pads, command.tool, supplied, state.bus_voltage)
+        bus = model.power.load_bus[model.tool.load]
+        supplied = float(command.load_fractions[model.tool.load] * state.power.served[bus])
+        voltage = state.power.voltages[bus]
+        tool, drawn = model.tool.advance(model, tool, state.supports.pads, command.tool, supplied, voltage)
         load_energy[model.tool.load] += drawn.electrical
         if state.tool is not None and tool.payload != state.tool.payload:
             model.tool.prepare(tool)
             gained = mechanical_energy(model, configuration, velocity, state.joints) - mechanical
-    source, resistance = battery.thevenin(model.battery, state.battery)
-    bus, supply = loads.step(
-        model.bus, state.bus, source, resistance, command.load_fractions, load_energy / period, period
-    )
-    new_battery = battery.step(model.battery, state.battery, supply.current, period)
+    heat_of_motors = float(sums[WINDING_HEAT] + sums[FRICTION_HEAT] + sums[STOP_HEAT])
+    heat_of_motors += drawn.winding_heat + drawn.friction_heat
+    network, supply, heat = powered(model, state, command.load_fractions, Moved(load_energy, heat_of_motors))
     old = state.energy
     energy = EnergyAccount(
         electrical=old.electrical + float(sums[ELECTRICAL]) + drawn.electrical,
@@ -162,7 +178,8 @@ def _close_period(
         friction_heat=old.friction_heat + float(sums[FRICTION_HEAT]) + drawn.friction_heat,
         stop_heat=old.stop_heat + float(sums[STOP_HEAT]),
         soil_work=old.soil_work + float(sums[SOIL_WORK]) + drawn.soil_work - gained,
-        mechanical=mechanical + gained,
+        air_work=old.air_work,
+        mechanical=mechanical + gained + model.outside.stored(state.outside),
     )
     x, y = configuration[3], configuration[4]
     upright = 1.0 - 2.0 * (x * x + y * y)  # cosine between the base's z axis and up
@@ -173,22 +190,21 @@ def _close_period(
         joints=state.joints,
         supports=state.supports,
         ground=model.memory.store(),
-        battery=new_battery,
-        bus=bus,
-        bus_voltage=supply.voltage,
-        served=supply.served,
+        power=network,
         energy=energy,
         rolled_over=state.rolled_over or bool(upright < model.roll_over_cosine),
         off_terrain=state.off_terrain,
         tool=tool,
         conditions=state.conditions,
+        heat=heat,
+        outside=state.outside,
+        flight=flight_after(model, state.flight, configuration, velocity),
     )
     output = PlantOutput(
         contacts=model.report.copy(),
         efforts=model.efforts.copy(),
         currents=model.currents.copy(),
-        load_power=supply.load_power,
-        battery_current=supply.current,
+        power=supply,
         spread=spread,
         wrist_wrench=wrist,
     )
@@ -212,7 +228,7 @@ def initial_state(
         OutsideTerrainError: no ground there.
     """
     configuration = pin.neutral(model.multibody)
-    command = zeros_command(len(model.joints.names), len(model.bus.loads))
+    command = zeros_command(len(model.joints.names), len(model.loads))
     for name, angle in (angles or {}).items():
         index = int(model.reference_rows([name])[0])
         joint = model.multibody.joints[index + 2]
@@ -229,7 +245,10 @@ def initial_state(
         offset[2] = np.remainder(offset[2] + np.pi, 2.0 * np.pi) - np.pi
         if np.abs(offset).max() < PLACEMENT_TOLERANCE:
             return state
-        moved = replace(start, configuration=_moved(model, state, offset), joints=state.joints, supports=state.supports)
+        stands = _moved(model, state, offset)
+        moved = replace(
+            start, configuration=stands, joints=state.joints, supports=state.supports, outside=state.outside
+        )
         state = _settled(model, moved, command, LOWERED_PERIODS)
     raise InvalidValueError(
         f"start at x {x:g} m, y {y:g} m, yaw {yaw:g} rad",
@@ -292,8 +311,8 @@ def _put_down(model: PlantModel, posture: FloatArray, command: PlantCommand, aim
     configuration[3:7] = pin.Quaternion(rotation).coeffs()
     joints = np.zeros((STATE_ROWS, len(model.joints.names)))
     joints[0] = command.reference[0]
-    supply = battery.initial_state(model.battery, soc)
-    source, _ = battery.thevenin(model.battery, supply)
+    power = model.power.initial_state(soc)
+    heat = None if model.heat is None else model.heat.first(power)
     return PlantState(
         tick=0,
         configuration=configuration,
@@ -301,12 +320,11 @@ def _put_down(model: PlantModel, posture: FloatArray, command: PlantCommand, aim
         joints=joints,
         supports=model.supports.first_states(),
         ground=model.untouched_ground,
-        battery=supply,
-        bus=loads.BusState(),
-        bus_voltage=source,
-        served=1.0,
+        power=power,
         tool=None if model.tool is None else model.tool.first(),
-        conditions=None if model.conditions is None else model.conditions.first(),
+        conditions=None if model.conditions is None else model.conditions.first(model.round_drives(heat)),
+        heat=heat,
+        outside=model.outside.first(joints[0]),
     )
 
 
@@ -330,13 +348,11 @@ def _settled(model: PlantModel, start: PlantState, command: PlantCommand, lowere
         state,
         tick=0,
         ground=start.ground,
-        battery=start.battery,
-        bus=start.bus,
-        bus_voltage=start.bus_voltage,
-        served=1.0,
+        power=start.power,
         energy=EnergyAccount(mechanical=state.energy.mechanical),
         tool=start.tool,
         conditions=start.conditions,
+        heat=start.heat,
     )
 
 

@@ -38,7 +38,7 @@ class WorkingMemory:
     def __init__(self, model: "PlantModel") -> None:
         self._board = model.memory
         loops, nv, joints = len(model.coupling), model.multibody.nv, len(model.joints.names)
-        supports, loads = len(model.supports.names), len(model.bus.loads)
+        supports, loads = len(model.supports.names), len(model.loads)
         # with conditions the parameters change from period to period
         parameters = model.joints.parameters if model.conditions is None else model.joints.parameters.copy()
         terrain = model.terrain
@@ -57,7 +57,7 @@ class WorkingMemory:
                 factor=np.zeros((loops, loops)),
                 impulse=np.zeros(loops),
             ),
-            command=JointCommand(np.zeros((3, joints)), np.zeros(joints), np.zeros(1)),
+            command=JointCommand(np.zeros((3, joints)), np.zeros(joints), np.zeros(joints)),
             motion=Motion(
                 np.zeros((model.simulation.substeps + 1, nv)),
                 np.zeros(nv),
@@ -73,6 +73,7 @@ class WorkingMemory:
             dt=model.simulation.physics_step,
         )
         self.period = open_period(self.tables)
+        self._joint_bus = model.power.load_bus[model.joints.loads]
         self.rates = list(self.tables.motion.rates)
         """Rows of the motion's rates, (nv,) each."""
 
@@ -89,7 +90,8 @@ class WorkingMemory:
             own[:] = given
         command.reference[:] = reference
         command.limits[:] = limits
-        command.bus_voltage[0] = state.bus_voltage
+        voltages = state.power.voltages
+        command.bus_voltage[:] = voltages[0] if len(voltages) == 1 else np.array(voltages)[self._joint_bus]
         if tables.joints.parameters is not parameters:
             tables.joints.parameters[:] = parameters
         tables.readings.energy[:] = 0.0

@@ -14,31 +14,21 @@ actuator's. Deterministic: no random numbers. The period dt is constant from one
 
 from dataclasses import dataclass
 from math import pi
-from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from sojourn_machine.kernels import njit
-from sojourn_machine.params import FloatArray, IntArray, Params
+from sojourn_machine.params import FloatArray, IntArray
+from sojourn_physics.sensors.angle_sensor import AngleSensorParams
 
 
-class EncoderParams(Params):
+class EncoderParams(AngleSensorParams):
     """One encoder."""
 
+    kind: str = Field(default="encoder", exclude=True, description="kind of angle sensor")
     bits: int = Field(ge=4, le=32, description="counts of a turn of the encoder's shaft, as a power of two [1]")
-    side: Literal["motor", "output"] = Field(description="shaft that carries the encoder")
-    gear_ratio: float = Field(
-        default=1.0, ge=1.0, le=1e5, description="turns of the encoder's shaft for one turn of the joint [1]"
-    )
-    rate_window: int = Field(default=1, ge=1, le=50, description="periods over which the rate is taken [1]")
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if self.side == "output" and self.gear_ratio != 1.0:
-            raise ValueError(f"gear_ratio = {self.gear_ratio}: allowed is 1 for an encoder on the output side")
-        return self
 
     @property
     def resolution(self) -> float:
@@ -54,8 +44,6 @@ class EncoderBank:
     """Angle of one count, shape (n,) [rad]."""
     window: IntArray
     """Periods of the rate, shape (n,) [1]."""
-    on_motor: NDArray[np.bool_]
-    """Whether it reads the motor's shaft, shape (n,)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -73,7 +61,6 @@ def bank(encoders: tuple[EncoderParams, ...]) -> EncoderBank:
     return EncoderBank(
         resolution=np.array([encoder.resolution for encoder in encoders], dtype=np.float64),
         window=np.array([encoder.rate_window for encoder in encoders], dtype=np.int64),
-        on_motor=np.array([encoder.side == "motor" for encoder in encoders], dtype=bool),
     )
 
 

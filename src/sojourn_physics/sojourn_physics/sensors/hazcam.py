@@ -15,10 +15,12 @@ Sources: Matthies & Shafer (1987), IEEE J. Robotics and Automation 3(3):239 (err
 Geophys. Res. 108(E12):8071 (hazard cameras of the Mars Exploration Rovers: 124 degrees square, 2.1 mrad a pixel);
 Goldberg, Maimone & Matthies (2002), IEEE Aerospace Conf. 5:2025 (their use for navigation).
 
-Assumptions: a good match on every ray that meets ground within range (no lack of texture, shadow or glare); the error
-of direction, a fraction of a pixel, is left out; so are the machine's own body and the ruts of its wheels (the ground
-is that of the scenario). Beyond the edge of the map the ground goes on level, as in the plant. Points are rounded to
-RESOLUTION, far below the noise: float32 numbers with few digits are what a bag can pack.
+By night, and where the machine stands in a shadow, a camera without a lamp sees nothing: `least_light`.
+
+Assumptions: a good match on every ray that meets ground within range (no lack of texture, single shadow or glare); the
+error of direction, a fraction of a pixel, is left out; so are the machine's own body and the ruts of its wheels (the
+ground is that of the scenario). Beyond the edge of the map the ground goes on level, as in the plant. Points are
+rounded to RESOLUTION, far below the noise: float32 numbers with few digits are what a bag can pack.
 """
 
 import math
@@ -59,6 +61,9 @@ class HazcamParams(Params):
     baseline: float = Field(gt=0.0, le=2.0, description="distance of the two cameras [m]")
     focal_length_px: float = Field(gt=0.0, le=1e5, description="in pixels of the matched images [px]")
     disparity_noise_px: float = Field(ge=0.0, le=10.0, description="standard deviation of a match [px]")
+    least_light: float = Field(
+        default=0.0, ge=0.0, le=1e4, description="sunlight it needs to match images; 0: it has a lamp [W/m2]"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -1,20 +1,107 @@
-"""Numba kernels of the IMU's attitude. Equations and sources in `imu`; quaternions x y z w, body in world."""
+"""Numba kernels of the IMU: its triads and its attitude. Equations and sources in `inertial_errors` and `imu`;
+quaternions x y z w, body in world.
+"""
 
 import numpy as np
 
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
+from sojourn_physics.sensors.inertial_errors import (
+    BIAS,
+    BIAS_PER_KELVIN,
+    CORRELATION_TIMES,
+    FLICKER,
+    FLICKER_SHARES,
+    G_ROW,
+    MATRIX_ROW,
+    PROCESSES,
+    QUANTUM,
+    RANDOM_WALK,
+    RANGE,
+    RATE_WALK,
+    REMAINDER,
+    SCALE_PER_KELVIN,
+    WALK,
+)
 
 
 @njit(cache=True)
-def measure(matrix: FloatArray, truth: FloatArray, bias: FloatArray, sigma: float, noise: FloatArray) -> FloatArray:
-    """matrix truth + bias + sigma noise, for a triad: shapes (3, 3) and (3,)."""
-    reading = np.empty(3)
-    for i in range(3):
-        reading[i] = bias[i] + sigma * noise[i]
+def read_triads(
+    axes: FloatArray, memory: FloatArray, truth: FloatArray, warmer: float, dt: float, noise: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """What gyros and accelerometers read, shape (6,), and remember.
+
+    Args:
+        axes, memory: as `inertial_errors.drawn` gives them. truth: rate [rad/s] and specific force [m/s^2], shape (6,).
+        warmer: temperature over that of the calibration [K].
+        noise: standard normal, shape (6,) or, with drift, (6 + 6 WALK,).
+    """
+    reading, after = np.empty(6), np.zeros_like(memory)
+    root, drifts = np.sqrt(dt), memory.shape[1] > PROCESSES
+    if drifts:
+        wander(axes, memory, after, dt, noise)
+    for i in range(6):
+        axis, first = axes[i], 3 * (i // 3)
+        value = axis[BIAS] + axis[RANDOM_WALK] / root * noise[i]
         for j in range(3):
-            reading[i] += matrix[i, j] * truth[j]
-    return reading
+            value += axis[MATRIX_ROW + j] * truth[first + j]
+        for j in range(3):
+            value += axis[G_ROW + j] * truth[3 + j]
+        value += warmer * (axis[BIAS_PER_KELVIN] + axis[SCALE_PER_KELVIN] * truth[i])
+        if drifts:
+            for p in range(PROCESSES, WALK + 1):
+                value += after[i, p]
+        value = min(max(value, -axis[RANGE]), axis[RANGE])
+        if axis[QUANTUM] > 0.0:
+            increment = memory[i, REMAINDER] + value * dt
+            counted = np.floor(increment / axis[QUANTUM] + 0.5) * axis[QUANTUM]
+            after[i, REMAINDER] = increment - counted
+            value = counted / dt
+        reading[i] = value
+    return reading, after
+
+
+@njit(cache=True)
+def wander(axes: FloatArray, memory: FloatArray, after: FloatArray, dt: float, noise: FloatArray) -> None:
+    """Flicker and rate random walk of the axes, `dt` [s] later, into `after`; shapes as in `read_triads`."""
+    place = 6
+    for p in range(len(CORRELATION_TIMES)):
+        ratio = dt / CORRELATION_TIMES[p]
+        keep, spread = np.exp(-ratio), FLICKER_SHARES[p] * np.sqrt(-np.expm1(-2.0 * ratio))
+        for i in range(6):
+            after[i, PROCESSES + p] = keep * memory[i, PROCESSES + p] + spread * axes[i, FLICKER] * noise[place]
+            place += 1
+    root = np.sqrt(dt)
+    for i in range(6):
+        after[i, WALK] = memory[i, WALK] + root * axes[i, RATE_WALK] * noise[place]
+        place += 1
+
+
+@njit(cache=True)
+def levelling_force(
+    axes: FloatArray, memory: FloatArray, truth: FloatArray, warmer: float, averaged: float, noise: FloatArray
+) -> FloatArray:
+    """Mean of the specific force that accelerometers at rest read in the time `averaged` [s] before, (3,) [m/s^2].
+
+    Of a Gauss-Markov process that is now x the mean, fading over the time A, is r x with r = T/(T + A), and its
+    variance s^2 r (1 - r). The other arguments are those of `read_triads`.
+    """
+    mean, root = np.empty(3), np.sqrt(averaged)
+    for i in range(3):
+        axis, past = axes[3 + i], memory[3 + i]
+        sigma, drift = axis[RANDOM_WALK] / root, warmer * axis[BIAS_PER_KELVIN]
+        if memory.shape[1] > PROCESSES:
+            variance = sigma**2
+            for p in range(len(CORRELATION_TIMES)):
+                part = CORRELATION_TIMES[p] / (CORRELATION_TIMES[p] + averaged)
+                drift += part * past[PROCESSES + p]
+                variance += (FLICKER_SHARES[p] * axis[FLICKER]) ** 2 * part * (1.0 - part)
+            sigma = np.sqrt(variance)
+        value = axis[BIAS] + sigma * noise[3 + i]
+        for j in range(3):
+            value += axis[MATRIX_ROW + j] * truth[3 + j]
+        mean[i] = value + drift
+    return mean
 
 
 @njit(cache=True)

@@ -1,7 +1,8 @@
 """Encoders and measured efforts of all joints, by groups: truth of a period in, readings out.
 
 Joints keep the order of the truth; those that no group names are left out. Equations of the encoders are in `encoder`;
-effort is read through a channel with noise and a resolution, from the random stream `effort.GROUP` of its group
+joints whose sensor is of another kind are read one by one (`angle_sensor`), each from the stream `angle.JOINT`.
+Effort is read through a channel with noise and a resolution, from the random stream `effort.GROUP` of its group
 (`noise`), so that a change of one group leaves the numbers of the others alone.
 """
 
@@ -10,10 +11,13 @@ from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray, IntArray
-from sojourn_physics.sensors import encoder
+from sojourn_physics.sensors import angle_sensor, encoder
+from sojourn_physics.sensors.angle_sensor import AngleSensorParams, AngleState
+from sojourn_physics.sensors.encoder import EncoderParams
 from sojourn_physics.sensors.noise import NoiseStream, draw, initial_streams, quantise
 from sojourn_physics.sensors.params import JointGroupParams
 from sojourn_physics.sensors.truth import require_numbers
@@ -41,7 +45,13 @@ class Layout:
     """Joints of the truth, measured or not [1]."""
     measured: IntArray
     """Their places in the truth, shape (k,)."""
+    on_motor: NDArray[np.bool_]
+    """Whether it is the motor's shaft that is read, shape (k,)."""
     encoders: encoder.EncoderBank
+    counted: IntArray
+    """Places of the joints with encoders among the measured ones."""
+    others: Mapping[int, AngleSensorParams]
+    """Sensors of other kinds by the place of their joint among the measured ones."""
     effort_resolution: FloatArray
     """Shape (k,) [N m]."""
     effort_noise: FloatArray
@@ -60,6 +70,8 @@ class JointSensorState:
     encoders: encoder.EncoderState
     effort_noise: NoiseStream
     """Of all groups, one after another."""
+    others: tuple[AngleState, ...] = ()
+    """In the order of the layout's."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -92,20 +104,30 @@ def initial_state(
     require_numbers("joint_position", truth.position, (len(joint_names),))
     group_of = {joint: group for group in groups.values() for joint in group.joints}
     names = tuple(name for name in joint_names if name in group_of)
+    sensors = [group_of[name].encoder for name in names]
+    encoders = {place: sensor for place, sensor in enumerate(sensors) if isinstance(sensor, EncoderParams)}
     layout = Layout(
         joint_names=names,
         joint_count=len(joint_names),
         measured=np.array([joint_names.index(name) for name in names], dtype=np.int64),
-        encoders=encoder.bank(tuple(group_of[name].encoder for name in names)),
+        on_motor=np.array([sensor.side == "motor" for sensor in sensors], dtype=bool),
+        encoders=encoder.bank(tuple(encoders.values())),
+        counted=np.array(list(encoders), dtype=np.int64),
+        others={place: sensor for place, sensor in enumerate(sensors) if place not in encoders},
         effort_resolution=np.array([group_of[name].effort_resolution for name in names], dtype=np.float64),
         effort_noise=np.array([group_of[name].effort_noise for name in names], dtype=np.float64),
         effort_offset=np.zeros(len(names)),
         effort_noise_places=np.array([list(group_of).index(name) for name in names], dtype=np.int64),
     )
+    seen = _seen(layout, truth)
     return JointSensorState(
         layout=layout,
-        encoders=encoder.initial_state(layout.encoders, _seen(layout, truth)),
+        encoders=encoder.initial_state(layout.encoders, seen[layout.counted]),
         effort_noise=initial_streams(seed, {f"effort.{name}": len(group.joints) for name, group in groups.items()}),
+        others=tuple(
+            angle_sensor.initial_state(sensor, seed, f"angle.{names[place]}", float(seen[place]))
+            for place, sensor in layout.others.items()
+        ),
     )
 
 
@@ -120,7 +142,11 @@ def step(state: JointSensorState, truth: JointTruth, dt: float) -> tuple[JointSe
     require_numbers("truth joint_effort", truth.effort, (layout.joint_count,))
     if not (isfinite(dt) and dt > 0.0):
         raise InvalidValueError("dt [s]", dt, "a finite number above 0")
-    encoders, position, velocity = encoder.step(layout.encoders, state.encoders, _seen(layout, truth), dt)
+    seen, others = _seen(layout, truth), state.others
+    if others:
+        encoders, others, position, velocity = _mixed(state, seen, dt)
+    else:
+        encoders, position, velocity = encoder.step(layout.encoders, state.encoders, seen, dt)
     effort_noise, noise = draw(state.effort_noise)
     effort = quantise(
         truth.effort[layout.measured],
@@ -129,7 +155,21 @@ def step(state: JointSensorState, truth: JointTruth, dt: float) -> tuple[JointSe
         noise[layout.effort_noise_places],
         layout.effort_resolution,
     )
-    return JointSensorState(layout, encoders, effort_noise), JointMeasurement(position, velocity, effort)
+    return JointSensorState(layout, encoders, effort_noise, others), JointMeasurement(position, velocity, effort)
+
+
+def _mixed(
+    state: JointSensorState, seen: FloatArray, dt: float
+) -> tuple[encoder.EncoderState, tuple[AngleState, ...], FloatArray, FloatArray]:
+    """Encoders and sensors of other kinds: their states, angles [rad] and rates [rad/s], (k,)."""
+    layout, after = state.layout, list[AngleState]()
+    position, velocity = np.empty_like(seen), np.empty_like(seen)
+    encoders, angles, rates = encoder.step(layout.encoders, state.encoders, seen[layout.counted], dt)
+    position[layout.counted], velocity[layout.counted] = angles, rates
+    for (place, sensor), before in zip(layout.others.items(), state.others, strict=True):
+        now, position[place], velocity[place] = angle_sensor.step(sensor, before, float(seen[place]), dt)
+        after.append(now)
+    return encoders, tuple(after), position, velocity
 
 
 def _seen(layout: Layout, truth: JointTruth) -> FloatArray:
@@ -139,4 +179,4 @@ def _seen(layout: Layout, truth: JointTruth) -> FloatArray:
     if motors is None:
         return seen
     require_numbers("truth motor_position", motors, (layout.joint_count,))
-    return np.where(layout.encoders.on_motor, motors[layout.measured], seen)
+    return np.where(layout.on_motor, motors[layout.measured], seen)

@@ -96,9 +96,15 @@ def initial_streams(seed: int, widths: Mapping[str, int]) -> NoiseStream:
 
 def draw(stream: NoiseStream) -> tuple[NoiseStream, FloatArray]:
     """The stream after the draw, and a row of standard normal numbers, shape (width,), read-only."""
-    if stream.row == stream.block.shape[0]:
+    if stream.row == ROWS:
         stream = _next_block([(_generator_at(place), place.width) for place in stream.generators])
     return NoiseStream(stream.generators, stream.block, stream.row + 1), stream.block[stream.row]
+
+
+def draw_rows(stream: NoiseStream) -> tuple[NoiseStream, FloatArray]:
+    """As `draw`, of all the rows that are left of a block, or of the next: shape (n, width), n from 1 to ROWS."""
+    after, _ = draw(stream)
+    return NoiseStream(after.generators, after.block, ROWS), after.block[after.row - 1 :]
 
 
 def _generator_at(place: GeneratorPlace) -> np.random.Generator:

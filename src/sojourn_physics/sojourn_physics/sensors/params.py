@@ -13,24 +13,28 @@ from pydantic import (
 )  # fmt: skip
 from pydantic_core import InitErrorDetails, to_json
 
-from sojourn_machine.choice import KindsOf
+from sojourn_machine.choice import KindsOf, within
 from sojourn_machine.errors import UnknownNameError
 from sojourn_machine.params import Params
-from sojourn_machine.sensor_choice import SENSORS, SensorParams
-from sojourn_physics.sensors.encoder import EncoderParams
+from sojourn_machine.sensor_choice import ASIDE, SENSORS, SensorParams
+from sojourn_machine.sensor_faults import SensorFaultParams
+from sojourn_machine.sensor_timing import SensorTimingParams
+from sojourn_physics.sensors.angle_sensor import AngleSensor
 
 JOINTS = "joint_groups"
 """Name and kind of the sensor that all encoders are together."""
+JOINTS_ASIDE = tuple(f"joint_{key}" for key in ASIDE)
+"""What every sensor has beside its own keys, of the encoders."""
 REQUIRED = {"imu": "/imu/data", "bus": "/bus/state"}
 """Topics on which every machine has a sensor, by the kind that comes with us: the flight side cannot do without."""
 AnyParams = TypeVar("AnyParams", bound=Params)
 
 
 class JointGroupParams(Params):
-    """Joints with the same encoder and the same measurement of effort (from motor current)."""
+    """Joints with the same angle sensor and the same measurement of effort (from motor current)."""
 
     joints: tuple[str, ...] = Field(min_length=1, description="names of the joints, as in the URDF")
-    encoder: EncoderParams = Field(description="encoder of each joint")
+    encoder: AngleSensor = Field(description="angle sensor of each joint")
     effort_resolution: float = Field(gt=0.0, le=1e4, description="step of the measured joint effort [N m]")
     effort_noise: float = Field(ge=0.0, le=1e4, description="standard deviation of the measured effort [N m]")
 
@@ -47,6 +51,12 @@ class SensorSuiteParams(Params):
     """What the other keys may be."""
 
     joint_groups: dict[str, JointGroupParams] = Field(default_factory=dict, description="group name to its joints")
+    joint_timing: SensorTimingParams | None = Field(
+        default=None, description="when all encoders together measure and when they are heard"
+    )
+    joint_faults: dict[str, SensorFaultParams] = Field(
+        default_factory=dict, description="what is wrong with all encoders together, by any names"
+    )
     powered_by: dict[str, str] = Field(
         default_factory=dict, description="load of the bus that feeds each sensor; one that is left out always works"
     )
@@ -59,7 +69,8 @@ class SensorSuiteParams(Params):
     @property
     def sensors(self) -> dict[str, SensorParams]:
         """All sensors by their names, the encoders first."""
-        return {JOINTS: SENSORS.get(JOINTS).model_validate({"groups": self.joint_groups}), **self.named}
+        joints = {"groups": self.joint_groups, "timing": self.joint_timing, "faults": self.joint_faults}
+        return {JOINTS: SENSORS.get(JOINTS).model_validate(joints), **self.named}
 
     def first(self, kind: type[AnyParams]) -> AnyParams | None:
         """The first sensor with parameters of a class, None of a machine without one."""
@@ -77,7 +88,7 @@ class SensorSuiteParams(Params):
     @model_serializer(mode="wrap")
     def _with_kinds(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """As the file: a sensor that is not named by its kind says which it is."""
-        found: dict[str, Any] = dump(self)
+        found: dict[str, Any] = {key: value for key, value in dump(self).items() if value or key not in JOINTS_ASIDE}
         for name, params in self.named.items():
             found[name] = params.model_dump(mode="json") | ({"kind": params.kind} if params.kind != name else {})
         return found
@@ -94,7 +105,7 @@ class SensorSuiteParams(Params):
             try:
                 found[name] = read_sensor(name, table)
             except ValidationError as error:
-                problems += [_within(name, detail) for detail in error.errors(include_url=False)]
+                problems += [within(name, detail) for detail in error.errors(include_url=False)]
         spoken = {row.name for params in found.values() for row in getattr(params, "speaks_on", ())}
         absent = [] if problems else [kind for kind, topic in REQUIRED.items() if topic not in spoken]
         problems += [InitErrorDetails(type="missing", loc=(kind,), input=dict(found)) for kind in absent]
@@ -141,10 +152,3 @@ def read_sensor(name: str, table: Any) -> Any:
         raise ValidationError.from_exception_data(name, [details]) from None
     # text is no number and a list stands for a tuple, as in the files: strict mode takes them so from JSON alone
     return kind.model_validate_json(to_json({**table, "kind": told}), strict=True)
-
-
-def _within(name: str, detail: Any) -> InitErrorDetails:
-    """The same problem, told of the table of that name."""
-    return InitErrorDetails(
-        type=detail["type"], loc=(name, *detail["loc"]), input=detail["input"], ctx=detail.get("ctx", {})
-    )

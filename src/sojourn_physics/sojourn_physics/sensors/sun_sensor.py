@@ -1,4 +1,4 @@
-"""Sun sensor: the direction to the Sun in the sensor's frame, where the Sun is up and in the field of view.
+"""Sun sensor: the direction to the Sun in the sensor's frame, where the Sun is seen and in the field of view.
 
     measured = unit(u + (m + sigma n) x u)
 
@@ -7,8 +7,9 @@ once at the reset, about each axis of 1 sigma = `misalignment_deg`; n standard n
 the noise of the direction is `noise_deg` across the line of sight in both directions (Wertz 1978, Spacecraft Attitude
 Determination and Control, sec. 6.1: digital sun sensors, field of view up to 128 deg, 0.01 to 0.5 deg).
 
-No fix, which is a vector of zeros, where the Sun's centre is below the horizon or farther from the boresight than
-`field_of_view_deg`. Assumptions: small angles; nothing of the machine or the ground stands in the way; no albedo.
+No fix, a vector of zeros, where half of the Sun's disc is hidden (its centre is below the horizon, or something
+has come before it) or it is farther from the boresight than `field_of_view_deg`. Assumptions: small angles; nothing of
+the machine stands in the way; no albedo; half a disc is found where a whole one would be, 0.1 deg off at most.
 """
 
 import math
@@ -47,13 +48,13 @@ def initial_state(params: SunSensorParams, seed: int, name: str = "sun") -> SunS
 
 
 def step(
-    params: SunSensorParams, state: SunSensorState, direction: FloatArray, elevation: float
+    params: SunSensorParams, state: SunSensorState, direction: FloatArray, visible: float
 ) -> tuple[SunSensorState, FloatArray]:
     """One reading.
 
     Args:
         direction: true unit vector to the Sun in the sensor's frame, shape (3,).
-        elevation: of the Sun over the horizon [rad].
+        visible: part of the Sun's disc that is seen from where the machine is, 0 to 1.
 
     Returns:
         the state and the measured unit vector, shape (3,); zeros for no fix.
@@ -65,7 +66,7 @@ def step(
         raise InvalidValueError("direction of the Sun", direction.tolist(), "a unit vector of three numbers")
     stream, noise = draw(state.stream)  # in every reading, so that a hidden Sun shifts no later noise
     after = SunSensorState(state.misalignment, stream)
-    if elevation <= 0.0 or direction[2] < math.cos(math.radians(params.field_of_view_deg)):
+    if visible <= 0.5 or direction[2] < math.cos(math.radians(params.field_of_view_deg)):
         return after, np.zeros(3)
     turned = direction + np.cross(state.misalignment + math.radians(params.noise_deg) * noise, direction)
     return after, turned / math.sqrt(float(turned @ turned))

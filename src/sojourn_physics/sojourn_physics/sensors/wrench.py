@@ -6,7 +6,8 @@ The bias is drawn once at the reset (1 sigma = `bias`); n is standard normal and
 force x y z, moment x y z, in the frame of the sensor. Told is what the tool and all that it carries does to the arm: a
 tool that hangs pulls down, one that stands on the ground pushes up. A reading at the end of the range is saturated.
 
-Assumption: white noise at the rate of the reading; no cross-talk between axes, no drift with temperature.
+Cross-talk, drift and what an overload leaves are in `wrench_errors`; a sensor whose file names none of them has none.
+Assumption: white noise at the rate of the reading.
 """
 
 from dataclasses import dataclass
@@ -18,8 +19,16 @@ from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray, Params
 from sojourn_physics.sensors.noise import NoiseStream, draw, initial_stream, quantise_within
 from sojourn_physics.sensors.truth import require_numbers
+from sojourn_physics.sensors.wrench_errors import (
+    AXES,
+    WrenchConditions,
+    WrenchErrors,
+    WrenchErrorsParams,
+    initial_errors,
+    seen,
+)
 
-AXES = 6
+AS_IT_WAS_ZEROED = WrenchConditions()
 
 
 class AxesParams(Params):
@@ -36,6 +45,7 @@ class WrenchSensorParams(Params):
 
     force: AxesParams = Field(description="the three axes of force [N]")
     moment: AxesParams = Field(description="the three axes of moment [N m]")
+    errors: WrenchErrorsParams | None = Field(default=None, description="what else is wrong with it; none: nothing")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -48,6 +58,10 @@ class WrenchSensorState:
     smallest: FloatArray
     largest: FloatArray
     stream: NoiseStream
+    errors: WrenchErrors | None = None
+    """None: of a sensor without any."""
+    tells_nothing_beyond: bool = False
+    """Whether an axis that is beyond its range is NaN."""
 
 
 def initial_state(params: WrenchSensorParams, seed: int, name: str = "wrist") -> WrenchSensorState:
@@ -58,12 +72,21 @@ def initial_state(params: WrenchSensorParams, seed: int, name: str = "wrist") ->
 
     stream, row = draw(initial_stream(seed, name, AXES))
     largest = axes("largest")
-    return WrenchSensorState(row * axes("bias"), axes("noise"), axes("resolution"), -largest, largest, stream)
+    columns = row * axes("bias"), axes("noise"), axes("resolution"), -largest, largest
+    if params.errors is None:
+        return WrenchSensorState(*columns, stream)
+    errors = initial_errors(params.errors, largest, seed, name)
+    return WrenchSensorState(*columns, stream, errors, params.errors.beyond == "nan")
 
 
-def step(state: WrenchSensorState, truth: FloatArray) -> tuple[WrenchSensorState, FloatArray]:
+def step(
+    state: WrenchSensorState, truth: FloatArray, now: WrenchConditions = AS_IT_WAS_ZEROED
+) -> tuple[WrenchSensorState, FloatArray]:
     """Measure `truth`, (6,) [N], [N m]; returns the state and the reading, alike. Raises InvalidValueError."""
     require_numbers("truth wrist_wrench", truth, (AXES,))
+    errors, shown = (None, truth) if state.errors is None else seen(state.errors, truth, now)
     stream, noise = draw(state.stream)
-    reading = quantise_within(truth, state.bias, state.noise, noise, state.resolution, state.smallest, state.largest)
-    return replace(state, stream=stream), reading
+    reading = quantise_within(shown, state.bias, state.noise, noise, state.resolution, state.smallest, state.largest)
+    if state.tells_nothing_beyond:
+        reading[np.abs(shown + state.bias) > state.largest] = np.nan
+    return replace(state, stream=stream, errors=errors), reading

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy import ndimage
 
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.kernels import njit
@@ -57,6 +56,8 @@ def filled(heights: FloatArray, how: Literal["no", "nearest", "linear"]) -> Floa
         raise InvalidValueError("fill", how, f"nearest or linear: {count} of the pixels ({share:.2g} %) have no height")
     if count == holes.size:
         raise InvalidValueError("heights", "holes only", "some pixels with a height")
+    from scipy import ndimage  # here: most runs have no raster, or one without holes
+
     nearest = ndimage.distance_transform_edt(holes, return_distances=False, return_indices=True)
     whole = heights[tuple(nearest)]
     if how == "linear":

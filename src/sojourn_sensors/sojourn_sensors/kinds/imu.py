@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+from pydantic import Field
 
 from sojourn_contract.topics import topic
 from sojourn_contract.values import NOT_MEASURED, Imu
@@ -13,14 +14,18 @@ from sojourn_machine.params import FloatArray
 from sojourn_machine.sensor_choice import SensorParams
 from sojourn_physics.sensors import imu
 from sojourn_physics.sensors.imu import ImuParams, ImuReading
+from sojourn_sensors.load_temperature import LoadTemperature
 from sojourn_sensors.motion import ImuMotion, MotionBefore
 from sojourn_sensors.sensor import Sensor, SensorSite, Truth
 
 
 class ImuSensorParams(ImuParams, SensorParams):
-    """An IMU on the link `imu_link`."""
+    """An IMU on the link `imu_link`. It is as warm as what its load warms in the machine's `thermal.yaml`."""
 
     kind: str = "imu"
+    temperature: float = Field(
+        default=293.15, gt=0.0, le=1000.0, description="of the IMU where no thermal.yaml tells it [K]"
+    )
     speaks_on: ClassVar[tuple[Any, ...]] = (topic("/imu/data"),)
 
     def sensor(self, name: str, site: SensorSite) -> "ImuSensor":
@@ -30,9 +35,10 @@ class ImuSensorParams(ImuParams, SensorParams):
 
 @dataclass(frozen=True, slots=True)
 class ImuSensorState:
-    """Errors and attitude of the IMU, and the motion of the period before."""
+    """Errors, attitude and temperature [K] of the IMU, and the motion of the period before."""
 
     imu: imu.ImuState
+    temperature: float
     motion: MotionBefore | None = None
 
 
@@ -41,18 +47,20 @@ class ImuSensor(Sensor[ImuSensorParams, ImuSensorState, ImuReading]):
 
     def __init__(self, name: str, params: ImuSensorParams, site: SensorSite) -> None:
         super().__init__(name, params, site)
-        self._motion = ImuMotion(site.scenario.urdf_xml, site.scenario.gravity)
+        self._motion = ImuMotion(site.scenario.urdf_xml, site.scenario.gravity_field)
+        self._temperature = LoadTemperature(name, site.scenario, params.temperature)
 
     def initial_state(self, truth: Truth) -> ImuSensorState:
         heading = imu.heading_of(self._motion.orientation_imu_in_map(truth.odometry.orientation))
-        return ImuSensorState(
-            imu.initial_state(self.params, self.site.seed, heading, self.site.scenario.gravity, self.name)
-        )
+        errors = imu.initial_state(self.params, self.site.seed, heading, self.site.scenario.gravity, self.name)
+        return ImuSensorState(errors, self._temperature.at_first)
 
     def step(self, state: ImuSensorState, truth: Truth, dt: float) -> tuple[ImuSensorState, ImuReading]:
         moved, motion = self._motion.felt(state.motion, truth.odometry, dt)
-        after, reading = imu.step(self.params, state.imu, motion.angular_velocity, motion.specific_force, dt)
-        return ImuSensorState(after, moved), reading
+        rate, force = motion.angular_velocity, motion.specific_force
+        temperature = self._temperature.told(truth.inputs, state.temperature)
+        after, reading = imu.step(self.params, state.imu, rate, force, dt, temperature)
+        return ImuSensorState(after, temperature, moved), reading
 
     def step_without_power(self, state: ImuSensorState, truth: Truth, dt: float) -> tuple[ImuSensorState, ImuReading]:
         state, reading = self.step(state, truth, dt)

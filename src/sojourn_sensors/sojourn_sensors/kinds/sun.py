@@ -1,6 +1,5 @@
 """The Sun sensor: /sun_direction."""
 
-import math
 from collections.abc import Iterable, Iterator
 from typing import Any, ClassVar
 
@@ -37,23 +36,27 @@ class SunSensorKindParams(SunSensorParams, SensorParams):
 
 
 class SunSensor(Sensor[SunSensorKindParams, SunSensorState, FloatArray]):
-    """Sees the scenario's Sun, which moves as the body turns: a unit vector in the link's frame, zeros for none."""
+    """Sees the scenario's Sun, which moves as the body turns: a unit vector in the link's frame, zeros for none.
+
+    It is dark where less than half of the disc is seen: by night, in the shadow of the ground, in an eclipse.
+    """
 
     every: ClassVar[int] = ROW.every
 
     def __init__(self, name: str, params: SunSensorKindParams, site: SensorSite) -> None:
         super().__init__(name, params, site)
         self._sensor_to_base, _ = site.mounting(params.link)
+        self._sun = site.scenario.sun_over(lambda: site.ground)
 
     def initial_state(self, truth: Truth) -> SunSensorState:
         return sun_sensor.initial_state(self.params, self.site.seed, self.name)
 
     def step(self, state: SunSensorState, truth: Truth, dt: float) -> tuple[SunSensorState, FloatArray]:
-        direction = self.site.scenario.sun_direction(stamps.seconds(truth.stamp))
-        in_sensor = (rotation_matrix(truth.odometry.orientation) @ self._sensor_to_base).T @ direction
+        x, y, _ = truth.odometry.position
+        light = self._sun.light(stamps.seconds(truth.stamp), float(x), float(y))
+        in_sensor = (rotation_matrix(truth.odometry.orientation) @ self._sensor_to_base).T @ light.direction
         in_sensor /= np.linalg.norm(in_sensor)  # the quaternion of a message is a unit one to rounding only
-        elevation = math.asin(min(max(direction[2], -1.0), 1.0))
-        return sun_sensor.step(self.params, state, in_sensor, elevation)
+        return sun_sensor.step(self.params, state, in_sensor, light.visible)
 
     def step_without_power(self, state: SunSensorState, truth: Truth, dt: float) -> tuple[SunSensorState, FloatArray]:
         return self.step(state, truth, dt)[0], NO_SUN

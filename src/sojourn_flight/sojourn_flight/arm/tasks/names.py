@@ -1,6 +1,11 @@
-"""Names of the arm's tasks, for those who only name them; `requests` has what each asks for."""
+"""Names of the arm's tasks, for those who only name them; `requests` has what each of ours asks for."""
 
-TASK_NAMES = (
-    "unfold", "stow", "place", "tare", "guarded_move", "hold_force", "dig", "dump", "weigh", "pause", "resume", "drill",
-    "pick", "release",
-)  # fmt: skip
+from typing import TYPE_CHECKING
+
+from sojourn_machine.registry import Registry
+
+if TYPE_CHECKING:
+    from sojourn_flight.arm.tasks.requests import TaskRequest
+
+TASKS: "Registry[type[TaskRequest]]" = Registry("sojourn.arm_tasks", "task of the arm")
+"""What each task asks for, by its name."""

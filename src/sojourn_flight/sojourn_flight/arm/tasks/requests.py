@@ -2,16 +2,25 @@
 
 Every task has the key `preempt`: whether it replaces a goal that is under way (true) or is refused while there is one
 (false). Directions are in base_link; a direction that is left out is that of the tool.
+
+A task is a kind (`names.TASKS`): a request with its numbers, registered by an entry point of the group
+`sojourn.arm_tasks`, which begins a `Task`. Those here are ours; what begins them (`start`) takes a while to load.
 """
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeAlias
 
 from pydantic import BeforeValidator, Field, ValidationError
 
 from sojourn_flight.arm.refusal import GoalRefusedError
+from sojourn_flight.arm.tasks.names import TASKS
+from sojourn_machine.errors import UnknownNameError
 from sojourn_machine.params import Params
+
+if TYPE_CHECKING:
+    from sojourn_flight.arm.tasks.start import Beginning
+    from sojourn_flight.arm.tasks.task import Task
 
 
 def _numbers(value: object) -> object:
@@ -36,17 +45,37 @@ class TaskRequest(Params):
     task: ClassVar[str] = ""
     preempt: bool = Field(default=False, description="replace a goal that is under way, instead of being refused")
 
+    def begin(self, beginning: "Beginning") -> "Task":
+        """The task that is asked for.
+
+        Raises:
+            GoalRefusedError: it needs what this arm has not, or a line that it cannot follow.
+        """
+        raise GoalRefusedError(f"{self.task}: this arm has no law for it")
+
 
 class Unfold(TaskRequest):
     """Go to the pose 'unfold'."""
 
     task: ClassVar[str] = "unfold"
 
+    def begin(self, beginning: "Beginning") -> "Task":
+        """See TaskRequest."""
+        from sojourn_flight.arm.tasks import start
+
+        return start.named_pose(self, beginning)
+
 
 class Stow(TaskRequest):
     """Go to the pose 'stow'."""
 
     task: ClassVar[str] = "stow"
+
+    def begin(self, beginning: "Beginning") -> "Task":
+        """See TaskRequest."""
+        from sojourn_flight.arm.tasks import start
+
+        return start.named_pose(self, beginning)
 
 
 class Place(TaskRequest):
@@ -56,12 +85,24 @@ class Place(TaskRequest):
     position: Vector = Field(description="of the tip in base_link [m]")
     direction: Vector | None = Field(default=None, description="of the tool in base_link; free if left out")
 
+    def begin(self, beginning: "Beginning") -> "Task":
+        """See TaskRequest."""
+        from sojourn_flight.arm.tasks import start
+
+        return start.place(self, beginning)
+
 
 class Tare(TaskRequest):
     """Take what the wrist's sensor reads, less the known weight of the tool, for its bias: the tool hanging free."""
 
     task: ClassVar[str] = "tare"
     seconds: float = Field(default=1.0, ge=0.1, le=60.0, description="over which the readings are averaged [s]")
+
+    def begin(self, beginning: "Beginning") -> "Task":
+        """See TaskRequest."""
+        from sojourn_flight.arm.tasks import start
+
+        return start.tare(self, beginning)
 
 
 class GuardedMove(TaskRequest):
@@ -76,6 +117,12 @@ class GuardedMove(TaskRequest):
     distance: float = Field(default=0.1, ge=0.005, le=0.5, description="after which it gives up [m]")
     retract: float = Field(default=0.0, ge=0.0, le=0.5, description="distance to back off afterwards [m]")
 
+    def begin(self, beginning: "Beginning") -> "Task":
+        """See TaskRequest."""
+        from sojourn_flight.arm.tasks import start
+
+        return start.guarded_move(self, beginning)
+
 
 class HoldForce(TaskRequest):
     """Press with a force for a time; a tool that does not touch looks for the ground first."""
@@ -88,6 +135,12 @@ class HoldForce(TaskRequest):
     seconds: float = Field(default=5.0, ge=0.0, le=3600.0, description="for which it is held within the tolerance [s]")
     tolerance: float = Field(default=2.0, ge=0.5, le=20.0, description="of the force [N]")
     distance: float = Field(default=0.05, ge=0.0, le=0.5, description="the tip may move along the direction [m]")
+
+    def begin(self, beginning: "Beginning") -> "Task":
+        """See TaskRequest."""
+        from sojourn_flight.arm.tasks import start
+
+        return start.hold_force(self, beginning)
 
 
 class Dig(TaskRequest):
@@ -104,6 +157,12 @@ class Dig(TaskRequest):
     force: float = Field(default=40.0, ge=5.0, le=70.0, description="most that it may press with [N]")
     distance: float = Field(default=0.1, ge=0.005, le=0.5, description="within which the ground must be found [m]")
 
+    def begin(self, beginning: "Beginning") -> "Task":
+        """See TaskRequest."""
+        from sojourn_flight.arm.tasks import start
+
+        return start.dig(self, beginning)
+
 
 class Dump(TaskRequest):
     """Open the scoop where it is, let what is in it fall, and shut it."""
@@ -111,12 +170,24 @@ class Dump(TaskRequest):
     task: ClassVar[str] = "dump"
     seconds: float = Field(default=1.0, ge=0.1, le=60.0, description="for which it stays open [s]")
 
+    def begin(self, beginning: "Beginning") -> "Task":
+        """See TaskRequest."""
+        from sojourn_flight.arm.tasks import start
+
+        return start.dump(self, beginning)
+
 
 class Weigh(TaskRequest):
     """Weigh what is carried at the tip, from the joint torques in several postures."""
 
     task: ClassVar[str] = "weigh"
     seconds: float = Field(default=2.0, ge=0.2, le=60.0, description="over which torques are averaged in a posture [s]")
+
+    def begin(self, beginning: "Beginning") -> "Task":
+        """See TaskRequest."""
+        from sojourn_flight.arm.tasks import start
+
+        return start.weigh(self, beginning)
 
 
 class Pause(TaskRequest):
@@ -147,6 +218,12 @@ class Drill(TaskRequest):
     patience: float = Field(default=20.0, ge=1.0, le=3600.0, description="without progress, after which it ends [s]")
     distance: float = Field(default=0.1, ge=0.005, le=0.5, description="within which the ground must be found [m]")
 
+    def begin(self, beginning: "Beginning") -> "Task":
+        """See TaskRequest."""
+        from sojourn_flight.arm.tasks import start
+
+        return start.drill(self, beginning)
+
 
 class Pick(TaskRequest):
     """Take an object with the gripper: open, come from above, close, lift."""
@@ -162,18 +239,24 @@ class Pick(TaskRequest):
     )
     friction: float | None = Field(default=None, gt=0.0, le=5.0, description="of the object against the fingers [-]")
 
+    def begin(self, beginning: "Beginning") -> "Task":
+        """See TaskRequest."""
+        from sojourn_flight.arm.tasks import start
+
+        return start.pick(self, beginning)
+
 
 class Release(TaskRequest):
     """Open the gripper where it is."""
 
     task: ClassVar[str] = "release"
 
+    def begin(self, beginning: "Beginning") -> "Task":
+        """See TaskRequest."""
+        from sojourn_flight.arm.tasks import start
 
-KINDS: tuple[type[TaskRequest], ...] = (
-    Unfold, Stow, Place, Tare, GuardedMove, HoldForce, Dig, Dump, Weigh, Pause, Resume, Drill, Pick, Release
-)  # fmt: skip
-TASKS: dict[str, type[TaskRequest]] = {kind.task: kind for kind in KINDS}
-"""Every task by name."""
+        return start.release(self, beginning)
+
 
 Texts: TypeAlias = Mapping[str, Any]
 
@@ -184,22 +267,24 @@ def parse_task(name: str, values: Texts) -> TaskRequest:
     Raises:
         GoalRefusedError: an unknown task or key, with those that there are; a number that is missing or not allowed.
     """
-    if name not in TASKS:
-        raise GoalRefusedError(f"unknown task {name!r}: there are {', '.join(TASKS)}")
     try:
-        request = TASKS[name].model_validate(dict(values))
+        kind = TASKS.get(name)
+    except UnknownNameError:
+        raise GoalRefusedError(f"unknown task {name!r}: there are {', '.join(TASKS.names())}") from None
+    try:
+        request = kind.model_validate(dict(values))
         direction = getattr(request, "direction", None)
         return request if direction is None else request.model_copy(update={"direction": _unit(direction)})
     except ValidationError as error:
-        raise GoalRefusedError(_explain(name, error)) from error
+        raise GoalRefusedError(_explain(kind, error)) from error
     except ValueError as error:
         raise GoalRefusedError(f"{name}: direction: {error}") from error
 
 
-def _explain(name: str, error: ValidationError) -> str:
+def _explain(kind: type[TaskRequest], error: ValidationError) -> str:
     """What is wrong with the numbers of a task, in one line."""
     found = []
-    keys = ", ".join(TASKS[name].model_fields)
+    keys = ", ".join(kind.model_fields)
     for problem in error.errors():
         key = ".".join(str(part) for part in problem["loc"][:1])
         if problem["type"] == "extra_forbidden":
@@ -207,6 +292,6 @@ def _explain(name: str, error: ValidationError) -> str:
         elif problem["type"] == "missing":
             found.append(f"{key} is missing")
         else:
-            field = TASKS[name].model_fields[key]
+            field = kind.model_fields[key]
             found.append(f"{key} = {problem['input']!r}: {problem['msg'].lower()} ({field.description})")
-    return f"{name}: " + "; ".join(found)
+    return f"{kind.task}: " + "; ".join(found)

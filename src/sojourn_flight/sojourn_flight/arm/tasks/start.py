@@ -1,4 +1,7 @@
-"""From a request to a task under way: the directions and lines that it asks for, checked before anything moves."""
+"""From a request to a task under way: the directions and lines that it asks for, checked before anything moves.
+
+Each of our tasks is begun by a function here; a request finds its own when it is asked to begin (`requests`).
+"""
 
 import math
 from dataclasses import dataclass
@@ -7,7 +10,6 @@ from typing import TypeVar, get_args
 import numpy as np
 
 from sojourn_flight.arm.collision import check_samples, refined
-from sojourn_flight.arm.force_control import ForceControlParams
 from sojourn_flight.arm.goals import NamedGoal, PoseGoal
 from sojourn_flight.arm.kinematics import forward_kinematics, nearby_solution
 from sojourn_flight.arm.law_params import LineParams
@@ -52,6 +54,8 @@ _STEP = 0.01
 class Beginning:
     """What a task begins with."""
 
+    params: ArmParams
+    model: ArmModel
     posture: FloatArray
     """Joint positions (n,) [rad or m]."""
     feels: bool
@@ -64,98 +68,117 @@ class Beginning:
     """Where the arm is [m/s2]."""
 
 
-def start_task(
-    params: ArmParams,
-    model: ArmModel,
-    request: TaskRequest,
-    beginning: Beginning,
-) -> Task:
-    """The task that a request asks for.
+def named_pose(request: Unfold | Stow, beginning: Beginning) -> Task:
+    """Go to the pose that has the task's name."""
+    return Go(NamedGoal(request.task))
 
-    Raises:
-        GoalRefusedError: a task that needs what this arm has not, or a line that it cannot follow.
-    """
-    posture, ground, tool = beginning.posture, beginning.ground, beginning.tool
-    match request:
-        case Unfold() | Stow():
-            return Go(NamedGoal(request.task))
-        case Place():
-            return Go(PoseGoal(request.position, request.direction))
-        case Weigh():
-            return WeighTask(model, _weighing_postures(model, posture), request.seconds)
-        case Dump():
-            return DumpTask(_tool(request, tool, ScoopToolParams).lid.opening, request.seconds)
-        case Dig():
-            _tool(request, tool, ScoopToolParams)
-        case Drill():
-            _tool(request, tool, DrillToolParams)
-        case Release():
-            return ReleaseTask(_tool(request, tool, GripperToolParams).stroke)
-        case Pick():
-            return _pick(request, _tool(request, tool, GripperToolParams), params.force_control, beginning.gravity)
+
+def place(request: Place, beginning: Beginning) -> Task:
+    """See `Place`."""
+    return Go(PoseGoal(request.position, request.direction))
+
+
+def weigh(request: Weigh, beginning: Beginning) -> Task:
+    """See `Weigh`."""
+    return WeighTask(beginning.model, _weighing_postures(beginning.model, beginning.posture), request.seconds)
+
+
+def dump(request: Dump, beginning: Beginning) -> Task:
+    """See `Dump`. Raises GoalRefusedError without a scoop."""
+    return DumpTask(_tool(request, beginning.tool, ScoopToolParams).lid.opening, request.seconds)
+
+
+def release(request: Release, beginning: Beginning) -> Task:
+    """See `Release`. Raises GoalRefusedError without a gripper."""
+    return ReleaseTask(_tool(request, beginning.tool, GripperToolParams).stroke)
+
+
+def tare(request: Tare, beginning: Beginning) -> Task:
+    """See `Tare`. Raises GoalRefusedError without the wrist's sensor."""
+    _feels(request, beginning)
+    return TareTask(request.seconds, np.zeros(6))
+
+
+def guarded_move(request: GuardedMove, beginning: Beginning) -> Task:
+    """See `GuardedMove`. Raises GoalRefusedError without the wrist's sensor, or for a line that cannot be followed."""
+    _feels(request, beginning)
+    params, model, posture = beginning.params, beginning.model, beginning.posture
+    start = forward_kinematics(model, posture).position
+    direction = _direction(model, request.direction, posture)
+    check_line(params, model, posture, direction, request.distance, beginning.ground)
+    return GuardedMoveTask(direction, start, request.speed, request.force, request.distance, request.retract, start)
+
+
+def hold_force(request: HoldForce, beginning: Beginning) -> Task:
+    """See `HoldForce`. Raises as `guarded_move`."""
+    _feels(request, beginning)
+    params, model, posture = beginning.params, beginning.model, beginning.posture
+    start = forward_kinematics(model, posture).position
+    direction = _direction(model, request.direction, posture)
+    if request.distance > 0.0:
+        check_line(params, model, posture, direction, request.distance, beginning.ground)
+    return HoldForceTask(direction, start, request.force, request.seconds, request.tolerance, request.distance)
+
+
+def dig(request: Dig, beginning: Beginning) -> Task:
+    """See `Dig`. Raises as `guarded_move`, and without a scoop."""
+    lid = _tool(request, beginning.tool, ScoopToolParams).lid
+    _feels(request, beginning)
+    params, model, posture, ground = beginning.params, beginning.model, beginning.posture, beginning.ground
+    start = forward_kinematics(model, posture).position
+    direction = _direction(model, request.direction, posture)
+    along = _across(direction, np.array(request.along or (-1.0, 0.0, 0.0)))
+    into = request.depth
+    reach = check_line(params, model, posture, direction, request.distance + into, ground, into)
+    begun = reach[_first_below(model, reach, ground, into) - 1]
+    end = check_line(params, model, begun, along, request.length, ground, into)[-1]
+    check_line(params, model, end, -direction, into, ground, into)
+    return DigTask(
+        direction,
+        along,
+        request.depth,
+        request.length,
+        request.speed,
+        request.force,
+        request.distance,
+        first=start,
+        touched=start,
+        begun=start,
+        lid=lid.opening,
+    )
+
+
+def drill(request: Drill, beginning: Beginning) -> Task:
+    """See `Drill`. Raises as `guarded_move`, without a drill, and for a rate that this one has not."""
+    tool = _tool(request, beginning.tool, DrillToolParams)
+    _feels(request, beginning)
+    model, posture = beginning.model, beginning.posture
+    start = forward_kinematics(model, posture).position
+    rate = tool.rate if request.rate is None else request.rate
+    if rate > tool.rate:
+        raise GoalRefusedError(f"drill: rate = {rate:g} rad/s: allowed is at most {tool.rate:g}, the drill's own")
+    direction = _direction(model, request.direction, posture)
+    into = request.depth
+    check_line(beginning.params, model, posture, direction, request.distance + into, beginning.ground, into)
+    return DrillTask(
+        tool,
+        direction,
+        request.depth,
+        request.force,
+        rate,
+        request.speed,
+        request.patience,
+        request.distance,
+        first=start,
+        touched=start,
+        temperature=tool.heat.ambient,
+    )
+
+
+def _feels(request: TaskRequest, beginning: Beginning) -> None:
+    """Refuse a task of touch where the wrist's sensor does not give its wrench."""
     if not beginning.feels:
         raise GoalRefusedError(f"{request.task}: this arm feels no forces: its wrist's sensor says nothing")
-    start = forward_kinematics(model, posture).position
-    match request:
-        case Tare():
-            return TareTask(request.seconds, np.zeros(6))
-        case GuardedMove():
-            direction = _direction(model, request.direction, posture)
-            check_line(params, model, posture, direction, request.distance, ground)
-            return GuardedMoveTask(
-                direction, start, request.speed, request.force, request.distance, request.retract, start
-            )
-        case HoldForce():
-            direction = _direction(model, request.direction, posture)
-            if request.distance > 0.0:
-                check_line(params, model, posture, direction, request.distance, ground)
-            return HoldForceTask(direction, start, request.force, request.seconds, request.tolerance, request.distance)
-        case Dig():
-            lid = _tool(request, tool, ScoopToolParams).lid
-            direction = _direction(model, request.direction, posture)
-            along = _across(direction, np.array(request.along or (-1.0, 0.0, 0.0)))
-            into = request.depth
-            reach = check_line(params, model, posture, direction, request.distance + into, ground, into)
-            begun = reach[_first_below(model, reach, ground, into) - 1]
-            end = check_line(params, model, begun, along, request.length, ground, into)[-1]
-            check_line(params, model, end, -direction, into, ground, into)
-            return DigTask(
-                direction,
-                along,
-                request.depth,
-                request.length,
-                request.speed,
-                request.force,
-                request.distance,
-                first=start,
-                touched=start,
-                begun=start,
-                lid=lid.opening,
-            )
-        case Drill():
-            drill = _tool(request, tool, DrillToolParams)
-            rate = drill.rate if request.rate is None else request.rate
-            if rate > drill.rate:
-                raise GoalRefusedError(
-                    f"drill: rate = {rate:g} rad/s: allowed is at most {drill.rate:g}, the drill's own"
-                )
-            direction = _direction(model, request.direction, posture)
-            into = request.depth
-            check_line(params, model, posture, direction, request.distance + into, ground, into)
-            return DrillTask(
-                drill,
-                direction,
-                request.depth,
-                request.force,
-                rate,
-                request.speed,
-                request.patience,
-                request.distance,
-                first=start,
-                touched=start,
-                temperature=drill.heat.ambient,
-            )
-    raise GoalRefusedError(f"{request.task}: this arm has no law for it")
 
 
 def _tool(request: TaskRequest, tool: ToolParams | None, needed: type[Tool]) -> Tool:
@@ -167,12 +190,15 @@ def _tool(request: TaskRequest, tool: ToolParams | None, needed: type[Tool]) -> 
     raise GoalRefusedError(f"{request.task}: this arm {has}: allowed is a {' or '.join(get_args(kind))}")
 
 
-def _pick(request: Pick, gripper: GripperToolParams, params: ForceControlParams, gravity: float) -> PickTask:
-    """The task, if the grasp force is one that the gripper has, and that holds the object."""
+def pick(request: Pick, beginning: Beginning) -> Task:
+    """See `Pick`. Raises GoalRefusedError without a gripper, or for a grasp force that it has not, or that does not
+    hold the object.
+    """
+    gripper = _tool(request, beginning.tool, GripperToolParams)
     if request.force > gripper.force:
         raise GoalRefusedError(f"pick: force = {request.force:g} N: allowed is at most {gripper.force:g} N")
     if request.mass is not None and request.friction is not None:
-        acceleration = gravity + params.tip_acceleration
+        acceleration = beginning.gravity + beginning.params.force_control.tip_acceleration
         needed = grasp_needed(0.5 * gripper.stroke, request.mass, request.friction, acceleration)
         if needed > request.force:
             holds = f"{request.mass:g} kg with a friction of {request.friction:g}"

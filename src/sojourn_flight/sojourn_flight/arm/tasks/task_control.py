@@ -50,7 +50,7 @@ from sojourn_flight.arm.tasks.jog_control import go_on_with_jog, held_back, take
 from sojourn_flight.arm.tasks.outcome import report_of, with_outcome
 from sojourn_flight.arm.tasks.relaxed import Relaxed
 from sojourn_flight.arm.tasks.requests import Pause, Resume, TaskRequest
-from sojourn_flight.arm.tasks.start import Beginning, start_task
+from sojourn_flight.arm.tasks.start import Beginning
 from sojourn_flight.arm.tasks.task import Doing, Task, TaskView
 from sojourn_flight.arm.tasks.task_state import TaskInput, TaskReport, TaskState, initial_state
 from sojourn_flight.arm.tasks.tip_motion import (
@@ -162,8 +162,8 @@ def _take_task(
             raise GoalRefusedError(f"{request.task}: {under_way} is under way (preempt: true would replace it)")
         posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
         gravity = float(np.linalg.norm(inputs.arm.gravity_in_base))
-        beginning = Beginning(posture, inputs.wrench is not None, inputs.arm.ground, state.tool, gravity)
-        task = start_task(params, model, request, beginning)
+        feels, ground = inputs.wrench is not None, inputs.arm.ground
+        task = request.begin(Beginning(params, model, posture, feels, ground, state.tool, gravity))
     except GoalRefusedError as error:
         return state, GoalEvent("refused", str(error))
     return replace(state, activity=_doing(request.task, task, Doing(), state.motion)), ACCEPTED

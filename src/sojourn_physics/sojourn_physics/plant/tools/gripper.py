@@ -135,7 +135,7 @@ class Gripper:
         if len(own.before) == 2:
             acceleration = (np.array(tip) - 2.0 * np.array(own.before[1]) + np.array(own.before[0])) / around.dt**2
         thing = self._objects[held]
-        load = -thing.mass * (acceleration + np.array([0.0, 0.0, around.gravity]))
+        load = -thing.mass * (acceleration - around.falling)
         needed = needed_grasp(load, around.across, thing.friction)
         own = replace(
             own,

@@ -69,7 +69,7 @@ class MountedTool:
         soils: Sequence[SoilParams],
         objects: Sequence[ObjectParams] = (),
     ) -> None:
-        loads = [load.name for load in model.bus.loads]
+        loads = [load.name for load in model.loads]
         if params.load not in loads:
             raise InvalidValueError("load of the tool", params.load, "one of " + ", ".join(loads))
         self.params = params
@@ -130,6 +130,7 @@ class MountedTool:
             grid=model.grid,
             soils=model.soils,
             gravity=model.gravity,
+            falling=np.array(model.multibody.gravity.linear),
             dt=model.simulation.control_period,
             reference=wanted,
             supply=supply,

@@ -177,6 +177,9 @@ class ToolSurroundings:
     soils: FloatArray
     """Kernel rows."""
     gravity: float
+    """Its strength [m/s^2]."""
+    falling: FloatArray
+    """Acceleration of what is let go, in map (3,) [m/s^2]."""
     dt: float
     """Of the period [s]."""
     reference: FloatArray

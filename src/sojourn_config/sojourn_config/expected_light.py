@@ -1,0 +1,51 @@
+"""Light at the machine where it starts: what its power manager expects, and what a plan of its days goes by."""
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import TypeAlias
+
+import numpy as np
+
+from sojourn_config.flight import FlightScenario
+from sojourn_config.scenario import LoadedScenario
+from sojourn_flight.power_manager.preview import Around
+from sojourn_machine.power.surroundings import DARK, UPRIGHT, PowerSurroundings
+from sojourn_machine.sunlight import Sunlight
+from sojourn_physics.terrain.height_field import HeightField
+
+Sited: TypeAlias = LoadedScenario | FlightScenario
+"""A machine with its start and the Sun over it: in truth, or as it is believed to be."""
+LightAtStart: TypeAlias = Callable[[float], Sunlight]
+"""By the time after the start of the run [s]."""
+
+
+def light_at_start(scenario: Sited, terrain: Callable[[], HeightField] | None = None) -> LightAtStart:
+    """Sunlight where the machine starts. terrain: makes the ground, where it may hide the Sun; left out: only the far
+    horizon does.
+    """
+    sun, start = scenario.sun_over(terrain), scenario.start
+
+    @lru_cache(maxsize=4096)  # several ask for one moment, and forecasts for the same hours again and again
+    def light(time: float) -> Sunlight:
+        return sun.light(time, start.x, start.y)
+
+    return light
+
+
+def light_on_machine(scenario: Sited, light: LightAtStart) -> Around:
+    """On the machine, level and headed as at its start; darkness where no source goes by light."""
+    if not any(source.takes_light for source in scenario.power.sources.values()):
+        return lambda _: DARK
+    cosine, sine = np.cos(scenario.start.yaw), np.sin(scenario.start.yaw)
+    base_from_map = np.array(((cosine, sine, 0.0), (-sine, cosine, 0.0), (0.0, 0.0, 1.0)))
+
+    def around(time: float) -> PowerSurroundings:
+        here = light(time)
+        return PowerSurroundings(base_from_map @ here.direction, here.direct, here.diffuse, UPRIGHT)
+
+    return around
+
+
+def expected_light(scenario: FlightScenario) -> Around:
+    """As the machine's computer expects it: of the ground about it nothing is known before it has been seen."""
+    return light_on_machine(scenario, light_at_start(scenario))

@@ -1,0 +1,36 @@
+"""What a run's flight side is made of: the machine as it is believed to be, and what its operators have told it.
+
+By its type nothing of the plant's truth can be reached from here: no soil, terrain, wind, fault, no true power.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from sojourn_config.known_machine import KnownMachine
+from sojourn_flight.power_manager.activities import ActivityParams
+from sojourn_physics.environment.sun.over import SunOver
+from sojourn_physics.environment.sun.path import SunParams
+from sojourn_physics.terrain.height_field import HeightField
+
+if TYPE_CHECKING:
+    from sojourn_config.scenario import StartConfig
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlightScenario(KnownMachine):
+    """A scenario as the roles that would fly know it.
+
+    Args:
+        start: where the machine is said to stand at the start.
+        sun: the date, or the Sun's place then: an ephemeris.
+        activities: what is planned for the hours and days ahead.
+    """
+
+    start: "StartConfig"
+    sun: SunParams
+    activities: tuple[ActivityParams, ...]
+
+    def sun_over(self, terrain: Callable[[], HeightField] | None = None) -> SunOver:
+        """The Sun over the site, by the ephemeris. terrain: makes ground that may hide it, where any is known."""
+        return SunOver(self.sun, self.body, self.site, terrain)

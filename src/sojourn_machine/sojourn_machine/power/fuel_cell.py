@@ -1,0 +1,109 @@
+"""A stack of hydrogen and oxygen fuel cells with its tanks: polarisation, Faraday's law, heat.
+
+The stack works at its own temperature, which it is taken to hold; a regulator gives its power to the bus at any
+voltage. Equations and their sources: `polarisation`. Auxiliaries (pumps, valves) take a part of what the stack makes.
+It gives nothing once either tank is empty; what the step that empties one takes too much shows as a mass below 0.
+Left out: start-up, purging, ageing, and how the voltage goes with pressure.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from pydantic import Field
+
+from sojourn_machine.evolution import replace
+from sojourn_machine.power.polarisation import (
+    CM2,
+    HYDROGEN_PER_CHARGE,
+    OXYGEN_PER_CHARGE,
+    THERMONEUTRAL,
+    FuelCellCurve,
+)
+from sojourn_machine.power.sources import SourceParams, SourcePoint, require_step
+from sojourn_machine.power.surroundings import DARK, PowerSurroundings
+
+
+@dataclass(frozen=True, slots=True)
+class FuelCellState:
+    """What a stack remembers."""
+
+    hydrogen: float
+    """In its tank [kg]."""
+    oxygen: float
+    """Likewise [kg]."""
+    water: float = 0.0
+    """Made since the start of the run [kg]."""
+    energy: float = 0.0
+    """Given to the bus [J]."""
+    energy_heat: float = 0.0
+    """Released by stack, auxiliaries and regulator [J]."""
+
+
+class FuelCellParams(SourceParams):
+    """One stack."""
+
+    kind: str = "fuel_cell"
+    curve: FuelCellCurve = Field(description="of one cell")
+    cells: int = Field(ge=1, le=10_000, description="in series [1]")
+    area: float = Field(gt=0.0, le=10.0, description="of one cell [m2]")
+    largest_current_density: float = Field(gt=0.0, le=1e4, description="that is allowed [mA/cm2]")
+    hydrogen: float = Field(ge=0.0, le=1e4, description="in its tank at the start [kg]")
+    oxygen: float = Field(ge=0.0, le=1e5, description="in its tank at the start [kg]")
+    auxiliaries: float = Field(default=0.0, ge=0.0, lt=1.0, description="part of its power that pumps take [1]")
+    regulator_efficiency: float = Field(default=1.0, gt=0.0, le=1.0, description="between stack and bus [1]")
+
+    @cached_property
+    def best_density(self) -> float:
+        """Current density of the most power that is allowed [mA/cm2]."""
+        return self.curve.most_power_density(self.largest_current_density)
+
+    @property
+    def passed(self) -> float:
+        """Part of the stack's power that reaches the bus [1]."""
+        return (1.0 - self.auxiliaries) * self.regulator_efficiency
+
+    def initial_state(self) -> FuelCellState:
+        """Tanks as its file has them."""
+        return FuelCellState(self.hydrogen, self.oxygen)
+
+    def stack_power(self, density: float) -> float:
+        """At a current density [mA/cm2] [W]."""
+        return self.cells * self.area * CM2 * 1e-3 * density * self.curve.voltage(density)
+
+    def point(self, state: FuelCellState, surroundings: PowerSurroundings = DARK) -> SourcePoint:
+        """The most that the curve allows; nothing from an empty tank."""
+        if state.hydrogen <= 0.0 or state.oxygen <= 0.0:
+            return SourcePoint(0.0)
+        return SourcePoint(self.passed * self.stack_power(self.best_density))
+
+    def voltage_at(self, power: float) -> float:
+        """Of a cell while the bus is given a power [W] [V]."""
+        each = power / self.passed / (self.cells * self.area * CM2 * 1e-3)
+        return self.curve.voltage(self.curve.density_at(each, self.best_density))
+
+    def step(
+        self, state: FuelCellState, power: float, dt: float, surroundings: PowerSurroundings = DARK
+    ) -> FuelCellState:
+        """Emptier by what it took to give `power` [W] for `dt` [s]."""
+        require_step(power, dt)
+        if power <= 0.0:
+            return state
+        charge = power / self.passed / self.voltage_at(power) * dt  # through all cells, one after another
+        hydrogen, oxygen = HYDROGEN_PER_CHARGE * charge, OXYGEN_PER_CHARGE * charge
+        return replace(
+            state,
+            hydrogen=state.hydrogen - hydrogen,
+            oxygen=state.oxygen - oxygen,
+            water=state.water + hydrogen + oxygen,
+            energy=state.energy + power * dt,
+            energy_heat=state.energy_heat + THERMONEUTRAL * charge - power * dt,
+        )
+
+    def heat_given(self, before: FuelCellState, after: FuelCellState) -> float:
+        """All of its heat: the stack holds its temperature."""
+        return after.energy_heat - before.energy_heat
+
+    @property
+    def most_power(self) -> float:
+        """With full tanks [W]."""
+        return self.passed * self.stack_power(self.best_density)

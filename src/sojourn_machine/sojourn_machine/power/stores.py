@@ -1,0 +1,126 @@
+"""What a store of energy is to its network: an electromotive force behind a resistance, with a state of charge.
+
+A kind of store is one module: parameters derived from `StoreParams`, a state with `soc` and `temperature`, equations
+with their source. It is registered by an entry point of the group `sojourn.power_stores` under the name that a file
+says as `kind`. Nothing else changes: network, plant, contract and power manager know only what is here.
+"""
+
+from typing import Any, NamedTuple, Protocol
+
+from pydantic import Field
+
+from sojourn_machine.params import Params
+from sojourn_machine.registry import Registry
+
+MAIN = "main"
+"""The bus on which a member is whose file names none."""
+STORES: "Registry[type[StoreParams]]" = Registry("sojourn.power_stores", "kind of store")
+"""Parameter sets of the kinds of stores, by their names."""
+
+
+class StoreState(Protocol):
+    """What every store remembers, whatever else it does."""
+
+    @property
+    def soc(self) -> float:
+        """State of charge [1]."""
+
+    @property
+    def temperature(self) -> float:
+        """[K]"""
+
+
+class StorePoint(NamedTuple):
+    """A store as its bus sees it for a control period; a row of the kernel's table. The current out of it at a bus
+    voltage V is (source - V) / resistance, unless it may not flow that way.
+    """
+
+    source: float
+    """Electromotive force [V]."""
+    resistance: float
+    """In series, above 0 [ohm]."""
+    ceiling: float
+    """Bus voltage up to which sources and converters may charge it [V]; its own force where they may not at all."""
+    discharges: bool
+    """Current may flow out."""
+    charges: bool
+    """Current may flow in."""
+
+
+class StoreParams(Params):
+    """One store. Each kind has a subclass with its parameters, whose default of `kind` is its name."""
+
+    kind: str = Field(description="kind of store")
+    bus: str = Field(default=MAIN, min_length=1, description="name of the bus that it is on")
+
+    @property
+    def charge_capacity(self) -> float:
+        """Charge between full and empty [C]."""
+        raise NotImplementedError
+
+    @property
+    def charging_efficiency(self) -> float:
+        """Part of a charging current that is stored [1]."""
+        return 1.0
+
+    @property
+    def strings(self) -> int:
+        """Equal parts in parallel of which each may fail by itself [1]."""
+        return 1
+
+    def initial_state(self, soc: float, temperature: float | None = None) -> Any:
+        """A rested store at a state of charge [0..1] and a temperature [K], by default its surroundings'.
+
+        Raises:
+            InvalidValueError: either out of range.
+        """
+        raise NotImplementedError
+
+    def point(self, state: Any) -> StorePoint:
+        """The store as its bus sees it for the next control period."""
+        raise NotImplementedError
+
+    def step(self, state: Any, current: float, dt: float, temperature_surroundings: float | None = None) -> Any:
+        """The state after `current` [A, out of the store positive] has flowed for `dt` [s].
+
+        Args:
+            temperature_surroundings: [K], the value of the parameters unless given.
+
+        Raises:
+            InvalidValueError: a number that is not finite, dt not positive.
+        """
+        raise NotImplementedError
+
+    def heat_given(self, before: Any, after: Any) -> float:
+        """Heat that went into its surroundings between two of its states, 0 where the kind keeps no account [J]."""
+        return 0.0
+
+    def stored_energy(self, soc: float) -> float:
+        """Energy above empty at a state of charge [J]."""
+        raise NotImplementedError
+
+    def open_circuit_voltage(self, soc: float) -> float:
+        """Of the rested store at a state of charge [V]."""
+        raise NotImplementedError
+
+    def soc_from_open_circuit_voltage(self, voltage: float) -> float:
+        """State of charge [0..1] of a rested store whose terminals show `voltage` [V]."""
+        raise NotImplementedError
+
+    def settled_resistance(self, temperature: float) -> float:
+        """What a steady current meets at a temperature [K], polarisation included [ohm]."""
+        raise NotImplementedError
+
+    def polarisation(self, temperature: float) -> tuple[float, float]:
+        """The part of it that a current meets slowly [ohm], and its time constant [s]; zeros where there is none."""
+        return 0.0, 0.0
+
+    def limits_exceeded(self, temperature: float, current: float) -> tuple[str, ...]:
+        """Which limits a temperature [K] and a current [A, out positive] break, in words."""
+        return ()
+
+    @property
+    def most_power(self) -> float:
+        """That a full store can give [W]: its force squared over four times its resistance."""
+        point = self.point(self.initial_state(1.0))
+        return point.source**2 / (4.0 * point.resistance)

@@ -1,0 +1,1 @@
+"""The thermal network of a machine: nodes, conductors, heaters, and its step."""

@@ -1,0 +1,119 @@
+"""The thermal network of a machine beside its power network: what warms what, step by step.
+
+    loads        what a load draws is heat in the node that `warms` names; of what moves the machine the plant tells
+                 the heat of the motors, a plan of days takes all of it, work on the ground included
+    heaters      a thermostat is a contact in series with the load of its name: the part of a step for which it was
+                 closed (its duty) is the part of its power that the load may take in the next one
+    stores       have a temperature of their own and lose heat to the node that `warms` names, which is what is round
+                 them; a store that is not named has the surroundings of its own parameters
+    sources      give their waste heat to the node that `warms` names
+
+So all electrical energy of a heater is heat in its node, one step later. The step is the plant's control period or a
+minute of a forecast alike.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from sojourn_machine.evolution import replace
+from sojourn_machine.params import FloatArray
+from sojourn_machine.power.network_state import NetworkState
+from sojourn_machine.power.power_params import PowerParams
+from sojourn_machine.thermal.network import ThermalNetwork, ThermalState, ThermalSurroundings
+from sojourn_machine.thermal.thermal_params import ThermalParams
+
+AroundHeat: TypeAlias = Callable[[float], ThermalSurroundings]
+"""Ground, sky, light and air about the machine, by the time after the start of the run [s]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class HeatState:
+    """What is remembered of the heat."""
+
+    thermal: ThermalState
+    duty: FloatArray
+    """Part of the last step for which each heater's thermostat was closed, shape (heaters,) [1]."""
+
+
+class Supplied(NamedTuple):
+    """What the power network did in a step."""
+
+    before: NetworkState
+    after: NetworkState
+    fractions: FloatArray
+    """Switch of each load as it was commanded, mean of the step, (loads,) [1]."""
+    power: FloatArray
+    """Taken by each load, or of what moves the machine the part that stays in it, mean of the step, (loads,) [W]."""
+
+
+class MachineHeat:
+    """The heat of a machine.
+
+    Args:
+        params: nodes and what warms them. power: loads and stores, which these name.
+    """
+
+    def __init__(self, params: ThermalParams, power: PowerParams) -> None:
+        self.network = ThermalNetwork(params)
+        self._loads = [load.name for load in power.loads]
+        self._stores = list(power.all_stores.values())
+        places = {name: place for place, name in enumerate(self._loads)}
+        self._heaters = np.array([places[name] for name in params.heaters], dtype=np.int64)
+        self._rated = np.array([heater.power_w for heater in params.heaters.values()])
+        nodes = {name: place for place, name in enumerate(self.network.names)}
+        self._load_nodes = [
+            (place, nodes[params.warms[name]])
+            for place, name in enumerate(self._loads)
+            if name in params.warms and name not in params.heaters
+        ]
+        self._sources = [
+            (place, source, nodes[params.warms[name]])
+            for place, (name, source) in enumerate(power.sources.items())
+            if name in params.warms
+        ]
+        self._store_nodes = [nodes[params.warms[name]] if name in params.warms else None for name in power.all_stores]
+
+    def initial_state(self) -> HeatState:
+        """Nodes at their temperatures of the start, thermostats as these have them."""
+        thermal = self.network.initial_state()
+        return HeatState(thermal, thermal.heating.copy())
+
+    def through_thermostats(self, state: HeatState, fractions: FloatArray) -> FloatArray:
+        """Switches of all loads with the thermostats in series, (loads,) [1]."""
+        passed = np.array(fractions, dtype=np.float64)
+        passed[self._heaters] *= state.duty
+        return passed
+
+    def node_of(self, name: str) -> int | None:
+        """Place of the node that a load or a store of a name warms; None: none does."""
+        node = self.network.params.warms.get(name)
+        return None if node is None else self.network.names.index(node)
+
+    def store_surroundings(self, state: HeatState) -> tuple[float | None, ...]:
+        """Temperature of what is round each store; None for that of its own parameters [K]."""
+        return tuple([None if node is None else float(state.thermal.temperatures[node]) for node in self._store_nodes])
+
+    def step(self, state: HeatState, around: ThermalSurroundings, supplied: Supplied, dt: float) -> HeatState:
+        """After a step of `dt` [s] of the power network. Raises InvalidValueError as the thermal network does."""
+        heat = np.zeros(len(self.network.names))
+        for load, node in self._load_nodes:
+            heat[node] += supplied.power[load]
+        stores = zip(self._stores, supplied.before.stores, supplied.after.stores, self._store_nodes, strict=True)
+        for store, before, after, place in stores:
+            if place is not None:
+                heat[place] += store.heat_given(before, after) / dt
+        for place, source, node in self._sources:
+            heat[node] += source.heat_given(supplied.before.sources[place], supplied.after.sources[place]) / dt
+        drawn = supplied.power[self._heaters]
+        commanded = supplied.fractions[self._heaters]
+        # a closed contact passes what the bus gave, an open one would have passed as much as its switch allows
+        full = np.divide(drawn, state.duty * self._rated, out=commanded.copy(), where=state.duty > 0.0)
+        energy = state.thermal.heater_energy
+        earlier = np.zeros(len(full)) if energy is None else energy
+        thermal = self.network.step(state.thermal, around, heat, dt, fed=full)
+        added = (np.zeros(len(full)) if thermal.heater_energy is None else thermal.heater_energy) - earlier
+        closed = np.divide(added, full * self._rated * dt, out=thermal.heating.copy(), where=full > 0.0)
+        return replace(state, thermal=thermal, duty=np.clip(closed, 0.0, 1.0))

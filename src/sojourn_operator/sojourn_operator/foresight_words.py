@@ -1,0 +1,23 @@
+"""What a goal would come to, in lines for an operator: from the drive's answer to a question (`/drive/status`)."""
+
+from collections.abc import Mapping
+
+
+def foresight_lines(answer: Mapping[str, str]) -> list[str]:
+    """One line for each thing that is known. answer: fields of /drive/status."""
+    state, reason = answer.get("asked_state", "?"), answer.get("asked_reason", "")
+    lines = [f"{state}: {reason}" if reason else state]
+    for key, name, form in (
+        ("asked_length_m", "path", "{:.2f} m"),
+        ("asked_time_s", "time", "{:.0f} s"),
+        ("asked_energy_wh", "energy", "{:.2f} Wh"),
+        ("asked_charge_at_end", "charge at the end", "{:.1%}"),
+        ("asked_tilt_margin_deg", "least tilt margin", "{:.1f} deg"),
+    ):
+        if key in answer:
+            lines.append(f"{name + ':':18} {form.format(float(answer[key]))}")
+    if "asked_tilt" in answer:
+        lines[-1] += f" ({answer['asked_tilt']})"
+    if "asked_seen" in answer:
+        lines.append(f"{'ground seen:':18} {float(answer['asked_seen']):.0%} of the path")
+    return lines

@@ -1,0 +1,1 @@
+"""Kinds of steps of a scenario, one a module."""

@@ -1,0 +1,77 @@
+"""Air as measured, by altitude: temperature linear between the rows of a table, pressure as a gas at rest has it there.
+
+    T = T_0 + L (h - h_0),    p = p_0 (T/T_0)^-n,    n = -ln(p_1/p_0) / ln(T_1/T_0)    (n = g/(R L) of a gas at rest)
+    p = p_0 exp(-(h - h_0)/H),    where T_1 = T_0
+
+Exact in the rows. Altitudes may be geopotential, h = r z/(r + z) for a height z over a body of radius r, for which
+a gas at rest under a gravity that falls with height has this law (U.S. Standard Atmosphere 1976, NOAA-S/T 76-1562,
+eq. 18, 33a and 33b). Range: the rows.
+"""
+
+import math
+from bisect import bisect_right
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.params import Params
+from sojourn_physics.environment.air.atmosphere import Air, AtmosphereParams
+
+SAME = 1e-9
+"""Two temperatures nearer than this are one, over the lower [1]."""
+
+
+class AirRow(Params):
+    """The air at one altitude."""
+
+    altitude: float = Field(ge=-1e6, le=1e6, description="over the reference ellipsoid, or geopotential [m]")
+    temperature: float = Field(gt=0.0, le=5000.0, description="[K]")
+    pressure: float = Field(gt=0.0, le=1e9, description="[Pa]")
+    zonal_wind: float = Field(default=0.0, ge=-1000.0, le=1000.0, description="mean wind towards the east [m/s]")
+
+
+class TabulatedParams(AtmosphereParams):
+    """The rows from below upwards."""
+
+    kind: Literal["tabulated"] = Field(default="tabulated", description="this kind")
+    rows: tuple[AirRow, ...] = Field(min_length=2, description="from below upwards")
+    geopotential_radius: float | None = Field(
+        default=None, gt=0.0, le=1e9, description="r, where altitudes of the rows are geopotential [m]"
+    )
+
+    @model_validator(mode="after")
+    def _goes_up(self) -> Self:
+        for below, above in zip(self.rows, self.rows[1:], strict=False):
+            if not (above.altitude > below.altitude and above.pressure < below.pressure):
+                allowed = f"higher than {below.altitude:g} m with less than {below.pressure:g} Pa: rows go upwards"
+                raise InvalidValueError("rows", (above.altitude, above.pressure), allowed)
+        return self
+
+    @property
+    def altitudes(self) -> tuple[float, float]:
+        """Of the lowest and the highest row [m]."""
+        return self._height(self.rows[0].altitude), self._height(self.rows[-1].altitude)
+
+    def at(self, altitude: float) -> Air:
+        """The air at an altitude [m]."""
+        height = self._checked(altitude)
+        if self.geopotential_radius is not None:
+            height = self.geopotential_radius * height / (self.geopotential_radius + height)
+        above = min(max(bisect_right([row.altitude for row in self.rows], height), 1), len(self.rows) - 1)
+        low, high = self.rows[above - 1], self.rows[above]
+        part = (height - low.altitude) / (high.altitude - low.altitude)
+        temperature = low.temperature + part * (high.temperature - low.temperature)
+        fall = math.log(high.pressure / low.pressure)
+        if abs(high.temperature - low.temperature) > SAME * low.temperature:
+            part_of_fall = math.log(temperature / low.temperature) / math.log(high.temperature / low.temperature)
+        else:
+            part_of_fall = part
+        wind = low.zonal_wind + part * (high.zonal_wind - low.zonal_wind)
+        return self._of(temperature, low.pressure * math.exp(fall * part_of_fall), wind)
+
+    def _height(self, altitude: float) -> float:
+        """Over the ellipsoid, of an altitude in the table [m]."""
+        if self.geopotential_radius is None:
+            return altitude
+        return self.geopotential_radius * altitude / (self.geopotential_radius - altitude)

@@ -1,0 +1,64 @@
+"""Moments of time: from Coordinated Universal Time to the even time of the ephemerides.
+
+    TT = UTC + 32.184 s + (TAI - UTC)
+
+Terrestrial Time TT runs evenly; the motion of all bodies is a function of it (it differs from the time of the solar
+system's centre, TDB, by less than 2 ms). TAI - UTC grew by leap seconds to 37 s in 2017; later ones are not known, and
+a second turns Mars by 0.004 deg. The turning Earth is a function of UT1, which UTC follows within 0.9 s (0.004 deg).
+
+Source: IERS Bulletin C (leap seconds); Seidelmann and Urban (2013), Explanatory Supplement to the Astronomical Almanac,
+ch. 3. Range: 1972, when leap seconds began, to 2100.
+"""
+
+from bisect import bisect_right
+from typing import NamedTuple
+
+from sojourn_machine.errors import InvalidValueError
+
+DAY = 86400.0
+"""[s]"""
+CENTURY = 36525.0
+"""Julian century [d]."""
+J2000 = 51544.5
+"""2000 January 1, 12 h, as a Modified Julian Date [d]."""
+_UNIX = 40587.0
+"""1970 January 1, 0 h [d]."""
+_FIRST, _LAST = 41317.0, 88069.0
+"""1972 January 1 and 2100 January 1 [d]."""
+_TAI_AHEAD_IN_1972 = 10
+_LEAPS = (
+    *(41499, 41683, 42048, 42413, 42778, 43144, 43509, 43874, 44239, 44786, 45151, 45516, 46247, 47161),
+    *(47892, 48257, 48804, 49169, 49534, 50083, 50630, 51179, 53736, 54832, 56109, 57204, 57754),
+)
+"""Modified Julian Dates before which a leap second was put in, of 1972 July 1 to 2017 January 1 [d]."""
+
+
+class Instant(NamedTuple):
+    """A moment, on the two scales that bodies move by. Days since 2000 January 1, 12 h of the scale [d]."""
+
+    terrestrial: float
+    """TT, for orbits and for the rotation of all bodies but the Earth."""
+    universal: float
+    """UTC, for the rotation of the Earth."""
+
+    def after(self, seconds: float) -> "Instant":
+        """The moment `seconds` [s] later."""
+        days = seconds / DAY
+        return Instant(self.terrestrial + days, self.universal + days)
+
+
+def instant(unix_time: float) -> Instant:
+    """The moment of a date.
+
+    Args:
+        unix_time: UTC in seconds since 1970 January 1, 0 h, days of 86400 s each [s]: `datetime.timestamp()`.
+
+    Raises:
+        InvalidValueError: out of range.
+    """
+    date = unix_time / DAY + _UNIX
+    if not _FIRST <= date < _LAST:
+        raise InvalidValueError("time", date, f"{_FIRST:g} to {_LAST:g} (modified Julian date), the years 1972 to 2099")
+    ahead = 32.184 + _TAI_AHEAD_IN_1972 + bisect_right(_LEAPS, date)
+    universal = date - J2000
+    return Instant(universal + ahead / DAY, universal)

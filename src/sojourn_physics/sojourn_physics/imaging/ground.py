@@ -1,0 +1,203 @@
+"""The ground as a camera finds it: the height field of the scenario, lower by what wheels and tools have changed.
+
+Cameras ask for heights a million times an image, so they have a grid of their own in single precision (0.03 mm at 500
+m), bilinear between its nodes. It is the height field's own grid where that is bilinear; a bicubic one is taken twice
+as fine, which is off by an eighth of the second difference of two nodes at most. Off the map the ground goes from the
+height of the nearest edge to that of all edges' mean, halfway after FADE: hills of the edge would else stand to the
+horizon.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sojourn_machine.kernels import njit, small_kernel
+from sojourn_machine.params import FloatArray, IntArray
+from sojourn_physics.terrain.height_field import HeightField, sample_ground
+from sojourn_physics.terrain.memory import GroundMemory
+from sojourn_physics.terrain.memory_tiles import CHANNELS, DUG, RUT, TILE, Tile
+
+FADE = 10.0
+"""[m]"""
+FAR_STRIDE = 0.02
+"""Off the map a stride grows with the distance, by this part of it [-]."""
+UNIT = np.uint64(1)
+HIGHEST_HEAP = 0.5
+"""Above the height field's own highest node [m]."""
+
+
+class Changes(NamedTuple):
+    """What has been changed of the ground, for the kernels."""
+
+    pool: Tile
+    """(pages, TILE, TILE, CHANNELS), see `terrain/memory_tiles`; page 0 is untouched."""
+    pages: IntArray
+    """Page of each tile of the map, (rows, columns)."""
+    place: FloatArray
+    """x and y of the first node in map, distance of nodes [m], how many pages there are: (4,)."""
+
+
+class DrawnGround(NamedTuple):
+    """For the kernels."""
+
+    heights: NDArray[np.float32]
+    """At the nodes, (rows, columns) [m]."""
+    place: FloatArray
+    """(6,): x, y of the first node in map [m], nodes a metre, distance of nodes, highest ground, mean of edges [m]."""
+    bounds: FloatArray
+    """x_min, x_max, y_min, y_max of the map, (4,) [m]."""
+    changes: Changes
+
+
+def seen_ground(field: HeightField) -> DrawnGround:
+    """Of a scenario, as it was at the start."""
+    resolution, heights = field.resolution, field.heights
+    if field.interpolation == "bicubic":
+        resolution, heights = 0.5 * resolution, _twice_as_fine(heights, field.grid)
+    highest = float(heights.max()) + HIGHEST_HEAP
+    edge = float(np.concatenate([heights[0], heights[-1], heights[:, 0], heights[:, -1]]).mean())
+    place = np.array([field.origin_x, field.origin_y, 1.0 / resolution, resolution, highest, edge])
+    return DrawnGround(np.ascontiguousarray(heights, dtype=np.float32), place, np.array(field.bounds), NO_CHANGES)
+
+
+def with_changes(ground: DrawnGround, memory: GroundMemory) -> DrawnGround:
+    """The same ground as wheels and tools have left it."""
+    if not memory.tiles:
+        return ground._replace(changes=NO_CHANGES)
+    side = TILE * memory.cell
+    shape = (
+        int((ground.bounds[3] - memory.origin_y) / side) + 2,
+        int((ground.bounds[1] - memory.origin_x) / side) + 2,
+    )
+    pages = np.zeros(shape, dtype=np.int64)
+    pool = np.zeros((len(memory.tiles) + 1, TILE, TILE, CHANNELS), dtype=np.float32)
+    for page, ((column, row), tile) in enumerate(memory.tiles.items(), start=1):
+        if 0 <= row < shape[0] and 0 <= column < shape[1]:
+            pages[row, column], pool[page] = page, tile
+    place = np.array([memory.origin_x, memory.origin_y, memory.cell, len(pool)])
+    return ground._replace(changes=Changes(pool, pages, place))
+
+
+NO_CHANGES = Changes(
+    np.zeros((1, TILE, TILE, CHANNELS), dtype=np.float32),
+    np.zeros((1, 1), dtype=np.int64),
+    np.array([0.0, 0.0, 1.0, 1.0]),
+)
+
+
+@njit(cache=True)
+def _twice_as_fine(heights: FloatArray, grid: FloatArray) -> NDArray[np.float32]:
+    rows, columns = 2 * heights.shape[0] - 1, 2 * heights.shape[1] - 1
+    finer = np.empty((rows, columns), dtype=np.float32)
+    for i in range(rows):
+        for j in range(columns):
+            height, _, _, _ = sample_ground(heights, grid, grid[0] + 0.5 * j * grid[2], grid[1] + 0.5 * i * grid[2])
+            finer[i, j] = height
+    return finer
+
+
+@small_kernel
+def height_at(ground: DrawnGround, x: float, y: float) -> float:
+    """Of the ground at (x, y) in map as it is now [m]."""
+    rows, columns = ground.heights.shape
+    x_in_nodes, y_in_nodes = (x - ground.place[0]) * ground.place[2], (y - ground.place[1]) * ground.place[2]
+    column, row = min(max(x_in_nodes, 0.0), columns - 1.00001), min(max(y_in_nodes, 0.0), rows - 1.00001)
+    height = height_in(ground.heights, column, row)
+    off = (abs(x_in_nodes - column) + abs(y_in_nodes - row)) * ground.place[3]
+    if off > ground.place[3]:
+        height = ground.place[5] + (height - ground.place[5]) * FADE * FADE / (FADE * FADE + off * off)
+    if ground.changes.place[3] > 1.0:
+        height -= lowered_at(ground.changes, x, y)
+    return float(height)
+
+
+@small_kernel
+def height_in(heights: NDArray[np.float32], column: float, row: float) -> float:
+    """At a place counted in nodes, which is on the map, of the ground as it was [m]."""
+    j, i = int(column), int(row)
+    u, v = np.float32(column - j), np.float32(row - i)
+    left, lower = np.uint64(j), np.uint64(i)  # without a sign there is nothing to be looked up from the end
+    right, upper = left + UNIT, lower + UNIT
+    low = heights[lower, left] + u * (heights[lower, right] - heights[lower, left])
+    high = heights[upper, left] + u * (heights[upper, right] - heights[upper, left])
+    return float(low + v * (high - low))
+
+
+@small_kernel
+def lowered_at(changes: Changes, x: float, y: float) -> float:
+    """By how much the ground at (x, y) in map is lower than it was [m]."""
+    column = (x - changes.place[0]) / changes.place[2]
+    row = (y - changes.place[1]) / changes.place[2]
+    lowered = 0.0
+    if column >= 0.0 and row >= 0.0:
+        j, i = int(column), int(row)
+        u, v = column - j, row - i
+        if i // TILE < changes.pages.shape[0] and j // TILE < changes.pages.shape[1]:
+            page = changes.pages[i // TILE, j // TILE]
+            if i % TILE < TILE - 1 and j % TILE < TILE - 1:
+                if page > 0:
+                    a, b = _lowered(changes, page, i, j), _lowered(changes, page, i, j + 1)
+                    c, d = _lowered(changes, page, i + 1, j), _lowered(changes, page, i + 1, j + 1)
+                    lowered = (1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * c + u * d)
+            else:
+                for up in range(2):
+                    for beside in range(2):
+                        at_i, at_j = (i + up) // TILE, (j + beside) // TILE
+                        if at_i < changes.pages.shape[0] and at_j < changes.pages.shape[1]:
+                            weight = (u if beside else 1.0 - u) * (v if up else 1.0 - v)
+                            lowered += weight * _lowered(changes, changes.pages[at_i, at_j], i + up, j + beside)
+    return lowered
+
+
+@small_kernel
+def _lowered(changes: Changes, page: int, i: int, j: int) -> float:
+    return float(changes.pool[page, i % TILE, j % TILE, RUT] + changes.pool[page, i % TILE, j % TILE, DUG])
+
+
+@small_kernel
+def is_changed(changes: Changes, x: float, y: float) -> bool:
+    """Whether the ground has been changed in the tile of (x, y) in map."""
+    found = False
+    if changes.place[3] > 1.0:
+        column, row = (x - changes.place[0]) / changes.place[2], (y - changes.place[1]) / changes.place[2]
+        if column >= 0.0 and row >= 0.0:
+            i, j = int(row) // TILE, int(column) // TILE
+            found = i < changes.pages.shape[0] and j < changes.pages.shape[1] and changes.pages[i, j] > 0
+    return found
+
+
+@small_kernel
+def on_map(ground: DrawnGround, x: float, y: float) -> bool:
+    """Whether (x, y) is on the map."""
+    bounds = ground.bounds
+    return bool(bounds[0] <= x <= bounds[1] and bounds[2] <= y <= bounds[3])
+
+
+@small_kernel
+def stride_at(ground: DrawnGround, x: float, y: float, distance: float) -> float:
+    """How far a search may step over the ground from (x, y) in map, `distance` from the camera [m]."""
+    stride = 0.5 * float(ground.place[3])
+    return stride if on_map(ground, x, y) else max(stride, FAR_STRIDE * distance)
+
+
+@small_kernel
+def slope_at(ground: DrawnGround, x: float, y: float) -> tuple[float, float]:
+    """Gradient of the ground at (x, y) in map as it is now [-]; none off the map."""
+    dx, dy = 0.0, 0.0
+    if on_map(ground, x, y):
+        rows, columns = ground.heights.shape
+        column = min(max((x - ground.place[0]) * ground.place[2], 0.0), columns - 1.00001)
+        row = min(max((y - ground.place[1]) * ground.place[2], 0.0), rows - 1.00001)
+        j, i = int(column), int(row)
+        u, v = column - j, row - i
+        a, b = ground.heights[i, j], ground.heights[i, j + 1]
+        c, d = ground.heights[i + 1, j], ground.heights[i + 1, j + 1]
+        dx = ((b - a) * (1.0 - v) + (d - c) * v) * ground.place[2]
+        dy = ((c - a) * (1.0 - u) + (d - b) * u) * ground.place[2]
+        changes = ground.changes
+        if is_changed(changes, x, y):
+            half = 0.5 * changes.place[2]
+            dx -= (lowered_at(changes, x + half, y) - lowered_at(changes, x - half, y)) / changes.place[2]
+            dy -= (lowered_at(changes, x, y + half) - lowered_at(changes, x, y - half)) / changes.place[2]
+    return float(dx), float(dy)

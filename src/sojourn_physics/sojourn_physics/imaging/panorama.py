@@ -1,0 +1,261 @@
+"""Where rays from one eye meet the ground, many at a time.
+
+All rays of one azimuth run over the same profile h(s) of the ground, s the way over it from the eye at height z_0: the
+ray that rises by t for each metre meets it first where the line of sight has risen so far,
+
+    M(s) = max over s' <= s of (h(s') - z_0)/s' >= t
+
+M never falls, so one walk along the profile answers every ray of its azimuth (line of sight by a running maximum:
+Blelloch 1990, Prefix Sums and Their Applications, CMU-CS-90-190). A `Panorama` keeps these walks by
+azimuth, made when a ray first asks for one: for each bin of the ray's rise per metre of its own length the way s at
+which it is reached. A ray finds its bracket in the two walks beside it, and its own crossing there by steps of half a
+node of the ground and regula falsi (Illinois). A shape narrower than a bin of azimuth, about a pixel, may be missed.
+
+Azimuth is counted in quarters by p = y/(|x| + |y|), which needs no arc tangent. The ground of a round body falls away
+by s²/2R under the level. Nothing is seen from below the ground.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sojourn_machine.kernels import kernel, njit, small_kernel
+from sojourn_machine.params import FloatArray
+from sojourn_physics.imaging.ground import DrawnGround, height_at, height_in, stride_at
+
+NEVER = np.float32(np.inf)
+ILLINOIS = 6
+"""Steps of regula falsi at most."""
+CLOSE = 1e-4
+"""A ray so near to the ground has met it, by height [m]."""
+SMOOTH, SMOOTH_PART = 0.5, 0.01
+"""Where walks beside a ray meet the ground within so much of a node, and of the way, it is smooth between them [-]."""
+MARGIN = 0.25
+"""Of a stride, on both sides of what two walks say [-]."""
+
+
+class Eye(NamedTuple):
+    """From where, and how far."""
+
+    place: FloatArray
+    """In map, shape (3,) [m]."""
+    reach: float
+    """The farthest ground that is looked for, over ground [m]."""
+    fall: float
+    """By which the ground falls away under the level, 1/2R, for the square of the way [1/m]."""
+
+
+class Panorama(NamedTuple):
+    """Walks along the ground around an eye."""
+
+    way: np.ndarray
+    """float32, (azimuths + 1, bins + 1): way over ground to where a bin is reached, infinite where it never is [m]."""
+    done: np.ndarray
+    """bool, (azimuths + 1,): which walks have been made."""
+    rises: FloatArray
+    """(bins + 1,): rise of the bins' lower edges for each metre over ground."""
+    lowest: float
+    """Rise of the lowest bin for each metre of the ray's own length."""
+    bin: float
+    """Height of a bin, in the same."""
+
+
+def panorama(resolution: float, lowest: float, highest: float) -> Panorama:
+    """An empty one.
+
+    Args:
+        resolution: angle of its bins [rad]. lowest, highest: least and greatest rise of the rays that will be asked
+            for, for each metre of their length, -1 to 1.
+    """
+    azimuths = 4 * math.ceil(0.5 * math.pi / resolution)
+    lowest, highest = max(lowest - resolution, -1.0), min(highest + resolution, 1.0)
+    bins = max(math.ceil((highest - lowest) / resolution), 1)
+    edges = np.clip(lowest + resolution * np.arange(bins + 1), -1.0 + 1e-9, 1.0 - 1e-9)
+    way = np.empty((azimuths + 1, bins + 1), dtype=np.float32)
+    return Panorama(way, np.zeros(azimuths + 1, dtype=np.bool_), edges / np.sqrt(1.0 - edges**2), lowest, resolution)
+
+
+@small_kernel
+def azimuth_of(x: float, y: float) -> float:
+    """Of a direction, from 0 to 4, a quarter each."""
+    length = abs(x) + abs(y)
+    part = y / length if length > 0.0 else 0.0
+    if x >= 0.0:
+        return part if y >= 0.0 else 4.0 + part
+    return 2.0 - part
+
+
+@kernel
+def direction_of(azimuth: float) -> tuple[float, float]:
+    """Unit vector over ground of an azimuth: the inverse of `azimuth_of`."""
+    part = azimuth - 4.0 if azimuth > 3.0 else (2.0 - azimuth if azimuth > 1.0 else azimuth)
+    x, y = 1.0 - abs(part), part
+    if 1.0 < azimuth <= 3.0:
+        x = -x
+    length = math.sqrt(x * x + y * y)
+    return x / length, y / length
+
+
+@small_kernel
+def height_over(ground: DrawnGround, eye: Eye, x: float, y: float, way: float) -> float:
+    """Of the ground over the eye's level, `way` from it over ground [m]."""
+    return float(height_at(ground, x, y) - eye.place[2] - way * way * eye.fall)
+
+
+@kernel
+def walk(ground: DrawnGround, eye: Eye, around: Panorama, place: int) -> None:
+    """Walk along one azimuth and write where each bin is reached."""
+    ways, rises = around.way[place], around.rises
+    count = rises.shape[0]
+    for i in range(count):
+        ways[i] = NEVER
+    around.done[place] = True
+    ahead_x, ahead_y = direction_of(4.0 * place / (around.way.shape[0] - 1))
+    x0, y0, top = eye.place[0], eye.place[1], ground.place[4] - eye.place[2]
+    near, low = 0.0, height_over(ground, eye, x0, y0, 0.0)
+    following = 0
+    if low >= 0.0:  # under the ground
+        return
+    stride = 0.5 * ground.place[3]
+    column, row = (x0 - ground.place[0]) * ground.place[2], (y0 - ground.place[1]) * ground.place[2]
+    unchanged = ground.changes.place[3] <= 1.0
+    inside = _strides_inside(ground, column, row, ahead_x, ahead_y) if unchanged else 0
+    step = 0
+    while near < eye.reach and following < count:
+        if rises[following] >= 0.0 and top < rises[following] * near:  # nothing is so high
+            break
+        step += 1
+        if step < inside:  # as `height_over` has it, without asking whether there is a map
+            far = step * stride
+            high = height_in(ground.heights, column + 0.5 * step * ahead_x, row + 0.5 * step * ahead_y)
+            high -= eye.place[2] + far * far * eye.fall
+        else:
+            far = min(near + stride_at(ground, x0 + near * ahead_x, y0 + near * ahead_y, near), eye.reach)
+            high = height_over(ground, eye, x0 + far * ahead_x, y0 + far * ahead_y, far)
+        while following < count and high >= rises[following] * far:
+            # the line between the two samples and the ray, over the ground between them
+            above = rises[following] * near - low
+            part = above / (above + high - rises[following] * far) if above > 0.0 else 0.0
+            ways[following] = np.float32(near + part * (far - near))
+            following += 1
+        near, low = far, high
+
+
+@small_kernel
+def _strides_inside(ground: DrawnGround, column: float, row: float, ahead_x: float, ahead_y: float) -> int:
+    """How many strides of half a node from a place, counted in nodes, stay on the map."""
+    rows, columns = ground.heights.shape
+    far = 0.0
+    if 0.0 <= column < columns - 1 and 0.0 <= row < rows - 1:
+        far = 2.0 * (rows + columns)
+        if ahead_x > 1e-9:
+            far = min(far, (columns - 1 - column) / ahead_x)
+        elif ahead_x < -1e-9:
+            far = min(far, -column / ahead_x)
+        if ahead_y > 1e-9:
+            far = min(far, (rows - 1 - row) / ahead_y)
+        elif ahead_y < -1e-9:
+            far = min(far, -row / ahead_y)
+    return int(2.0 * far) - 1
+
+
+@small_kernel
+def first_meeting(ground: DrawnGround, eye: Eye, around: Panorama, x: float, y: float, z: float) -> float:
+    """Way over ground to where a ray of a unit vector in map first meets the ground, infinite where it does not [m]."""
+    across = math.sqrt(x * x + y * y)
+    if across < 1e-7:
+        return 0.0 if z < 0.0 else math.inf
+    azimuth = azimuth_of(x, y) * 0.25 * (around.way.shape[0] - 1)
+    left = min(int(azimuth), around.way.shape[0] - 2)
+    bins = around.rises.shape[0] - 1
+    height = (z - around.lowest) / around.bin
+    at = min(max(int(height), 0), bins - 1)
+    for place in (left, left + 1):
+        if not around.done[place]:
+            walk(ground, eye, around, place)
+    ways = around.way
+    a, b, c, d = ways[left, at], ways[left + 1, at], ways[left, at + 1], ways[left + 1, at + 1]
+    begin, end = float(min(a, b)), float(max(c, d))
+    if begin == math.inf:
+        return math.inf
+    if end - begin < SMOOTH * ground.place[3] + SMOOTH_PART * begin:
+        across_bin = azimuth - left
+        low, high = a + across_bin * (b - a), c + across_bin * (d - c)
+        return float(low + (height - at) * (high - low))
+    return float(_crossing(ground, eye, (x / across, y / across, z / across), begin, min(end, eye.reach)))
+
+
+@small_kernel
+def _crossing(ground: DrawnGround, eye: Eye, ray: tuple[float, float, float], begin: float, end: float) -> float:
+    """First crossing of a ray near `begin` to `end` over ground [m]; infinite where there is none.
+
+    Args:
+        ray: direction over ground, and rise for each metre of it.
+    """
+    ahead_x, ahead_y, rise = ray
+    x0, y0 = eye.place[0], eye.place[1]
+    stride = stride_at(ground, x0 + begin * ahead_x, y0 + begin * ahead_y, begin)
+    near = max(begin - MARGIN * stride, 0.0)
+    over = rise * near - height_over(ground, eye, x0 + near * ahead_x, y0 + near * ahead_y, near)
+    while over <= 0.0 and near > 0.0:  # between two walks the ground may stand higher than on both
+        near = max(near - stride, 0.0)
+        over = rise * near - height_over(ground, eye, x0 + near * ahead_x, y0 + near * ahead_y, near)
+    if over <= 0.0:
+        return 0.0
+    far, limit = min(end + MARGIN * stride, near + stride), end + 4.0 * stride
+    top = ground.place[4] - eye.place[2]
+    while True:
+        beyond = rise * far - height_over(ground, eye, x0 + far * ahead_x, y0 + far * ahead_y, far)
+        if beyond <= 0.0:
+            return float(_between(ground, eye, ray, (near, far), (over, beyond)))
+        if far > limit or (rise * far > top and rise >= 0.0):
+            return far if far > limit and end < eye.reach else math.inf
+        near, over = far, beyond
+        far = near + stride_at(ground, x0 + near * ahead_x, y0 + near * ahead_y, near)
+
+
+@small_kernel
+def _between(
+    ground: DrawnGround,
+    eye: Eye,
+    ray: tuple[float, float, float],
+    ways: tuple[float, float],
+    overs: tuple[float, float],
+) -> float:
+    """The crossing between two ways: how far the ray is over the ground at them, more than 0 and not."""
+    near, far = ways
+    over, beyond = overs
+    middle = near + (far - near) * over / (over - beyond)
+    for _ in range(ILLINOIS):
+        x, y = eye.place[0] + middle * ray[0], eye.place[1] + middle * ray[1]
+        here = ray[2] * middle - height_over(ground, eye, x, y, middle)
+        if abs(here) < CLOSE:
+            break
+        if here > 0.0:
+            near, over = middle, here
+            beyond *= 0.5
+        else:
+            far, beyond = middle, here
+            over *= 0.5
+        middle = near + (far - near) * over / (over - beyond)
+    return middle
+
+
+@njit(cache=True)
+def meetings(ground: DrawnGround, eye: Eye, around: Panorama, directions: FloatArray) -> FloatArray:
+    """Distance from the eye along each ray to the ground, shape (n,), infinite where there is none [m].
+
+    Args:
+        directions: unit vectors in map, shape (n, 3).
+    """
+    found = np.empty(directions.shape[0])
+    for i in range(directions.shape[0]):
+        x, y, z = directions[i, 0], directions[i, 1], directions[i, 2]
+        way = first_meeting(ground, eye, around, x, y, z)
+        across = math.sqrt(x * x + y * y)
+        if across < 1e-7 and way == 0.0:
+            found[i] = -height_over(ground, eye, eye.place[0], eye.place[1], 0.0)
+        else:
+            found[i] = way / across if way < math.inf else math.inf
+    return found

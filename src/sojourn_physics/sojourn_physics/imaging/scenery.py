@@ -1,0 +1,111 @@
+"""What does not change of a scene, and the scene of a moment: ground, light and machine, ready to be rendered.
+
+What is kept between images, walks and shadows, is a function of the scene alone: it saves time and changes no number.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sojourn_machine.params import FloatArray
+from sojourn_physics.imaging.body import Shapes
+from sojourn_physics.imaging.camera import Optics
+from sojourn_physics.imaging.ground import DrawnGround, seen_ground, with_changes
+from sojourn_physics.imaging.panorama import Eye, panorama
+from sojourn_physics.imaging.photometry import Illumination, Look
+from sojourn_physics.imaging.render import PlacedLens, Scene, Soils, render
+from sojourn_physics.imaging.shadows import CastShadows, shadows
+from sojourn_physics.imaging.texture import grain
+from sojourn_physics.terrain.height_field import HeightField
+from sojourn_physics.terrain.memory import GroundMemory
+
+BIN = 1.2
+"""Bins of a panorama, in pixels [-]."""
+SLOPE, CONTRAST = 0.05, 0.04
+"""Of the grain, for each octave: estimates that look like the pictures of Surveyor and the Mars Exploration Rovers."""
+FARTHEST = 5000.0
+"""Ground that is looked for at most [m]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class GroundLook:
+    """Where all of it is: what a body's ground looks like."""
+
+    albedo: float
+    """Of the soil that is everywhere [-]."""
+    airless: bool
+    radius: float
+    """Of the body, infinite for none [m]."""
+    brightness: tuple[float, ...]
+    """Of each soil of the height field, of the albedo [-]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Moment:
+    """What changes."""
+
+    sun: FloatArray
+    """Unit vector to the Sun in map and the angular radius of its disc [rad], (4,)."""
+    light: Illumination
+    memory: GroundMemory
+    """What wheels and tools have done to the ground."""
+    body: Shapes
+    """The machine's shapes in map."""
+
+
+class Scenery:
+    """The ground of a scenario, as cameras see it."""
+
+    def __init__(self, field: HeightField, place: GroundLook) -> None:
+        self._ground = seen_ground(field)
+        self._last: tuple[GroundMemory | None, DrawnGround] = (None, self._ground)
+        self._place = place
+        self._soils = Soils(field.soil_index, field.grid, np.array(place.brightness))
+        self._grain = grain(SLOPE, CONTRAST, field.resolution)
+        self._look = Look(place.albedo, 1.0 if place.airless else 0.0)
+        self._shadows = lru_cache(maxsize=2)(self._shadows_of)
+
+    def see(
+        self, eye: Optics, moment: Moment, turn: FloatArray, place: FloatArray
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Radiance [W/m2/sr] and distance [m], infinite for the sky, of each pixel, (rows, columns).
+
+        Args:
+            turn: from the optical frame into map, (3, 3). place: of the camera in map, (3,) [m].
+        """
+        ground = self._now(moment.memory)
+        rises = eye.rays @ turn[2].astype(np.float32)
+        around = panorama(BIN * eye.pixel, float(rises.min()), float(rises.max()))
+        scene = Scene(
+            ground,
+            self._soils,
+            self._look,
+            self._grain,
+            moment.light,
+            self._shadows(*(float(number) for number in moment.sun)),
+            moment.body,
+        )
+        at = np.array(place, dtype=np.float64)
+        fall = 0.5 / self._place.radius
+        found: tuple[NDArray[np.float32], NDArray[np.float32]] = render(
+            scene, PlacedLens(eye.rays, np.ascontiguousarray(turn), eye.pixel), Eye(at, FARTHEST, fall), around
+        )
+        return found
+
+    def _now(self, memory: GroundMemory) -> DrawnGround:
+        if self._last[0] is not memory:
+            self._last = memory, with_changes(self._ground, memory)
+        return self._last[1]
+
+    def _shadows_of(self, x: float, y: float, z: float, disc: float) -> CastShadows:
+        bounds = self._ground.bounds
+        middle = 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3])
+        return shadows(self._ground, np.array([x, y, z, disc]), *middle)
+
+
+def sun_of(direction: FloatArray, radius: float) -> FloatArray:
+    """`Moment.sun` of a unit vector, (3,), and a disc's angular radius [rad]."""
+    return np.array([*direction, min(max(radius, 1e-4), 0.5 * math.pi)])

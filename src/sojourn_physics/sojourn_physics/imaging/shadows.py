@@ -1,0 +1,148 @@
+"""Which ground the Sun reaches: how high a shadow stands over each node of the height field.
+
+With the Sun at elevation e in the direction a over ground, ground of height h at p is in the shadow of what lies
+towards the Sun up to
+
+    S(p, e) = max over s > 0 of (h(p + s a) - s tan e)
+
+The Sun is a disc of angular radius δ. From ground that is higher than S(p, e - δ) all of it is seen, none of it from
+ground that is lower than S(p, e + δ), and in between, the penumbra, a part that grows evenly. A shadow of something of
+height H on level ground is H / tan e long.
+
+S is a smooth function of place but at the sides of what throws it, so both are worked out at nodes and are bilinear
+between them, by blocks of nodes when a camera first looks there, and kept while the Sun stands at the same place. They
+are those of the height field: to ruts and holes each pixel looks itself, see `sunlit_nearby`.
+
+Source: geometry (horizon angles as in Dozier & Frew 1990, IEEE Trans. Geosci. Remote Sens. 28:963).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sojourn_machine.kernels import kernel, small_kernel
+from sojourn_machine.params import FloatArray
+from sojourn_physics.imaging.ground import DrawnGround, height_at, on_map
+
+BLOCK = 32
+"""Nodes along the side of a block."""
+WINDOW = 2048
+"""Nodes along the side of the square in which shadows are known, about the place where the camera began."""
+NOTHING = -1e9
+"""Stands over a place that nothing can throw a shadow on [m]."""
+NEAR_STEPS = 16
+NEAR_FIRST, NEAR_GROWTH = 0.012, 1.25
+"""First step towards the Sun over ground that has been changed [m], and how steps grow: 2 m in all [-]."""
+
+
+class CastShadows(NamedTuple):
+    """For the kernels: of one ground under one Sun."""
+
+    sun: FloatArray
+    """Unit vector to the Sun in map, and the angular radius of its disc [rad]: (4,)."""
+    first: np.ndarray
+    """int64, (2,): row and column of the height field where the square begins."""
+    lit: np.ndarray
+    """float32, (rows, columns): S(p, e - δ) [m]."""
+    dark: np.ndarray
+    """float32, (rows, columns): S(p, e + δ) [m]."""
+    done: np.ndarray
+    """bool, (rows, columns) of blocks."""
+
+
+def shadows(ground: DrawnGround, sun: FloatArray, x: float, y: float) -> CastShadows:
+    """Of a Sun, see there, about a place in map [m]; nothing is worked out yet."""
+    rows, columns = ground.heights.shape
+    size = min(rows, WINDOW), min(columns, WINDOW)
+    middle = (y - ground.place[1]) * ground.place[2], (x - ground.place[0]) * ground.place[2]
+    first = [
+        min(max(int(at) - length // 2, 0), all_of_it - length)
+        for at, length, all_of_it in zip(middle, size, (rows, columns), strict=True)
+    ]
+    blocks = tuple(math.ceil(length / BLOCK) for length in size)
+    return CastShadows(
+        np.asarray(sun, dtype=np.float64),
+        np.array(first, dtype=np.int64),
+        np.empty(size, dtype=np.float32),
+        np.empty(size, dtype=np.float32),
+        np.zeros(blocks, dtype=np.bool_),
+    )
+
+
+@kernel
+def _fill(ground: DrawnGround, cast: CastShadows, block_row: int, block_column: int) -> None:
+    rows, columns = cast.lit.shape
+    for i in range(block_row * BLOCK, min((block_row + 1) * BLOCK, rows)):
+        y = ground.place[1] + (i + cast.first[0]) * ground.place[3]
+        for j in range(block_column * BLOCK, min((block_column + 1) * BLOCK, columns)):
+            x = ground.place[0] + (j + cast.first[1]) * ground.place[3]
+            cast.lit[i, j], cast.dark[i, j] = _shadow_tops(ground, cast.sun, x, y)
+    cast.done[block_row, block_column] = True
+
+
+@kernel
+def _shadow_tops(ground: DrawnGround, sun: FloatArray, x: float, y: float) -> tuple[float, float]:
+    """S of the Sun's lower limb and of its upper one at a place [m]."""
+    across = math.sqrt(sun[0] * sun[0] + sun[1] * sun[1])
+    elevation = math.atan2(sun[2], across)
+    if elevation + sun[3] >= 0.5 * math.pi:
+        return NOTHING, NOTHING
+    ahead_x, ahead_y = sun[0] / across, sun[1] / across
+    low, high = math.tan(elevation - sun[3]), math.tan(elevation + sun[3])
+    lit, dark, way = NOTHING, NOTHING, ground.place[3]
+    while True:
+        at_x, at_y = x + way * ahead_x, y + way * ahead_y
+        height = height_at(ground, at_x, at_y)
+        lit, dark = max(lit, height - way * low), max(dark, height - way * high)
+        # past here nothing is high enough, or there is only the level ground beyond the map
+        if ground.place[4] - way * low < lit or not on_map(ground, at_x, at_y):
+            return lit, dark
+        way += 0.5 * ground.place[3]
+
+
+@small_kernel
+def _block_ready(ground: DrawnGround, cast: CastShadows, i: int, j: int) -> None:
+    if not cast.done[i // BLOCK, j // BLOCK]:
+        _fill(ground, cast, i // BLOCK, j // BLOCK)
+
+
+@small_kernel
+def sunlit(ground: DrawnGround, cast: CastShadows, x: float, y: float, z: float) -> float:
+    """Part of the Sun's disc that a point over the ground in map sees, as far as the height field hides it, 0 to 1."""
+    if cast.sun[2] <= -cast.sun[3]:
+        return 0.0
+    rows, columns = cast.lit.shape
+    column = (x - ground.place[0]) * ground.place[2] - cast.first[1]
+    row = (y - ground.place[1]) * ground.place[2] - cast.first[0]
+    if not (0.0 <= column < columns - 1 and 0.0 <= row < rows - 1):
+        return 1.0
+    i, j = int(row), int(column)
+    _block_ready(ground, cast, i, j)
+    if (i + 1) % BLOCK == 0 or (j + 1) % BLOCK == 0:
+        _block_ready(ground, cast, i + 1, j)
+        _block_ready(ground, cast, i, j + 1)
+        _block_ready(ground, cast, i + 1, j + 1)
+    v, u = row - i, column - j
+    a, b, c, d = (1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v
+    lit = a * cast.lit[i, j] + b * cast.lit[i, j + 1] + c * cast.lit[i + 1, j] + d * cast.lit[i + 1, j + 1]
+    if z >= lit:
+        return 1.0
+    dark = a * cast.dark[i, j] + b * cast.dark[i, j + 1] + c * cast.dark[i + 1, j] + d * cast.dark[i + 1, j + 1]
+    part = (z - dark) / max(lit - dark, 1e-6)
+    return float(min(max(part, 0.0), 1.0))
+
+
+@kernel
+def sunlit_nearby(ground: DrawnGround, sun: FloatArray, x: float, y: float, z: float) -> float:
+    """The same as far as ground close by hides it that wheels or tools have changed, 0 or 1."""
+    across = math.sqrt(sun[0] * sun[0] + sun[1] * sun[1])
+    if across < 1e-6:
+        return 1.0
+    step, way, rise = NEAR_FIRST, 0.0, sun[2] / across
+    for _ in range(NEAR_STEPS):
+        way += step
+        step *= NEAR_GROWTH
+        if height_at(ground, x + way * sun[0] / across, y + way * sun[1] / across) > z + way * rise:
+            return 0.0
+    return 1.0

@@ -1,0 +1,31 @@
+"""Sunlight on the machine as it stands, in map and as its power network takes it."""
+
+import math
+
+import numpy as np
+import pinocchio as pin
+
+from sojourn_machine.power.surroundings import PowerSurroundings
+from sojourn_machine.sunlight import Sunlight
+from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.state import PlantState
+
+DARKNESS = Sunlight(np.array((0.0, 0.0, -1.0)), 0.0, 0.0, -0.5 * math.pi, 0.0)
+"""A Sun at the nadir."""
+
+
+def sunlight_on(model: PlantModel, state: PlantState) -> Sunlight:
+    """What shines on the machine in a state; darkness on a site without a Sun."""
+    if model.sun is None:
+        return DARKNESS
+    x, y = state.configuration[:2]
+    return model.sun.light(state.tick * model.simulation.control_period, float(x), float(y))
+
+
+def surroundings_of(model: PlantModel, state: PlantState) -> PowerSurroundings:
+    """What the power network is told of the light."""
+    light = sunlight_on(model, state)
+    base_in_map = pin.Quaternion(state.configuration[3:7]).toRotationMatrix()
+    return PowerSurroundings(
+        to_sun=base_in_map.T @ light.direction, direct=light.direct, diffuse=light.diffuse, up=base_in_map[2]
+    )

@@ -1,0 +1,30 @@
+"""Power network and heat of the machine over a control period, in the light where it stands."""
+
+from sojourn_machine.params import FloatArray
+from sojourn_machine.power.network_state import NetworkOutput, NetworkState
+from sojourn_machine.power.surroundings import DARK
+from sojourn_machine.thermal.machine_heat import Supplied
+from sojourn_physics.plant.heat import Moved, PlantHeatState
+from sojourn_physics.plant.light import sunlight_on, surroundings_of
+from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.state import PlantState
+
+
+def powered(
+    model: PlantModel, state: PlantState, fractions: FloatArray, moved: Moved
+) -> tuple[NetworkState, NetworkOutput, PlantHeatState | None]:
+    """Power network and heat after the period that has passed, its loads switched by fractions (loads,) [1], with what
+    moves the machine.
+    """
+    period, before, heat = model.simulation.control_period, state.power, state.heat
+    demand = moved.energy / period
+    surroundings = surroundings_of(model, state) if model.power.takes_light else DARK
+    if model.heat is None or heat is None:
+        return *model.power.step(before, fractions, demand, period, surroundings), None
+    surroundings = surroundings._replace(round_stores=model.heat.machine.store_surroundings(heat.nodes))
+    switches = model.heat.machine.through_thermostats(heat.nodes, fractions)
+    network, supply = model.power.step(before, switches, demand, period, surroundings)
+    light = sunlight_on(model, state) if model.heat.is_due(heat) else None
+    warming = model.heat.warming(supply.load_power, moved)
+    supplied = Supplied(before, network, fractions, warming)
+    return network, supply, model.heat.after(heat, supplied, (state.tick + 1) * period, light)

@@ -1,0 +1,1 @@
+"""Heat of the ground: temperatures of regolith over depth and day."""

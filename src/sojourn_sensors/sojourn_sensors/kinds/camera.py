@@ -1,0 +1,201 @@
+"""Cameras that make images: one alone, or a stereo pair with the depth that it finds.
+
+Frames: a camera sits on a link with x along the optical axis, z up in the image; its messages are in the optical frame
+of that link (z ahead, x right, y down; REP 103), `LINK_optical`. The right camera of a pair is the baseline to the
+right of the left one; as ROS has it for a rectified pair both are in the frame of the left one and the right one's
+projection has the baseline. A camera without power says an image of no size.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from sojourn_contract import stamps
+from sojourn_contract.ground import GROUND, with_ground
+from sojourn_contract.topic_types import FieldRule, Topic
+from sojourn_contract.values import CameraInfo, Image
+from sojourn_machine.params import FloatArray
+from sojourn_machine.sensor_choice import SensorParams
+from sojourn_physics.imaging.body import MachineShapes, moved
+from sojourn_physics.imaging.camera import (
+    LINK_TO_OPTICAL,
+    DetectorParams,
+    Optics,
+    StereoParams,
+    expose,
+    exposure_for,
+    noise_of,
+    optics,
+    stereo_depth,
+)
+from sojourn_physics.imaging.lens import LensParams
+from sojourn_physics.terrain.memory import GroundMemory
+from sojourn_sensors.motion import rotation_matrix
+from sojourn_sensors.sensor import Sensor, SensorSite, Truth
+
+SIZE = FieldRule("height width step", "px, byte", low=0.0, high=2.0**24)
+EVERY = 50
+"""Control periods from image to image."""
+
+
+def _image(name: str, meaning: str) -> Topic:
+    return Topic(f"/{{name}}/{name}", "sensor_msgs/Image", "sensors", (), EVERY, 3.0, meaning, (SIZE,))
+
+
+def _info(name: str, meaning: str) -> Topic:
+    lens = FieldRule("d k r p", "1, px", low=-1e6, high=1e6)
+    return Topic(f"/{{name}}/{name}", "sensor_msgs/CameraInfo", "sensors", (), EVERY, 3.0, meaning, (lens,))
+
+
+IMAGE = _image("image", "image of the camera, grey, 8 bits")
+INFO = _info("camera_info", "lens and frame of the image")
+LEFT = _image("left/image", "image of the left camera, grey, 8 bits")
+LEFT_INFO = _info("left/camera_info", "lens and frame of the left image")
+RIGHT = _image("right/image", "image of the right camera, grey, 8 bits")
+RIGHT_INFO = _info("right/camera_info", "lens of the right image, and the baseline")
+DEPTH = _image("depth", "depth along the axis for each pixel of the left image, 16 bits [mm]; 0 where it is not known")
+
+
+class CameraSensorParams(SensorParams):
+    """One camera on its link."""
+
+    kind: str = "camera"
+    speaks_on: ClassVar[tuple[Any, ...]] = (IMAGE, INFO)
+    hears: ClassVar[tuple[Any, ...]] = (GROUND,)
+    link: str = Field(min_length=1, description="link of the URDF: x along the optical axis, z up in the image")
+    lens: LensParams = Field(description="image and lens")
+    detector: DetectorParams = Field(default=DetectorParams(), description="what makes an image of light")
+
+    @property
+    def bytes_a_second(self) -> float:
+        every = EVERY if self.timing is None else self.timing.every or EVERY
+        return self.lens.rows * self.lens.columns * self.bytes_a_pixel / (every * stamps.CONTROL_PERIOD_S)
+
+    @property
+    def bytes_a_pixel(self) -> int:
+        """Of all its images."""
+        return 1
+
+    def sensor(self, name: str, site: SensorSite) -> "Camera":
+        """The camera of a machine."""
+        return Camera(name, self, site)
+
+
+class StereoCameraSensorParams(CameraSensorParams):
+    """A pair of cameras; the left one is on the link."""
+
+    kind: str = "stereo_camera"
+    speaks_on: ClassVar[tuple[Any, ...]] = (LEFT, LEFT_INFO, RIGHT, RIGHT_INFO, DEPTH)
+    stereo: StereoParams = Field(description="what the pair adds")
+
+    @property
+    def bytes_a_pixel(self) -> int:
+        return 4
+
+    def sensor(self, name: str, site: SensorSite) -> "CameraPair":
+        """The pair of a machine."""
+        return CameraPair(name, self, site)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Shot:
+    """What one camera of a pair has taken."""
+
+    image: NDArray[np.uint8]
+    distance: NDArray[np.float32]
+    """To what each pixel sees, infinite for the sky [m]."""
+
+
+class Camera(Sensor[CameraSensorParams, GroundMemory, tuple[NDArray[Any], ...]]):
+    """Its reading are its images; it remembers what it was told of the ground."""
+
+    every: ClassVar[int] = EVERY
+
+    def __init__(self, name: str, params: CameraSensorParams, site: SensorSite) -> None:
+        super().__init__(name, params, site)
+        self.optics: Optics = optics(params.lens, params.detector)
+        self._shapes = MachineShapes(site.scenario.urdf_xml, params.link)
+
+    def initial_state(self, truth: Truth) -> GroundMemory:
+        return self.hear(self.site.scene.untouched, truth)
+
+    def step(self, state: GroundMemory, truth: Truth, dt: float) -> tuple[GroundMemory, tuple[NDArray[Any], ...]]:
+        ground = self.hear(state, truth)
+        return ground, self.images(ground, truth)
+
+    def step_without_power(self, state: GroundMemory, truth: Truth, dt: float) -> tuple[GroundMemory, None]:
+        return self.hear(state, truth), None
+
+    def hear(self, state: GroundMemory, truth: Truth) -> GroundMemory:
+        cloud = truth.inputs.get(GROUND.name)
+        return state if cloud is None else with_ground(state, cloud)
+
+    def images(self, ground: GroundMemory, truth: Truth) -> tuple[NDArray[Any], ...]:
+        """One reading."""
+        (shot,) = self.shoot(ground, truth, (0.0,))
+        return (shot.image,)
+
+    def shoot(self, ground: GroundMemory, truth: Truth, aside: tuple[float, ...]) -> list[Shot]:
+        """Images from places so far to the right of the link [m], all with the exposure of the first."""
+        base = rotation_matrix(truth.odometry.orientation)
+        turn, place, body = self._shapes.at(truth.joints.names, truth.joints.position)
+        turn, place = base @ turn @ LINK_TO_OPTICAL, base @ place + truth.odometry.position
+        body = moved(body, base, truth.odometry.position)
+        moment = self.site.scene.moment(truth.stamp, place, ground, body)
+        random = noise_of(self.site.seed, self.name, truth.stamp)
+        shots: list[Shot] = []
+        time = 0.0
+        for right in aside:
+            radiance, distance = self.site.scene.scenery.see(self.optics, moment, turn, place + right * turn[:, 0])
+            time = time or exposure_for(self.optics, radiance)
+            shots.append(Shot(expose(self.optics, radiance, time, random), distance))
+        return shots
+
+    def messages(self, stamp: int, reading: tuple[NDArray[Any], ...] | None) -> Iterator[tuple[str, Any]]:
+        image, info = self.rows
+        yield image.name, self.image(stamp, None if reading is None else reading[0])
+        yield info.name, self.info(stamp, 0.0)
+
+    def image(self, stamp: int, image: NDArray[Any] | None) -> Image:
+        """The message of an image, of no size for None."""
+        pixels: NDArray[Any] = np.zeros((0, 0), dtype=np.uint8) if image is None else image
+        encoding = "16UC1" if pixels.dtype == np.uint16 else "mono8"
+        rows, columns = pixels.shape
+        return Image(stamp, self._frame, rows, columns, encoding, columns * pixels.itemsize, pixels.tobytes())
+
+    def info(self, stamp: int, baseline: float) -> CameraInfo:
+        """The message of the lens, of a camera so far to the right [m]."""
+        lens = self.params.lens
+        f, (u, v) = lens.focal_length, lens.principal_point
+        matrix: FloatArray = np.array([[f, 0.0, u], [0.0, f, v], [0.0, 0.0, 1.0]])
+        projection = np.column_stack([matrix, [-f * baseline, 0.0, 0.0]])
+        flat = (matrix.ravel(), np.eye(3).ravel(), projection.ravel())
+        return CameraInfo(stamp, self._frame, lens.rows, lens.columns, lens.model, lens.coefficients, *flat)
+
+    @property
+    def _frame(self) -> str:
+        return f"{self.params.link}_optical"
+
+
+class CameraPair(Camera):
+    """Its reading are the left image, the right one and the depth."""
+
+    params: StereoCameraSensorParams
+
+    def images(self, ground: GroundMemory, truth: Truth) -> tuple[NDArray[Any], ...]:
+        pair = self.params.stereo
+        left, right = self.shoot(ground, truth, (0.0, pair.baseline))
+        random = noise_of(self.site.seed, f"{self.name}.depth", truth.stamp)
+        return left.image, right.image, stereo_depth(self.optics, pair, (left.distance, left.image), random)
+
+    def messages(self, stamp: int, reading: tuple[NDArray[Any], ...] | None) -> Iterator[tuple[str, Any]]:
+        left, left_info, right, right_info, depth = self.rows
+        images = (None, None, None) if reading is None else reading
+        for row, image in zip((left, right, depth), images, strict=True):
+            yield row.name, self.image(stamp, image)
+        yield left_info.name, self.info(stamp, 0.0)
+        yield right_info.name, self.info(stamp, self.params.stereo.baseline)

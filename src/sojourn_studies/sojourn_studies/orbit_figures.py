@@ -1,0 +1,96 @@
+"""What is to be said of a circular orbit about a body: the work of scripts/site --orbit."""
+
+import argparse
+import json
+import math
+from collections.abc import Iterator
+
+from sojourn_config.command_errors import UsageError
+from sojourn_config.load import load_params
+from sojourn_machine.errors import MachineError
+from sojourn_physics.environment.body import BodyParams
+from sojourn_physics.environment.gravity.oblate import OblateParams
+from sojourn_physics.environment.orbit.circular import CircularOrbit, Flattening
+from sojourn_physics.environment.orbit.relative_motion import transition
+from sojourn_physics.environment.orbit.thin_air import (
+    HIGHEST,
+    KAPTON_YIELD,
+    LOWEST,
+    OXYGEN_RANGE,
+    atomic_oxygen,
+    deceleration,
+    density,
+    sinking,
+)
+from sojourn_studies.site_figures import SheetRow
+
+DAY = 86400.0
+EARTH = "earth"
+BALLISTIC_COEFFICIENT = 100.0
+"""Of the spacecraft that drag is told for [kg/m^2]."""
+
+
+def orbit_of(body: BodyParams, altitude: float) -> CircularOrbit:
+    """At an altitude over the equator [m].
+
+    Raises:
+        UsageError: of what is an orbit itself; one that does not clear the body.
+    """
+    if body.free_fall:
+        raise UsageError(f"site: --orbit about {body.name}, an orbit itself: allowed is a planet, moon or asteroid")
+    largest = max(body.semi_axes)
+    try:
+        return CircularOrbit(body.gravitational_parameter, largest, largest + altitude)
+    except MachineError as error:
+        raise UsageError(f"site: --altitude {altitude:g} of an orbit: allowed is more than 0") from error
+
+
+def rows_of_orbit(body: BodyParams, altitude: float, inclination: float, beta: float) -> Iterator[SheetRow]:
+    """Its figures; altitude in metres, angles in radians. Raises as `orbit_of` does."""
+    orbit = orbit_of(body, altitude)
+    yield SheetRow("period", orbit.period / 60.0, "min")
+    yield SheetRow("speed", orbit.speed, "m/s")
+    yield SheetRow("in the body's shadow", orbit.shadow_share(beta) * orbit.period / 60.0, "min each turn")
+    yield SheetRow("no shadow from beta", math.degrees(orbit.always_sunlit_above), "deg")
+    if isinstance(body.attraction, OblateParams):
+        flattening = Flattening(body.attraction.j2, body.attraction.reference_radius or max(body.semi_axes))
+        drifts = flattening.node_rate(orbit, inclination), flattening.perigee_rate(orbit, inclination)
+        yield SheetRow("drift of the node, eastward", math.degrees(drifts[0]) * DAY, "deg/day")
+        yield SheetRow("drift of the perigee", math.degrees(drifts[1]) * DAY, "deg/day")
+    beside = transition(orbit.rate, orbit.period) @ (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    yield SheetRow("what rests 1 m above a spacecraft is along its flight a turn later", float(beside[1]), "m")
+    yield SheetRow("gravity gradient, largest torque for 1 kg m2 between two axes", 1.5 * orbit.rate**2, "N m")
+    if body.name == EARTH and LOWEST <= altitude <= HIGHEST:
+        air = density(altitude)
+        yield SheetRow("air, mean activity of the Sun", air, "kg/m3")
+        of_drag = f"at {BALLISTIC_COEFFICIENT:g} kg/m2"
+        yield SheetRow(f"drag {of_drag}", deceleration(orbit, air, BALLISTIC_COEFFICIENT), "m/s2")
+        yield SheetRow(f"sinks {of_drag}", -sinking(orbit, air, BALLISTIC_COEFFICIENT) * DAY, "m/day")
+        if OXYGEN_RANGE[0] <= altitude <= OXYGEN_RANGE[1]:
+            atoms = atomic_oxygen(orbit, air)
+            yield SheetRow("atomic oxygen on what flies ahead", atoms, "1/(m2 s)")
+            yield SheetRow("polyimide that it takes away", atoms * KAPTON_YIELD * 1e6 * 365.25 * DAY, "um/year")
+
+
+def run(given: argparse.Namespace) -> int:
+    """Print the sheet of the orbit that the options name.
+
+    Raises:
+        UsageError: angles or an altitude that no orbit has; a place or a date of one. ConfigError: an unknown body.
+    """
+    body = load_params("bodies", given.body, BodyParams)
+    for option, angle, most in (("inclination", given.inclination, 180.0), ("beta", given.beta, 90.0)):
+        least = 0.0 if option == "inclination" else -most
+        if not least <= angle <= most:
+            raise UsageError(f"site: --{option} {angle:g}: allowed is {least:g} to {most:g}")
+    if given.lat or given.lon or given.time is not None or given.plot is not None:
+        raise UsageError("site: --lat, --lon, --time, --plot with --orbit: allowed is a place or an orbit")
+    rows = list(rows_of_orbit(body, given.altitude, math.radians(given.inclination), math.radians(given.beta)))
+    if given.json:
+        print(json.dumps({"orbit": {row.name: row.value for row in rows}}, indent=1))
+        return 0
+    print(f"{body.name}, orbit {given.altitude:g} m high, inclination {given.inclination:g} deg")
+    width = max(len(row.name) for row in rows)
+    for row in rows:
+        print(f"  {row.name.ljust(width)}  {row.value:.5g} {row.unit}")
+    return 0

@@ -1,0 +1,102 @@
+"""scripts/power_plan as a user types it."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sojourn_config.command_errors import UsageError
+from sojourn_config.errors import ConfigError
+from sojourn_studies import power_plan
+
+STORM = "sun.optical_depth=10.8"
+
+
+def days(capsys: pytest.CaptureFixture[str], *arguments: str) -> Any:
+    assert power_plan.main([*arguments, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_a_clean_sol_of_a_mars_exploration_rover(capsys: pytest.CaptureFixture[str]) -> None:
+    """About 900 Wh with clean cells (Crisp et al. 2003, J. Geophys. Res. 108(E12):8061)."""
+    found = days(capsys, "mars_sol", "--step", "120")
+    (sol,) = found["days"]
+    assert sol["offered"] == pytest.approx(900.0, rel=0.05)
+    assert sol["hours"] == pytest.approx(24.66, abs=0.05)
+    assert sol["given"] <= sol["offered"] + 1e-9 and 0.5 < sol["least"] < sol["most"] <= 1.0
+    assert found["first_limit"] is None and found["empty_h"] is None and found["mode_at_end"] == "NOMINAL"
+    assert abs(found["energy_not_explained"]) < 1e-9
+
+
+def test_the_sols_of_a_week_are_alike(capsys: pytest.CaptureFixture[str]) -> None:
+    """The night takes what the day gives, and the machine wakes each morning."""
+    sols = days(capsys, "mars_sol", "--step", "300", "--days", "7")["days"]
+    assert len(sols) == 7
+    assert all({"NOMINAL", "SLEEP"} <= set(sol["modes"]) and "SURVIVAL" not in sol["modes"] for sol in sols)
+    assert abs(sols[-1]["least"] - sols[2]["least"]) < 0.03
+
+
+def test_a_storm_is_slept_through_for_a_sol(capsys: pytest.CaptureFixture[str]) -> None:
+    """Of the depth that ended Opportunity. By the charge alone it would go on until nothing is left for the heaters."""
+    found = days(capsys, "mars_sol", "--step", "120", "--set", STORM)
+    assert found["mode_at_end"] == "SLEEP" and found["charge_at_end"] > 0.1 and found["empty_h"] is None
+    assert found["days"][0]["offered"] < 90.0 and "asleep it will come to" in found["first_limit"]["what"]
+    blind = "power_manager.sleep.reserve=null"
+    careless = days(capsys, "mars_sol", "--step", "120", "--set", STORM, "--set", blind)
+    assert careless["empty_h"] is not None and careless["empty_h"] < 12.0
+
+
+NIGHT = ("lunar_night", "--days", "0.65", "--step", "300")
+UNHEATED = ("--set", "thermal.radioisotope_heaters=[]")
+
+
+def test_a_lunar_night_is_outlived_by_radioisotope_heat(capsys: pytest.CaptureFixture[str]) -> None:
+    """Fifteen Earth days: with twenty heaters of 1 W no store leaves its limits, and the machine wakes by itself."""
+    found = days(capsys, *NIGHT)
+    assert found["first_limit"] is None and found["empty_h"] is None and found["beyond_limits"] == {}
+    assert found["mode_at_end"] == "NOMINAL" and found["days"][0]["least"] > 0.2
+    assert found["coldest_k"]["battery"] > 260.0 and found["coldest_k"]["radiator"] < 150.0
+    assert abs(found["energy_not_explained"]) < 1e-9
+
+
+def test_without_it_the_night_is_the_end(capsys: pytest.CaptureFixture[str]) -> None:
+    """The battery has the heater burn for a day and is empty and cold after it: Lunokhod carried polonium for this."""
+    found = days(capsys, *NIGHT, *UNHEATED)
+    assert 12.0 < found["empty_h"] < 72.0 and found["coldest_k"]["battery"] < 120.0
+    assert "too cold" in found["beyond_limits"]["battery"]["what"]
+    assert found["first_limit"]["h"] <= found["beyond_limits"]["battery"]["h"]
+
+
+def test_it_prints_writes_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    picture, table = tmp_path / "days.png", tmp_path / "days.csv"
+    given = ["flat_drive", "--days", "0.02", "--step", "600", "--plot", str(picture), "--csv", str(table)]
+    assert power_plan.main(given) == 0
+    said = capsys.readouterr().out
+    assert "explorer on moon" in said and "First limit: LOW" in said and "All stores are empty after" in said
+    assert picture.stat().st_size > 20_000
+    with table.open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 85 and rows[0]["mode"] == "NOMINAL" and float(rows[-1]["charge_battery"]) <= 0.0
+    assert float(rows[0]["load_computer_w"]) == 30.0 and float(rows[0]["offered_w"]) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["mars_sol", "--days", "0"], "--days 0"),
+        (["mars_sol", "--step", "0.1"], "--step 0.1"),
+        (["flat_drive", "--days", "100"], "fewer --days"),
+        (["flat_drive", "--days", "0.01", "--step", "600", "--csv", "/no/such/folder/x.csv"], "--csv"),
+        (["flat_drive", "--days", "0.01", "--step", "600", "--plot", "/no/such/folder/x.png"], "--plot"),
+    ],
+)
+def test_bad_options_are_refused_in_one_sentence(arguments: list[str], word: str) -> None:
+    with pytest.raises(UsageError, match=word):
+        power_plan.main(arguments)
+
+
+def test_a_scenario_that_does_not_fit_is_refused() -> None:
+    with pytest.raises(ConfigError, match="did you mean drive"):
+        power_plan.main(["flat_drive", "--set", "activities=[{load: drives, power_w: 1.0, start_h: 0.0, hours: 1.0}]"])

@@ -1,0 +1,101 @@
+"""scripts/site as a user types it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sojourn_config.command_errors import UsageError
+from sojourn_config.errors import ConfigError
+from sojourn_config.paths import available
+from sojourn_studies import site_sheet
+
+
+def sheet(capsys: pytest.CaptureFixture[str], *arguments: str) -> Any:
+    assert site_sheet.main([*arguments, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_a_summer_noon_in_greenwich(capsys: pytest.CaptureFixture[str]) -> None:
+    """Elevation 90 - 51.48 + 23.44 at noon of the solstice; normal gravity of the latitude; the standard atmosphere."""
+    found = sheet(capsys, "earth", "--lat", "51.48", "--time", "2026-06-21T12:02:00Z")
+    assert found["gravity"]["gravity"] == pytest.approx(9.81191, abs=2e-4)
+    assert found["gravity"]["speed of escape"] == pytest.approx(11180.0, rel=2e-3)
+    assert found["sun"]["at the date: elevation of the Sun"] == pytest.approx(61.96, abs=0.05)
+    assert found["sun"]["at the date: azimuth, from north by east"] == pytest.approx(180.0, abs=0.3)
+    assert found["sun"]["over a day: the Sun is up for"] == pytest.approx(16.6, abs=0.3)
+    assert found["air"]["density"] == pytest.approx(1.225, rel=1e-3)
+    assert 5.0 < found["sun"]["over a day: energy on the level"] < 9.5
+
+
+def test_the_lunar_pole_and_a_level_of_venus(capsys: pytest.CaptureFixture[str]) -> None:
+    pole = sheet(capsys, "moon", "--lat", "-90", "--time", "2028-03-01T00:00:00Z")
+    assert abs(pole["sun"]["over a day: greatest elevation"]) < 1.6  # the Moon's axis is 1.5 degrees off its orbit's
+    assert "none" in pole["air"]["air"]
+    mild = sheet(capsys, "venus", "--altitude", "50000")
+    assert mild["air"]["temperature"] == pytest.approx(350.5, abs=0.1)
+    assert mild["gravity"]["gravity"] < mild["gravity"]["mean of the body, GM/R2"]
+
+
+@pytest.mark.parametrize("name", [name for name in available("bodies") if name != "low_earth_orbit"])
+def test_every_body_has_a_sheet(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    found = sheet(capsys, name, "--lat", "30", "--lon", "40", "--time", "2027-01-01T00:00:00Z")
+    assert found["gravity"]["gravity"] > 0.0
+    assert found["stay"]
+    assert 0.0 <= found["sun"]["over a day: the Sun is up for"] <= found["day"]["solar day"] * (1.0 + 1e-9)
+
+
+def test_it_prints_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    picture = tmp_path / "mars.png"
+    given = ["mars", "--lat", "-1.95", "--lon", "354.5", "--time", "2004-01-25T05:05:00Z", "--plot", str(picture)]
+    assert site_sheet.main(given) == 0
+    said = capsys.readouterr().out
+    assert "mars, latitude -1.95" in said and "m/s2" in said and "Sources: JPL" in said
+    assert picture.stat().st_size > 20_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["moon", "--lat", "91"], "--lat 91"),
+        (["moon", "--lon", "-200"], "--lon -200"),
+        (["moon", "--time", "noon"], "--time noon"),
+        (["moon", "--time", "2028-03-01T00:00:00"], "--time"),
+        (["moon", "--days", "0"], "--days 0"),
+        (["low_earth_orbit"], "orbit"),
+        (["itokawa", "--altitude", "-200"], "altitude_m"),
+        (["moon", "--plot", "/no/such/folder/x.png"], "--plot"),
+    ],
+)
+def test_bad_places_are_refused_in_one_sentence(arguments: list[str], word: str) -> None:
+    with pytest.raises(UsageError, match=word):
+        site_sheet.main(arguments)
+
+
+def test_an_unknown_body_is_answered_with_the_nearest() -> None:
+    with pytest.raises(ConfigError, match=r"did you mean titania\?"):
+        site_sheet.main(["titaniaa"])
+
+
+def test_the_orbit_of_a_station(capsys: pytest.CaptureFixture[str]) -> None:
+    found = sheet(capsys, "earth", "--orbit", "--altitude", "408000", "--inclination", "51.64")["orbit"]
+    assert found["drift of the node, eastward"] == pytest.approx(-5.0, abs=0.05)
+    assert found["in the body's shadow"] == pytest.approx(36.0, abs=0.5)
+    beside = found["what rests 1 m above a spacecraft is along its flight a turn later"]
+    assert beside == pytest.approx(-37.70, abs=0.01)  # 12 pi
+    assert "air, mean activity of the Sun" not in sheet(capsys, "moon", "--orbit", "--altitude", "1e5")["orbit"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (["earth", "--orbit"], "--altitude 0"),
+        (["low_earth_orbit", "--orbit", "--altitude", "1e5"], "an orbit itself"),
+        (["earth", "--orbit", "--altitude", "4e5", "--beta", "91"], "--beta 91"),
+        (["earth", "--orbit", "--altitude", "4e5", "--lat", "3"], "a place or an orbit"),
+    ],
+)
+def test_what_is_no_orbit_is_refused(arguments: list[str], named: str) -> None:
+    with pytest.raises(UsageError, match=named):
+        site_sheet.main(arguments)
