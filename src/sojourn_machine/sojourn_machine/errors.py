@@ -43,3 +43,15 @@ class UnknownNameError(MachineError, ValueError):
     def __reduce__(self) -> tuple[type["UnknownNameError"], tuple[str, str, tuple[str, ...]]]:
         """As it was made: so it comes out of another process."""
         return type(self), (self.thing, self.name, self.valid)
+
+
+class ContestedNameError(UnknownNameError):
+    """A name that several packages bring, so that nothing says which is meant.
+
+    Args:
+        thing: what was asked for, in words. name: as it was given. claims: what stands for it, at least two.
+    """
+
+    def __init__(self, thing: str, name: str, claims: Sequence[str]) -> None:
+        super().__init__(thing, name, claims)
+        self.args = (f"{thing} {name!r} is brought by {' and by '.join(claims)}: one of them needs another name",)
