@@ -1,6 +1,9 @@
 """The slip estimate in the plant, with all sensors: up a slope of loose soil, and where it cannot be climbed."""
 
+from typing import NamedTuple
+
 import numpy as np
+import pytest
 
 from ros_messages import ros_message
 from sojourn_config.scenario import load_scenario
@@ -13,6 +16,7 @@ from sojourn_drive.reports import odometry_report
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.slip_estimation import trouble
 from sojourn_flight.planning.goal import Goal
+from sojourn_machine.params import FloatArray
 from sojourn_studies.closed_loop import ClosedLoop
 from sojourn_studies.measure_slip import drive, on_plane
 
@@ -22,9 +26,18 @@ def standing(loop: ClosedLoop, seconds: float) -> None:
         loop.step()
 
 
-def test_slip_of_each_wheel_up_a_slope_of_twelve_degrees() -> None:
-    """Median error within 5 percentage points for each wheel, from the start until the rear wheels are in ruts."""
-    loop = ClosedLoop(on_plane("flat_drive", (), 12.0, 0.0))
+class Climb(NamedTuple):
+    """A drive of 22 s up twelve degrees: what the slip estimate is off [-] and that over its stated deviation, from the
+    first second on, and the loop at its end.
+    """
+
+    errors: FloatArray
+    deviations: FloatArray
+    loop: ClosedLoop
+
+
+def climb(seed: int) -> Climb:
+    loop = ClosedLoop(on_plane("flat_drive", (f"seed={seed}",), 12.0, 0.0))
     standing(loop, 2.0)
     errors, deviations = [], []
     for _ in range(round(22.0 / CONTROL_PERIOD_S)):
@@ -33,18 +46,36 @@ def test_slip_of_each_wheel_up_a_slope_of_twelve_degrees() -> None:
         assert slip is not None
         errors.append(slip.slip - loop.true_slip)
         deviations.append((slip.shared - float(loop.true_slip.mean())) / max(slip.sigma, 1e-6))
-    late = np.array(errors)[50:]
-    assert np.all(np.median(np.abs(late), axis=0) < 0.05)
-    assert np.mean(np.abs(deviations[50:]) < 2.0) > 0.9, "the stated deviation holds"
-    assert loop.plant_output is not None
-    wheels = loop.drive.mobility.names
-    reported = np.array([loop.output.status[f"slip_{name}"] for name in wheels])
-    true = loop.plant_output.contacts[: len(wheels), 4]
-    np.testing.assert_allclose(reported, true, atol=0.1)  # the same slip as in /truth/contacts, on the rim
-    np.testing.assert_allclose(reported - true, late[-1] / (1.0 - loop.drive.params.mobility.slip.free_slip), atol=2e-3)
-    odometry = loop.drive_state.odometry
-    error = odometry.x - loop.true_pose[0]
-    assert abs(error) < 2.0 * np.sqrt(odometry.covariance[0, 0])
+    return Climb(np.array(errors)[50:], np.array(deviations)[50:], loop)
+
+
+@pytest.fixture(scope="module")
+def climbs() -> list[Climb]:
+    """Errors of levelling and bias last for all of a drive, so that one of them says little of the stated deviation."""
+    return [climb(seed) for seed in range(1, 7)]
+
+
+def test_slip_of_each_wheel_up_a_slope_of_twelve_degrees(climbs: list[Climb]) -> None:
+    """Median error within 5 percentage points for each wheel, from the start until the rear wheels are in ruts."""
+    errors = np.array([one.errors for one in climbs])
+    assert np.all(np.median(np.abs(errors), axis=1) < 0.05)
+    within = np.abs([one.deviations for one in climbs]) < 2.0
+    assert np.mean(within) > 0.9, "the stated deviation holds"
+
+
+def test_the_slip_of_each_wheel_is_reported_and_leaves_the_odometry_right(climbs: list[Climb]) -> None:
+    for one in climbs:
+        loop = one.loop
+        assert loop.plant_output is not None
+        wheels = loop.drive.mobility.names
+        reported = np.array([loop.output.status[f"slip_{name}"] for name in wheels])
+        true = loop.plant_output.contacts[: len(wheels), 4]
+        np.testing.assert_allclose(reported, true, atol=0.1)  # the same slip as in /truth/contacts, on the rim
+        rim = 1.0 - loop.drive.params.mobility.slip.free_slip
+        np.testing.assert_allclose(reported - true, one.errors[-1] / rim, atol=2e-3)
+        odometry = loop.drive_state.odometry
+        error = odometry.x - loop.true_pose[0]
+        assert abs(error) < 2.0 * np.sqrt(odometry.covariance[0, 0])
 
 
 def test_stops_and_point_turns_leave_the_odometry_right() -> None:
