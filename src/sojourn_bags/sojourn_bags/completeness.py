@@ -118,6 +118,7 @@ def account(
     published: Mapping[str, int],
     last_stamp: int | None,
     lockstep_rows: Iterable[Topic] = (),
+    before: Mapping[str, int] | None = None,
 ) -> Completeness:
     """Account of a run.
 
@@ -126,19 +127,26 @@ def account(
         recorded, published: messages by topic.
         last_stamp: stamp [ns] of the last period of the run in lock-step, None in real time.
         lockstep_rows: rows of the table whose messages lock-step demands.
+        before: messages by topic that belong to the time before the record; none where it is of the whole run.
     """
     due = {row.name: due_by(row, last_stamp) for row in lockstep_rows} if last_stamp is not None else {}
     counts = {}
     for row in rows:
+        earlier = (before or {}).get(row.name, 0)
         count = Count(
-            published.get(row.name),
+            _later(published.get(row.name), earlier),
             recorded.get(row.name, 0),
-            due.get(row.name),
+            _later(due.get(row.name), earlier),
             row.reliability is Reliability.BEST_EFFORT or (row.name == "/clock" and last_stamp is None),
         )
         if count.published or count.recorded or count.due:
             counts[row.name] = count
     return Completeness(counts)
+
+
+def _later(count: int | None, earlier: int) -> int | None:
+    """Of a count since the start of the run what is later than the first so many."""
+    return None if count is None else max(count - earlier, 0)
 
 
 def due_by(row: Topic, last_stamp: int) -> int:

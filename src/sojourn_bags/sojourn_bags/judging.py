@@ -10,6 +10,7 @@ from sojourn_bags.contract_version import check_own_contract, table_of_bag
 from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import Run
 from sojourn_bags.errors import BagsError, IncompleteConfigError, UnreadableMessageError
+from sojourn_bags.onset import RESUMED
 from sojourn_bags.reading import Bag, Messages
 from sojourn_bags.transforms import TOPIC as TRANSFORMS
 from sojourn_config.errors import ConfigError
@@ -36,13 +37,15 @@ class Recorded:
 
     Args:
         lockstep: mode of time. participants: roles of the run. by_us: whether our recorder wrote it, so that log
-            times are simulation time. notes: what a reader of the verdict should know.
+            times are simulation time. notes: what a reader of the verdict should know. from_start: whether it has the
+            run from its first period, not from a checkpoint on.
     """
 
     lockstep: bool
     participants: tuple[str, ...]
     by_us: bool
     notes: list[str] = field(default_factory=list)
+    from_start: bool = True
 
 
 def judge_bag(
@@ -70,6 +73,7 @@ def judge_bag(
         participants=run.participants,
         roles=roles,
         unseen=unseen,
+        from_start=run.from_start,
     )
     for name, messages in bag.topics.items():
         for endpoint in endpoints_of(messages):
@@ -105,7 +109,7 @@ def recorded_as(bag: Bag) -> Recorded:
     lockstep = record["lockstep"] == "true" if "lockstep" in record else _clock_is_reliable(bag)
     # a bag of ours that was cut off has no record of the run yet, but its attachments
     by_us = bool(record) or named
-    return Recorded(lockstep, participants or _speakers(bag, by_us), by_us, notes)
+    return Recorded(lockstep, participants or _speakers(bag, by_us), by_us, notes, RESUMED not in record)
 
 
 def machine_of(bag: Bag) -> JudgedMachine:

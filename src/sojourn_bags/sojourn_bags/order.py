@@ -8,7 +8,7 @@ What comes late, stamped off the grid or twice is kept as well: the recorder rec
 filed under the period in which it is written.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import lcm
 from typing import TypeAlias
 
@@ -36,14 +36,19 @@ class PeriodOrder:
         heartbeat_roles: ranks of the senders of heartbeats; a period with heartbeats waits for them, but not
             for ever.
         heartbeat_periods: periods between two heartbeats.
+        begun: the period before the first, and how many goals of each channel belong to it and to those before.
     """
 
     def __init__(
-        self, awaited: Sequence[tuple[int, Topic]], heartbeat_roles: frozenset[int], heartbeat_periods: int
+        self,
+        awaited: Sequence[tuple[int, Topic]],
+        heartbeat_roles: frozenset[int],
+        heartbeat_periods: int,
+        begun: tuple[int, Mapping[int, int]] = (0, {}),
     ) -> None:
-        self.collected = 0
+        self.collected = begun[0]
         """Last period of which everything due has come."""
-        self.released = 0
+        self.released = begun[0]
         """Last period that has been released."""
         self._awaited = tuple((channel, row) for channel, row in awaited if row.delivery is None)
         self._delivered = {channel: row for channel, row in awaited if row.delivery is not None}
@@ -55,7 +60,7 @@ class PeriodOrder:
         self._arrived: dict[int, int] = {}
         self._entries: dict[int, list[Entry]] = {}
         self._ticks: dict[int, dict[int, int]] = {}
-        self._goals: dict[int, int] = {}
+        self._goals: dict[int, int] = dict(begun[1])
         self._heartbeat_roles = heartbeat_roles
         self._heartbeat_periods = heartbeat_periods
         self._heard: dict[int, set[int]] = {}

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sojourn_bags.definitions import ChannelSpec, qos_entry
+from sojourn_bags.onset import RESUMED, WHOLE, Onset
 from sojourn_bags.provenance import attachments, run_attachment
 from sojourn_bags.recording import Recording
 from sojourn_bags.transforms import channel as transform_channel
@@ -27,6 +28,7 @@ class RecordedRun:
         scenario: name or file. overrides: KEY=VALUE texts that go over it. participants: all roles.
         lockstep: mode of time. namespace: ROS namespace of the topics.
         loaded: the scenario where it has been read before; else it is read here.
+        onset: where in the run the record begins.
     """
 
     scenario: str
@@ -35,16 +37,19 @@ class RecordedRun:
     lockstep: bool = True
     namespace: str = "/"
     loaded: LoadedScenario | None = None
+    onset: Onset = WHOLE
 
     def record(self) -> dict[str, str]:
         """As the bag has it."""
         path = Path(self.scenario)
+        resumed = {RESUMED: str(self.onset.resumed_at)} if self.onset.resumed_at else {}
         return {
             # not the place of the checkout on this machine
             "scenario": display(path) if path.is_absolute() else self.scenario,
             "lockstep": str(self.lockstep).lower(),
             "participants": ",".join(self.participants),
             "namespace": self.namespace,
+            **resumed,
         }
 
     def open(
@@ -70,4 +75,4 @@ class RecordedRun:
         described = [*attachments(scenario), run_attachment(self.record())]
         writer = BagWriter(folder, [*channels, transform_channel()], described, offered)
         awaited = awaited_inputs(ROLE, self.participants, table)
-        return Recording(writer, rows, awaited, self.participants, self.lockstep, refuse)
+        return Recording(writer, rows, awaited, self.participants, self.lockstep, refuse, self.onset)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from sojourn_bags.completeness import OUTSIDE_THE_RECORD, RECORD, Completeness, PublishedCounts, account
 from sojourn_bags.definitions import RUN_RECORD
+from sojourn_bags.onset import WHOLE, Onset
 from sojourn_bags.order import TICK, Entry, PeriodOrder, WindowOrder
 from sojourn_bags.transforms import TransformSource
 from sojourn_bags.writer import BagWriter
@@ -32,6 +33,7 @@ class Recording:
         rows: topics that are recorded. awaited: those that lock-step waits for.
         participants: roles of the run. lockstep: mode of time.
         refuse: called with the topic and the reason for a message that is written and cannot be read.
+        onset: where in the run the record begins.
     """
 
     def __init__(
@@ -42,6 +44,7 @@ class Recording:
         participants: Sequence[str],
         lockstep: bool,
         refuse: Callable[[str, Exception], None],
+        onset: Onset = WHOLE,
     ) -> None:
         self.writer = writer
         self._refuse = refuse
@@ -54,7 +57,9 @@ class Recording:
         self._awaited = tuple(awaited)
         ranks = frozenset(ROLES.index(role) for role in participants if role in ROLES)
         channels = [(self._channel_of[row.name], row) for row in self._awaited]
-        self._periods = PeriodOrder(channels, ranks, HEARTBEAT_PERIODS)
+        self._onset = onset
+        earlier = {channel: onset.before.get(name, 0) for name, channel in self._channel_of.items()}
+        self._periods = PeriodOrder(channels, ranks, HEARTBEAT_PERIODS, (onset.period - 1, earlier))
         self._window = WindowOrder()
         self._published = PublishedCounts()
         self._arrived = dict.fromkeys(self._channel_of, 0)
@@ -136,6 +141,7 @@ class Recording:
             self._published.totals(),
             self.last_stamp if self.lockstep else None,
             [self._rows[self._channel_of[row.name]] for row in self._awaited],
+            self._onset.before,
         )
         record = {**run, "last_stamp_ns": str(self.last_stamp)}
         self.writer.close({RUN_RECORD: record, RECORD: completeness.as_record()})

@@ -13,6 +13,7 @@ from sojourn_bags.comparison import stamps_of, until
 from sojourn_bags.completeness import due_by
 from sojourn_bags.contract_version import check_contract, table_of_bag
 from sojourn_bags.errors import ReplayError
+from sojourn_bags.onset import RESUMED
 from sojourn_bags.provenance import run_of
 from sojourn_bags.reading import Bag, Messages
 from sojourn_bags.replay_choices import ROLES_TO_REPLAY
@@ -113,6 +114,9 @@ def script_of(bag: Bag, role: str) -> ReplayScript:
         raise ReplayError(f"{bag.path} is of a run without {role}: there were {', '.join(participants)}")
     if run["lockstep"] != "true":
         reason = "was recorded in real time, where a node's inputs depend on when they come: replay needs lock-step"
+        raise ReplayError(f"{bag.path} {reason}")
+    if run.get(RESUMED):
+        reason = "begins at a checkpoint, and a replay at the start of a run: replay the run that it went on from"
         raise ReplayError(f"{bag.path} {reason}")
     topics = dict(bag.topics)
     if not bag.whole:

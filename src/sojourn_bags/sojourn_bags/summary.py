@@ -22,6 +22,7 @@ from sojourn_bags.goals import (
     missing_steps,
 )
 from sojourn_bags.machine import TrueMachine, poses_of, tilts
+from sojourn_bags.onset import RESUMED
 from sojourn_bags.reading import Bag
 from sojourn_bags.transforms import TOPIC as TRANSFORMS_TOPIC
 
@@ -49,7 +50,8 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     accept = run.scenario.accept
     tip_link = "" if run.arm is None else run.arm["tip_link"]
     results = judge_goals(bag, machine, tip_link, Limits(accept.drive_m, accept.arm_m), end_s)
-    operated = "operator" in bag.records.get(RUN_RECORD, {}).get("participants", "operator").split(",")
+    record = bag.records.get(RUN_RECORD, {})
+    operated = "operator" in record.get("participants", "operator").split(",") and RESUMED not in record
     topics = [step.action.topic for step in run.scenario.steps] if operated else []
     not_sent = missing_steps(topics, [result.goal for result in results])
     drive_errors = [result.error_m for result in results if result.goal.topic in DRIVE_TOPICS]

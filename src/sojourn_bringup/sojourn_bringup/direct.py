@@ -5,6 +5,7 @@ import time
 from dataclasses import replace
 
 from sojourn_bags.errors import BagsError
+from sojourn_bringup.checkpoints import CheckpointKeeper, origin_of
 from sojourn_bringup.health import Health, Progress
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, RunStopwatch
 from sojourn_bringup.plan import RunPlan
@@ -41,12 +42,18 @@ class DirectRun:
         self._folder_gone = ""
         self._scenario = plan.loaded or load_scenario(plan.scenario, plan.overrides)
         self._steps = len(self._scenario.config.steps)
+        self._keeper = None
+        if plan.checkpoint_every_s is not None:
+            origin = origin_of(plan.scenario, plan.overrides, plan.participants, self._scenario)
+            begun = 0.0 if plan.begin is None else seconds(plan.begin.now)
+            self._keeper = CheckpointKeeper(plan.run_dir, plan.checkpoint_every_s, origin, begun)
 
     def run(self) -> Outcome:
         """Run to the end. Returns how it ended."""
         self._stop = StopFlag().install()
         bag = self.plan.bag() if "recorder" in self.plan.participants else None
-        spec = RunSpec(self.plan.scenario, self.plan.participants, self.plan.overrides, bag, self._scenario)
+        plan = self.plan
+        spec = RunSpec(plan.scenario, plan.participants, plan.overrides, bag, self._scenario, plan.begin)
         try:
             result = run(spec, self._goes_on)
         except (StackError, BagsError, ContractError, ConfigError, MachineError, OSError) as error:
@@ -65,7 +72,9 @@ class DirectRun:
         return ended.judged(result.steps, self._steps) if has_operator else ended
 
     def _goes_on(self, state: StackState) -> bool:
-        """Show the run some times a second; False ends it."""
+        """Show the run some times a second, keep checkpoints of it; False ends it."""
+        if self._keeper is not None:
+            self._keeper.look(state)
         now = time.monotonic()
         self.stopwatch.look(seconds(state.now), now)
         if now - self._shown_at >= _SHOW_S:

@@ -17,6 +17,7 @@ from sojourn_contract.topics import ROLES, STANDARD
 
 if TYPE_CHECKING:  # the options need none of its libraries
     from sojourn_config.scenario import LoadedScenario
+    from sojourn_stack.stack import StackState
 
 DEFAULT_LOCKSTEP_TIMEOUT_S = 10.0
 DEFAULT_START_TIMEOUT_S = 60.0
@@ -39,6 +40,8 @@ class RunPlan:
         lockstep_timeout_s: wall time after which a missing answer stops a lock-step run [s].
         start_timeout_s: wall time within which every node must be ready [s].
         loaded: the scenario as it was checked, for a run in this process; None: it is to be read.
+        begin: where it goes on from; None for its start.
+        checkpoint_every_s: simulation time from one checkpoint to the next [s]; None for none.
     """
 
     scenario: str
@@ -55,6 +58,8 @@ class RunPlan:
     lockstep_timeout_s: float = DEFAULT_LOCKSTEP_TIMEOUT_S
     start_timeout_s: float = DEFAULT_START_TIMEOUT_S
     loaded: "LoadedScenario | None" = field(default=None, compare=False, repr=False)
+    begin: "StackState | None" = field(default=None, compare=False, repr=False)
+    checkpoint_every_s: float | None = None
 
     @property
     def result_file(self) -> Path:

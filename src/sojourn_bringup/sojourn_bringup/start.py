@@ -15,11 +15,23 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
         prog=program,
         description="Start a scenario: every node as a process, in lock-step, until its operator is through or Ctrl-C.",
     )
-    result.add_argument("scenario", help="name in config/scenarios, or a YAML file")
+    result.add_argument("scenario", nargs="?", help="name in config/scenarios, or a YAML file")
     layout = result.add_mutually_exclusive_group()
     layout.add_argument("--composed", action="store_true", help="all nodes in one process")
     layout.add_argument(
         "--direct", action="store_true", help="all roles in one process without middleware: the same values, sooner"
+    )
+    result.add_argument(
+        "--checkpoint-every",
+        type=command_line.positive_seconds,
+        metavar="SECONDS",
+        help="with --direct: keep the state of the run in its folder each time that so much simulation time is over",
+    )
+    result.add_argument(
+        "--resume",
+        type=Path,
+        metavar="FILE",
+        help="in place of a scenario: go on from this checkpoint, without middleware; with --set on another branch",
     )
     result.add_argument("--realtime", action="store_true", help="paced by the wall clock, not in lock-step")
     result.add_argument(
@@ -72,7 +84,10 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Start a run and return its status: 0 done, 1 failed, 2 bad usage or configuration, 130 interrupted."""
-    given = parser().parse_args(arguments)
+    options = parser()
+    given = options.parse_args(arguments)
+    if (given.scenario is None) == (given.resume is None):
+        options.error("allowed is a scenario, or --resume FILE, which knows its own")
     from sojourn_bringup.start_run import run  # not above: --help needs none of it
 
     return run(given)

@@ -3,7 +3,7 @@
 import argparse
 from collections.abc import Sequence
 from contextlib import nullcontext
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from sojourn_bringup.instance import RoleTokens
 from sojourn_bringup.outcome import Outcome
@@ -18,6 +18,9 @@ from sojourn_config.shared_memory import remove_tracing_files
 from sojourn_contract.run_table import table_of
 from sojourn_operator.scenario_steps import absent_roles, needed_roles, prepare_scenario
 
+if TYPE_CHECKING:
+    from sojourn_bringup.checkpoints import Resumption
+
 
 def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     """Check all that was asked for and make the run's folder. Nothing has started then.
@@ -27,8 +30,13 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     """
     replacements = _commands(given.replace, "--replace")
     shadows = _commands(given.shadow, "--shadow")
-    scenario = prepare_scenario(given.scenario, overrides_of(given))
-    participants = _participants(given, scenario.loaded, screen)
+    _check_checkpoints(given)
+    resumed = _resumed(given)
+    if resumed is None:
+        scenario = prepare_scenario(given.scenario, overrides_of(given))
+        participants = _participants(given, scenario.loaded, screen)
+    else:
+        scenario, participants = resumed.scenario, resumed.participants
     started = tuple(role for role in participants if not given.only or role in given.only)
     machine = scenario.loaded.config.machine
     for role, reason in absent_roles(scenario.loaded).items():
@@ -56,7 +64,7 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     if not given.realtime:
         check_lockstep(participants, table_of(scenario.loaded))
     # before a folder is made for a run that cannot be
-    with nullcontext() if given.direct else RoleTokens(given.domain, given.namespace, started):
+    with nullcontext() if layout_of(given) == "direct" else RoleTokens(given.domain, given.namespace, started):
         run_dir = make_run_folder(given.run_dir)
     return RunPlan(
         scenario=scenario.name,
@@ -73,7 +81,31 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
         lockstep_timeout_s=given.lockstep_timeout,
         start_timeout_s=given.start_timeout,
         loaded=scenario.loaded,
+        begin=None if resumed is None else resumed.state,
+        checkpoint_every_s=given.checkpoint_every,
     )
+
+
+def _resumed(given: argparse.Namespace) -> "Resumption | None":
+    """The run that is to go on, None where one is to begin. Raises UsageError, ConfigError."""
+    if given.resume is None:
+        return None
+    from sojourn_bringup.checkpoints import resume  # not above: it needs all roles, which start elsewhere
+
+    return resume(given.resume, overrides_of(given))
+
+
+def _check_checkpoints(given: argparse.Namespace) -> None:
+    """Raise UsageError for options that do not go together."""
+    if given.checkpoint_every is not None and layout_of(given) != "direct":
+        raise UsageError("--checkpoint-every keeps the state of a run without middleware: it goes with --direct")
+    if given.resume is None:
+        return
+    others = ("composed", "realtime", "without", "only", "replace", "shadow", "machine")
+    wrong = [f"--{name}" for name in others if getattr(given, name)]
+    if wrong:
+        reason = "a checkpoint goes on without middleware, with the machine and the roles that it has"
+        raise UsageError(f"--resume does not go with {' and '.join(wrong)}: {reason}")
 
 
 def overrides_of(given: argparse.Namespace) -> list[str]:
@@ -115,7 +147,7 @@ Layout = Literal["processes", "composed", "direct"]
 
 def layout_of(given: argparse.Namespace) -> Layout:
     """Which way was asked for."""
-    return "direct" if given.direct else "composed" if given.composed else "processes"
+    return "direct" if given.direct or given.resume else "composed" if given.composed else "processes"
 
 
 def run_plan(plan: RunPlan, layout: Layout, screen: Screen) -> Outcome:
@@ -142,7 +174,9 @@ def run_plan(plan: RunPlan, layout: Layout, screen: Screen) -> Outcome:
 def run(given: argparse.Namespace) -> int:
     """Start a run and return its status: 0 done, 1 failed, 2 bad usage or configuration, 130 interrupted."""
     if given.resolved:
-        print(resolved_text(load_scenario(given.scenario, overrides_of(given)).documents), end="")
+        resumed = _resumed(given)
+        loaded = load_scenario(given.scenario, overrides_of(given)) if resumed is None else resumed.scenario.loaded
+        print(resolved_text(loaded.documents), end="")
         return 0
     screen = default_screen()
     plan = make_plan(given, screen)

@@ -25,7 +25,7 @@ from pydantic import BaseModel
 from sojourn_stack.errors import StackError
 from sojourn_stack.stack import RoleState, StackState
 
-FORMAT = 2
+FORMAT = 3
 """Of the file; another one is refused."""
 TREE = "state.json"
 OURS = "sojourn_"
@@ -48,8 +48,23 @@ class CheckpointError(StackError):
         self.place, self.reason = place, reason
 
 
-def save(state: StackState, file: Path) -> None:
-    """Write a state.
+@dataclasses.dataclass(frozen=True)
+class Origin:
+    """Of which run a state is.
+
+    Args:
+        scenario: name, or absolute path. overrides: KEY=VALUE texts that went over it. participants: all roles.
+        digests: SHA-256 of each file that was read, by name.
+    """
+
+    scenario: str
+    overrides: tuple[str, ...]
+    participants: tuple[str, ...]
+    digests: Mapping[str, str]
+
+
+def save(state: StackState, file: Path, origin: Origin | None = None) -> None:
+    """Write a state, and of which run it is.
 
     Raises:
         CheckpointError: it holds what cannot be kept. OSError: the file cannot be written.
@@ -63,6 +78,8 @@ def save(state: StackState, file: Path) -> None:
         "finished": state.finished,
         "roles": roles,
         "messages": messages,
+        "ahead": writer.tree(state.ahead, "ahead"),
+        "origin": writer.tree(origin, "origin"),
     }
     fresh = file.with_name(file.name + ".new")
     with zipfile.ZipFile(fresh, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
@@ -74,6 +91,11 @@ def save(state: StackState, file: Path) -> None:
 
 def load(file: Path) -> StackState:
     """Read a state. Raises CheckpointError, which names the role whose state does not fit, for any other file."""
+    return read(file)[0]
+
+
+def read(file: Path) -> tuple[StackState, Origin | None]:
+    """Read a state, and of which run it is, None where nobody has said it. Raises CheckpointError as `load`."""
     try:
         with zipfile.ZipFile(file) as archive:
             for part in archive.infolist():
@@ -90,7 +112,13 @@ def load(file: Path) -> StackState:
                 if not isinstance(one, RoleState):
                     raise CheckpointError(role, f"a {type(one).__name__}: allowed is the state of a role")
             messages = reader.value(tree["messages"], "messages")
-            return StackState(int(tree["period"]), roles, messages, bool(tree["finished"]))
+            state = StackState(int(tree["period"]), roles, messages, bool(tree["finished"]))
+            origin = reader.value(tree["origin"], "origin")
+            if origin is not None and not isinstance(origin, Origin):
+                raise CheckpointError("origin", f"a {type(origin).__name__}: allowed is of which run it is")
+            return dataclasses.replace(state, ahead=reader.value(tree["ahead"], "ahead")), origin
+    except OSError as error:
+        raise CheckpointError(str(file), error.strerror or str(error)) from error
     except (zipfile.BadZipFile, KeyError, ValueError, TypeError, RecursionError, EOFError) as error:
         raise CheckpointError(str(file), f"no checkpoint ({error})") from error
 

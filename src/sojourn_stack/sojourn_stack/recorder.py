@@ -4,15 +4,34 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sojourn_bags.completeness import Completeness
+from sojourn_bags.onset import Onset
 from sojourn_bags.recorded_run import ROLE, RecordedRun
 from sojourn_contract.codecs import encode
-from sojourn_contract.heartbeat import RUNNING, Counters, beats, heartbeat_message
+from sojourn_contract.heartbeat import HEARTBEAT_PERIODS, RUNNING, Counters, beats, heartbeat_message
+from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Message
+from sojourn_stack.stack import StackState
 
 TICK, HEARTBEATS = "/recorder/tick", "/diagnostics"
 TICK_PERIODS = topic(TICK).every
+
+
+def counted_by(period: int) -> Counters:
+    """What the recorder of a run has said of its own by the end of a control period."""
+    said = {HEARTBEATS: period // HEARTBEAT_PERIODS, TICK: period // TICK_PERIODS}
+    return Counters({name: count for name, count in said.items() if count})
+
+
+def onset_of(state: StackState, table: TopicTable) -> Onset:
+    """Of a record that begins where a run stands."""
+    before: dict[str, int] = {}
+    ahead = [name for name, _ in state.ahead]
+    for published in (counted_by(state.period - 1).published, *(one.published for one in state.roles.values())):
+        for name, count in published.items():
+            before[name] = before.get(name, 0) + count
+    return Onset(state.period, {row.name: before.get(row.name, 0) - ahead.count(row.name) for row in table})
 
 
 class DirectRecorder:
@@ -21,15 +40,17 @@ class DirectRecorder:
     Args:
         folder: the bag; made here. run: that it is of.
 
+    A record that begins within a run counts on from what the recorder of that run had counted.
+
     Raises:
         BagsError: it cannot be written. ConfigError: the scenario is wrong.
     """
 
     def __init__(self, folder: Path, run: RecordedRun) -> None:
         self._run = run
-        self._counters = Counters()
+        self._counters = counted_by(run.onset.period - 1)
         self._recording = run.open(folder, self._refuse)
-        self._now = 0
+        self._now = run.onset.resumed_at
 
     def take(self, said: Sequence[tuple[Topic, Message]]) -> None:
         """What was said in a period, in its order."""

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sojourn_bags.completeness import Completeness
+from sojourn_bags.onset import WHOLE
 from sojourn_bags.recorded_run import RecordedRun
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_contract.run_table import table_of
 from sojourn_operator.script import StepResult
 from sojourn_stack.apps import make_apps
-from sojourn_stack.recorder import DirectRecorder
+from sojourn_stack.recorder import DirectRecorder, onset_of
 from sojourn_stack.stack import Stack, StackState
 
 OPERATOR = "operator"
@@ -26,6 +27,7 @@ class RunSpec:
         scenario: name or file. participants: roles that take part. overrides: KEY=VALUE texts that go over it.
         bag: folder of the bag to write, made by the run; None for none.
         loaded: the scenario with the overrides where it has been read before; else the run reads it.
+        begin: where the run goes on from, None for its start.
     """
 
     scenario: str
@@ -33,6 +35,7 @@ class RunSpec:
     overrides: tuple[str, ...] = ()
     bag: Path | None = None
     loaded: LoadedScenario | None = None
+    begin: StackState | None = None
 
 
 @dataclass(frozen=True)
@@ -53,19 +56,21 @@ def run(spec: RunSpec, goes_on: Callable[[StackState], bool] = lambda state: Tru
 
     Raises:
         ConfigError, MachineError: the scenario is wrong. BagsError: the bag cannot be written.
-        WaitingError: a role waits for what nobody sends.
+        WaitingError: a role waits for what nobody sends. MisfitError: it cannot go on from where it is to begin.
     """
     scenario = spec.loaded or load_scenario(spec.scenario, spec.overrides)
     apps = make_apps(scenario, spec.participants)
     for app in apps.values():
         app.warm_up()
-    stack = Stack(apps, spec.participants, table_of(scenario))
+    table = table_of(scenario)
+    stack = Stack(apps, spec.participants, table)
+    state, said = stack.begin() if spec.begin is None else (spec.begin, stack.resume(spec.begin))
     recorder = None
     if spec.bag is not None:
-        recorded = RecordedRun(spec.scenario, spec.overrides, spec.participants, loaded=scenario)
+        onset = WHOLE if spec.begin is None else onset_of(state, table)
+        recorded = RecordedRun(spec.scenario, spec.overrides, spec.participants, loaded=scenario, onset=onset)
         recorder = DirectRecorder(spec.bag, recorded)
     try:
-        state, said = stack.begin()
         while True:
             if recorder is not None:
                 recorder.take(said)

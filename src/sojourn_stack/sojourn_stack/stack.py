@@ -22,7 +22,7 @@ from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import STANDARD, topic
 from sojourn_contract.values import DiagnosticArray, Message
 from sojourn_machine.evolution import replace
-from sojourn_stack.errors import WaitingError
+from sojourn_stack.errors import MisfitError, WaitingError
 
 PLANT = "plant"
 HEARTBEATS = "/diagnostics"
@@ -70,6 +70,8 @@ class StackState:
     """Last messages of each topic by stamp [ns], as far back as somebody waits for them, with why the contract refuses
     them."""
     finished: bool = False
+    ahead: tuple[tuple[str, Message], ...] = ()
+    """What has been said and belongs to a period to come, by topic: the plant tells the truth of the next one."""
 
     @property
     def now(self) -> int:
@@ -95,6 +97,8 @@ class Stack:
         self._strides = {role: Barrier(rows, role == PLANT).stride for role, rows in self._awaited.items()}
         outputs = {role: table.outputs_of(role, {*participants, role}) for role in acting}
         self.outputs = {role: {row.name: row for row in rows} for role, rows in outputs.items()}
+        self.rows = {name: row for rows in self.outputs.values() for name, row in rows.items()}
+        self.rows[HEARTBEATS] = topic(HEARTBEATS)
         inputs = {role: table.inputs_of(role, {*present, role}) for role in acting}
         events = {role: [row.name for row in rows if row.is_event] for role, rows in inputs.items()}
         self.takers = {
@@ -118,6 +122,16 @@ class Stack:
         period = _Period(self, StackState(1, roles, {}))
         period.begin(PLANT, truth)
         return period.state(1), period.said
+
+    def resume(self, state: StackState) -> list[Said]:
+        """What had been said of periods to come when a run stood at a state, for a record that begins there.
+
+        Raises:
+            MisfitError: the state is of other roles.
+        """
+        if set(state.roles) != set(self.apps):
+            raise MisfitError("roles", f"the checkpoint has {', '.join(state.roles)}, this run {', '.join(self.apps)}")
+        return [(self.rows[name], message) for name, message in state.ahead]
 
     def step(self, state: StackState) -> tuple[StackState, list[Said]]:
         """One control period: the state after it, and all that was said in it.
@@ -178,10 +192,14 @@ class _Period:
         self._roles = dict(state.roles)
         self._messages = dict(state.messages)
         self._finished = state.finished
+        self._ahead = state.ahead
 
     def state(self, period: int) -> StackState:
         """At the end, with the number of the next one."""
-        return StackState(period, self._roles, self._messages, self._finished)
+        now = (period - 1) * stamps.CONTROL_PERIOD_NS
+        ahead = [one for one in self._ahead if self._stack.rows[one[0]].heard_at(one[1].stamp) > now]
+        ahead += [(row.name, message) for row, message in self.said if row.heard_at(message.stamp) > now]
+        return StackState(period, self._roles, self._messages, self._finished, tuple(ahead))
 
     def missing(self, due: Sequence[Due]) -> Due | None:
         """The first that has not been said yet."""

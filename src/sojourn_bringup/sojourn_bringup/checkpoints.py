@@ -1,0 +1,122 @@
+"""Checkpoints of a run without middleware: kept at even times, and a run that goes on from one of them.
+
+A run goes on only with the files that it began with, and then it is the run that it would have been, bit for bit. With
+other values over the files (--set) it branches off; they may change what the world is like, not what the state
+consists of.
+"""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from sojourn_config.command_errors import UsageError
+from sojourn_config.scenario import LoadedScenario
+from sojourn_contract.run_table import table_of
+from sojourn_contract.stamps import seconds
+from sojourn_operator.scenario_steps import PreparedScenario, prepare_scenario
+from sojourn_stack.apps import make_apps
+from sojourn_stack.checkpoint import CheckpointError, Origin, read, save
+from sojourn_stack.stack import RoleState, Stack, StackState
+from sojourn_stack.structure import difference
+
+FOLDER, SUFFIX = "checkpoints", ".checkpoint"
+
+
+class CheckpointKeeper:
+    """Writes the state of a run into its folder, each time that so much simulation time has passed.
+
+    Args:
+        run_dir: folder of the run. every_s: simulation time from one to the next [s]. origin: of which run they are.
+        begun_s: simulation time at which it looks for the first time [s].
+    """
+
+    def __init__(self, run_dir: Path, every_s: float, origin: Origin, begun_s: float = 0.0) -> None:
+        self._folder, self._every_s, self._origin = run_dir / FOLDER, every_s, origin
+        self._passed = self._count(begun_s)
+
+    def look(self, state: StackState) -> None:
+        """After each control period.
+
+        Raises:
+            OSError: a checkpoint cannot be written. CheckpointError: the state holds what cannot be kept.
+        """
+        now = seconds(state.now)
+        passed = self._count(now)
+        if passed == self._passed:
+            return
+        self._passed = passed
+        self._folder.mkdir(exist_ok=True)
+        save(state, self._folder / f"{now:08.2f}{SUFFIX}", self._origin)
+
+    def _count(self, now: float) -> int:
+        return int(now / self._every_s + 1e-9)
+
+
+@dataclass(frozen=True)
+class Resumption:
+    """A run that goes on.
+
+    Args:
+        scenario: with what goes over it now. participants: all roles. state: where it goes on from.
+    """
+
+    scenario: PreparedScenario
+    participants: tuple[str, ...]
+    state: StackState
+
+
+def origin_of(scenario: str, overrides: Sequence[str], participants: Sequence[str], loaded: LoadedScenario) -> Origin:
+    """Of which run a checkpoint is: see `Origin`."""
+    return Origin(scenario, tuple(overrides), tuple(participants), _digests(loaded))
+
+
+def resume(file: Path, overrides: Sequence[str] = ()) -> Resumption:
+    """The run of a checkpoint, with further values over its files.
+
+    Raises:
+        UsageError: the file is no checkpoint, the files of its run have changed, or the state does not fit the values.
+        ConfigError: the values are wrong.
+    """
+    try:
+        state, origin = read(file)
+    except CheckpointError as error:
+        raise UsageError(f"--resume {file}: {error}") from error
+    if origin is None:
+        raise UsageError(f"--resume {file}: it does not say of which run it is")
+    if state.finished:
+        raise UsageError(f"--resume {file}: the run had ended, there is nothing to go on with")
+    as_it_was = prepare_scenario(origin.scenario, origin.overrides)
+    now = _digests(as_it_was.loaded)
+    changed = sorted(name for name in {*now, *origin.digests} if now.get(name) != origin.digests.get(name))
+    if changed:
+        allowed = "a run goes on with the files that it began with, and --set KEY=VALUE puts other values over them"
+        raise UsageError(f"--resume {file}: {', '.join(changed)} changed since: {allowed}")
+    if not overrides:
+        return Resumption(as_it_was, origin.participants, state)
+    branched = prepare_scenario(origin.scenario, (*origin.overrides, *overrides))
+    unlike = _unlike(as_it_was.loaded, branched.loaded, origin.participants)
+    if unlike:
+        raise UsageError(f"--resume {file}: with these values the run would have another state ({unlike})")
+    return Resumption(branched, origin.participants, state)
+
+
+def _digests(loaded: LoadedScenario) -> dict[str, str]:
+    texts = {name: hashlib.sha256(text.encode()).hexdigest() for name, text in loaded.files.items()}
+    return {**texts, **loaded.digests}
+
+
+def _unlike(one: LoadedScenario, other: LoadedScenario, participants: Sequence[str]) -> str:
+    """The first difference in structure of what two runs begin with."""
+    states, others = _begun(one, participants), _begun(other, participants)
+    if set(states) != set(others):
+        return f"roles: {', '.join(set(states) ^ set(others))}"
+    found = (difference(states[role].app, others[role].app, role) for role in states)
+    return next((words for words in found if words), "")
+
+
+def _begun(loaded: LoadedScenario, participants: Sequence[str]) -> Mapping[str, RoleState]:
+    """The roles of a run after its first period: sensors have no state before."""
+    stack = Stack(make_apps(loaded, participants), participants, table_of(loaded))
+    state, _ = stack.begin()
+    return stack.step(state)[0].roles

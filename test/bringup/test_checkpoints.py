@@ -1,0 +1,129 @@
+"""A run that is kept at even times: what goes on from a checkpoint is the unbroken run, its bag and its contract."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from sojourn_bags.errors import ReplayError
+from sojourn_bags.judging import judge_bag
+from sojourn_bags.reading import Bag, read_bag
+from sojourn_bags.replay_script import script_of
+from sojourn_bags.summary import summarise
+from sojourn_bringup import start
+from sojourn_bringup.checkpoints import resume
+from sojourn_config.command_errors import UsageError
+from sojourn_config.paths import config_folder
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
+
+SHORT = ("--direct", "--set", "duration_limit_s=6.0", "--set", "steps=[{drive_to: {x: 0.2, y: 0.0}}, {wait_s: 1.0}]")
+BEGUN = 200
+
+
+@pytest.fixture(scope="module")
+def unbroken(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run that is kept every two seconds."""
+    folder = tmp_path_factory.mktemp("unbroken") / "run"
+    start.main(["flat_drive", *SHORT, "--checkpoint-every", "2", "--run-dir", str(folder)])
+    return folder
+
+
+@pytest.fixture(scope="module")
+def gone_on(unbroken: Path) -> Path:
+    """The folder of the run that goes on after four seconds."""
+    folder = unbroken.with_name("gone_on")
+    start.main(["--resume", str(kept(unbroken)), "--checkpoint-every", "1", "--run-dir", str(folder)])
+    return folder
+
+
+def kept(run: Path, second: int = 4) -> Path:
+    return run / "checkpoints" / f"{second:05d}.00.checkpoint"
+
+
+def after(bag: Bag, period: int) -> dict[str, list[tuple[int, bytes]]]:
+    """Log times and bytes of all that belongs to later control periods, by topic."""
+    begin = period * CONTROL_PERIOD_NS
+    return {
+        name: [(at, data) for at, data in zip(one.log_times, one.data, strict=True) if at > begin]
+        for name, one in bag.topics.items()
+        if one.log_times[-1] > begin
+    }
+
+
+def test_it_is_kept_at_even_times(unbroken: Path, gone_on: Path) -> None:
+    assert [file.stem for file in sorted((unbroken / "checkpoints").iterdir())] == ["00002.00", "00004.00", "00006.00"]
+    assert [file.stem for file in sorted((gone_on / "checkpoints").iterdir())] == ["00005.00", "00006.00"]
+
+
+def test_it_goes_on_bit_for_bit_and_its_bag_is_whole(unbroken: Path, gone_on: Path) -> None:
+    first, second = read_bag(unbroken), read_bag(gone_on)
+    assert after(second, BEGUN) == after(first, BEGUN)
+    assert set(after(second, BEGUN)) == set(second.topics) >= {"/truth/odom", "/joint_states", "/diagnostics", "/tf"}
+    assert all(messages.log_times[0] > BEGUN * CONTROL_PERIOD_NS for messages in second.topics.values())
+    assert second.records["sojourn_completeness"]["complete"] == first.records["sojourn_completeness"]["complete"]
+    assert second.records["sojourn_completeness"]["gaps"] == "" == first.records["sojourn_completeness"]["gaps"]
+    assert second.records["sojourn_run"]["resumed_at_ns"] == str(BEGUN * CONTROL_PERIOD_NS)
+
+
+def test_its_bag_keeps_the_contract_and_is_told_of(gone_on: Path) -> None:
+    bag = read_bag(gone_on)
+    report, _ = judge_bag(bag)
+    assert not report.groups, report.groups
+    assert summarise(bag)["steps_not_sent"] == 0
+    with pytest.raises(ReplayError, match="begins at a checkpoint"):
+        script_of(bag, "drive")
+
+
+def test_with_other_values_it_branches_off(unbroken: Path) -> None:
+    folder = unbroken.with_name("branch")
+    soft = ("--set", "soil.k_phi=200000.0", "--set", "faults=[{joint: wheel_rear_left_joint, kind: dead, at_s: 4.5}]")
+    start.main(["--resume", str(kept(unbroken)), *soft, "--run-dir", str(folder)])
+    one, other = after(read_bag(unbroken), BEGUN)["/truth/odom"], after(read_bag(folder), BEGUN)["/truth/odom"]
+    assert one[0] == other[0], "it begins where the run stood"
+    assert one[-1] != other[-1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--composed"], "does not go with --composed"),
+        (["--machine", "skid"], "does not go with --machine: .*the machine and the roles that it has"),
+        (["--without", "drive", "--realtime"], "--realtime and --without"),
+        (["--set", "sensors.hazcam=null"], r"another state \(sensors\.sensors: "),
+        (["--set", "sensors.sun=null"], "another state"),
+    ],
+)
+def test_what_it_does_not_go_with(unbroken: Path, tmp_path: Path, arguments: list[str], words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        start.main(["--resume", str(kept(unbroken)), *arguments, "--run-dir", str(tmp_path / "run")])
+    assert not (tmp_path / "run").exists()
+
+
+def test_only_a_run_without_middleware_is_kept(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"--checkpoint-every .* goes with --direct"):
+        start.main(["flat_drive", "--composed", "--checkpoint-every", "2", "--run-dir", str(tmp_path / "run")])
+
+
+@pytest.mark.parametrize("arguments", [[], ["flat_drive", "--resume", "some.checkpoint"]])
+def test_it_is_a_scenario_or_a_checkpoint(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        start.main(arguments)
+    assert ended.value.code == 2 and "--resume FILE, which knows its own" in capsys.readouterr().err
+
+
+def test_files_that_are_none_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "text").write_text("no checkpoint", "utf-8")
+    for name, words in (("text", "no checkpoint"), ("nowhere", "No such file"), (".", "directory")):
+        with pytest.raises(UsageError, match=words):
+            resume(tmp_path / name)
+
+
+def test_files_that_have_changed_since_are_named(tmp_path: Path) -> None:
+    own = tmp_path / "own.yaml"
+    shutil.copy(config_folder() / "scenarios" / "flat_drive.yaml", own)
+    start.main([str(own), *SHORT, "--checkpoint-every", "1", "--without", "arm", "--run-dir", str(tmp_path / "run")])
+    file = kept(tmp_path / "run", 1)
+    assert "arm" not in resume(file).participants
+    own.write_text(own.read_text("utf-8") + "\n# another word\n", "utf-8")
+    with pytest.raises(UsageError, match=r"own\.yaml changed since: .*--set KEY=VALUE"):
+        resume(file)
