@@ -82,6 +82,8 @@ def resume(file: Path, overrides: Sequence[str] = ()) -> Resumption:
         state, origin = read(file)
     except CheckpointError as error:
         raise UsageError(f"--resume {file}: {error}") from error
+    except OSError as error:
+        raise UsageError(f"--resume {file}: it cannot be read: {error.strerror or error}") from error
     if origin is None:
         raise UsageError(f"--resume {file}: it does not say of which run it is")
     if state.finished:

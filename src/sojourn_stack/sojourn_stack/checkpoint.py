@@ -95,7 +95,7 @@ def load(file: Path) -> StackState:
 
 
 def read(file: Path) -> tuple[StackState, Origin | None]:
-    """Read a state, and of which run it is, None where nobody has said it. Raises CheckpointError as `load`."""
+    """Read a state, and of which run it is, None where nobody has said it. Raises as `load`."""
     try:
         with zipfile.ZipFile(file) as archive:
             for part in archive.infolist():
@@ -117,8 +117,6 @@ def read(file: Path) -> tuple[StackState, Origin | None]:
             if origin is not None and not isinstance(origin, Origin):
                 raise CheckpointError("origin", f"a {type(origin).__name__}: allowed is of which run it is")
             return dataclasses.replace(state, ahead=reader.value(tree["ahead"], "ahead")), origin
-    except OSError as error:
-        raise CheckpointError(str(file), error.strerror or str(error)) from error
     except (zipfile.BadZipFile, KeyError, ValueError, TypeError, RecursionError, EOFError) as error:
         raise CheckpointError(str(file), f"no checkpoint ({error})") from error
 
