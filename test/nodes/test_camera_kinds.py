@@ -77,7 +77,7 @@ def test_a_trench_is_seen_after_it_was_dug() -> None:
     first = int((2.6 - before.origin_x) / side), int((-0.5 - before.origin_y) / side)
     tiles = {(first[0] + i, first[1] + j): tile for i in range(2) for j in range(2)}
     after = GroundMemory(before.cell, before.origin_x, before.origin_y, tiles)
-    level = camera.images(before, truth)[2]
+    level = camera.read(before, truth)[2]
     dug = replace(truth, inputs={**truth.inputs, GROUND.name: ground_cloud(truth.stamp, before, after)})
     state, (_, _, depth) = camera.step(before, dug, 0.02)
     assert state.tiles.keys() == after.tiles.keys()

@@ -12,15 +12,21 @@ from sojourn_contract.values import FLOAT32, FLOAT64, PointCloud2, PointField
 
 POINT_FIELDS = ("x", "y", "z")
 """Fields of /hazcam/points, all float32."""
-_FIELDS = tuple(PointField(name, 4 * place, FLOAT32) for place, name in enumerate(POINT_FIELDS))
+ECHO_FIELDS = (*POINT_FIELDS, "intensity")
+"""Fields of a lidar's cloud, all float32."""
+_FIELDS = {
+    len(names): tuple(PointField(name, 4 * place, FLOAT32) for place, name in enumerate(names))
+    for names in (POINT_FIELDS, ECHO_FIELDS)
+}
 CODES = {FLOAT32: "f4", FLOAT64: "f8"}
 """Floating-point types of a PointField."""
 
 
 def point_cloud(stamp: int, frame: str, points: NDArray[np.float32]) -> PointCloud2:
-    """A cloud of points, shape (n, 3) [m]; n may be 0."""
-    count, data = len(points), np.asarray(points, dtype=np.float32).tobytes()
-    return PointCloud2(stamp, frame, count, _FIELDS, 12, data, row_step=12 * count)
+    """A cloud of points, shape (n, 3) [m] or with their intensity, (n, 4); n may be 0."""
+    count, width = points.shape
+    data, step = np.asarray(points, dtype=np.float32).tobytes(), 4 * width
+    return PointCloud2(stamp, frame, count, _FIELDS[width], step, data, row_step=step * count)
 
 
 def points_of(topic: str, cloud: PointCloud2) -> NDArray[np.float64]:

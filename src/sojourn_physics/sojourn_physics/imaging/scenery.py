@@ -16,6 +16,7 @@ from sojourn_physics.imaging.camera import Optics
 from sojourn_physics.imaging.ground import DrawnGround, seen_ground, with_changes
 from sojourn_physics.imaging.panorama import Eye, panorama
 from sojourn_physics.imaging.photometry import Illumination, Look
+from sojourn_physics.imaging.ranging import Beams, Sounded, echoes
 from sojourn_physics.imaging.render import PlacedLens, Scene, Soils, render
 from sojourn_physics.imaging.shadows import CastShadows, shadows
 from sojourn_physics.imaging.texture import grain
@@ -92,6 +93,22 @@ class Scenery:
         fall = 0.5 / self._place.radius
         found: tuple[NDArray[np.float32], NDArray[np.float32]] = render(
             scene, PlacedLens(eye.rays, np.ascontiguousarray(turn), eye.pixel), Eye(at, FARTHEST, fall), around
+        )
+        return found
+
+    def sound(
+        self, beams: Beams, memory: GroundMemory, body: Shapes, turn: FloatArray, place: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Distance along each beam [m] and what returns of it [-], as `ranging.echoes`; it needs no light.
+
+        Args:
+            memory, body: see `Moment`. turn: from the beams' frame into map, (3, 3). place: in map, (3,) [m].
+        """
+        rays = np.ascontiguousarray(beams.directions @ turn.T)
+        around = panorama(beams.spacing, float(rays[:, 2].min()), float(rays[:, 2].max()))
+        eye = Eye(np.array(place, dtype=np.float64), FARTHEST, 0.5 / self._place.radius)
+        found: tuple[FloatArray, FloatArray] = echoes(
+            Sounded(self._now(memory), self._soils, self._place.albedo, body), rays, eye, around
         )
         return found
 

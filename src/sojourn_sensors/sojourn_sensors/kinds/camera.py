@@ -15,12 +15,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from sojourn_contract import stamps
-from sojourn_contract.ground import GROUND, with_ground
 from sojourn_contract.topic_types import FieldRule, Topic
 from sojourn_contract.values import CameraInfo, Image
 from sojourn_machine.params import FloatArray
-from sojourn_machine.sensor_choice import SensorParams
-from sojourn_physics.imaging.body import MachineShapes, moved
 from sojourn_physics.imaging.camera import (
     LINK_TO_OPTICAL,
     DetectorParams,
@@ -34,8 +31,8 @@ from sojourn_physics.imaging.camera import (
 )
 from sojourn_physics.imaging.lens import LensParams
 from sojourn_physics.terrain.memory import GroundMemory
-from sojourn_sensors.motion import rotation_matrix
-from sojourn_sensors.sensor import Sensor, SensorSite, Truth
+from sojourn_sensors.seeing import SeeingParams, SeeingSensor
+from sojourn_sensors.sensor import SensorSite, Truth
 
 SIZE = FieldRule("height width step", "px, byte", low=0.0, high=2.0**24)
 EVERY = 50
@@ -60,13 +57,11 @@ RIGHT_INFO = _info("right/camera_info", "lens of the right image, and the baseli
 DEPTH = _image("depth", "depth along the axis for each pixel of the left image, 16 bits [mm]; 0 where it is not known")
 
 
-class CameraSensorParams(SensorParams):
-    """One camera on its link."""
+class CameraSensorParams(SeeingParams):
+    """One camera on its link: x of it along the optical axis, z up in the image."""
 
     kind: str = "camera"
     speaks_on: ClassVar[tuple[Any, ...]] = (IMAGE, INFO)
-    hears: ClassVar[tuple[Any, ...]] = (GROUND,)
-    link: str = Field(min_length=1, description="link of the URDF: x along the optical axis, z up in the image")
     lens: LensParams = Field(description="image and lens")
     detector: DetectorParams = Field(default=DetectorParams(), description="what makes an image of light")
 
@@ -110,42 +105,24 @@ class Shot:
     """To what each pixel sees, infinite for the sky [m]."""
 
 
-class Camera(Sensor[CameraSensorParams, GroundMemory, tuple[NDArray[Any], ...]]):
-    """Its reading are its images; it remembers what it was told of the ground."""
+class Camera(SeeingSensor[CameraSensorParams, tuple[NDArray[Any], ...]]):
+    """Its reading are its images."""
 
     every: ClassVar[int] = EVERY
 
     def __init__(self, name: str, params: CameraSensorParams, site: SensorSite) -> None:
         super().__init__(name, params, site)
         self.optics: Optics = optics(params.lens, params.detector)
-        self._shapes = MachineShapes(site.scenario.urdf_xml, params.link)
 
-    def initial_state(self, truth: Truth) -> GroundMemory:
-        return self.hear(self.site.scene.untouched, truth)
-
-    def step(self, state: GroundMemory, truth: Truth, dt: float) -> tuple[GroundMemory, tuple[NDArray[Any], ...]]:
-        ground = self.hear(state, truth)
-        return ground, self.images(ground, truth)
-
-    def step_without_power(self, state: GroundMemory, truth: Truth, dt: float) -> tuple[GroundMemory, None]:
-        return self.hear(state, truth), None
-
-    def hear(self, state: GroundMemory, truth: Truth) -> GroundMemory:
-        cloud = truth.inputs.get(GROUND.name)
-        return state if cloud is None else with_ground(state, cloud)
-
-    def images(self, ground: GroundMemory, truth: Truth) -> tuple[NDArray[Any], ...]:
-        """One reading."""
+    def read(self, ground: GroundMemory, truth: Truth) -> tuple[NDArray[Any], ...]:
         (shot,) = self.shoot(ground, truth, (0.0,))
         return (shot.image,)
 
     def shoot(self, ground: GroundMemory, truth: Truth, aside: tuple[float, ...]) -> list[Shot]:
         """Images from places so far to the right of the link [m], all with the exposure of the first."""
-        base = rotation_matrix(truth.odometry.orientation)
-        turn, place, body = self._shapes.at(truth.joints.names, truth.joints.position)
-        turn, place = base @ turn @ LINK_TO_OPTICAL, base @ place + truth.odometry.position
-        body = moved(body, base, truth.odometry.position)
-        moment = self.site.scene.moment(truth.stamp, place, ground, body)
+        here = self.outlook(truth)
+        turn, place = here.turn @ LINK_TO_OPTICAL, here.place
+        moment = self.site.scene.moment(truth.stamp, place, ground, here.body)
         random = noise_of(self.site.seed, self.name, truth.stamp)
         shots: list[Shot] = []
         time = 0.0
@@ -186,7 +163,7 @@ class CameraPair(Camera):
 
     params: StereoCameraSensorParams
 
-    def images(self, ground: GroundMemory, truth: Truth) -> tuple[NDArray[Any], ...]:
+    def read(self, ground: GroundMemory, truth: Truth) -> tuple[NDArray[Any], ...]:
         pair = self.params.stereo
         left, right = self.shoot(ground, truth, (0.0, pair.baseline))
         random = noise_of(self.site.seed, f"{self.name}.depth", truth.stamp)
