@@ -28,6 +28,10 @@ from sojourn_stack.apps import make_apps
 SCENARIO = "lunar_sample"
 """Has all kinds of ground in it."""
 WITH_CAMERAS = "machine=explorer_cameras"
+WITH_LIDAR = (
+    "sensors.scanner={kind: lidar, link: navcam_link, columns: 2, rows: 1, horizontal_view_deg: 10.0, "
+    "vertical_view_deg: 0.0, nearest: 0.5, range: 50.0, noise: 0.01}"
+)
 
 
 def main() -> None:
@@ -39,7 +43,7 @@ def main() -> None:
     _step_plant(scenario)
     for app in make_apps(scenario, ROLES).values():
         app.warm_up()
-    make_apps(load_scenario(SCENARIO, [WITH_CAMERAS]), ("sensors",))["sensors"].warm_up()
+    make_apps(load_scenario(SCENARIO, [WITH_CAMERAS, WITH_LIDAR]), ("sensors",))["sensors"].warm_up()
     table = scenario.steering.table()
     allowed_twist(table, PlanarTwist(0.1, 0.0, 0.1), *np.zeros((2, len(table))))
     wheel = load_params("wheels", "explorer", WheelShape)
