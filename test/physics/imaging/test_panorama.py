@@ -64,6 +64,18 @@ def test_distance_to_a_plane_is_that_of_geometry(height: float, slope_deg: float
     assert (np.abs(found - expected)[on_map] * down[on_map] < 2e-4 + 2e-5 * expected[on_map]).all()
 
 
+@settings(max_examples=25)
+@given(st.floats(0.2, 3.0), st.floats(-20.0, 20.0), st.floats(0.2, 6.0), st.integers(0, 1000))
+def test_beneath_the_eye_too(height: float, slope_deg: float, off_deg: float, seed: int) -> None:
+    """Near the plumb line the way over ground changes fast with the rise of a ray."""
+    slope = math.tan(math.radians(slope_deg))
+    field = ground(np.tile(0.1 * (np.arange(201) - 100.0) * slope, (201, 1)), 0.1)
+    upright = 0.5 * math.pi
+    rays = directions(300, seed, -upright, math.radians(off_deg) - upright)
+    expected = height / (rays[:, 0] * slope - rays[:, 2])
+    assert distances(field, np.array([0.0, 0.0, height]), rays) == pytest.approx(expected, abs=1e-3)
+
+
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 10_000), st.floats(-2.0, 2.0), st.floats(-2.0, 2.0), st.floats(0.3, 2.0))
 def test_rays_over_rough_ground_end_where_a_march_in_small_steps_ends(

@@ -8,8 +8,9 @@ ray that rises by t for each metre meets it first where the line of sight has ri
 M never falls, so one walk along the profile answers every ray of its azimuth (line of sight by a running maximum:
 Blelloch 1990, Prefix Sums and Their Applications, CMU-CS-90-190). A `Panorama` keeps these walks by
 azimuth, made when a ray first asks for one: for each bin of the ray's rise per metre of its own length the way s at
-which it is reached. A ray finds its bracket in the two walks beside it, and its own crossing there by steps of half a
-node of the ground and regula falsi (Illinois). A shape narrower than a bin of azimuth, about a pixel, may be missed.
+which it is reached. A ray finds its bracket in the two walks beside it. Where that is short, the ground in it is a
+straight line; elsewhere its own crossing is found by steps of half a node and regula falsi (Illinois). A shape
+narrower than a bin of azimuth, about a pixel, may be missed.
 
 Azimuth is counted in quarters by p = y/(|x| + |y|), which needs no arc tangent. The ground of a round body falls away
 by s²/2R under the level. Nothing is seen from below the ground.
@@ -182,8 +183,25 @@ def first_meeting(ground: DrawnGround, eye: Eye, around: Panorama, x: float, y: 
     if end - begin < SMOOTH * ground.place[3] + SMOOTH_PART * begin:
         across_bin = azimuth - left
         low, high = a + across_bin * (b - a), c + across_bin * (d - c)
-        return float(low + (height - at) * (high - low))
+        return float(_on_line((around.rises[at], around.rises[at + 1]), (low, high), z / across))
     return float(_crossing(ground, eye, (x / across, y / across, z / across), begin, min(end, eye.reach)))
+
+
+@small_kernel
+def _on_line(rises: tuple[float, float], ways: tuple[float, float], rise: float) -> float:
+    """Where a ray meets the straight ground between the places that two others meet [m].
+
+    Args:
+        rises: of the two for each metre over ground [-]. ways: over ground to their places [m]. rise: of the ray [-].
+    """
+    low, high = ways
+    step = high - low
+    if step <= 0.0:
+        return low
+    slope = (rises[1] * high - rises[0] * low) / step
+    if slope - rise < 1e-9:  # along the ground
+        return low
+    return min(max(low + (rise - rises[0]) * low / (slope - rise), 0.0), high)  # a plumb ray is before the first bin
 
 
 @small_kernel
