@@ -49,6 +49,8 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
     if bundle is not None:
         yield from _fault_problems(config, bundle, document)
         yield from _sun_problems(config, bundle, document)
+        yield from _air_problems(config, bundle, document)
+        yield from _soil_problems(bundle, document)
         if bundle.thermal is not None and bundle.body.regolith is None:
             allowed = f"has no table regolith, which the heat of {config.machine} goes by"
             yield document.problem(("body",), config.body, allowed)
@@ -77,6 +79,24 @@ def _sun_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocume
     except InvalidValueError as error:
         key = "body" if error.name == "body" else error.name.removeprefix("sun.")
         yield document.problem(("body",) if key == "body" else ("sun", key), error.value, "allowed is " + error.allowed)
+
+
+def _air_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
+    """A sensor that goes by sound is where there is air."""
+    if bundle.body.surface_pressure == 0.0:
+        for name, params in bundle.sensors.named.items():
+            if params.needs_air:
+                allowed = f"has no air, which the sensor {name} of {config.machine} needs: allowed is a body with air"
+                yield document.problem(("body",), config.body, allowed)
+
+
+def _soil_problems(bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
+    """A sensor that tells soils apart knows those that there are."""
+    for name, params in bundle.sensors.named.items():
+        for soil in bundle.soils if params.soils else ():
+            if soil not in params.soils:
+                allowed = f"is a soil that the sensor {name} does not know: " + names_text(soil, params.soils)
+                yield document.problem(("soil",), soil, allowed)
 
 
 def _place_problems(

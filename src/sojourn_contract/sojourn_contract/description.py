@@ -140,6 +140,7 @@ def _qos(row: Topic, lockstep: bool) -> str:
 
 
 def _field(rule: FieldRule) -> dict[str, Any]:
+    """With `infinite` only where it is true: rows without it stay as they were."""
     return {
         "path": rule.path,
         "unit": rule.unit,
@@ -153,7 +154,7 @@ def _field(rule: FieldRule) -> dict[str, Any]:
         "rate_window": rule.rate_window,
         "rate_part": rule.rate_part,
         "rate_spread": rule.rate_spread,
-    }
+    } | ({"infinite": True} if rule.infinite else {})
 
 
 def _finite(value: float) -> float | None:

@@ -84,7 +84,8 @@ SECTIONS: tuple[tuple[str, tuple[str, ...]], ...] = (
         "Values",
         (
             "SI and radians; degree Celsius and Ah where the ROS type says so. Every number is finite. Numbers marked "
-            "'may be NaN' are NaN where they are not measured.",
+            "'may be NaN' are NaN where they are not measured. Distances marked 'may be infinite' follow REP 117: "
+            "+infinity where nothing is met within the range, -infinity where something is too near to be measured.",
             "Orientations are unit quaternions x y z w, to "
             + f"{UNIT_TOLERANCE:g}. In a goal all zeros leave it free.",
             "Covariances are row-major and symmetric, with no negative variance. An IMU covariance that begins with -1 "

@@ -164,6 +164,8 @@ def field_note(type_name: str, rule: Mapping[str, Any]) -> str:
     notes = []
     if rule["optional"]:
         notes.append("may be empty" if type_name == "sensor_msgs/JointState" else "may be NaN")
+    if rule.get("infinite"):
+        notes.append("may be infinite")
     if rule["rate_of"]:
         window = rule.get("rate_window", 1)
         over = f" over at most {window} periods" if window > 1 else ""

@@ -64,7 +64,7 @@ def rows_of(params: SensorParams | type[SensorParams], name: str = OWN) -> Itera
     """Rows on which the first sensor of a kind speaks, and those that a sensor of this name has alone, which have no
     `each`. Raises SensorRowError for one that no sensor can have.
     """
-    for row in params.speaks_on:
+    for row in params.speaks_on if isinstance(params, type) else params.own_rows:
         if row.publisher != "sensors" or row.is_event or not row.logged:
             raise SensorRowError(row.name, "a logged row of the role sensors, with a rate")
         if row.name in STANDARD and row != STANDARD.topic(row.name):

@@ -42,6 +42,8 @@ class FieldRule:
             the rounding of float64 and below that of float32, which is a fault where the field is a float64. A
             field without a rule has no tolerance at all; see `tolerance.py`.
         optional: a number may be NaN where it is not measured; an array may be empty.
+        infinite: a number, a distance, may be infinite, as REP 117 has it: +infinity where nothing is met within the
+            range, -infinity where something is too near to be measured.
         rate_of: field whose change over time this one is, "" for none.
         rate_tolerance: by how much it may differ from the change of that field.
         rate_window: over how many periods that change may be taken at most.
@@ -58,6 +60,7 @@ class FieldRule:
     high: float = INFINITY
     tolerance: float = 1e-9
     optional: bool = False
+    infinite: bool = False
     rate_of: str = ""
     rate_tolerance: float = INFINITY
     rate_window: int = 1

@@ -66,6 +66,11 @@ class SensorParams(Params):
         return self
 
     @property
+    def own_rows(self) -> tuple[Any, ...]:
+        """Of the rows of its kind those on which it speaks: all, unless what it says depends on its parameters."""
+        return self.speaks_on
+
+    @property
     def heard(self) -> tuple[SensorTimingParams, tuple[tuple[float, float], ...]]:
         """When it is heard: its timing, and from when on [s] how many of its messages are lost [-] by its faults."""
         lost = tuple((fault.after, fault.loses) for fault in self.faults.values() if fault.loses)
@@ -80,6 +85,16 @@ class SensorParams(Params):
     @property
     def parts(self) -> tuple[MachinePart, ...]:
         """Parts of the machine that it is on."""
+        return ()
+
+    @property
+    def needs_air(self) -> bool:
+        """Whether it works in air alone."""
+        return False
+
+    @property
+    def soils(self) -> tuple[str, ...]:
+        """Names of the soils that it knows; none where it does not ask which it is."""
         return ()
 
     @property

@@ -32,6 +32,7 @@ WITH_LIDAR = (
     "sensors.scanner={kind: lidar, link: navcam_link, columns: 2, rows: 1, horizontal_view_deg: 10.0, "
     "vertical_view_deg: 0.0, nearest: 0.5, range: 50.0, noise: 0.01}"
 )
+WITH_BUMPER = "sensors.bumper={kind: bump_switch, link: navcam_link, width: 0.1, height: 0.1, travel: 0.01}"
 
 
 def main() -> None:
@@ -43,7 +44,7 @@ def main() -> None:
     _step_plant(scenario)
     for app in make_apps(scenario, ROLES).values():
         app.warm_up()
-    make_apps(load_scenario(SCENARIO, [WITH_CAMERAS, WITH_LIDAR]), ("sensors",))["sensors"].warm_up()
+    make_apps(load_scenario(SCENARIO, [WITH_CAMERAS, WITH_LIDAR, WITH_BUMPER]), ("sensors",))["sensors"].warm_up()
     table = scenario.steering.table()
     allowed_twist(table, PlanarTwist(0.1, 0.0, 0.1), *np.zeros((2, len(table))))
     wheel = load_params("wheels", "explorer", WheelShape)

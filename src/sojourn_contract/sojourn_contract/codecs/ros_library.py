@@ -51,6 +51,13 @@ def serialised(message: Any) -> Serialised:
     return Serialised(stamps.from_cdr(cdr), kind, cdr)
 
 
+def stamped(message: Any, stamp: int, frame: str) -> Serialised:
+    """The value of a message of the ROS library with a stamp [ns] and a frame. Raises ValueError as `serialised`."""
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, stamps.NANOSECONDS)
+    message.header.frame_id = frame
+    return serialised(message)
+
+
 def message_of(value: Serialised) -> Any:
     """The message of the ROS library that a value is."""
     from rclpy.serialization import deserialize_message

@@ -1,7 +1,7 @@
-"""Every number of a message: finite, and in the plausible range that the table states for its unit."""
+"""Every number of a message: finite unless its row says otherwise, and in the range that the table states."""
 
 from collections.abc import Callable, Iterable, Sequence
-from math import inf, isfinite, isnan
+from math import inf, isfinite, isinf, isnan
 from operator import attrgetter
 from typing import Any
 
@@ -45,14 +45,14 @@ class _Numbers:
         paths = [path for path, _ in self._scalars]
         getter = attrgetter(*paths) if paths else None
         self._get: Callable[[Any], Sequence[float]] = _as_sequence(getter, len(paths))
-        self._bounds = [(rule.low, rule.high, rule.optional) for _, rule in self._scalars]
+        self._bounds = [(rule.low, rule.high) for _, rule in self._scalars]
 
     def judge(self, message: Any, place: str, found: list[Finding]) -> None:
         """Add what is wrong in `message`, which stands at `place`."""
-        for index, (value, (low, high, optional)) in enumerate(zip(self._get(message), self._bounds, strict=True)):
+        for index, (value, (low, high)) in enumerate(zip(self._get(message), self._bounds, strict=True)):
             if not low <= value <= high or value in (inf, -inf):
                 path, rule = self._scalars[index]
-                if not (optional and isnan(value)):
+                if not ((rule.optional and isnan(value)) or _is_no_distance(rule, value)):
                     found.append(_finding(place + path, float(value), rule))
         for path, get, rule in self._arrays:
             values = get(message)
@@ -108,11 +108,15 @@ def _array_findings(message: Any, path: str, numbers: Iterable[float], rule: Fie
     found = []
     for index, value in enumerate(numbers):
         if not rule.low <= value <= rule.high or not isfinite(value):
-            if rule.optional and isnan(value) and not names:
+            if (rule.optional and isnan(value) and not names) or _is_no_distance(rule, value):
                 continue
             where = names[index] if index < len(names) else index
             found.append(_finding(f"{path}[{where}]", float(value), rule))
     return found
+
+
+def _is_no_distance(rule: FieldRule, value: float) -> bool:
+    return rule.infinite and isinf(value)
 
 
 def _finding(path: str, value: float, rule: FieldRule) -> Finding:

@@ -33,6 +33,10 @@ class Shapes(NamedTuple):
     around: FloatArray
     """Middle of a ball about all of them in map, and its radius, (4,) [m]."""
 
+    def none(self) -> "Shapes":
+        """No shape."""
+        return Shapes(self.sizes[:0], self.turns[:0], self.places[:0], np.zeros(4))
+
 
 class MachineShapes:
     """The shapes of a machine, which its joints move.

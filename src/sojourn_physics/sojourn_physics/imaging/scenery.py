@@ -11,15 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.body import Shapes
+from sojourn_physics.imaging.body import ALBEDO, Shapes
 from sojourn_physics.imaging.camera import Optics
+from sojourn_physics.imaging.echoes import Sounded, echoes
 from sojourn_physics.imaging.ground import DrawnGround, seen_ground, with_changes
 from sojourn_physics.imaging.panorama import Eye, panorama
 from sojourn_physics.imaging.photometry import Illumination, Look
-from sojourn_physics.imaging.ranging import Beams, Sounded, echoes
+from sojourn_physics.imaging.ranging import Beams
 from sojourn_physics.imaging.render import PlacedLens, Scene, Soils, render
 from sojourn_physics.imaging.shadows import CastShadows, shadows
 from sojourn_physics.imaging.texture import grain
+from sojourn_physics.imaging.touch import way_ahead
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.memory import GroundMemory
 
@@ -99,18 +101,28 @@ class Scenery:
     def sound(
         self, beams: Beams, memory: GroundMemory, body: Shapes, turn: FloatArray, place: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Distance along each beam [m] and what returns of it [-], as `ranging.echoes`; it needs no light.
+        """Distance along each beam [m] and what returns of it [-], as `echoes.echoes`; it needs no light.
 
         Args:
             memory, body: see `Moment`. turn: from the beams' frame into map, (3, 3). place: in map, (3,) [m].
         """
         rays = np.ascontiguousarray(beams.directions @ turn.T)
         around = panorama(beams.spacing, float(rays[:, 2].min()), float(rays[:, 2].max()))
-        eye = Eye(np.array(place, dtype=np.float64), FARTHEST, 0.5 / self._place.radius)
-        found: tuple[FloatArray, FloatArray] = echoes(
-            Sounded(self._now(memory), self._soils, self._place.albedo, body), rays, eye, around
-        )
+        eye = Eye(np.array(place, dtype=np.float64), min(beams.reach, FARTHEST), 0.5 / self._place.radius)
+        met = Sounded(self._now(memory), self._soils, self._place.albedo, body)
+        if beams.reflectance is not None:
+            met = _as_bright(met, beams.reflectance)
+        found: tuple[FloatArray, FloatArray] = echoes(met, rays, eye, around)
         return found
+
+    @property
+    def node(self) -> float:
+        """Distance of the ground's nodes [m]."""
+        return float(self._ground.place[3])
+
+    def way_ahead(self, places: FloatArray, ahead: FloatArray, memory: GroundMemory, farthest: float) -> float:
+        """Shortest way to the ground [m], as `touch.way_ahead`."""
+        return float(way_ahead(self._now(memory), np.ascontiguousarray(places), np.array(ahead), farthest))
 
     def _now(self, memory: GroundMemory) -> DrawnGround:
         if self._last[0] is not memory:
@@ -121,6 +133,14 @@ class Scenery:
         bounds = self._ground.bounds
         middle = 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3])
         return shadows(self._ground, np.array([x, y, z, disc]), *middle)
+
+
+def _as_bright(met: Sounded, reflectance: float) -> Sounded:
+    """The same where all has one reflectance [-]."""
+    sizes = met.body.sizes.copy()
+    sizes[:, ALBEDO] = reflectance
+    soils = met.soils._replace(brightness=np.ones_like(met.soils.brightness))
+    return Sounded(met.ground, soils, reflectance, met.body._replace(sizes=sizes))
 
 
 def sun_of(direction: FloatArray, radius: float) -> FloatArray:

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from sojourn_contract import stamps
-from sojourn_contract.codecs.ros_library import serialised
+from sojourn_contract.codecs.ros_library import stamped
 from sojourn_contract.topic_types import FieldRule, Topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import NOT_MEASURED
@@ -69,9 +69,7 @@ class StarTracker(Sensor[StarTrackerKindParams, StarTrackerState, FloatArray | N
         said = message_class(ROW.type)()
         values = (NOT_MEASURED,) * 4 if reading is None else reading.tolist()
         said.quaternion.x, said.quaternion.y, said.quaternion.z, said.quaternion.w = values
-        said.header.stamp.sec, said.header.stamp.nanosec = divmod(stamp, stamps.NANOSECONDS)
-        said.header.frame_id = "map"
-        yield self.topic, serialised(said)
+        yield self.topic, stamped(said, stamp, "map")
 
     def _view(self, truth: Truth) -> StarTrackerView:
         odometry = truth.odometry

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from sojourn_contract import stamps
-from sojourn_contract.codecs.ros_library import serialised
+from sojourn_contract.codecs.ros_library import stamped
 from sojourn_contract.messages import ABSOLUTE_ZERO_C
 from sojourn_contract.topic_types import FieldRule, Topic
 from sojourn_contract.types import message_class
@@ -111,9 +111,7 @@ class Thermometer(Sensor[OnPartParams, ThermometerMemory, ThermometerReading]):
         said = message_class(ROW.type)(temperature=NOT_MEASURED)
         if reading is not None:
             said.temperature, said.variance = reading.temperature + ABSOLUTE_ZERO_C, reading.variance
-        said.header.stamp.sec, said.header.stamp.nanosec = divmod(stamp, stamps.NANOSECONDS)
-        said.header.frame_id = "base_link"
-        yield self.topic, serialised(said)
+        yield self.topic, stamped(said, stamp, "base_link")
 
     def _after(self, state: ThermometerMemory, truth: Truth) -> tuple[ThermometerMemory, ThermometerReading | None]:
         told = self._temperature.told(truth)
