@@ -8,7 +8,7 @@ from typing import Any
 from builtin_interfaces.msg import Duration, Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, TwistStamped, Vector3, Vector3Stamped, WrenchStamped
-from nav_msgs.msg import Odometry, Path
+from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry, Path
 from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import (
@@ -111,6 +111,17 @@ def _odometry(value: values.Odometry) -> Odometry:
     return message
 
 
+def _grid(value: values.OccupancyGrid) -> OccupancyGrid:
+    info = MapMetaData(
+        map_load_time=ros_time(value.map_load_time),
+        resolution=value.resolution,
+        width=value.width,
+        height=value.height,
+        origin=_pose(value.position, value.orientation),
+    )
+    return OccupancyGrid(header=_header(value), info=info, data=array.array("b", value.data))
+
+
 def _imu(value: values.Imu) -> Imu:
     return Imu(
         header=_header(value),
@@ -198,6 +209,7 @@ _MAKERS = {
     values.JointState: _joint_state,
     values.JointTrajectory: _trajectory,
     values.Odometry: _odometry,
+    values.OccupancyGrid: _grid,
     values.Imu: _imu,
     values.WrenchStamped: _wrench,
     values.Vector3Stamped: lambda value: Vector3Stamped(header=_header(value), vector=_vector(value.vector)),

@@ -7,7 +7,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, Vector3Stamped
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
 from std_msgs.msg import Header
 from synthetic import CHANNELS, PERIOD, SyntheticRun, cdr
@@ -56,6 +56,8 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Bag:
             run.write("/sun_direction", stamp, Vector3Stamped())
             run.write("/battery_state", stamp, BatteryState())
             run.status("/drive/status", stamp, "idle", 0)
+            run.write("/plan", stamp, Path())
+            run.write("/local_costmap/costmap", stamp, OccupancyGrid())
             for role in ("drive", "plant"):
                 run.write("/diagnostics", stamp, heartbeat_message(role, RUNNING, stamp, Counters()))
     told = {"participants": ROLES, "lockstep": "true"}
@@ -80,7 +82,8 @@ def test_every_input_stands_in_the_step_of_its_stamp(bag: Bag) -> None:
     seldom = {"/hazcam/points", "/sun_direction", "/battery_state"}
     assert set(names[49]) == {*names[4], *seldom} and len(names[49]) == len(names[4]) + len(seldom)
     assert {name: len(messages) for name, messages in script.recorded.items()} == {
-        "/odom": 60, "/drive_command": 60, "/drive/status": 1, "/diagnostics": 1,
+        "/odom": 60, "/drive_command": 60, "/drive/status": 1, "/plan": 1, "/local_costmap/costmap": 1,
+        "/diagnostics": 1,
     }  # fmt: skip
 
 

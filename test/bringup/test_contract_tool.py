@@ -121,7 +121,7 @@ def test_the_digest_changes_with_the_interface_and_not_with_a_tolerance() -> Non
 def test_a_good_bag_and_a_bad_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     good = write(tmp_path / "good", CleanRun(), contract=contract_attachment())
     assert contract_tool.main(["check", "--bag", str(good)]) == 0
-    assert "keeps the contract: no violation in 1456 messages" in capsys.readouterr().out
+    assert "keeps the contract: no violation in 1460 messages" in capsys.readouterr().out
     run = CleanRun()
     run.one("/odom").header.frame_id = "map"
     bad, file = write(tmp_path / "bad", run, contract=contract_attachment()), tmp_path / "verdict.json"

@@ -8,8 +8,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Vector3Stamped, WrenchStamped
-from nav_msgs.msg import Odometry
+from geometry_msgs.msg import PoseStamped, Vector3Stamped, WrenchStamped
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, Imu, JointState
 from std_msgs.msg import Header
@@ -160,6 +160,21 @@ def _odometry(row: Topic, time: float, _machine: JudgedMachine) -> Odometry:
     return message
 
 
+def _path(row: Topic, _time: float, _machine: JudgedMachine) -> Path:
+    pose = PoseStamped()
+    pose.header.frame_id, pose.pose.position.x = row.frames[0], 3.0
+    message = Path(poses=[pose])
+    message.header.frame_id = row.frames[0]
+    return message
+
+
+def _grid(row: Topic, _time: float, _machine: JudgedMachine) -> OccupancyGrid:
+    message = OccupancyGrid(data=array.array("b", [-1, 0, 100, 0, -1, 100]))
+    message.header.frame_id = row.frames[0]
+    message.info.resolution, message.info.width, message.info.height = 0.1, 3, 2
+    return message
+
+
 def _imu(_row: Topic, time: float, _machine: JudgedMachine) -> Imu:
     message = Imu()
     message.header.frame_id = "imu_link"
@@ -200,6 +215,8 @@ def _status(row: Topic, time: float, _machine: JudgedMachine) -> Any:
 _MAKERS: dict[str, Callable[[Topic, float, JudgedMachine], Any]] = {
     "rosgraph_msgs/Clock": lambda _row, _time, _machine: Clock(),
     "nav_msgs/Odometry": _odometry,
+    "nav_msgs/Path": _path,
+    "nav_msgs/OccupancyGrid": _grid,
     "sensor_msgs/JointState": _joint_state,
     "sensor_msgs/Imu": _imu,
     "geometry_msgs/WrenchStamped": lambda _row, _time, _machine: WrenchStamped(),

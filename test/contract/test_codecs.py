@@ -58,6 +58,9 @@ VALUES = {
     "nav_msgs/Odometry": st.builds(
         values.Odometry, STAMPS, TEXTS, TEXTS, block(3), block(4), block(3), block(3), block(36), block(36)
     ),
+    "nav_msgs/OccupancyGrid": st.builds(
+        values.OccupancyGrid, STAMPS, TEXTS, FLOAT32, WORD, WORD, block(3), st.binary(max_size=99), block(4), STAMPS
+    ),
     "nav_msgs/Path": st.builds(values.Path, STAMPS, TEXTS, st.lists(POSES, max_size=4).map(tuple)),
     "rosgraph_msgs/Clock": st.builds(values.Clock, STAMPS),
     "sensor_msgs/BatteryState": st.builds(

@@ -1,5 +1,6 @@
 """Rules on single messages: each test breaks one thing in a clean run, and exactly that is found."""
 
+import array
 import math
 from collections.abc import Callable
 from typing import Any
@@ -134,6 +135,14 @@ DEFECTS: dict[str, tuple[str, Edit, str, str]] = {
     "a cloud without heights": ("/hazcam/points", set_at("fields.2.name", "intensity"), "cloud", "fields"),
     "points cut off": ("/hazcam/points", set_at("data", [1, 2]), "cloud", "data"),
     "data cut off": ("/truth/contacts", set_at("data", [1, 2]), "cloud", "data"),
+    "a way in another frame": ("/plan", set_at("header.frame_id", "map"), "frame", "header.frame_id"),
+    "a way that leads nowhere": ("/plan", set_at("poses.0.pose.position.y", math.nan), "value",
+                                 "poses"),
+    "a cell too few": ("/local_costmap/costmap", set_at("data", array.array("b", [0])), "grid", "data"),
+    "a cell of more than all": ("/local_costmap/costmap", set_at("data.3", 127), "grid", "data"),
+    "a grid without sides": ("/local_costmap/costmap", set_at("info.resolution", -0.1), "value", "info.resolution"),
+    "a grid that lies nohow": ("/local_costmap/costmap", set_at("info.origin.orientation.w", 0.0), "orientation",
+                               "info.origin.orientation"),
     "a load that is not there": ("/power/switches", lambda m: setattr(value_of(m, "arm"), "key", "oven"), "switches",
                                  "status.values.key"),
     "a switch that is none": ("/power/switches", say("arm", "half"), "switches", "status.values.arm"),

@@ -21,7 +21,7 @@ from typing import Any
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import PoseStamped, TwistStamped, Vector3Stamped
-from nav_msgs.msg import Odometry, Path
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
@@ -66,6 +66,8 @@ GOALS = {"goal_pose": PoseStamped, "waypoints": Path, "cmd_vel": TwistStamped, "
 OUTPUTS = {
     "odom": (Odometry, {"recorder"}),
     "drive/status": (DiagnosticArray, {"operator", "recorder"}),
+    "plan": (Path, {"recorder"}),
+    "local_costmap/costmap": (OccupancyGrid, {"recorder"}),  # it maps nothing
     "drive_command": (JointState, {"plant", "recorder"}),
     "diagnostics": (DiagnosticArray, {"plant", "recorder"}),
 }
@@ -91,6 +93,12 @@ def status(name: str, stamp: int, values: dict[str, str]) -> DiagnosticArray:
     pairs = [KeyValue(key=key, value=value) for key, value in values.items()]
     message = DiagnosticArray(status=[DiagnosticStatus(name=name, message=values["state"], values=pairs)])
     message.header.stamp = Time(nanoseconds=stamp).to_msg()
+    return message
+
+
+def pose_at(header: Header, x: float, y: float) -> PoseStamped:
+    message = PoseStamped(header=header)
+    message.pose.position.x, message.pose.position.y = x, y
     return message
 
 
@@ -132,13 +140,12 @@ class Controller:
         self.yaw = wrapped(self.yaw + yaw_rate * dt)
         self.velocity = (speed, yaw_rate)
 
+    def way(self) -> list[tuple[float, float]]:
+        """Points from here to the goal."""
+        return [] if self.goal is None else [(self.x, self.y), *self.goal.points]
+
     def distance_to_go(self) -> float:
-        if self.goal is None:
-            return 0.0
-        here, total = (self.x, self.y), 0.0
-        for point in self.goal.points:
-            total, here = total + math.dist(here, point), point
-        return total
+        return sum(map(math.dist, self.way(), self.way()[1:]))
 
     def wanted_twist(self, stamp: int) -> tuple[float, float, float]:
         """v_x, v_y, yaw rate that the operator or the goal asks for."""
@@ -342,6 +349,9 @@ class FlightDrive(Node):
         values = {"state": drive.state, "goal_stamp": str(drive.goal_stamp), "reason": drive.reason}
         values["distance_to_go"] = f"{drive.distance_to_go():.3f}"
         self.publish("drive/status", status("drive", stamp, values))
+        odom = Header(stamp=header.stamp, frame_id="odom")
+        self.publish("plan", Path(header=odom, poses=[pose_at(odom, *point) for point in drive.way()]))
+        self.publish("local_costmap/costmap", OccupancyGrid(header=odom))
         self.published["diagnostics"] = self.published.get("diagnostics", 0) + 1
         self.beat("running", stamp)
 

@@ -47,7 +47,7 @@ def wrench_of(message: WrenchStamped) -> FloatArray | None:
     return None if any(map(math.isnan, wrench.tolist())) else wrench
 
 
-def _single(value: float) -> float:
+def single(value: float) -> float:
     """As the message's fields of 32 bits hold it: the same to whom it is handed as it is, and over the wire."""
     return float(np.float32(value))
 
@@ -69,16 +69,16 @@ def battery_state(
         temperature: [K]. soc: 0 to 1. charge, capacity: [C]; the message has ampere hours. NaN where not
             known. design_capacity: when it was new [C], left out: the same.
     """
-    ampere_hours = _single(float(capacity) / 3600.0)
+    ampere_hours = single(float(capacity) / 3600.0)
     return BatteryState(
         stamp,
-        voltage=_single(voltage),
-        current=-_single(current_out),
-        temperature=_single(float(temperature) + ABSOLUTE_ZERO_C),
-        percentage=_single(soc),
-        charge=_single(float(charge) / 3600.0),
+        voltage=single(voltage),
+        current=-single(current_out),
+        temperature=single(float(temperature) + ABSOLUTE_ZERO_C),
+        percentage=single(soc),
+        charge=single(float(charge) / 3600.0),
         capacity=ampere_hours,
-        design_capacity=ampere_hours if design_capacity is None else _single(design_capacity / 3600.0),
+        design_capacity=ampere_hours if design_capacity is None else single(design_capacity / 3600.0),
         power_supply_status=DISCHARGING if current_out >= 0.0 else CHARGING,
         power_supply_technology=LITHIUM_ION,
     )

@@ -240,6 +240,26 @@ class CameraInfo(NamedTuple):
     roi: RegionOfInterest = RegionOfInterest()
 
 
+class OccupancyGrid(NamedTuple):
+    """nav_msgs/OccupancyGrid: cells in rows along y, each along x, of -1 (not known), 0 (free) to 100 (closed)."""
+
+    stamp: int
+    frame: str
+    resolution: float
+    """Side of a cell, as its field of 32 bits holds it [m]."""
+    width: int
+    height: int
+    """Cells along x and y."""
+    position: FloatArray
+    """Corner of the first cell, (3,) [m]."""
+    data: bytes
+    """A signed byte a cell."""
+    orientation: FloatArray = UPRIGHT
+    """Of the grid, (4,) x y z w."""
+    map_load_time: int = 0
+    """[ns]"""
+
+
 class DiagnosticStatus(NamedTuple):
     """diagnostic_msgs/DiagnosticStatus; level: 0 good, 1 warning, 2 error, 3 stale."""
 

@@ -23,7 +23,7 @@ from sojourn_drive.arm_interlock import ArmInterlock
 from sojourn_drive.charge import ChargeGauge
 from sojourn_drive.goals import GoalStatus, QuestionStatus, goal_of
 from sojourn_drive.measurements import JointMeasurements
-from sojourn_drive.reports import drive_report, odometry_report
+from sojourn_drive.reports import costmap, drive_report, odometry_report, plan
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.energy_forecast import EnergyLeft
@@ -263,6 +263,10 @@ class DriveApp(FlightApp[DriveAppState]):
             if state.asked.question is None:  # what has been asked is answered
                 status |= state.asked.questioned.status(state.drive.foreseen)
             yield "/drive/status", drive_report(stamp, said, status)
+        if is_due(topic("/plan"), stamp // stamps.CONTROL_PERIOD_NS):
+            yield "/plan", plan(stamp, state.drive)
+        if is_due(topic("/local_costmap/costmap"), stamp // stamps.CONTROL_PERIOD_NS):
+            yield "/local_costmap/costmap", costmap(stamp, state.drive.avoidance)
 
 
 def _stopped(output: DriveOutput) -> DriveOutput:

@@ -12,6 +12,7 @@ from sojourn_contract.codecs.battery import BatteryStateCodec
 from sojourn_contract.codecs.blocks import BlockCodec
 from sojourn_contract.codecs.clouds import PointCloudCodec
 from sojourn_contract.codecs.codec import Codec
+from sojourn_contract.codecs.grids import OccupancyGridCodec
 from sojourn_contract.codecs.images import CameraInfoCodec, ImageCodec
 from sojourn_contract.codecs.joints import JointStateCodec, JointTrajectoryCodec
 from sojourn_contract.codecs.paths import PathCodec
@@ -27,6 +28,7 @@ CODECS: Mapping[str, Codec] = {
     "geometry_msgs/TwistStamped": BlockCodec(values.TwistStamped, blocks.TWIST),
     "geometry_msgs/Vector3Stamped": BlockCodec(values.Vector3Stamped, blocks.VECTOR),
     "geometry_msgs/WrenchStamped": BlockCodec(values.WrenchStamped, blocks.WRENCH),
+    "nav_msgs/OccupancyGrid": OccupancyGridCodec(),
     "nav_msgs/Odometry": BlockCodec(values.Odometry, blocks.ODOMETRY, texts=2),
     "nav_msgs/Path": PathCodec(),
     "rosgraph_msgs/Clock": ClockCodec(),

@@ -12,11 +12,20 @@ class PathCodec:
         writer = Writer()
         writer.header(value.stamp, value.frame)
         writer.number("I", len(value.poses))
+        data, headers = writer.data, dict[tuple[int, str, int], bytes]()  # most poses have the same one
         for pose in value.poses:
-            writer.header(pose.stamp, pose.frame)
+            begin = len(data)
+            key = pose.stamp, pose.frame, begin & 7
+            header = headers.get(key)
+            if header is None:
+                writer.header(pose.stamp, pose.frame)
+                writer.align(8)
+                headers[key] = bytes(data[begin:])
+            else:
+                data += header
             writer.doubles(pose.position)
             writer.doubles(pose.orientation)
-        return bytes(writer.data)
+        return bytes(data)
 
     def decode(self, data: bytes) -> Path:
         """The value in these bytes."""

@@ -14,6 +14,7 @@ UNIT_TOLERANCE = 1e-3
 SYMMETRY_TOLERANCE = 1e-9
 """Largest difference of two elements of a covariance across its diagonal, relative to the largest element."""
 _ORIENTATIONS = {
+    "nav_msgs/OccupancyGrid": "info.origin.orientation",
     "nav_msgs/Odometry": "pose.pose.orientation",
     "sensor_msgs/Imu": "orientation",
     "geometry_msgs/PoseStamped": "pose.orientation",

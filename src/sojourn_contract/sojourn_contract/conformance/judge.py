@@ -22,6 +22,7 @@ from sojourn_contract.conformance.endpoints import Endpoint, endpoint_findings
 from sojourn_contract.conformance.findings import Report
 from sojourn_contract.conformance.frames import FrameRule
 from sojourn_contract.conformance.geometry import CovarianceRule, OrientationRule
+from sojourn_contract.conformance.grids import GridRule
 from sojourn_contract.conformance.joints import JointLimitRule, JointRule
 from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.conformance.numbers import NumberRule
@@ -214,6 +215,8 @@ def rules_of(row: Topic, machine: JudgedMachine, lockstep: bool) -> list[Rule]:
         rules.append(RateRule(row, machine.drive))
     if row.type == "sensor_msgs/PointCloud2":
         rules.append(CloudRule(row, machine.contacts if row.name == "/truth/contacts" else None))
+    if row.type == "nav_msgs/OccupancyGrid":
+        rules.append(GridRule())
     if row.publisher == "all":
         rules.append(heartbeats.HeartbeatRule())
     special: dict[str, Rule] = {

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Piece, Pose, sample_path
@@ -85,6 +86,16 @@ def _nearest(samples: FloatArray, x: float, y: float, near: float) -> tuple[floa
     row = samples[place] + part * (samples[place + 1] - samples[place])
     lateral = math.cos(row[3]) * (y - row[2]) - math.sin(row[3]) * (x - row[1])
     return row[0], row[3], row[4], lateral
+
+
+def thinned(distances: FloatArray, step: float) -> NDArray[np.int64]:
+    """Numbers of samples about `step` from one another [m], with the first and the last.
+
+    Args:
+        distances: of all samples along a path, shape (n,), n at least 1 [m].
+    """
+    wanted = np.arange(distances[0], distances[-1] + step, step)
+    return np.unique(np.searchsorted(distances, wanted).clip(max=len(distances) - 1))
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.energy_forecast import SECONDS_PER_HOUR, EnergyLeft, Forecast, forecast_way, shortage
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_flight.planning.goal_follower import FollowerState, accept
-from sojourn_flight.planning.path import PlannedPath
+from sojourn_flight.planning.path import PlannedPath, thinned
 from sojourn_flight.supervision.avoidance import accepted
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState
 from sojourn_flight.supervision.driven_machine import DrivenMachine
@@ -109,7 +109,5 @@ def _poses(path: PlannedPath) -> FloatArray:
     """x, y, heading along a path, shape (n, 3)."""
     parts = []
     for leg in path.legs:
-        along = leg.samples[:, 0]
-        chosen = np.unique(np.searchsorted(along, np.arange(0.0, along[-1] + EVERY, EVERY)).clip(max=len(along) - 1))
-        parts.append(leg.samples[chosen, 1:4])
+        parts.append(leg.samples[thinned(leg.samples[:, 0], EVERY), 1:4])
     return np.concatenate(parts) if parts else np.empty((0, 3))

@@ -46,8 +46,8 @@ def clearances_of(avoidance: Avoidance, clearance: ClearanceMap, poses: FloatArr
     return np.asarray(clearance_along(clearance.grid, avoidance.circles, poses))
 
 
-def path_ahead(way: FollowerState) -> tuple[FloatArray, FloatArray]:
-    """The next LOOKAHEAD of a path: distances from the rover, shape (n,) [m], and poses x, y, heading in odom, (n, 3).
+def path_ahead(way: FollowerState, farthest: float = LOOKAHEAD) -> tuple[FloatArray, FloatArray]:
+    """The next metres of a path: distances from the rover, shape (n,) [m], and poses x, y, heading in odom, (n, 3).
 
     Headings are those of the body: where it slides downhill, it is turned off the path by the angle of the slide.
     """
@@ -57,7 +57,7 @@ def path_ahead(way: FollowerState) -> tuple[FloatArray, FloatArray]:
     rest[0] = rest[0][np.searchsorted(rest[0][:, 0], way.on_leg) :]
     before = np.cumsum([-way.on_leg] + [leg.length for leg in way.path.legs[way.leg : -1]])
     distances = np.concatenate([part[:, 0] + start for part, start in zip(rest, before, strict=True)])
-    near = distances <= LOOKAHEAD
+    near = distances <= farthest
     poses = np.ascontiguousarray(np.concatenate(rest)[near, 1:4])
     poses[:, 2] -= way.drift
     return distances[near], poses
