@@ -199,7 +199,7 @@ def test_a_velocity_command_ends_a_goal_that_has_not_begun(bench: Bench, drive: 
     send_event(bench, drive, "/cmd_vel", twist(0.0, at(49)))
     step(bench, 49, 50)
     status = bench.status("/drive/status", 50)
-    assert (status["state"], status["reason"]) == ("stopped", "pre-empted by /cmd_vel")
+    assert (status["state"], status["reason"]) == ("stopped", "stopped by operator")
     assert drive.state.drive.follower is None
 
 

@@ -69,6 +69,21 @@ class Heard:
     ("command", "who", "name", "places", "frame"),
     [
         ("drive 1 2 --z 0.5", "drive", "/goal_pose", [(1.0, 2.0, 0.5)], "map"),
+        ("--frame base_link --dry-run drive 1 2", "drive", "/drive/question", [(1.0, 2.0, 0.0)], "base_link"),
+        (
+            "--domain 7 --namespace arm arm 1 0 -0.2 --timeout 3",
+            "arm",
+            "/arm/goal_pose",
+            [(1.0, 0.0, -0.2)],
+            "base_link",
+        ),
+        (
+            "--timeout 3 route --frame odom -1 2 3 -4",
+            "drive",
+            "/waypoints",
+            [(-1.0, 2.0, 0.0), (3.0, -4.0, 0.0)],
+            "odom",
+        ),
         ("drive 1 2 --frame base_link --dry-run", "drive", "/drive/question", [(1.0, 2.0, 0.0)], "base_link"),
         ("route 1 2 3 4", "drive", "/waypoints", [(1.0, 2.0, 0.0), (3.0, 4.0, 0.0)], "map"),
         ("route 1 2 3 4 --dry-run", "drive", "/drive/question", [(1.0, 2.0, 0.0), (3.0, 4.0, 0.0)], "map"),
@@ -100,3 +115,12 @@ def test_words_go_out_on_the_topic_of_their_command(
     assert main(command.split()) == 0
     ((told, on, message),) = Heard.sent
     assert (told, on, status_values(message)) == (who, name, words)
+
+
+@pytest.mark.parametrize("command", ["", "--domain 3", "drive", "--frame drive 1 2", "fly 1 2", "drive 1 2 --speed 3"])
+def test_arguments_that_are_none_end_with_status_2(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(command.split())
+    assert ended.value.code == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("goal") and "--help" in line

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sojourn_arm.rover import BASE_FRAME, Rover, in_base
-from sojourn_arm.tasks import Request, task_fields, task_of
+from sojourn_arm.tasks import Request, progress_fields, task_fields, task_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.values import JointTrajectory, Message, Path, PoseStamped, TwistStamped
@@ -90,9 +90,8 @@ class LastGoal:
         x, y, z = output.tip_in_base
         return (
             known
+            | progress_fields(output, self.report)
             | {
-                "progress": f"{output.progress:.3f}",
-                "time_to_go": f"{output.time_to_go:.2f}",
                 "error_m": f"{output.goal_error:.6f}",
                 "joint_error_rad": f"{output.joint_error:.6f}",
                 "tip_in_base_m": f"{x:.5f} {y:.5f} {z:.5f}",

@@ -9,7 +9,7 @@ from sojourn_flight.arm.footing import FootingLoads
 from sojourn_flight.arm.goals import ArmGoal
 from sojourn_flight.arm.jogging import JogCommand
 from sojourn_flight.arm.refusal import GoalRefusedError
-from sojourn_flight.arm.state import ArmInput
+from sojourn_flight.arm.state import ArmInput, ArmOutput
 from sojourn_flight.arm.tasks.names import TASKS
 from sojourn_flight.arm.tasks.requests import TaskRequest, parse_task
 from sojourn_flight.arm.tasks.task_control import TaskInput, TaskReport
@@ -46,12 +46,20 @@ def task_input(arm: ArmInput, request: Request | None, measured: Measured, loads
     )
 
 
+def progress_fields(output: ArmOutput, report: TaskReport | None) -> dict[str, str]:
+    """Fields of /arm/status that say how far the arm is: with a goal on its way there; with a task as it tells itself,
+    or on the way of the arm for it; none while nothing can be told of a task, as before it has begun.
+    """
+    doing = output if report is None else report.doing
+    if report is not None and report.doing.velocity is None and report.doing.progress == 0.0:
+        if output.time_to_go == 0.0:
+            return {}
+        doing = output
+    return {"progress": f"{doing.progress:.3f}", "time_to_go": f"{doing.time_to_go:.2f}"}
+
+
 def task_fields(report: TaskReport | None) -> dict[str, str]:
-    """Fields of /arm/status that a task adds or replaces; none where the last goal was no task."""
+    """Fields of /arm/status that a task adds; none where the last goal was no task."""
     if report is None:
         return {}
-    doing = report.doing
-    fields = {"task": report.name} | {name: f"{value:.6g}" for name, value in doing.figures.items()}
-    if doing.velocity is not None or doing.progress > 0.0:  # else the arm plans for it, and knows better
-        fields |= {"progress": f"{doing.progress:.3f}", "time_to_go": f"{doing.time_to_go:.2f}"}
-    return fields
+    return {"task": report.name} | {name: f"{value:.6g}" for name, value in report.doing.figures.items()}

@@ -122,7 +122,9 @@ class ComposedRun:
         self.screen.show(list(self._health.values()), self._progress)
         if self._progress.stamp == 0 and now - self._started_at > self.plan.start_timeout_s:
             unmatched = [text for node in self.nodes.values() for text in node.unmatched()]
-            self._not_started = f"not ready within {self.plan.start_timeout_s:g} s: " + "; ".join(unmatched)
+            self._not_started = f"not ready within {self.plan.start_timeout_s:g} s (--start-timeout): " + "; ".join(
+                unmatched
+            )
         self._folder_gone = self._folder.why_gone()
         return bool(self._not_started or self._folder_gone)
 

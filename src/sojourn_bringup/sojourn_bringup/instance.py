@@ -1,21 +1,17 @@
-"""One process a role, domain and namespace on this machine: who starts a role first holds it.
+"""One process a role, domain and namespace on this machine: who starts a role first holds it, see `role_holder`.
 
-An abstract Unix socket (unix(7)) is the token: Linux gives a name to one process only, takes it back however that
-process ends, leaves no file, and tells the number of the process that holds it. A second plant on a domain would drive
-the same machine twice; with this it is refused at once, before a node of it disturbs the run that goes on.
+A second plant on a domain would drive the same machine twice; with this it is refused at once, before a node of it
+disturbs the run that goes on.
 """
 
 import os
 import socket
-import struct
 from collections.abc import Iterable
 from types import TracebackType
 from typing import Self
 
 from sojourn_config.command_errors import CommandError
-
-_CREDENTIALS = struct.Struct("3i")
-"""struct ucred: process, user, group."""
+from sojourn_config.role_holder import holder_of, token_name
 
 
 class RoleInUseError(CommandError):
@@ -61,15 +57,13 @@ class RoleTokens:
         self._release()
 
     def _take(self, role: str) -> None:
-        # the leading zero byte makes the name abstract: no file
-        name = f"\0sojourn/{self._domain}{self._namespace}/{role}"
         token = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
-            token.bind(name)
+            token.bind(token_name(self._domain, self._namespace, role))
             token.listen()
         except OSError as error:
             token.close()
-            holder = _holder(name)
+            holder = holder_of(self._domain, self._namespace, role)
             if holder == os.getpid():
                 holder = 0
             raise RoleInUseError(role, self._domain, self._namespace, holder) from error
@@ -79,14 +73,3 @@ class RoleTokens:
         for token in self._held:
             token.close()
         self._held.clear()
-
-
-def _holder(name: str) -> int:
-    """Number of the process that listens under a name, 0 if it is not to be found out."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as caller:
-        try:
-            caller.connect(name)
-            found = caller.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
-        except OSError:
-            return 0
-    return int(_CREDENTIALS.unpack(found)[0])

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from typing import TYPE_CHECKING, Literal
 
+from sojourn_bringup.ending import last_words
 from sojourn_bringup.instance import RoleTokens
 from sojourn_bringup.outcome import Outcome
 from sojourn_bringup.plan import RunPlan, check_lockstep, replacement_of
@@ -182,10 +183,6 @@ def run(given: argparse.Namespace) -> int:
     plan = make_plan(given, screen)
     screen.say(f"run {plan.run_dir}, domain {plan.domain}{', namespace ' + plan.namespace if plan.namespace else ''}")
     outcome = run_plan(plan, layout_of(given), screen)
-    for result in outcome.results:
-        reason = f" ({result.reason})" if result.reason else ""
-        screen.say(f"{result.start_s:8.2f} s  {result.step}: {result.outcome}{reason}")
-    screen.say(
-        f"{outcome.message} after {outcome.sim_time_s:.2f} s of simulation, {outcome.wall_time_s:.1f} s of wall time"
-    )
+    for line in last_words(plan, outcome):
+        screen.say(line)
     return outcome.status

@@ -75,7 +75,8 @@ class Supervisor:
             self.shadows.look()
             if time.monotonic() > end:
                 return self._outcome(
-                    FAILED, f"not ready within {self.plan.start_timeout_s:g} s: shadow of {waiting[0]}"
+                    FAILED,
+                    f"not ready within {self.plan.start_timeout_s:g} s (--start-timeout): shadow of {waiting[0]}",
                 )
         failure = self.shadows.failure()
         return self._outcome(FAILED, failure) if failure else None
@@ -184,7 +185,7 @@ class Supervisor:
         return len(deaths) > MAX_RESTARTS
 
     def _why_not_started(self) -> str:
-        return f"not ready within {self.plan.start_timeout_s:g} s: {self._unready() or 'plant'}"
+        return f"not ready within {self.plan.start_timeout_s:g} s (--start-timeout): {self._unready() or 'plant'}"
 
     def _unready(self) -> str:
         """Nodes that are not ready and why, in words."""

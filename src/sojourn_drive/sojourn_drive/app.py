@@ -28,6 +28,7 @@ from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.energy_forecast import EnergyLeft
 from sojourn_flight.planning.goal import Goal
+from sojourn_flight.supervision.arbiter import why_pre_empted
 from sojourn_flight.supervision.drive import LONGEST_PERIOD, DriveModel
 from sojourn_flight.supervision.drive_status import drive_status
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, DriveState, TwistCommand
@@ -172,9 +173,9 @@ class DriveApp(FlightApp[DriveAppState]):
                 refusals.append((name, RefusedMessageError(name, "header", "a goal now", none)))
             elif name == "/cmd_vel":
                 stamp = message.stamp or now
-                last = asked.last.pre_empted(stamp, unseen=asked.pending is not None)
-                twist = (stamp, _planar(message))
-                asked = replace(asked, last=last, twist=twist, pending=None)
+                twist = _planar(message)
+                last = asked.last.pre_empted(stamp, "" if asked.pending is None else why_pre_empted(twist))
+                asked = replace(asked, last=last, twist=(stamp, twist), pending=None)
             else:
                 last = asked.last.begun(message)
                 try:

@@ -37,12 +37,12 @@ class GoalStatus:
         """A goal or a velocity command has come and was refused."""
         return GoalStatus("refused", reason, message.stamp, self.number + 1)
 
-    def pre_empted(self, stamp: int, unseen: bool) -> "GoalStatus":
+    def pre_empted(self, stamp: int, unseen: str) -> "GoalStatus":
         """A velocity command stamped `stamp` [ns] has come: a goal on its way ends with the outcome that the drive
-        gives it. A goal that the drive has not seen yet (`unseen`) never starts.
+        gives it. A goal that the drive has not seen yet never starts, for the reason `unseen`; empty without one.
         """
         if unseen:
-            return replace(self, state="stopped", reason="pre-empted by /cmd_vel")
+            return replace(self, state="stopped", reason=unseen)
         return self if self.state == "moving" else GoalStatus(stamp=stamp, number=self.number)
 
     def given_up(self, reason: str) -> "GoalStatus":

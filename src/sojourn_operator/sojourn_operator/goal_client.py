@@ -1,10 +1,15 @@
 """Sends a goal to a running stack from another terminal and shows its progress to the end: scripts/goal."""
 
 import argparse
+import sys
 from collections.abc import Sequence
 
 from sojourn_config import command_line
 from sojourn_flight.arm.tasks.names import TASKS
+
+VERBS = ("drive", "route", "arm", "task", "power", "stop")
+WITH_VALUE = ("--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z")
+"""Options before whose value no verb stands."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -55,11 +60,19 @@ def parser() -> argparse.ArgumentParser:
     return result
 
 
+def verb_first(arguments: Sequence[str]) -> list[str]:
+    """The same with what stands before the verb behind it, for options are told in any order."""
+    for place, word in enumerate(arguments):
+        if word in VERBS and (place == 0 or arguments[place - 1] not in WITH_VALUE):
+            return [word, *arguments[:place], *arguments[place + 1 :]]
+    return list(arguments)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Send a goal; 0 only if it was reached (a stop: if drive and arm stand; a dry run: if it is allowed; a switch: if
     it is done).
     """
-    given = parser().parse_args(arguments)
+    given = parser().parse_args(verb_first(sys.argv[1:] if arguments is None else arguments))
     from sojourn_operator.goal_sending import run  # not above: --help needs none of it
 
     return run(given)

@@ -3,6 +3,7 @@
 import argparse
 import os
 import time
+from collections.abc import Callable
 from typing import Any
 
 import rclpy
@@ -10,6 +11,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_config.command_errors import CommandError
+from sojourn_config.role_holder import holder_of
 from sojourn_config.ros_environment import ros_variables
 from sojourn_contract import qos
 from sojourn_contract.codecs import encode
@@ -18,7 +20,7 @@ from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_message, status_values
 from sojourn_contract.stamps import seconds
 from sojourn_contract.stop_flag import StopFlag
-from sojourn_contract.topics import topic
+from sojourn_contract.topics import ROLES, topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import UPRIGHT, Clock, DiagnosticArray, Message, Path, PoseStamped
 from sojourn_operator.foresight_words import foresight_lines
@@ -33,6 +35,7 @@ from sojourn_operator.goal_messages import (
     stamped,
     stop_messages,
 )
+from sojourn_operator.start_watch import StartWatch
 from sojourn_operator.steps.step import FINAL_STATES, REACHED
 
 ANSWER_S = 5.0
@@ -76,6 +79,7 @@ class GoalClient:
         """Simulation time [ns]; zero until a stamped status has come."""
         self.statuses: dict[str, DiagnosticArray] = {}
         self.stop = StopFlag()
+        self._start = StartWatch(self._held)
         self._last_stamp = 0
 
     def __enter__(self) -> "GoalClient":
@@ -94,7 +98,8 @@ class GoalClient:
             qos.profile(topic("/clock"), False),
             raw=True,
         )
-        self._readers = [self._listen(who, name) for who, name in STATUS_TOPICS.items()]
+        self._readers = [self._listen(name, self._keep(who)) for who, name in STATUS_TOPICS.items()]
+        self._readers.append(self._listen("/diagnostics", self._start.hear))
         return self
 
     def __exit__(self, *_error: object) -> None:
@@ -105,12 +110,9 @@ class GoalClient:
     def send(self, who: str, name: str, message: Message) -> None:
         """Publish a goal on a topic once its role listens. Raises NoStackError if it does not within ANSWER_S."""
         sender = self._sender(name)
-        end = time.monotonic() + ANSWER_S
-        while not self._is_heard(sender) or not self.now:
-            if time.monotonic() > end:
-                what = "its simulation time does not run" if self._is_heard(sender) else f"nobody acts on {name}"
-                raise NoStackError(self._nobody(who, what))
-            self._wait()
+        if not self._await(lambda: bool(self._is_heard(sender) and self.now)):
+            what = "its simulation time does not run" if self._is_heard(sender) else f"nobody acts on {name}"
+            raise NoStackError(self._nobody(who, what))
         sender.publish(encode(topic(name), stamped(message, self.now)))
         self._last_stamp = self.now
 
@@ -122,11 +124,8 @@ class GoalClient:
         """
         messages = stop_messages(0)
         senders = {name: self._sender(name) for name, _ in messages}
-        end = time.monotonic() + ANSWER_S
-        while not any(self._is_heard(sender) for sender in senders.values()):
-            if time.monotonic() > end:
-                raise NoStackError(self._nobody("drive or arm", f"nobody acts on {' or '.join(senders)}"))
-            self._wait()
+        if not self._await(lambda: any(self._is_heard(sender) for sender in senders.values())):
+            raise NoStackError(self._nobody("drive or arm", f"nobody acts on {' or '.join(senders)}"))
         self.spin(STOP_SETTLE_S)  # whoever has not been found by now does not take part
         told = [name for name, sender in senders.items() if self._is_heard(sender)]
         for name, message in messages:
@@ -174,16 +173,27 @@ class GoalClient:
                 return values
         return None
 
+    def _held(self) -> list[str]:
+        return [role for role in ROLES if holder_of(self.domain, self.namespace, role)]
+
     def _is_heard(self, sender: Any) -> bool:
         """Whether somebody who acts on it gets what is sent, and all others who want it. The recorder does not act."""
         listeners = self._node.get_subscriptions_info_by_topic(sender.topic_name)
         acting = [listener for listener in listeners if listener.node_name not in ("recorder", UNKNOWN_NODE)]
         return bool(acting) and sender.get_subscription_count() >= len(listeners)
 
-    def _wait(self) -> None:
-        if self.stop.is_set:
-            raise KeyboardInterrupt
-        self.spin(0.05)
+    def _await(self, is_there: Callable[[], bool]) -> bool:
+        """Wait for a stack until it is there, ANSWER_S at most, or for so long as it is starting."""
+        end = time.monotonic() + ANSWER_S
+        while not is_there():
+            if self._start.is_starting():
+                end = time.monotonic() + ANSWER_S
+            if time.monotonic() > end:
+                return False
+            if self.stop.is_set:
+                raise KeyboardInterrupt
+            self.spin(0.05)
+        return True
 
     def _sender(self, name: str) -> Any:
         row = topic(name)
@@ -199,13 +209,16 @@ class GoalClient:
         while (left := end - time.monotonic()) > 0.0:
             self._executor.spin_once(timeout_sec=left)
 
-    def _listen(self, who: str, name: str) -> Any:
+    def _keep(self, who: str) -> Callable[[DiagnosticArray], None]:
         def keep(message: DiagnosticArray) -> None:
             report_of(message)  # which refuses what is no report
             self.statuses[who] = message
 
+        return keep
+
+    def _listen(self, name: str, take: Callable[[DiagnosticArray], None]) -> Any:
         row = topic(name)
-        hear = hearing(row, keep, self._pass_over)
+        hear = hearing(row, take, self._pass_over)
         profile = qos.profile(row, lockstep=True)
         return self._node.create_subscription(message_class(row.type), name.lstrip("/"), hear, profile, raw=True)
 
@@ -226,7 +239,9 @@ def _to_go(who: str, values: dict[str, str]) -> str:
         if "energy_forecast_wh" in values:
             energy = f", {float(values['energy_used_wh']):.2f} Wh used, {float(values['energy_to_go_wh']):.2f} to go"
         return f"{values.get('distance_to_go', '?')} m to go, {aside}{energy} ({values.get('phase', '')})"
-    return f"{100.0 * float(values.get('progress', 0.0)):.0f} % done, {values.get('time_to_go', '?')} s to go"
+    if "progress" not in values:  # of a task that has not begun yet
+        return f"{values.get('task', who)} has not begun"
+    return f"{100.0 * float(values['progress']):.0f} % done, {values.get('time_to_go', '?')} s to go"
 
 
 def _drive_goal(given: argparse.Namespace) -> PoseStamped | Path:

@@ -100,6 +100,13 @@ def test_refused_goal_leaves_the_present_one_alone(model: WheelDrive, machine: C
     assert output.status["text"].startswith("refused: the path is")
 
 
+def test_a_velocity_of_nothing_is_the_stop_of_an_operator(model: WheelDrive, machine: Callable) -> None:
+    rover = machine()
+    state, _ = rover.run(model.initial_state(), 1.0, goal=Goal.at(5.0, 0.0))
+    state, output = rover.run(state, DT, twist=TwistCommand(PlanarTwist(0.0, 0.0, 0.0), 0.0))
+    assert [(o.kind, o.reason) for o in output.outcomes] == [("stopped", "stopped by operator")]
+
+
 def test_cmd_vel_ends_a_goal_but_only_if_it_is_newer(model: WheelDrive, machine: Callable) -> None:
     rover = machine()
     state, _ = rover.run(model.initial_state(), 1.0, goal=Goal.at(5.0, 0.0))

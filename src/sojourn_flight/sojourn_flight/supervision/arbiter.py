@@ -22,6 +22,11 @@ WORTH_TELLING = 1e-3
 """Sideways speed by which a twist that is driven differs from the one asked for, and the status says so [m/s]."""
 
 
+def why_pre_empted(twist: PlanarTwist) -> str:
+    """Why a goal ends with an operator's twist, in words: one without motion is a stop."""
+    return "stopped by operator" if twist == NO_MOTION else "pre-empted by /cmd_vel"
+
+
 @dataclass(slots=True)
 class Arbiter:
     """What commands the rover in this period; lives within one step only."""
@@ -82,7 +87,7 @@ class Arbiter:
         newer = command is not None and command.age < self.since_override - 0.5 * dt
         if command is not None and newer and command.age <= timeout:
             if self.follower is not None:
-                self.end_goal(stop(self.follower, "pre-empted by /cmd_vel"))
+                self.end_goal(stop(self.follower, why_pre_empted(command.twist)))
             self.mode, self.text = "cmd_vel", "driving by /cmd_vel"
             twist, reason = model.mobility.fit(command.twist)
             self.twist_refused = reason != ""
