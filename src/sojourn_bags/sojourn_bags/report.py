@@ -18,14 +18,13 @@ from sojourn_bags.reading import Bag, Messages
 from sojourn_bags.report_arm import draw_standing_arm
 from sojourn_bags.report_map import draw_map
 from sojourn_bags.summary import summarise
+from sojourn_bags.true_slip import WHERE_IT_STANDS, true_slip
 from sojourn_physics.terrain.height_field import HeightField
 
 SIZE_INCHES = (17.0, 12.0)
 DOTS_PER_INCH = 110
 DRIVE_SHADE, ARM_SHADE = "#0072b2", "#8a00a8"
 TIME_LABEL = "simulation time [s]      blue: drive goal, violet: arm goal; faint: each value, bold: mean"
-STANDING = 0.005
-"""Speed of rim and rover below which they stand [m/s]."""
 NEEDED = ("/truth/odom", "/truth/joint_states", "/truth/contacts", "/truth/electrical")
 
 
@@ -109,7 +108,9 @@ def _draw_wheels(panels: Sequence[Axes], bag: Bag, run: Run) -> None:
     if run.machine.steer_joints:
         _draw_joints(panels[3], bag, list(run.machine.steer_joints), "Torque of the steering joints")
     else:
-        _draw_contacts(panels[3], bag, run, "slip_angle", 180.0 / np.pi, f"Slip angle of {each}", "angle [°]")
+        names = [wheel.name.replace("_", " ") for wheel in run.machine.rolling]
+        _draw_curves(panels[3], bag["/truth/contacts"].times, np.degrees(true_slip(bag, run, "slip_angle")), names)
+        panels[3].set(title=f"Slip angle of {each} ({WHERE_IT_STANDS})", ylabel="angle [°]")
 
 
 def _draw_contacts(axes: Axes, bag: Bag, run: Run, field: str, scale: float, title: str, label: str) -> None:
@@ -122,19 +123,10 @@ def _draw_contacts(axes: Axes, bag: Bag, run: Run, field: str, scale: float, tit
 
 
 def _draw_slip(axes: Axes, bag: Bag, run: Run) -> None:
-    """One curve a wheel or track; of one that stands on a rover that stands, slip is a quotient of two trembles."""
-    contacts, truth, states = bag["/truth/contacts"], bag["/truth/odom"], bag["/truth/joint_states"]
-    velocity = truth.columns(*(f"twist.twist.linear.{axis}" for axis in "xyz"))
-    speed = np.interp(contacts.times, truth.times, np.linalg.norm(velocity, axis=1))
-    joints = states.joints()
-    slip = contacts.points()["slip_ratio"][:, : len(run.machine.rolling)].copy()
-    for number, wheel in enumerate(run.machine.rolling):
-        rim = np.interp(
-            contacts.times, states.times, wheel.radius * np.abs(joints.velocity[:, joints.index(wheel.joint)])
-        )
-        slip[np.maximum(rim, speed) < STANDING, number] = 0.0
-    _draw_curves(axes, contacts.times, slip, [wheel.name.replace("_", " ") for wheel in run.machine.rolling])
-    axes.set(title=f"Slip of each {run.machine.support_word} (0 where it stands)", ylabel="slip ratio [-]")
+    """One curve a wheel or track."""
+    names = [wheel.name.replace("_", " ") for wheel in run.machine.rolling]
+    _draw_curves(axes, bag["/truth/contacts"].times, true_slip(bag, run, "slip_ratio"), names)
+    axes.set(title=f"Slip of each {run.machine.support_word} ({WHERE_IT_STANDS})", ylabel="slip ratio [-]")
 
 
 def _draw_joints(axes: Axes, bag: Bag, names: Sequence[str], title: str, label: str = "torque [N m]") -> None:

@@ -29,6 +29,9 @@ svg .curve { fill: none; stroke-width: 1.5; } svg .band { fill: none; stroke-wid
 svg .grid { stroke: #e4e4e4; stroke-width: 1; } svg .axis { stroke: #777; fill: none; }
 svg .shade { fill-opacity: .08; }
 svg .mark { stroke: #111; stroke-dasharray: 5 4; } svg .now { stroke: #d00; stroke-width: 1; }
+@media (max-width: 700px) { body { padding: 0 10px 40px; font-size: 14px; } h1 { font-size: 20px; }
+  figure, section { overflow-x: auto; } svg { min-width: 760px; } table { font-size: 12px; }
+  nav a { line-height: 1.9; } }
 @media print { body { max-width: none; font-size: 11px; padding: 0; } nav { display: none; }
   table { font-size: 9px; } td, th { padding-right: 8px; }
   figure, tr, .tiles, .verdict { break-inside: avoid; } h2, h3 { break-after: avoid; }
@@ -119,6 +122,6 @@ def document(title: str, head: str, sections: Sequence[PageSection], script: str
     )
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        f'<meta name="viewport" content="width=device-width"><style>{STYLE}</style></head><body>'
+        f'<meta name="viewport" content="width=device-width, initial-scale=1"><style>{STYLE}</style></head><body>'
         f"<h1>{escape(title)}</h1>{head}<nav>{links}</nav>{body}<script>{script}</script></body></html>\n"
     )

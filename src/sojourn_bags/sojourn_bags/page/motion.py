@@ -8,6 +8,7 @@ from sojourn_bags.page.chart import ChartLine, chart, wheel_curves
 from sojourn_bags.page.html import PageSection, figure, paragraph
 from sojourn_bags.page.story import CLOUD, IMU, JOINTS, POSE, Story
 from sojourn_bags.reading import Messages
+from sojourn_bags.true_slip import WHERE_IT_STANDS, true_slip
 
 MER_CLASS_DEG = 45.0
 """Tilt at which the Mars Exploration Rovers still stand (Lindemann and Voorhees 2005)."""
@@ -35,11 +36,11 @@ def wheels(story: Story) -> PageSection:
     def draw(title: str, values: FloatArray, label: str, note: str = "") -> None:
         parts.append(figure(title, chart(story.axis, wheel_curves(times, values, story.wheels), label), note))
 
-    if driven and "slip_ratio" in story.points:
-        note = "1: it turns on the spot; 0: it rolls; below: it skids. At standstill it has no meaning."
-        draw(f"Slip of each {word}", story.points["slip_ratio"][:, :count], "slip ratio [-]", note)
-    if driven and "slip_angle" in story.points:
-        draw(f"Slip angle of each {word}", np.degrees(story.points["slip_angle"][:, :count]), "slip angle [degree]")
+    if driven and story.find("/truth/odom", POSE) and {"slip_ratio", "slip_angle"} <= story.points.keys():
+        note = f"1: it turns on the spot; 0: it rolls; below: it skids; {WHERE_IT_STANDS}."
+        ratio, angle = (true_slip(story.bag, story.run, field) for field in ("slip_ratio", "slip_angle"))
+        draw(f"Slip of each {word}", ratio, "slip ratio [-]", note)
+        draw(f"Slip angle of each {word}", np.degrees(angle), "slip angle [degree]", f"{WHERE_IT_STANDS.capitalize()}.")
     if "sinkage" in story.points:
         draw(f"Sinkage of each {word}", 1000.0 * story.points["sinkage"][:, :count], "sinkage [mm]")
     if "force_z" in story.points:
