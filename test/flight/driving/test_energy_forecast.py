@@ -126,9 +126,9 @@ def test_what_the_goal_takes_is_counted_until_it_ends(model: WheelDrive, machine
     rover.model = careful
     state, output = rover.run(careful.initial_state(), 10.0, goal=Goal.at(3.0, 0.0), supply=supply(1e6))
     assert output.status["energy_used_wh"] == pytest.approx(100.0 * 10.0 / 3600.0)
-    assert output.status["energy_to_go_wh"] == pytest.approx(
-        output.status["energy_forecast_wh"] * output.status["distance_to_go_m"] / 3.0
-    )
+    assert state.follower is not None
+    part = state.follower.distance_to_go / 3.0
+    assert output.status["energy_to_go_wh"] == pytest.approx(output.status["energy_forecast_wh"] * part)
     while not output.outcomes:
         state, output = rover.run(state, 0.02, supply=supply(1e6))
     used = output.status["energy_used_wh"]

@@ -19,7 +19,6 @@ def drive_status(machine: DrivenMachine, state: DriveState, pace: Pace) -> dict[
         "phase": way.phase.value if way is not None else "",
         "astern": float(way is not None and way.astern),
         "goal": str(way.goal.number) if way is not None else "",
-        "distance_to_go_m": way.distance_to_go if way is not None else 0.0,
         "lateral_error_m": way.lateral_error if way is not None else 0.0,
         "lateral_rms_m": followed.lateral_rms if followed is not None else 0.0,
         "lateral_max_m": followed.lateral_max if followed is not None else 0.0,
