@@ -38,6 +38,14 @@ def test_report_writes_beside_the_bag(run: Path, capsys: pytest.CaptureFixture[s
     assert (run / "report.html").read_text().startswith("<!DOCTYPE html>")
 
 
+@pytest.mark.parametrize(("options", "name"), [([], "report.png"), (["--html", "--no-contract"], "report.html")])
+def test_a_report_goes_into_a_folder_that_is_named(run: Path, tmp_path: Path, options: list[str], name: str) -> None:
+    """It went beside the folder, under its name."""
+    assert report.main([str(run), "--out", str(tmp_path), *options]) == 0
+    assert (tmp_path / name).stat().st_size > 10_000
+    assert not [path for path in tmp_path.parent.iterdir() if path.name.startswith(f"{tmp_path.name}.")]
+
+
 def test_plot_prints_the_numbers(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     field = "/truth/electrical.percentage"
     arguments = [str(run), field, field, "--out", str(tmp_path / "a.png"), "--csv", str(tmp_path / "a.csv")]

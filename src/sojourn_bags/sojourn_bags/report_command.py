@@ -16,7 +16,10 @@ def parser() -> command_line.Parser:
     result.add_argument("bag", type=Path, metavar="BAG", help="folder of a run, folder of a bag, or an .mcap file")
     result.add_argument("--html", action="store_true", help="one page in one file, report.html")
     result.add_argument(
-        "--out", type=Path, metavar="FILE", help="picture or page (default: report.png or report.html beside the bag)"
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="picture or page, or a folder for it (default: report.png or report.html beside the bag)",
     )
     result.add_argument(
         "--no-contract", action="store_true", help="with --html: faster, without judging the messages by the contract"

@@ -52,7 +52,9 @@ def run(given: argparse.Namespace) -> int:
     console = Console(highlight=False, soft_wrap=True)
     try:
         bag = read_bag(given.bag)
-        out: Path = given.out or place_of(given.bag) / ("report.html" if given.html else "report.png")
+        out: Path = given.out or place_of(given.bag)
+        if out.is_dir():
+            out /= "report.html" if given.html else "report.png"
         if given.html:
             _page(bag, out, not given.no_contract, console)
         else:
