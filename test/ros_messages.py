@@ -7,7 +7,17 @@ from typing import Any
 
 from builtin_interfaces.msg import Duration, Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, TwistStamped, Vector3, Vector3Stamped, WrenchStamped
+from geometry_msgs.msg import (
+    Point,
+    Pose,
+    PoseStamped,
+    PoseWithCovarianceStamped,
+    Quaternion,
+    TwistStamped,
+    Vector3,
+    Vector3Stamped,
+    WrenchStamped,
+)
 from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry, Path
 from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
@@ -150,6 +160,12 @@ def _pose_stamped(value: values.PoseStamped) -> PoseStamped:
     return PoseStamped(header=_header(value), pose=_pose(value.position, value.orientation))
 
 
+def _place(value: values.PoseWithCovarianceStamped) -> PoseWithCovarianceStamped:
+    message = PoseWithCovarianceStamped(header=_header(value))
+    message.pose.pose, message.pose.covariance = _pose(value.position, value.orientation), value.covariance
+    return message
+
+
 def _battery(value: values.BatteryState) -> BatteryState:
     fields = value._asdict()
     del fields["stamp"], fields["frame"]
@@ -215,6 +231,7 @@ _MAKERS = {
     values.Vector3Stamped: lambda value: Vector3Stamped(header=_header(value), vector=_vector(value.vector)),
     values.TwistStamped: _twist,
     values.PoseStamped: _pose_stamped,
+    values.PoseWithCovarianceStamped: _place,
     values.Path: lambda value: Path(header=_header(value), poses=[_pose_stamped(pose) for pose in value.poses]),
     values.BatteryState: _battery,
     values.PointCloud2: _cloud,

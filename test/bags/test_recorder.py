@@ -26,7 +26,11 @@ from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.recorder_node import RecorderNode
 from sojourn_bags.writer import BagWriter
 from sojourn_contract import process
+from sojourn_contract.heartbeat import STALLED
+from sojourn_contract.node import SILENCE_S
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topic_table import CLOCK
+from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import TOPICS
 
 PERIODS = 110
@@ -146,6 +150,33 @@ def test_lost_message_is_named_and_fails(tmp_path: Path) -> None:
     account = read_bag(tmp_path / "bag").records[RECORD]
     assert account["complete"] == "false"
     assert account["gaps"] == "/truth/contacts: 59 recorded of 60 published"
+
+
+def test_in_real_time_it_stalls_only_where_the_clock_stays_away(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rclpy.init(args=[], signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)
+    nodes = build(tmp_path / "bag", 150, lockstep=False)  # 1.5 s or more
+    recorder, heard, silences = nodes[-1], [time.monotonic()], list[float]()
+    receive, say = recorder._receive, recorder._send_heartbeat
+
+    def receiving(row: Topic, message: bytes) -> None:
+        if row.name == CLOCK:
+            heard.append(time.monotonic())
+        receive(row, message)
+
+    def saying(state: str, *others: Any) -> None:
+        if state == STALLED:
+            silences.append(time.monotonic() - heard[-1])
+        say(state, *others)
+
+    monkeypatch.setattr(recorder, "_receive", receiving)
+    monkeypatch.setattr(recorder, "_send_heartbeat", saying)
+    try:
+        assert run(nodes) == 0
+    finally:
+        rclpy.try_shutdown()
+    assert all(silence >= SILENCE_S for silence in silences), silences
 
 
 def test_without_a_drive_node_base_link_hangs_under_map(tmp_path: Path) -> None:

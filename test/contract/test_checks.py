@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from geometry_msgs.msg import PoseStamped, TwistStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TwistStamped
 from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry, Path
@@ -29,6 +29,8 @@ FIELDS: list[tuple[Callable[[], Any], str]] = [
     (PoseStamped, "pose.position.y"),
     (PoseStamped, "pose.orientation.w"),
     (PoseStamped, "pose.orientation.x"),
+    (PoseWithCovarianceStamped, "pose.pose.position.x"),
+    (PoseWithCovarianceStamped, "pose.pose.orientation.z"),
     (Odometry, "pose.pose.position.z"),
     (Odometry, "pose.pose.orientation.w"),
     (Odometry, "twist.twist.linear.x"),

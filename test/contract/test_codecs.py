@@ -52,6 +52,9 @@ VALUES = {
         values.DiagnosticArray, STAMPS, st.lists(STATUS, max_size=3).map(tuple), TEXTS
     ),
     "geometry_msgs/PoseStamped": POSES,
+    "geometry_msgs/PoseWithCovarianceStamped": st.builds(
+        values.PoseWithCovarianceStamped, STAMPS, TEXTS, block(3), block(4), block(36)
+    ),
     "geometry_msgs/TwistStamped": st.builds(values.TwistStamped, STAMPS, TEXTS, block(3), block(3)),
     "geometry_msgs/Vector3Stamped": st.builds(values.Vector3Stamped, STAMPS, TEXTS, block(3)),
     "geometry_msgs/WrenchStamped": st.builds(values.WrenchStamped, STAMPS, TEXTS, block(3), block(3)),

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from clean_run import PERIOD, PERIODS, CleanRun, beats_of, explorer, kinds, set_stamp, value_of
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
@@ -207,6 +208,22 @@ def test_rates_may_be_taken_over_a_window_of_periods() -> None:
     for window in (1, 2, 5):
         assert not list(swinging(window).judge().lines()), window
     assert kinds(swinging(1, sign=-1.0).judge()) == {("rate of change", "/joint_states", "velocity")}
+
+
+@pytest.mark.parametrize(("told_at", "wrong"), [(AT, False), (AT + 2 * PERIOD, True), (AT - 10 * PERIOD, True)])
+def test_the_estimate_may_jump_where_an_operator_says_where_it_is(told_at: int, wrong: bool) -> None:
+    run = CleanRun()
+    for entry in run.of("/odom"):
+        if entry.stamp >= AT:
+            entry.message.pose.pose.position.y += 3.0
+    word = PoseWithCovarianceStamped()
+    word.pose.pose.orientation.w = 1.0
+    word.header.frame_id = "map"
+    set_stamp(word, told_at)
+    run.add("/initialpose", told_at, word)
+    run.entries.insert(0, run.entries.pop())  # a goal stands before the answer of its period
+    jumps = {("rate of change", "/odom", f"twist.twist.linear.{axis}") for axis in "xy"}
+    assert kinds(run.judge()) == (jumps if wrong else set())
 
 
 def bumped(told: float, speed: float) -> list[Finding]:

@@ -48,6 +48,8 @@ class RecorderNode(ContractNode):
     ) -> None:
         self._recording: Recording | None = None
         super().__init__("recorder", context=context, overrides=overrides, namespace=namespace)
+        if not self.lockstep:
+            self._trigger = CLOCK
         folder = str(self.declare_parameter("bag", "").value)
         try:
             self.recording = self._recording = self._open(folder)
@@ -135,6 +137,7 @@ class RecorderNode(ContractNode):
         if allowed is not None:
             self.refuse(row.name, RefusedMessageError(row.name, "clock", f"{stamps.seconds(stamp):.3f} s", allowed))
             return
+        self._heard_trigger = time.monotonic()
         self.recording.advance(self.latest.timeline.now)
         if stamp > self.now:
             self.act(stamp, {})

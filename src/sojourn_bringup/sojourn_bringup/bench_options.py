@@ -13,11 +13,11 @@ def add_bench(parser: argparse.ArgumentParser) -> None:
     """--log, --timeout and --start-timeout: how a candidate is treated."""
     parser.add_argument("--log", type=Path, metavar="FILE", help="what the program prints (default: not kept)")
     parser.add_argument(
-        "--timeout", type=command_line.positive_seconds, default=DEFAULT_TIMEOUT_S, metavar="S",
+        "--timeout", type=command_line.positive, default=DEFAULT_TIMEOUT_S, metavar="S",
         help="wall time after which a missing answer is an error (default: %(default)g s)",
     )  # fmt: skip
     parser.add_argument(
-        "--start-timeout", type=command_line.positive_seconds, default=60.0, metavar="S",
+        "--start-timeout", type=command_line.positive, default=60.0, metavar="S",
         help="wall time within which it must be ready (default: %(default)g s)",
     )  # fmt: skip
 

@@ -38,7 +38,7 @@ def parser() -> argparse.ArgumentParser:
     check.add_argument("--scenario", metavar="NAME", help=f"whose machine runs (default: the bag's; live {SCENARIO})")
     command_line.add_machine(check)
     check.add_argument(
-        "--seconds", type=command_line.positive_seconds, default=LIVE_S, metavar="S",
+        "--seconds", type=command_line.positive, default=LIVE_S, metavar="S",
         help="how long to listen, wall time (default: %(default)g)",
     )  # fmt: skip
     check.add_argument("--json", type=Path, metavar="FILE", help="write all findings there")

@@ -97,6 +97,8 @@ class RunPlan:
             "participants": list(self.participants),
             "lockstep_timeout_s": float(self.lockstep_timeout_s),
         }
+        if self.realtime and role not in self.replacements:  # in lock-step nothing is started again
+            values |= {"kept": str(self.run_dir / "kept" / f"{role}.json"), "restarts": attempt}
         if self.overrides:
             values["overrides"] = list(self.overrides)
         if role == "recorder":
@@ -182,14 +184,14 @@ def add_patience(parser: argparse.ArgumentParser) -> None:
     """--lockstep-timeout and --start-timeout: how long a run waits for its nodes."""
     parser.add_argument(
         "--lockstep-timeout",
-        type=command_line.positive_seconds,
+        type=command_line.positive,
         default=DEFAULT_LOCKSTEP_TIMEOUT_S,
         metavar="S",
         help="wall time after which a node that does not answer stops the run (default: %(default)g s)",
     )
     parser.add_argument(
         "--start-timeout",
-        type=command_line.positive_seconds,
+        type=command_line.positive,
         default=DEFAULT_START_TIMEOUT_S,
         metavar="S",
         help="wall time within which every node must be ready (default: %(default)g s)",

@@ -23,7 +23,7 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
     )
     result.add_argument(
         "--checkpoint-every",
-        type=command_line.positive_seconds,
+        type=command_line.positive,
         metavar="SECONDS",
         help="with --direct: keep the state of the run in its folder each time that so much simulation time is over",
     )

@@ -76,11 +76,11 @@ def namespace(text: str) -> str:
     return name
 
 
-def positive_seconds(text: str) -> float:
-    """A duration [s] above zero."""
+def positive(text: str) -> float:
+    """A finite number above zero."""
     value = number(text)
     if value <= 0.0:
-        raise argparse.ArgumentTypeError(f"{text} s: allowed is a number above 0")
+        raise argparse.ArgumentTypeError(f"{text}: allowed is a number above 0")
     return value
 
 

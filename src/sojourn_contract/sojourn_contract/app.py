@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Generic, Self, TypeAlias, TypeVar
 from sojourn_config.flight import FlightScenario
 from sojourn_config.known_machine import KnownMachine
 from sojourn_config.scenario import LoadedScenario, load_flight, load_scenario
+from sojourn_contract.kept_data import Kept
 from sojourn_contract.topic_types import Topic
 
 State = TypeVar("State")
@@ -98,6 +99,18 @@ class App(Generic[State]):
 
     def on_new_time(self, state: State) -> State:
         """In real time the clock was wrong and has been set anew: forget what was measured by the old one."""
+        return state
+
+    def to_keep(self, state: State) -> Mapping[str, Any] | None:
+        """What must not be lost when its process ends, as JSON has it; None for nothing."""
+        return None
+
+    def started_again(self, state: State, stamp: int, kept: Kept | None) -> State:
+        """The first state of a process that is not the run's first of its role, which acts at a stamp [ns].
+
+        Args:
+            kept: by the process before; None where nothing is known of it.
+        """
         return state
 
     def heartbeat_values(self, state: State, stamp: int) -> dict[str, str]:

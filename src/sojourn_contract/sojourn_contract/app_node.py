@@ -1,18 +1,26 @@
 """The shell round an app: gives it the messages of a period, and sends what it answers. No memory of its own."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, ClassVar
 
 from rclpy.context import Context
 
 from sojourn_config.known_machine import KnownMachine
 from sojourn_contract.app import App, Period
+from sojourn_contract.kept_data import Kept, KeptData, KeptDataError
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topic_types import Topic
+
+KEEP_EVERY_NS = 200_000_000
+"""Simulation time from keeping to keeping [ns]."""
 
 
 class AppNode(ContractNode):
     """A node that runs the app of its role.
+
+    ROS parameters, besides those of every node: `kept` (file of what its app must not lose, empty for none), `restarts`
+    (how often its role has been started again).
 
     Args:
         context: rclpy context. overrides: parameter values, as the composed start gives them.
@@ -43,6 +51,10 @@ class AppNode(ContractNode):
         self.app = kind(self.scenario)
         self.app.warm_up()
         self.state = self.app.initial_state()
+        kept = self.declare_parameter("kept", "").value
+        self._kept = KeptData(Path(kept)) if kept else None
+        self._kept_at = 0
+        self._starts_again = int(self.declare_parameter("restarts", 0).value) > 0
 
     def read_scenario(self, name: str, overrides: Sequence[str]) -> KnownMachine:
         """What its app goes by."""
@@ -55,6 +67,9 @@ class AppNode(ContractNode):
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """One step of the app."""
+        if self._starts_again:
+            self._starts_again = False
+            self.state = self.app.started_again(self.state, stamp, self._read_kept())
         period = Period(stamp, inputs, goals, self.counters.last_refusal)
         self.state, answer = self.app.step(self.state, period)
         for topic, refusal in answer.refusals:
@@ -63,12 +78,33 @@ class AppNode(ContractNode):
             self.get_logger().error(f"{text} at {stamp / 1e9:.2f} s")
         self.finished = self.finished or answer.finished
         self.publish_all(answer.messages)
+        if self._kept is not None and abs(stamp - self._kept_at) >= KEEP_EVERY_NS:
+            self._keep(stamp)
 
     def publish_all(self, messages: Iterable[tuple[str, Any]]) -> None:
         """Publish those of (topic, message) that this run has."""
         for topic, message in messages:
             if self.gives(topic):
                 self.publish(topic, message)
+
+    def _read_kept(self) -> Kept | None:
+        try:
+            return None if self._kept is None else self._kept.read()
+        except KeptDataError as error:
+            self.get_logger().error(str(error))
+            return None
+
+    def _keep(self, stamp: int) -> None:
+        """Keep what the app must not lose."""
+        assert self._kept is not None
+        values = self.app.to_keep(self.state)
+        self._kept_at = stamp
+        if values is None:
+            return
+        try:
+            self._kept.write(stamp, values)
+        except OSError as error:
+            self.get_logger().error(f"nothing can be kept: {error}", throttle_duration_sec=10.0)
 
     def on_new_time(self) -> None:
         """The clock was wrong."""

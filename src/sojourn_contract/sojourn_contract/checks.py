@@ -20,6 +20,7 @@ from sojourn_contract.values import (
     Path,
     PointCloud2,
     PoseStamped,
+    PoseWithCovarianceStamped,
     TwistStamped,
     Vector3Stamped,
     WrenchStamped,
@@ -140,6 +141,12 @@ def _check_battery(topic: str, message: BatteryState) -> None:
         _check_scalar(topic, field, getattr(message, field))
 
 
+def _check_place(topic: str, message: PoseWithCovarianceStamped) -> None:
+    _check_vector(topic, "pose.pose.position", message.position)
+    _check_vector(topic, "pose.pose.orientation", message.orientation)
+    check_finite(topic, "pose.covariance", message.covariance)
+
+
 def _check_path(topic: str, message: Path) -> None:
     for index, pose in enumerate(message.poses):
         _check_vector(topic, f"poses[{index}].pose.position", pose.position)
@@ -152,6 +159,7 @@ _CHECKS: dict[type, Check] = {
     JointTrajectory: _check_trajectory,
     TwistStamped: _vectors(TwistStamped, linear="twist.linear", angular="twist.angular"),
     PoseStamped: _vectors(PoseStamped, position="pose.position", orientation="pose.orientation"),
+    PoseWithCovarianceStamped: _check_place,
     Path: _check_path,
     Odometry: _vectors(
         Odometry,

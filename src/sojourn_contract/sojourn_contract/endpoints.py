@@ -88,7 +88,8 @@ class Endpoints:
             if row.name in self.readers and self.readers[row.name].get_publisher_count() == 0:
                 missing.append(f"no publisher of {row.name} ({row.publisher})")
         for name, sender in self.senders.items():
-            listeners = self._listeners(self.outputs[name])
+            row = self.outputs[name]
+            listeners = self._listeners(row) if row.needs_listener else []
             if sender.get_subscription_count() < len(listeners):
                 missing.append(f"{name} is not heard by all of {', '.join(listeners)}")
         return missing

@@ -57,6 +57,11 @@ GOAL = (
     FieldRule("pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),
     FieldRule("pose.orientation", "", low=-1.0, high=1.0),
 )
+PLACE = (
+    FieldRule("pose.pose.position", "m", frame="map or odom", low=-1e4, high=1e4),
+    FieldRule("pose.pose.orientation", "", low=-1.0, high=1.0),
+    FieldRule("pose.covariance", "m^2, rad^2", low=-1e8, high=1e8),
+)
 BATTERY = (
     FieldRule("voltage", "V", low=0.0, high=100.0, tolerance=FLOAT32_TOLERANCE),
     FieldRule("current", "A, negative while discharging", low=-500.0, high=500.0, tolerance=FLOAT32_TOLERANCE),

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from sojourn_contract.field_rules import ANGLE, GOAL, GOAL_FRAMES, TEXTS
+from sojourn_contract.field_rules import ANGLE, GOAL, GOAL_FRAMES, PLACE, TEXTS
 from sojourn_contract.topic_types import FieldRule, Topic
 
 GOAL_TOPICS: tuple[Topic, ...] = (
@@ -53,6 +53,19 @@ GOAL_TOPICS: tuple[Topic, ...] = (
         "asked_",
         (FieldRule("poses.pose.position", "m", frame="map, odom or base_link", low=-1e4, high=1e4),),
         frames=GOAL_FRAMES,
+    ),
+    Topic(
+        "/initialpose",
+        "geometry_msgs/PoseWithCovarianceStamped",
+        "operator",
+        ("drive",),
+        0,
+        10.0,
+        "where base_link is, and where it heads, with the covariance of x, y and heading; the drive takes it while it "
+        "stands, and answers in /drive/status, in fields that begin with placed_",
+        PLACE,
+        frames=("map", "odom"),
+        needs_listener=False,
     ),
     Topic(
         "/arm/goal_pose",

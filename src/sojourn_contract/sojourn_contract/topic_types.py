@@ -89,6 +89,8 @@ class Topic:
             thing has a row of its own, with its name behind; "" where there is one row whatever the machine has.
         thing: name of the further thing that the row stands for; "" for all others.
         all_named: the first thing has a row with its name too, and none is called as the row itself.
+        needs_listener: whether a run waits at its start until its subscribers hear it. Said by hand alone, so that a
+            node that does nothing with it may leave it out, where not.
         delivery: when its messages are there, None where they come with their stamp.
     """
 
@@ -110,6 +112,7 @@ class Topic:
     each: str = ""
     thing: str = ""
     all_named: bool = False
+    needs_listener: bool = True
     delivery: Delivery | None = None
 
     def is_in(self, participants: Collection[str]) -> bool:

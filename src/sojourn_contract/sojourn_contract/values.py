@@ -133,6 +133,18 @@ class PoseStamped(NamedTuple):
     orientation: FloatArray = UPRIGHT
 
 
+class PoseWithCovarianceStamped(NamedTuple):
+    """geometry_msgs/PoseWithCovarianceStamped: position (3,) [m], orientation (4,) x y z w, covariance (36,) of x, y, z
+    and the rotations about x, y, z.
+    """
+
+    stamp: int
+    frame: str
+    position: FloatArray
+    orientation: FloatArray
+    covariance: FloatArray
+
+
 class Path(NamedTuple):
     """nav_msgs/Path."""
 

@@ -16,6 +16,7 @@ from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.hazcam import TOPIC as CLOUD
 from sojourn_contract.hazcam import hazard_camera_of, newest_cloud
 from sojourn_contract.heartbeat import status_values
+from sojourn_contract.kept_data import Kept
 from sojourn_contract.run_table import table_of
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Path, TwistStamped
@@ -23,7 +24,9 @@ from sojourn_drive.arm_interlock import ArmInterlock
 from sojourn_drive.charge import ChargeGauge
 from sojourn_drive.goals import GoalStatus, QuestionStatus, goal_of
 from sojourn_drive.measurements import JointMeasurements
+from sojourn_drive.placing import PLACE, PlaceStatus, placed
 from sojourn_drive.reports import costmap, drive_report, odometry_report, plan
+from sojourn_drive.restart import LOST, kept_odometry, less_sure, lost, odometry_of, unseen
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.energy_forecast import EnergyLeft
@@ -32,7 +35,7 @@ from sojourn_flight.supervision.arbiter import why_pre_empted
 from sojourn_flight.supervision.drive import LONGEST_PERIOD, DriveModel
 from sojourn_flight.supervision.drive_status import drive_status
 from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, DriveState, TwistCommand
-from sojourn_machine.errors import MachineError
+from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
@@ -54,6 +57,7 @@ class Asked:
     question: Goal | None = None
     """One that waits likewise."""
     questioned: QuestionStatus = field(default_factory=QuestionStatus)
+    placed: PlaceStatus = field(default_factory=PlaceStatus)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +92,10 @@ class DriveAppState:
     """Stamp of that period [ns]; None where it is not known."""
     tilt_rates: tuple[float, float] = (0.0, 0.0)
     """Angular velocity of base_link about its x and y axes, as last measured [rad/s]."""
+    alarm: str = ""
+    """What operators have to know of it for the rest of the run: that it was started again."""
+    is_lost: bool = False
+    """It does not know where it is."""
 
 
 class DriveApp(FlightApp[DriveAppState]):
@@ -115,6 +123,40 @@ class DriveApp(FlightApp[DriveAppState]):
         drive = self.model.initial_state(self._start.x, self._start.y, self._start.yaw)
         return DriveAppState(drive, self.model.at_rest(drive))
 
+    def to_keep(self, state: DriveAppState) -> dict[str, Any]:
+        """Where it is, and whether it is on its way to a goal."""
+        last = state.asked.last
+        goal = {"stamp": last.stamp, "moves": last.state == "moving"}
+        return {"odometry": kept_odometry(state.drive.odometry), "goal": goal, "lost": state.is_lost}
+
+    def started_again(self, state: DriveAppState, stamp: int, kept: Kept | None) -> DriveAppState:
+        """Where the process before has been, or lost; its goal is lost."""
+        estimate = state.drive.odometry
+        last = GoalStatus()
+        try:
+            if kept is None or kept.values["lost"]:
+                raise InvalidValueError("kept", None, "a pose")
+            estimate = odometry_of(kept.values["odometry"], estimate)
+            way, turn = unseen(self.model.params.limits, max(stamp - kept.stamp, 0) * 1e-9)
+            estimate, is_lost = less_sure(estimate, way, turn), False
+            alarm = f"the drive was restarted: it goes on from ({estimate.x:.2f}, {estimate.y:.2f}) +- {way:.2f} m"
+        except (InvalidValueError, KeyError, TypeError):
+            estimate, is_lost, alarm = lost(estimate), True, LOST
+        if kept is not None and kept.values.get("goal", {}).get("moves"):
+            last = GoalStatus("failed", f"goal lost: {alarm}", int(kept.values["goal"]["stamp"]))
+        drive = self.model.initial_state(estimate.x, estimate.y, estimate.yaw)
+        drive = replace(drive, odometry=estimate, text=alarm)
+        return replace(
+            DriveAppState(drive, self.model.at_rest(drive)),
+            asked=Asked(last=replace(last, reason=last.reason or alarm)),
+            alarm=alarm,
+            is_lost=is_lost,
+        )
+
+    def heartbeat_values(self, state: DriveAppState, stamp: int) -> dict[str, str]:
+        """Its alarm."""
+        return {"alarm": state.alarm} if state.alarm else {}
+
     def on_new_time(self, state: DriveAppState) -> DriveAppState:
         """A velocity of the old time would never age, and the time since the last measurement is not known."""
         return replace(state, stepped_at=None, asked=replace(state.asked, twist=None))
@@ -123,7 +165,9 @@ class DriveApp(FlightApp[DriveAppState]):
         """One step of the drive, with the measurements of this period."""
         stamp = period.stamp
         heard = self._hear(state, period.inputs)
-        asked, refusals = self._take_goals(state, heard, period.goals, stamp)
+        refusals: list[Refusal] = []
+        state = self._take_places(state, period.goals, refusals)
+        asked = self._take_goals(state, heard, period.goals, stamp, refusals)
         cloud = self._cloud(period.inputs, heard.cloud != state.heard.cloud, refusals)
         state = replace(state, asked=asked, heard=heard)
         stepped = self._drive(state, period, cloud, refusals)
@@ -159,12 +203,36 @@ class DriveApp(FlightApp[DriveAppState]):
             cloud=newest_cloud(inputs.get(CLOUD), heard.cloud),
         )
 
-    def _take_goals(
-        self, state: DriveAppState, heard: Heard, goals: Sequence[tuple[str, Any]], now: int
-    ) -> tuple[Asked, list[Refusal]]:
-        """The goal that takes effect now; of several the last."""
-        asked, refusals = state.asked, list[Refusal]()
+    def _take_places(
+        self, state: DriveAppState, goals: Sequence[tuple[str, Any]], refusals: list[Refusal]
+    ) -> DriveAppState:
+        """Where operators say that it is; goals of the same period go from there."""
         for name, message in goals:
+            if name != PLACE:
+                continue
+            try:
+                drive = placed(self.model, state.drive, message)
+                state = replace(state, drive=drive, alarm="", is_lost=False)
+                told = PlaceStatus(message.stamp, "done")
+            except RefusedMessageError as refusal:
+                refusals.append((name, refusal))
+                told = PlaceStatus(message.stamp, "refused", str(refusal))
+            state = replace(state, asked=replace(state.asked, placed=told))
+        return state
+
+    def _take_goals(
+        self,
+        state: DriveAppState,
+        heard: Heard,
+        goals: Sequence[tuple[str, Any]],
+        now: int,
+        refusals: list[Refusal],
+    ) -> Asked:
+        """The goal that takes effect now; of several the last."""
+        asked = state.asked
+        for name, message in goals:
+            if name == PLACE:
+                continue
             if name == QUESTION:
                 asked = self._take_question(state, asked, heard, message, refusals)
             elif heard.interlock:
@@ -179,11 +247,12 @@ class DriveApp(FlightApp[DriveAppState]):
             else:
                 last = asked.last.begun(message)
                 try:
+                    self._check_known(state, name, message.frame)
                     asked = replace(asked, pending=goal_of(name, message, state.drive.odometry, last.number), last=last)
                 except RefusedMessageError as refusal:
                     asked = replace(asked, last=replace(last, state="refused", reason=str(refusal)))
                     refusals.append((name, refusal))
-        return asked, refusals
+        return asked
 
     @staticmethod
     def _take_question(
@@ -194,11 +263,18 @@ class DriveApp(FlightApp[DriveAppState]):
         try:
             if heard.interlock:
                 raise RefusedMessageError(QUESTION, "header", "a goal now", f"none while {heard.interlock}")
+            DriveApp._check_known(state, QUESTION, message.frame)
             goal = goal_of(QUESTION, message, state.drive.odometry, 0)
         except RefusedMessageError as refusal:
             refusals.append((QUESTION, refusal))
             return replace(asked, question=None, questioned=replace(told, refused=str(refusal)))
         return replace(asked, question=goal, questioned=told)
+
+    @staticmethod
+    def _check_known(state: DriveAppState, name: str, frame: str) -> None:
+        """Raise RefusedMessageError for a place that a drive which is lost cannot know."""
+        if state.is_lost and frame != "base_link":
+            raise RefusedMessageError(name, "header.frame_id", repr(frame), f"base_link: {LOST}")
 
     def _cloud(self, inputs: Mapping[str, Any], is_new: bool, refusals: list[Refusal]) -> FloatArray | None:
         """Points of a cloud that is new, shape (n, 3) [m]; None without one, and of one that is refused."""
@@ -228,7 +304,16 @@ class DriveApp(FlightApp[DriveAppState]):
             return None
         asked = replace(state.asked, pending=None, abandoned="", question=None)
         gyro = measured.felt.gyro or (0.0, 0.0, 0.0)
-        return DriveAppState(drive, replace(output, make_status=None), asked, heard, stamp, (gyro[0], gyro[1]))
+        told = replace(output, make_status=None)
+        return replace(
+            state,
+            drive=drive,
+            output=told,
+            asked=asked,
+            heard=heard,
+            stepped_at=stamp,
+            tilt_rates=(gyro[0], gyro[1]),
+        )
 
     def _measured(self, state: DriveAppState, period: Period, cloud: FloatArray | None) -> tuple[DriveInput, Heard]:
         """What the drive is told of this period, and what has been heard with it."""
@@ -263,6 +348,7 @@ class DriveApp(FlightApp[DriveAppState]):
             said = state.asked.last.status(state.drive)
             if state.asked.question is None:  # what has been asked is answered
                 status |= state.asked.questioned.status(state.drive.foreseen)
+            status |= state.asked.placed.status()
             yield "/drive/status", drive_report(stamp, said, status)
         if is_due(topic("/plan"), stamp // stamps.CONTROL_PERIOD_NS):
             yield "/plan", plan(stamp, state.drive)

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from sojourn_config import command_line
 from sojourn_flight.arm.tasks.names import TASKS
 
-VERBS = ("drive", "route", "arm", "task", "power", "stop")
-WITH_VALUE = ("--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z")
+VERBS = ("drive", "route", "arm", "task", "power", "here", "stop")
+WITH_VALUE = ("--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z", "--within")
 """Options before whose value no verb stands."""
 
 
@@ -47,12 +47,23 @@ def parser() -> argparse.ArgumentParser:
     power = commands.add_parser("power", help="switch a load on or off")
     power.add_argument("load", help="its name in the machine's power.yaml; sleep: the machine")
     power.add_argument("switch", choices=("on", "off"))
+    here = commands.add_parser("here", help="tell a drive that is lost where it is")
+    for axis in ("x", "y"):
+        here.add_argument(axis, type=command_line.number, help="on the map [m]")
+    here.add_argument("yaw", type=command_line.number, help="heading [rad]")
+    here.add_argument(
+        "--within",
+        type=command_line.positive,
+        default=0.1,
+        metavar="M",
+        help="standard deviation of the place [m] and of the heading [rad] (default: %(default)s)",
+    )
     stop = commands.add_parser("stop", help="stop drive and arm")
-    for command in (drive, route, arm, task, power, stop):
+    for command in (drive, route, arm, task, power, here, stop):
         command_line.add_place(command)
         command.add_argument(
             "--timeout",
-            type=command_line.positive_seconds,
+            type=command_line.positive,
             default=3600.0,
             metavar="S",
             help="longest wait (wall time)",

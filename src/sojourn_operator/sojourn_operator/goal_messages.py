@@ -7,7 +7,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sojourn_contract.heartbeat import is_count, status_values
-from sojourn_contract.values import DiagnosticArray, Header, Message, Path, PoseStamped, TwistStamped
+from sojourn_contract.values import (
+    DiagnosticArray,
+    Header,
+    Message,
+    Path,
+    PoseStamped,
+    PoseWithCovarianceStamped,
+    TwistStamped,
+)
 from sojourn_operator.steps.step import GoalReport
 
 QUESTION = "/drive/question"
@@ -44,6 +52,18 @@ def pose_message(stamp: int, frame: str, position: ArrayLike, orientation: Array
     return PoseStamped(stamp, frame, np.array(position, dtype=float), np.array(orientation, dtype=float))
 
 
+def place_message(stamp: int, place: tuple[float, float], yaw: float, within: float) -> PoseWithCovarianceStamped:
+    """An operator's word where the rover is.
+
+    Args:
+        stamp: of it [ns]. place: x, y on the map [m]. yaw: heading [rad]. within: standard deviation of x and y, and,
+            for one metre, of the heading [m], [rad].
+    """
+    covariance = np.diag((within**2, within**2, 0.0, 0.0, 0.0, within**2))
+    orientation = np.array(_heading(yaw))
+    return PoseWithCovarianceStamped(stamp, "map", np.array((*place, 0.0)), orientation, covariance.ravel())
+
+
 def stop_messages(stamp: int) -> list[tuple[str, Message]]:
     """Messages that stop everything: a velocity of zero for the drive, a stop for the arm, as (topic, message)."""
     twist = TwistStamped(stamp, "base_link", np.zeros(3), np.zeros(3))
@@ -60,17 +80,24 @@ def stamped(message: Message, stamp: int) -> Message:
 
 def report_of(status: DiagnosticArray) -> GoalReport:
     """What a status message says of its goal."""
-    values = status_values(status)
-    stamp = values.get("goal_stamp", "0")
-    return GoalReport(values.get("state", ""), int(stamp) if is_count(stamp) else 0, values.get("reason", ""))
+    return _report(status, "state", "goal_stamp", "reason")
 
 
 def request_report_of(status: DiagnosticArray) -> GoalReport:
     """What a status of the power manager says of the last request: state, stamp, reason."""
+    return _report(status, "request_state", "request_stamp", "request_reason")
+
+
+def place_report_of(status: DiagnosticArray) -> GoalReport:
+    """What a status of the drive says of the last word where it is: state, stamp, reason."""
+    return _report(status, "placed_state", "placed_stamp", "placed_reason")
+
+
+def _report(status: DiagnosticArray, state: str, stamp: str, reason: str) -> GoalReport:
+    """Of the fields that are named."""
     values = status_values(status)
-    stamp = values.get("request_stamp", "0")
-    state, reason = values.get("request_state", ""), values.get("request_reason", "")
-    return GoalReport(state, int(stamp) if is_count(stamp) else 0, reason)
+    told = values.get(stamp, "0")
+    return GoalReport(values.get(state, ""), int(told) if is_count(told) else 0, values.get(reason, ""))
 
 
 def _heading(yaw: float | None) -> tuple[float, float, float, float]:

@@ -11,7 +11,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_config.command_errors import CommandError
-from sojourn_config.role_holder import holder_of
+from sojourn_config.role_holder import held_roles
 from sojourn_config.ros_environment import ros_variables
 from sojourn_contract import qos
 from sojourn_contract.codecs import encode
@@ -27,6 +27,8 @@ from sojourn_operator.foresight_words import foresight_lines
 from sojourn_operator.goal_messages import (
     QUESTION,
     drive_goal,
+    place_message,
+    place_report_of,
     pose_message,
     question_message,
     report_of,
@@ -48,12 +50,15 @@ GOALS = {
     "arm": ("arm", "/arm/goal_pose"),
     "task": ("arm", "/arm/task"),
     "power": ("power", "/power/request"),
+    "here": ("drive", "/initialpose"),
 }
 """Of each command who carries it out, and on which topic it goes."""
 STOP_TOPICS = {"drive": "/cmd_vel", "arm": "/arm/stop"}
 DONE = "done"
-ENDS = {"power": (DONE, "waiting", "refused")}
+ENDS = {"power": (DONE, "waiting", "refused"), "here": (DONE, "refused")}
 """States in which there is nothing to wait for; of goals FINAL_STATES. A load that waits comes back by itself."""
+REPORTS = {"power": request_report_of, "here": place_report_of}
+"""How the answer to a command is read in a status; `report_of` for all others."""
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 """Name that ROS gives to a node of which it knows an endpoint only, so far."""
 STOP_SETTLE_S = 0.2
@@ -145,16 +150,18 @@ class GoalClient:
         status = self.statuses.get(who)
         return status is not None and report_of(status).state != "moving"
 
-    def follow(self, who: str, timeout_s: float) -> tuple[str, str]:
+    def follow(self, command: str, timeout_s: float) -> tuple[str, str]:
         """Show the progress of the goal just sent until it ends. Returns outcome and reason."""
+        who, _ = GOALS[command]
+        read = REPORTS.get(command, report_of)
         begin = shown = time.monotonic()
         while not self.stop.is_set and time.monotonic() - begin < timeout_s:
             self.spin(0.05)
             status = self.statuses.get(who)
             if status is None:
                 continue
-            report = request_report_of(status) if who == "power" else report_of(status)
-            if report.goal_stamp == self._last_stamp and report.state in ENDS.get(who, FINAL_STATES):
+            report = read(status)
+            if report.goal_stamp == self._last_stamp and report.state in ENDS.get(command, FINAL_STATES):
                 return report.state, report.reason
             if time.monotonic() - shown > SHOW_S and report.goal_stamp == self._last_stamp:
                 shown = time.monotonic()
@@ -174,7 +181,7 @@ class GoalClient:
         return None
 
     def _held(self) -> list[str]:
-        return [role for role in ROLES if holder_of(self.domain, self.namespace, role)]
+        return held_roles(self.domain, self.namespace, ROLES)
 
     def _is_heard(self, sender: Any) -> bool:
         """Whether somebody who acts on it gets what is sent, and all others who want it. The recorder does not act."""
@@ -261,6 +268,8 @@ def _goal(given: argparse.Namespace) -> Message:
         return status_message(0, given.name, dict(_key_and_value(text) for text in given.values))
     if given.command == "power":
         return status_message(0, "request", {given.load: given.switch})
+    if given.command == "here":
+        return place_message(0, (given.x, given.y), given.yaw, given.within)
     return pose_message(0, given.frame, (given.x, given.y, given.z), UPRIGHT)
 
 
@@ -295,7 +304,7 @@ def run(given: argparse.Namespace) -> int:
             return _ask(client, message, given.timeout)
         who, name = GOALS[given.command]
         client.send(who, name, message)
-        outcome, reason = client.follow(who, given.timeout)
+        outcome, reason = client.follow(given.command, given.timeout)
     print(f"{outcome}{': ' + reason if reason else ''}")
     if outcome == "interrupted":
         return INTERRUPTED

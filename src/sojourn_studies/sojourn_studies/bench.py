@@ -28,7 +28,7 @@ def parser() -> argparse.ArgumentParser:
         description="Measure the plant's step, the loop's speed, start-up and memory, contacts, the arm's planning.",
     )
     result.add_argument("--full", action="store_true", help="everything at its whole length: some twenty minutes")
-    result.add_argument("--seconds", type=command_line.positive_seconds, help="simulated time of a run of the loop [s]")
+    result.add_argument("--seconds", type=command_line.positive, help="simulated time of a run of the loop [s]")
     result.add_argument("--rounds", type=command_line.count, help="runs of the loop; the median counts")
     result.add_argument("--json", type=Path, metavar="FILE", help=f"new file to write (default: runs/<time>/{RESULT})")
     result.add_argument(

@@ -25,6 +25,9 @@ from sojourn_contract.values import Message
 CODECS: Mapping[str, Codec] = {
     "diagnostic_msgs/DiagnosticArray": DiagnosticsCodec(),
     "geometry_msgs/PoseStamped": BlockCodec(values.PoseStamped, blocks.POSE),
+    "geometry_msgs/PoseWithCovarianceStamped": BlockCodec(
+        values.PoseWithCovarianceStamped, blocks.POSE_WITH_COVARIANCE
+    ),
     "geometry_msgs/TwistStamped": BlockCodec(values.TwistStamped, blocks.TWIST),
     "geometry_msgs/Vector3Stamped": BlockCodec(values.Vector3Stamped, blocks.VECTOR),
     "geometry_msgs/WrenchStamped": BlockCodec(values.WrenchStamped, blocks.WRENCH),

@@ -10,6 +10,7 @@ from sojourn_contract.codecs.cdr import DOUBLES, CdrError, Reader, Writer
 Block = tuple[tuple[str, int], ...]
 """Fields of a value in the order in which the message has them, and how many numbers each is."""
 POSE: Block = (("position", 3), ("orientation", 4))
+POSE_WITH_COVARIANCE: Block = (*POSE, ("covariance", 36))
 TWIST: Block = (("linear", 3), ("angular", 3))
 WRENCH: Block = (("force", 3), ("torque", 3))
 VECTOR: Block = (("vector", 3),)

@@ -69,16 +69,23 @@ class RateRule:
         self._last: tuple[int, list[tuple[Sequence[Any], Sequence[float]]]] | None = None
         self._means: list[deque[Sequence[float]]] = [deque(maxlen=max(rule.rate_window, 2)) for rule in rules]
         self._names: list[str] = []
+        self._excused = -LONGEST_PERIODS * CONTROL_PERIOD_NS - 1
 
     @staticmethod
     def applies(row: Topic) -> bool:
         """Whether a field of this row is the rate of another."""
         return any(rule.rate_of for rule in row.fields)
 
+    def excuse(self, stamp: int) -> None:
+        """Positions may be set anew at a stamp [ns], or in the LONGEST_PERIODS after it."""
+        self._excused = stamp
+
     def judge(self, seen: Observation) -> list[Finding]:
         """Rates that do not agree with the change of their positions."""
         message = seen.message
         last = self._last
+        if 0 <= seen.stamp - self._excused <= LONGEST_PERIODS * CONTROL_PERIOD_NS:
+            last = None
         names = list(message.name) if hasattr(message, "name") else AXES
         now = [pair.read(message) for _, pair in self._pairs]
         self._last = (seen.stamp, now)

@@ -18,8 +18,10 @@ _ORIENTATIONS = {
     "nav_msgs/Odometry": "pose.pose.orientation",
     "sensor_msgs/Imu": "orientation",
     "geometry_msgs/PoseStamped": "pose.orientation",
+    "geometry_msgs/PoseWithCovarianceStamped": "pose.pose.orientation",
 }
 _COVARIANCES = {
+    "geometry_msgs/PoseWithCovarianceStamped": (("pose.covariance", 6),),
     "nav_msgs/Odometry": (("pose.covariance", 6), ("twist.covariance", 6)),
     "sensor_msgs/Imu": (
         ("orientation_covariance", 3),

@@ -36,6 +36,8 @@ from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES
 
 CLOCK = "/clock"
+PLACE, ODOMETRY = "/initialpose", "/odom"
+"""After an operator's word where the rover is, the drive's estimate is there at once."""
 LONGEST_JUMP_NS = 60 * stamps.NANOSECONDS
 """Of /clock from one message to the next that is believed at once."""
 _STAMP, _JOINT_STATE = "stamp", "sensor_msgs/JointState"
@@ -114,6 +116,10 @@ class Judge:
             self._stamps[topic].append(stamp)
         if topic == CLOCK:
             self._hear_clock(stamp)
+        if topic == PLACE:
+            for rule in self._rules.get(ODOMETRY, ()):
+                if isinstance(rule, RateRule):
+                    rule.excuse(max(stamp, self._clock))
         if rules is None:
             return
         self._count(topic)
