@@ -168,11 +168,13 @@ class ReplayHarness:
                 self._senders[HEARTBEATS].publish(encode(topic(HEARTBEATS), said))
 
     def _unheard(self) -> list[str]:
-        """Inputs of the role that the candidate does not listen to. The clock is there for whoever wants it."""
+        """Inputs that the candidate must listen to and does not. The clock is there for whoever wants it."""
         return [
-            name
-            for name, sender in self._senders.items()
-            if name != "/clock" and sender.get_subscription_count() <= (name == HEARTBEATS)
+            row.name
+            for row in self.script.inputs
+            if row.needs_listener
+            and row.name != "/clock"
+            and self._senders[row.name].get_subscription_count() <= (row.name == HEARTBEATS)
         ]
 
     def _why_not_ready(self) -> str:
