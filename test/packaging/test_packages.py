@@ -30,6 +30,7 @@ DEPENDENCY_OF_MODULE = {
     "annotated_types": None,
     "builtin_interfaces": "builtin_interfaces",
     "coal": None,
+    "coverage": "python3-coverage",
     "diagnostic_msgs": "diagnostic_msgs",
     "geometry_msgs": "geometry_msgs",
     "lz4": "python3-lz4",

@@ -188,7 +188,7 @@ def _check_topics(
 
 
 def _steps(role: str, inputs: Sequence[Topic], topics: Mapping[str, Messages], end: int) -> tuple[ReplayPeriod, ...]:
-    ticks = _ticks(topics)
+    ticks = ticks_of(topics)
     last = end // CONTROL_PERIOD_NS
     if role == "plant" and not any(ends and period + OPERATOR_LAG <= last for period, (_, ends) in ticks.items()):
         last -= 1  # it would answer what the run did not ask for
@@ -204,7 +204,7 @@ def _steps(role: str, inputs: Sequence[Topic], topics: Mapping[str, Messages], e
             entries.append((messages.places[index], row, stamp, messages.log_times[index], messages.data[index]))
     for _, row, stamp, log_time, data in sorted(entries, key=lambda entry: entry[0]):
         if row.is_event:
-            announced = _announced_in(row, stamp, ticks)
+            announced = announced_in(row, stamp, ticks)
             period = announced or max(1, log_time // CONTROL_PERIOD_NS)
             if period in steps:
                 steps[period].goals.append((row.name, data))
@@ -214,8 +214,8 @@ def _steps(role: str, inputs: Sequence[Topic], topics: Mapping[str, Messages], e
     return tuple(steps.values())
 
 
-def _ticks(topics: Mapping[str, Messages]) -> dict[int, tuple[dict[str, int], bool]]:
-    """Of each tick, by period: the goals sent so far, and whether it ends the run."""
+def ticks_of(topics: Mapping[str, Messages]) -> dict[int, tuple[dict[str, int], bool]]:
+    """Of each tick of the operator, by period: the goals sent so far, and whether it ends the run."""
     if TICK not in topics:
         return {}
     messages = topics[TICK]
@@ -225,7 +225,7 @@ def _ticks(topics: Mapping[str, Messages]) -> dict[int, tuple[dict[str, int], bo
     }
 
 
-def _announced_in(row: Topic, stamp: int, ticks: Mapping[int, tuple[dict[str, int], bool]]) -> int:
+def announced_in(row: Topic, stamp: int, ticks: Mapping[int, tuple[dict[str, int], bool]]) -> int:
     """The period of the tick that tells of a scripted goal; 0 for a goal that was sent by hand."""
     period = stamp // CONTROL_PERIOD_NS - OPERATOR_LAG
     before = topic(TICK).every

@@ -18,10 +18,22 @@ def parser() -> argparse.ArgumentParser:
         "1 if not, or if the bag is cut off.",
     )
     roles = ", ".join(ROLES_TO_REPLAY)
-    result.add_argument("bag", type=Path, metavar="BAG", help="a run's folder or a bag, recorded in lock-step")
+    result.add_argument(
+        "bag", type=Path, metavar="BAG", nargs="*", help="a run's folder or a bag, recorded in lock-step"
+    )
     result.add_argument("--node", metavar="ROLE", help=f"replay our own node: {roles}")
     result.add_argument("--exec", metavar="COMMAND", help="replay this program; it gets the ROS arguments of our node")
     result.add_argument("--role", metavar="ROLE", help="with --exec: whom it stands in for")
+    result.add_argument(
+        "--direct", action="store_true", help="without middleware: our own node's app alone; the values are the same"
+    )
+    result.add_argument(
+        "--coverage",
+        action="store_true",
+        help="tell which part of the flight laws a set of bags goes through (default: the reference bags), "
+        "replayed directly; with --node of one role alone",
+    )
+    result.add_argument("--missed", action="store_true", help="with --coverage: name the lines that none goes through")
     result.add_argument("--exact", action="store_true", help="status 1 also for what is within tolerance")
     command_line.add_result(result, f"the replayed topics under {PREFIX}/...")
     add_bench(result)
@@ -32,7 +44,11 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Replay, compare and tell. Returns the exit status."""
     given = parser().parse_args(arguments)
-    from sojourn_bringup.replay_run import run  # not above: --help needs none of it
+    if given.coverage:
+        from sojourn_bringup.replay_coverage import run_coverage  # not above: --help needs none of it
+
+        return run_coverage(given)
+    from sojourn_bringup.replay_run import run
 
     return run(given)
 

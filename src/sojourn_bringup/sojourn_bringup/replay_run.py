@@ -7,16 +7,25 @@ from sojourn_bags.compare_runs import exit_status, read_runs, write_result
 from sojourn_bags.comparison_result import at
 from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.cut_off import unless_cut_off
+from sojourn_bags.errors import BagsError
 from sojourn_bags.reading import Bag
 from sojourn_bags.replay import Replay, replay
 from sojourn_bags.replay_choices import PREFIX
+from sojourn_bags.run_configuration import run_configuration
 from sojourn_bringup.bench_options import candidate_of, check_role
 from sojourn_bringup.candidate_bench import bench, replay_settings
 from sojourn_config.command_errors import UsageError
+from sojourn_stack import replay as direct_replay
 
 
 def wanted(given: argparse.Namespace) -> tuple[str, str]:
     """Role and command ("" for our own node). Raises UsageError."""
+    if len(given.bag) != 1:
+        raise UsageError(f"replay: give one BAG, not {len(given.bag) or 'none'}")
+    if given.missed:
+        raise UsageError("replay: --missed goes with --coverage")
+    if given.direct and given.exec:
+        raise UsageError("replay: --direct is for our own nodes: a program is replayed over topics")
     if bool(given.node) == bool(given.exec):
         raise UsageError("replay: give either --node ROLE or --exec COMMAND --role ROLE")
     if given.exec and not given.role:
@@ -30,14 +39,27 @@ def wanted(given: argparse.Namespace) -> tuple[str, str]:
 
 def run_replay(given: argparse.Namespace, bag: Bag, role: str, command: str) -> Replay:
     """Replay, and leave no process and no file behind. Raises as `bench` does."""
+    if given.direct:
+        return replay_directly(bag, role)
     with bench(given, role, command, bag) as (candidate, configuration):
         return replay(bag, role, candidate, configuration, replay_settings(given))
+
+
+def replay_directly(bag: Bag, role: str) -> Replay:
+    """Replay through our app of a role, without middleware. Raises UsageError: the bag cannot be played."""
+    try:
+        with run_configuration(bag) as configuration:
+            for warning in configuration.warnings():
+                print(f"note: {warning}")
+            return direct_replay.replay(bag, role, direct_replay.app_of(role, configuration))
+    except BagsError as error:
+        raise UsageError(str(error)) from error
 
 
 def run(given: argparse.Namespace) -> int:
     """Replay, compare and tell. Returns the exit status."""
     role, command = wanted(given)
-    (bag,) = read_runs([given.bag])
+    (bag,) = read_runs(given.bag)
     begun = time.monotonic()
     result = run_replay(given, bag, role, command)
     script = result.script
