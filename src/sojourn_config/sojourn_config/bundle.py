@@ -135,6 +135,7 @@ class BundleReader(MachineReader):
                 law=joined.law,
                 derated=joined.config.loads_of([support.joint for support in joined.config.rolling]),
             ),
+                on_thermostats=() if sets.thermal is None else tuple(sets.thermal.heaters),
             sensors=joined.sensors if sets.tool is None else with_tool(joined.sensors, sets.tool.params),
             arm=joined.arm and with_drive_data(joined.arm, joined.config),
             tool=sets.tool and sets.tool.params.tool,

@@ -66,6 +66,8 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
     """
     _check_command(model, command)
     conditions, parameters = model.conditions, model.joints.parameters
+    if model.power.stuck:
+        command = replace(command, load_fractions=model.power.as_switched(command.load_fractions))
     if conditions is not None and state.conditions is not None:
         parameters = conditions.now(state.conditions)
     limits = (command.load_fractions * model.power.served_at_loads(state.power))[model.joints.loads]
