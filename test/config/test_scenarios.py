@@ -306,8 +306,8 @@ BODY = "config/bodies/moon.yaml"
             ["pads[0].link = 'base'", "did you mean base_link?"],
         ),
         (ROVER, "arm: explorer_arm", "arm: explorer", ["allowed is one of", "did you mean explorer_arm?"]),
-        (ROVER, "kind: rover", "kind: rovr", [f"{ROVER}:", "kind = 'rovr'", "one of rover, stand", "mean rover?"]),
-        (ROVER, "kind: rover\n", "", [f"{ROVER}: kind: the key is missing", "rover, stand"]),
+        (ROVER, "kind: rover", "kind: rovr", [f"{ROVER}:", "= 'rovr'", "rover, spacecraft, stand", "mean rover?"]),
+        (ROVER, "kind: rover\n", "", [f"{ROVER}: kind: the key is missing", "rover, spacecraft, stand"]),
         (ROVER, "kind: rover", "kind: stand", ["wheels = ", "a stand has none"]),
         (
             "config/parts/nca_cell.yaml", "coulombic_efficiency: 0.99", "coulombic_efficiency: 9",

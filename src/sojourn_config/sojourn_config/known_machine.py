@@ -39,7 +39,7 @@ class KnownMachine:
         arm: set of the arm node, None for a machine without one; rotor inertia and friction that its file leaves out
             are filled in from the machine's drives.
         tool: at the end of the arm, None where there is none.
-        driving: set of the drive node; None for a machine that stands fast.
+        driving: set of the drive node; None for a machine that stands fast or floats.
         thermal: nodes of its heat; None for a machine whose heat is not looked at.
     """
 
@@ -70,7 +70,7 @@ class KnownMachine:
     def drive(self) -> DriveParams:
         """The set of the drive node. Raises ConfigError for a machine that stands fast."""
         if self.driving is None:
-            raise single(self.urdf.file, "", MISSING, "this machine stands fast: it does not drive")
+            raise single(self.urdf.file, "", MISSING, f"this machine {self.machine.why_it_stays}: it does not drive")
         return self.driving
 
     def machine_body(self) -> MachineBody:
@@ -99,6 +99,8 @@ class KnownMachine:
     @property
     def gravity_field(self) -> GravityField:
         """Gravity in map."""
+        if self.machine.floats:
+            return self.body.field_in_orbit()
         return self.body.gravity_over(self.site)
 
     @property

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 from pydantic import Field, field_validator
 
@@ -43,12 +43,23 @@ TRUTH_ALONE = machine_reader.POWER_TABLES
 """Of these, what a run does to the machine behind the back of its computer, which goes by the files."""
 
 
+Speed = Annotated[float, Field(ge=-100.0, le=100.0)]
+Rate = Annotated[float, Field(ge=-360.0, le=360.0)]
+
+
 class StartConfig(Params):
-    """Where the rover stands at the start; its height and tilt follow from the ground."""
+    """Where the rover stands at the start; its height and tilt follow from the ground. A machine that floats is let go
+    there, level but for the yaw.
+    """
 
     x: float = Field(default=0.0, ge=-FARTHEST, le=FARTHEST, description="position in map [m]")
     y: float = Field(default=0.0, ge=-FARTHEST, le=FARTHEST, description="position in map [m]")
     yaw: float = Field(default=0.0, ge=-2 * math.pi, le=2 * math.pi, description="heading in map [rad]")
+    z: float = Field(default=0.0, ge=-FARTHEST, le=FARTHEST, description="of what floats: outward of map's origin [m]")
+    velocity: tuple[Speed, Speed, Speed] = Field(default=(0.0, 0.0, 0.0), description="of what floats, in map [m/s]")
+    rates_deg_per_s: tuple[Rate, Rate, Rate] = Field(
+        default=(0.0, 0.0, 0.0), description="of what floats, against map about its own axes [degree/s]"
+    )
 
 
 class AcceptanceConfig(Params):

@@ -4,6 +4,8 @@ import math
 import typing
 from collections.abc import Iterator
 
+import numpy as np
+
 from sojourn_config.bundle import Bundle
 from sojourn_config.errors import Problem
 from sojourn_config.steps import Step
@@ -17,13 +19,17 @@ from sojourn_physics.terrain.params import TerrainParams
 if typing.TYPE_CHECKING:
     from sojourn_config.scenario import ScenarioConfig
 
+AFLOAT = ("z", "velocity", "rates_deg_per_s")
+"""Keys of `start` that are for a machine that floats."""
 EDGE = 2.0
 """Drive goals and the start keep this far from the edge of the map [m]."""
 
 
 def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document: YamlDocument) -> Iterator[Problem]:
     """All that does not fit. Without a bundle (its files have problems) only the goals are looked at."""
-    places: list[tuple[KeyPath, float, float]] = [(("start",), config.start.x, config.start.y)]
+    places: list[tuple[KeyPath, float, float]] = []
+    if bundle is None or not bundle.machine.floats:
+        places.append((("start",), config.start.x, config.start.y))
     for index, step in enumerate(config.steps):
         path: KeyPath = ("steps", index, step.kind)
         action: Step = step.action
@@ -37,6 +43,8 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
     if bundle is not None and bundle.body.free_fall and bundle.machine.stands_on:
         allowed = f"is in free fall, where {config.machine} does not press on the ground: allowed is a planet, "
         yield document.problem(("body",), config.body, allowed + "a moon or an asteroid")
+    if bundle is not None:
+        yield from _afloat_problems(config, bundle, document)
     if bundle is not None and config.wind is not None:
         try:
             bundle.body.air_at(bundle.site)
@@ -68,8 +76,20 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
 def _lacking(role: str, bundle: Bundle) -> str:
     """Why a machine has no use for a role, "" where it has."""
     if role == "drive" and bundle.driving is None:
-        return "stands fast: it has no wheels"
+        return bundle.machine.why_it_stays
     return "has no arm" if role == "arm" and bundle.arm is None else ""
+
+
+def _afloat_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
+    """What floats free is in an orbit, and only it is let go high up or with a speed."""
+    if bundle.machine.floats and not bundle.body.free_fall:
+        allowed = f"is no orbit: {config.machine} floats free and would fall: allowed is low_earth_orbit"
+        yield document.problem(("body",), config.body, allowed)
+    for key in AFLOAT if not bundle.machine.floats else ():
+        value = getattr(config.start, key)
+        if np.any(value):
+            allowed = f"{config.machine} does not float free: allowed is 0, as the ground says how it stands"
+            yield document.problem(("start", key), value, allowed)
 
 
 def _sun_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:

@@ -54,5 +54,5 @@ def absent_roles(scenario: LoadedScenario) -> dict[str, str]:
     if scenario.arm is None:
         reasons["arm"] = "has no arm"
     if scenario.driving is None:
-        reasons["drive"] = "stands fast, it has no wheels"
+        reasons["drive"] = scenario.machine.why_it_stays.replace(":", ",")
     return reasons

@@ -32,7 +32,7 @@ from sojourn_power.requests import NO_REQUEST, LastRequest, switches_of
 
 UNKNOWN, OVERHEAT, DEAD, UNSPECIFIED_FAILURE, COLD = 0, 2, 3, 5, 6
 """Of the enumeration POWER_SUPPLY_HEALTH in sensor_msgs/BatteryState."""
-HEALTH_OF = {"too hot": OVERHEAT, "too cold to charge": COLD, "too cold to discharge": COLD}
+HEALTH_OF = {"too hot": OVERHEAT, "frozen": COLD, "too cold to charge": COLD, "too cold to discharge": COLD}
 END_OF_LIFE = 0.8
 """Part of its nominal capacity below which a battery counts as worn out [1]."""
 BUS, SWITCHES, CHARGE, FORECAST = "/bus/state", "/power/switches", "/battery_state", "/power/forecast"

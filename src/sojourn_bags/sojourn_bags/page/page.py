@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sojourn_bags.page import ground, machine_parts, motion, record
+from sojourn_bags.page import afloat, ground, machine_parts, motion, record
 from sojourn_bags.page.chart import LEFT, RIGHT
 from sojourn_bags.page.html import POINTER, Tile, document, paragraph, tiles
 from sojourn_bags.page.story import Story
@@ -25,7 +25,7 @@ SECTIONS = (
 )
 
 OF_WHEELS = (motion.wheels, motion.attitude)
-"""Left out for a machine that stands fast."""
+"""Left out for a machine that stands on nothing."""
 
 
 def write_page(bag: Bag, path: Path, judged: bool = True) -> Story:
@@ -33,8 +33,11 @@ def write_page(bag: Bag, path: Path, judged: bool = True) -> Story:
     story = Story(bag)
     if judged:
         story.judge()
-    stands_fast = story.run is not None and story.run.machine.fixed_base
-    sections = [make(story) for make in SECTIONS if not (stands_fast and make in OF_WHEELS)]
+    machine = None if story.run is None else story.run.machine
+    kept = [make for make in SECTIONS if machine is None or machine.stands_on or make not in OF_WHEELS]
+    if machine is not None and machine.floats:
+        kept = [afloat.base if make is ground.section else make for make in kept]
+    sections = [make(story) for make in kept]
     name = story.run.name if story.run else bag.path.name
     script = POINTER % (LEFT, RIGHT, story.axis.begin, story.axis.end)
     path.write_text(document(f"Run report: {name}", _headline(story), sections, script), encoding="utf-8")

@@ -78,6 +78,7 @@ class PowerNetwork:
         params: of its members. stores, sources, converters: the same by their places; buses: `main` first.
         load_bus: (loads,) place of each load's bus. store_bus: place of each store's bus.
         takes_light: whether a source goes by the light of the surroundings.
+        stuck: switches that are stuck, by their place: 0 off, 1 on.
     """
 
     def __init__(self, params: PowerParams) -> None:
@@ -91,6 +92,7 @@ class PowerNetwork:
         counts = [len(bus.params.loads) for bus in self.buses]
         self._count = len(params.loads)
         self.fuses = Fuses(params.loads) if any(load.fuse is not None for load in params.loads) else None
+        self.stuck = {place: float(load.stuck == "on") for place, load in enumerate(params.loads) if load.stuck}
         self.takes_light = any(source.takes_light for source in self.sources)
         self.load_bus: IntArray = np.repeat(np.arange(len(self.buses)), counts)
         self._inputs = tuple(places[converter.input] for converter in self.converters)
@@ -137,6 +139,15 @@ class PowerNetwork:
             served=(1.0,) * len(self.buses),
             fuses=None if self.fuses is None else self.fuses.first(),
         )
+
+    def as_switched(self, fractions: FloatArray) -> FloatArray:
+        """Switches as they are when they are told to be at fractions (loads,), 0 off to 1 on."""
+        if not self.stuck:
+            return fractions
+        switches = fractions.copy()
+        for place, fraction in self.stuck.items():
+            switches[place] = fraction
+        return switches
 
     def served_at_loads(self, state: NetworkState) -> float | FloatArray:
         """Part of what it asks that each load was given in the last period, (loads,); one number on one bus [1]."""
