@@ -6,8 +6,9 @@ from typing import NamedTuple
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.values import DiagnosticArray
-from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_machine.errors import InvalidValueError, UnknownNameError
 from sojourn_machine.fault_choice import FaultChoice, read_fault_words
+from sojourn_machine.names import names_text
 
 TOPIC = "/faults"
 PRESENT, GONE = "present", "gone"
@@ -46,8 +47,9 @@ def read_fault(message: DiagnosticArray) -> FaultEvent:
         fault = read_fault_words({key: _value(text) for key, text in words.items()})
     except InvalidValueError as error:
         raise RefusedMessageError(TOPIC, error.name, error.value, error.allowed) from None
-    except MachineError as error:
-        raise RefusedMessageError(TOPIC, "kind", kind, str(error)) from None
+    except UnknownNameError as error:
+        allowed = names_text(kind, error.valid).removeprefix("allowed is ")
+        raise RefusedMessageError(TOPIC, "kind", kind, allowed) from None
     return FaultEvent(status.name or fault.called, fault, state == PRESENT)
 
 

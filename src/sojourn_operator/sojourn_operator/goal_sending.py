@@ -186,6 +186,12 @@ class GoalClient:
                 return values
         return None
 
+    def hear_from(self, role: str) -> None:
+        """Wait for a heartbeat of a role, STOPPED_S at most: they come once a simulated second."""
+        end = time.monotonic() + STOPPED_S
+        while role not in self.beats and time.monotonic() < end and not self.stop.is_set:
+            self.spin(0.05)
+
     def watch(self, event: FaultEvent, before: Mapping[str, Heartbeat], timeout_s: float) -> tuple[str, str]:
         """What becomes of the fault just sent. before: heartbeats from before that."""
         end = time.monotonic() + timeout_s
@@ -314,7 +320,7 @@ def _fail(given: argparse.Namespace) -> int:
     """Let something fail, or be well again; 0 if whose it is says so."""
     event = fault_event(given, (_key_and_value(text) for text in given.values))
     with GoalClient(given.domain, given.namespace) as client:
-        client.spin(SHOW_S)  # a heartbeat of each role comes in a simulated second
+        client.hear_from(event.fault.role)
         before = dict(client.beats)
         client.send("plant or sensors", FAULTS_TOPIC, message_of(event))
         outcome, reason = client.watch(event, before, given.timeout)
