@@ -14,6 +14,7 @@ from sojourn_bags.afloat import base_motion
 from sojourn_bags.completeness import RECORD
 from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import Run
+from sojourn_bags.detection import judge_faults, sentence
 from sojourn_bags.goals import (
     ARM_TOPICS,
     DRIVE_TOPICS,
@@ -43,6 +44,7 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
         distance_m, goal_error_m (last drive goal), arm_error_m (worst place of the arm), energy_wh,
         soc_start, soc_end, max_sinkage_m, max_tilt_deg, of what floats base_moved_m, base_turned_deg and
         centre_of_mass_moved_m, goals (each with its outcome), steps_not_sent,
+        faults (each with how it showed), faults_met (whether all showed as they should),
         messages (topic -> published, recorded).
     """
     run = run or Run.of_bag(bag)
@@ -63,6 +65,7 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     max_tilt_deg = float(np.degrees(tilts(poses_of(bag, "/truth/odom")[:, 3:]).max())) if upright else None
     rolled_over = max_tilt_deg is not None and max_tilt_deg >= run.machine.roll_over_tilt_deg
     charge = charges(bag)
+    faults = judge_faults(bag, run.scenario.faults)
     complete = bag.whole and bag.records.get(RECORD, {}).get("complete") == "true"
     distance = distance_driven(bag) if upright else None
     base = base_motion(bag, machine) if floats and machine is not None else None
@@ -88,10 +91,12 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
         **({} if base is None else base.figures()),
         "goals": [result.as_data() for result in results],
         "steps_not_sent": not_sent,
+        "faults": [fault.as_data() for fault in faults],
+        "faults_met": all(fault.good for fault in faults),
         "messages": messages(bag),
     }
     who = "rover" if run.machine.stands_on else "machine"
-    verdict = [_verdict(summary, results, who), "" if base is None else base.words()]
+    verdict = [_verdict(summary, results, who), "" if base is None else base.words(), sentence(faults)]
     summary["verdict"] = " ".join(filter(None, verdict))
     return {
         key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in summary.items()
@@ -106,6 +111,11 @@ def goal_lines(summary: dict[str, Any]) -> list[str]:
         reason = f" ({goal['reason']})" if goal["reason"] else ""
         lines.append(f"  {goal['goal']}: {goal['outcome']}{error}{reason}")
     return lines
+
+
+def fault_lines(summary: dict[str, Any]) -> list[str]:
+    """What became of each fault, a line each, for a terminal."""
+    return [f"  {fault['fault']}: {fault['words']}" for fault in summary["faults"]]
 
 
 def write_summary(summary: dict[str, Any], path: Path) -> None:

@@ -56,6 +56,11 @@ class KnownMachine:
     thermal: ThermalParams | None
 
     @property
+    def fault_roles(self) -> frozenset[str]:
+        """Roles to which something happens by a schedule of faults, as far as it is known."""
+        return frozenset()
+
+    @property
     def urdf_xml(self) -> str:
         """The URDF as text."""
         return self.urdf.text

@@ -22,6 +22,7 @@ from sojourn_config.steps import FARTHEST, LONGEST, StepConfig
 from sojourn_config.yaml_file import YamlDocument
 from sojourn_flight.power_manager.activities import ActivityParams
 from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_machine.fault_choice import Fault
 from sojourn_machine.params import Params
 from sojourn_machine.timing import CONTROL_PERIOD_S
 from sojourn_machine.tools import ObjectParams
@@ -29,7 +30,7 @@ from sojourn_physics.environment.air.wind import MovingAir, WindParams
 from sojourn_physics.environment.site import SiteParams
 from sojourn_physics.environment.sun.over import SunOver
 from sojourn_physics.environment.sun.path import SunParams
-from sojourn_physics.plant.params import FaultParams, SimulationParams
+from sojourn_physics.plant.params import SimulationParams
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.params import TerrainParams
 
@@ -95,7 +96,7 @@ class ScenarioConfig(Params):
     blind_drive: bool = Field(
         default=False, description="the drive uses no camera: it avoids no obstacle and matches no ground"
     )
-    faults: tuple[FaultParams, ...] = Field(default=(), description="motors that fail during the run")
+    faults: tuple[Fault, ...] = Field(default=(), description="what fails during the run, and when")
     objects: tuple[ObjectParams, ...] = Field(default=(), description="what lies on the ground and may be picked")
     steps: tuple[StepConfig, ...] = Field(default=(), description="what the operator sends, in order")
     activities: tuple[ActivityParams, ...] = Field(
@@ -135,6 +136,11 @@ class LoadedScenario(Bundle):
     def as_believed(self) -> FlightScenario:
         """The scenario as the roles that would fly know it: that of `load_flight`."""
         return _flight(self.config, self if self.belief is None else self.belief)
+
+    @property
+    def fault_roles(self) -> frozenset[str]:
+        """Roles to which something happens by the schedule of faults."""
+        return frozenset(fault.role for fault in self.config.faults)
 
     @property
     def start(self) -> StartConfig:
@@ -223,6 +229,7 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
         raise ConfigError(problems)
     if config.blind_drive:
         bundle, belief = _blind(bundle), belief and _blind(belief)
+    bundle, belief = _with_losses(bundle, config), belief and _with_losses(belief, config)
     return LoadedScenario(
         **bundle.fields(),
         belief=belief,
@@ -251,7 +258,7 @@ def load_flight(name: str, overrides: Sequence[str] = ()) -> FlightScenario:
     known = reader.read_known(config.machine, config.body, config.tool, config.site)
     if known is None or reader.problems:
         raise ConfigError(reader.problems)
-    return _flight(config, _blind(known) if config.blind_drive else known)
+    return _flight(config, _with_losses(_blind(known) if config.blind_drive else known, config))
 
 
 def _known_overrides(overrides: Sequence[str]) -> list[str]:
@@ -280,6 +287,18 @@ def _belief_problems(bundle: Bundle | None, belief: Bundle | None, document: Yam
         if believed is not None and params.heard != believed.heard:
             allowed = "is not as it is believed: allowed is one for both, by which they wait for its messages"
             yield document.problem(("sensors", name, "timing"), "rate, latency or losses", allowed)
+
+
+def _with_losses(bundle: Known, config: ScenarioConfig) -> Known:
+    """The same, with the faults of a schedule that lose messages in the tables of their sensors: whoever waits for the
+    messages knows of them.
+    """
+    sensors = bundle.sensors
+    for fault in config.faults:
+        lost = fault.lost(config.seed)
+        if lost is not None:
+            sensors = sensors.with_fault(*lost)
+    return bundle if sensors is bundle.sensors else replace(bundle, sensors=sensors)
 
 
 def _blind(bundle: Known) -> Known:

@@ -1,6 +1,5 @@
 """Checks of a scenario against its ground and its arm: goals on the map, named poses that exist."""
 
-import math
 import typing
 from collections.abc import Iterator
 
@@ -12,6 +11,7 @@ from sojourn_config.steps import Step
 from sojourn_config.yaml_file import KeyPath, YamlDocument
 from sojourn_flight.power_manager.activities import activity_problems
 from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_machine.fault_choice import FaultableMachine
 from sojourn_machine.names import names_text
 from sojourn_physics.environment.sun.over import sun_path
 from sojourn_physics.terrain.params import TerrainParams
@@ -137,23 +137,25 @@ def _place_problems(
             yield document.problem((*path, key), value, allowed)
 
 
+def faultable(bundle: Bundle, terrain: TerrainParams) -> FaultableMachine:
+    """What of a machine on its ground may have a fault."""
+    joints = bundle.urdf.joints
+    travel = {name: (joints[name].lower, joints[name].upper) for name in bundle.urdf.moving_joints}
+    return FaultableMachine(bundle.machine, travel, bundle.power, bundle.sensors.sensors, terrain.bounds)
+
+
 def _fault_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
-    """A motor that fails is one of the machine's, and an angle at which it locks one that it can reach."""
-    servos = {joint: drive.mode for drive in bundle.machine.drives for joint in drive.joints}
+    """A fault is one of something that the machine has, comes at some time, and has a name of its own."""
+    machine = faultable(bundle, config.terrain)
     for index, fault in enumerate(config.faults):
         path: KeyPath = ("faults", index)
-        if fault.joint not in servos:
-            yield document.problem((*path, "joint"), fault.joint, "has no motor: " + names_text(fault.joint, servos))
-            continue
-        if any(other.joint == fault.joint for other in config.faults[:index]):
-            yield document.problem((*path, "joint"), fault.joint, "fails above already: allowed is one fault a joint")
-        if fault.angle_deg is None:
-            continue
-        joint = bundle.urdf.joints[fault.joint]
-        low, high = math.degrees(joint.lower), math.degrees(joint.upper)
-        if servos[fault.joint] != "position":
-            allowed = "its motor is commanded by rate: allowed is no angle"
-            yield document.problem((*path, "angle_deg"), fault.angle_deg, allowed)
-        elif not low <= fault.angle_deg <= high:
-            allowed = f"allowed is {low:g} to {high:g} degrees, the limits of {fault.joint}"
-            yield document.problem((*path, "angle_deg"), fault.angle_deg, allowed)
+        if fault.at is None and fault.when is None:
+            yield document.problem((*path, "at"), "", "the key is missing: allowed is at, a time, or when, an event")
+        if fault.when is not None and (fault.when.after_step or 0) > len(config.steps):
+            allowed = f"is no step of this scenario: allowed is 1 to {len(config.steps)}"
+            yield document.problem((*path, "when", "after_step"), fault.when.after_step, allowed)
+        if any(other.called == fault.called for other in config.faults[:index]):
+            allowed = "is the name of a fault above already: allowed is each name once, said by the key name"
+            yield document.problem((*path, "name"), fault.called, allowed)
+        for key, value, allowed in fault.problems(machine):
+            yield document.problem((*path, key), value, allowed)

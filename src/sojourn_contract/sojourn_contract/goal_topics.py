@@ -148,4 +148,16 @@ GOAL_TOPICS: tuple[Topic, ...] = (
         "switch loads: the keys of its one status are loads, or sleep for the whole machine; their values on or off",
         (TEXTS,),
     ),
+    Topic(
+        "/faults",
+        "diagnostic_msgs/DiagnosticArray",
+        "operator",
+        ("plant", "sensors"),
+        0,
+        10.0,
+        "a fault comes or goes: status[0].name is its name, state of its values present or gone, kind what it is, the "
+        "others the words of its kind",
+        (TEXTS,),
+        needs_listener=False,
+    ),
 )

@@ -23,6 +23,8 @@ STORE = "store"
 """Rows with `each` of it stand once for each energy store."""
 OWN = "{name}"
 """In a row of a kind of sensor: every sensor of the kind has that row alone, under its own name."""
+TICK = "/operator/tick"
+"""For which waits whoever acts on what an operator says, so that it takes effect at the same period in every run."""
 RECORDED_BESIDES = ("/tf",)
 """Topics that the recorder adds; no row is about them."""
 
@@ -32,7 +34,7 @@ def table_of(scenario: KnownMachine) -> TopicTable:
     sensors = scenario.sensors.sensors.items()
     rows = {row.name: row for name, params in sensors for row in (*rows_of(params, name), *params.hears)}
     brought = [row for name, row in rows.items() if name not in STANDARD]
-    table = STANDARD.joined_with(brought).for_things(things_of(scenario))
+    table = STANDARD.joined_with(brought).for_things(things_of(scenario)).heard_by(TICK, scenario.fault_roles)
     return table.delivered(_delivered(scenario, table))
 
 

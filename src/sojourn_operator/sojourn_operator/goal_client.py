@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 from sojourn_config import command_line
 from sojourn_flight.arm.tasks.names import TASKS
+from sojourn_machine.fault_names import FAULTS
 
-VERBS = ("drive", "route", "arm", "task", "power", "here", "stop")
-WITH_VALUE = ("--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z", "--within")
+VERBS = ("drive", "route", "arm", "task", "power", "here", "fault", "stop")
+WITH_VALUE = ("--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z", "--within", "--name")
 """Options before whose value no verb stands."""
 
 
@@ -58,8 +59,13 @@ def parser() -> argparse.ArgumentParser:
         metavar="M",
         help="standard deviation of the place [m] and of the heading [rad] (default: %(default)s)",
     )
+    fault = commands.add_parser("fault", help="let something fail: fault motor_dead joint=wheel_front_left_joint")
+    fault.add_argument("kind", help=f"one of {', '.join(FAULTS.names())}")
+    fault.add_argument("values", nargs="*", metavar="KEY=VALUE", help="words of its kind; a vector as 0,0,1")
+    fault.add_argument("--name", default="", help="of the fault (default: its kind and what it is of)")
+    fault.add_argument("--gone", action="store_true", help="it goes again")
     stop = commands.add_parser("stop", help="stop drive and arm")
-    for command in (drive, route, arm, task, power, here, stop):
+    for command in (drive, route, arm, task, power, here, fault, stop):
         command_line.add_place(command)
         command.add_argument(
             "--timeout",

@@ -3,7 +3,7 @@
 import argparse
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import rclpy
@@ -17,12 +17,15 @@ from sojourn_contract import qos
 from sojourn_contract.codecs import encode
 from sojourn_contract.decoding import hearing
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.heartbeat import status_message, status_values
+from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
+from sojourn_contract.fault_messages import FaultEvent
+from sojourn_contract.heartbeat import Heartbeat, read_heartbeats, status_message, status_values
 from sojourn_contract.stamps import seconds
 from sojourn_contract.stop_flag import StopFlag
 from sojourn_contract.topics import ROLES, topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import UPRIGHT, Clock, DiagnosticArray, Message, Path, PoseStamped
+from sojourn_operator.fault_sending import CAME, WENT, answer_of, fault_event, message_of
 from sojourn_operator.foresight_words import foresight_lines
 from sojourn_operator.goal_messages import (
     QUESTION,
@@ -51,6 +54,7 @@ GOALS = {
     "task": ("arm", "/arm/task"),
     "power": ("power", "/power/request"),
     "here": ("drive", "/initialpose"),
+    "fault": ("plant or sensors", FAULTS_TOPIC),
 }
 """Of each command who carries it out, and on which topic it goes."""
 STOP_TOPICS = {"drive": "/cmd_vel", "arm": "/arm/stop"}
@@ -83,6 +87,8 @@ class GoalClient:
         self.now = 0
         """Simulation time [ns]; zero until a stamped status has come."""
         self.statuses: dict[str, DiagnosticArray] = {}
+        self.beats: dict[str, Heartbeat] = {}
+        """Last heartbeat of each role."""
         self.stop = StopFlag()
         self._start = StartWatch(self._held)
         self._last_stamp = 0
@@ -104,7 +110,7 @@ class GoalClient:
             raw=True,
         )
         self._readers = [self._listen(name, self._keep(who)) for who, name in STATUS_TOPICS.items()]
-        self._readers.append(self._listen("/diagnostics", self._start.hear))
+        self._readers.append(self._listen("/diagnostics", self._hear))
         return self
 
     def __exit__(self, *_error: object) -> None:
@@ -179,6 +185,26 @@ class GoalClient:
             if values.get("asked_stamp") == str(self._last_stamp):
                 return values
         return None
+
+    def hear_from(self, role: str) -> None:
+        """Wait for a heartbeat of a role, STOPPED_S at most: they come once a simulated second."""
+        end = time.monotonic() + STOPPED_S
+        while role not in self.beats and time.monotonic() < end and not self.stop.is_set:
+            self.spin(0.05)
+
+    def watch(self, event: FaultEvent, before: Mapping[str, Heartbeat], timeout_s: float) -> tuple[str, str]:
+        """What becomes of the fault just sent. before: heartbeats from before that."""
+        end = time.monotonic() + timeout_s
+        while not self.stop.is_set and time.monotonic() < end:
+            self.spin(0.05)
+            answer = answer_of(event, before, self.beats)
+            if answer is not None:
+                return answer
+        return "not known", f"{event.fault.role} has not said so within {timeout_s:g} s of wall time"
+
+    def _hear(self, message: DiagnosticArray) -> None:
+        self._start.hear(message)
+        self.beats |= {beat.role: beat for beat in read_heartbeats(message)}
 
     def _held(self) -> list[str]:
         return held_roles(self.domain, self.namespace, ROLES)
@@ -290,10 +316,24 @@ def _ask(client: GoalClient, goal: PoseStamped | Path, timeout_s: float) -> int:
     return 0 if answer.get("asked_state") == "allowed" else 1
 
 
+def _fail(given: argparse.Namespace) -> int:
+    """Let something fail, or be well again; 0 if whose it is says so."""
+    event = fault_event(given, (_key_and_value(text) for text in given.values))
+    with GoalClient(given.domain, given.namespace) as client:
+        client.hear_from(event.fault.role)
+        before = dict(client.beats)
+        client.send("plant or sensors", FAULTS_TOPIC, message_of(event))
+        outcome, reason = client.watch(event, before, given.timeout)
+    print(f"{outcome}: {reason}")
+    return 0 if outcome in (CAME, WENT) else 1
+
+
 def run(given: argparse.Namespace) -> int:
     """Send a goal; 0 only if it was reached (a stop: if drive and arm stand; a dry run: if it is allowed; a switch: if
     it is done).
     """
+    if given.command == "fault":
+        return _fail(given)
     message = None if given.command == "stop" else _goal(given)
     with GoalClient(given.domain, given.namespace) as client:
         if message is None:

@@ -1,12 +1,18 @@
 """The steps of a scenario as the scripted operator carries them out, and the check of a scenario before a run."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from sojourn_config.errors import ConfigError, Problem
 from sojourn_config.paths import available, resolve
 from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_config.yaml_file import KeyPath
+from sojourn_contract.run_table import table_of
+from sojourn_machine.names import names_text
 from sojourn_operator.steps.step import OperatorStep
+
+STATUS = "diagnostic_msgs/DiagnosticArray"
 
 
 @dataclass(frozen=True)
@@ -26,9 +32,23 @@ class PreparedScenario:
 def prepare_scenario(name: str, overrides: Sequence[str] = ()) -> PreparedScenario:
     """Load and check everything that a scenario names. Raises ConfigError with every problem found."""
     loaded = load_scenario(name, overrides)
+    problems = list(_expectation_problems(loaded))
+    if problems:
+        raise ConfigError(problems)
     path = resolve("scenarios", name, ("command line", "scenario"))
     known = name if Path(name).stem == name else str(path.resolve())
     return PreparedScenario(known, tuple(overrides), loaded)
+
+
+def _expectation_problems(loaded: LoadedScenario) -> Iterator[Problem]:
+    """A fault is expected to show in a status that the run has."""
+    rows = [row for row in table_of(loaded) if row.type == STATUS and not row.is_event]
+    names = [row.name for row in rows if row.publisher not in absent_roles(loaded)]
+    for index, fault in enumerate(loaded.config.faults):
+        if fault.expect is not None and fault.expect.topic not in names:
+            allowed = f"is no status of this run: {names_text(fault.expect.topic, names)}"
+            path: KeyPath = ("faults", index, "expect", "topic")
+            yield loaded.documents["scenario"].problem(path, fault.expect.topic, allowed)
 
 
 def script_steps(scenario: LoadedScenario) -> list[tuple[OperatorStep, float | None]]:

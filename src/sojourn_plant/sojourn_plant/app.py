@@ -6,21 +6,24 @@ from itertools import chain
 from typing import Any
 
 from sojourn_config.scenario import LoadedScenario
+from sojourn_config.scenario_checks import faultable
 from sojourn_contract import stamps
 from sojourn_contract.app import Answer, App, Period
 from sojourn_contract.barrier import is_due
 from sojourn_contract.events import parse_tick
+from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
 from sojourn_contract.ground import GROUND, ground_cloud
 from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_types import Topic
 from sojourn_machine.evolution import replace
-from sojourn_physics.plant.faults import HeldAngles, MotorFaults
+from sojourn_physics.faults.acting import Acting
 from sojourn_physics.plant.flight import LONG
 from sojourn_physics.plant.state import PlantState
 from sojourn_physics.plant.step import step
 from sojourn_physics.terrain import earthwork
 from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_plant.commands import COMMANDS, Commands, HeldCommands
+from sojourn_plant.faults import PlantFaults
 from sojourn_plant.start import build_plant
 from sojourn_plant.truth import TruthMessages
 
@@ -39,10 +42,9 @@ class PlantAppState:
 
     machine: PlantState
     commands: HeldCommands
-    locked: HeldAngles
-    """Of motors that have failed."""
     told: GroundMemory
     """The ground that has been told of."""
+    faults: Acting = ()
 
 
 class PlantApp(App[PlantAppState]):
@@ -53,7 +55,7 @@ class PlantApp(App[PlantAppState]):
     def __init__(self, scenario: LoadedScenario) -> None:
         self.model, self._start = build_plant(scenario)
         self._commands = Commands(self.model)
-        self._faults = MotorFaults(self.model, scenario.config.faults)
+        self._faults = PlantFaults(self.model, faultable(scenario, scenario.terrain))
         self._truth = TruthMessages(self.model)
         self._tells_ground = GROUND.name in table_of(scenario)
 
@@ -65,7 +67,7 @@ class PlantApp(App[PlantAppState]):
     def initial_state(self) -> PlantAppState:
         """The machine at rest where the scenario has it start."""
         held = self._commands.holding(self._start.motor_angles)
-        return PlantAppState(self._start, held, {}, self.model.untouched_ground)
+        return PlantAppState(self._start, held, self.model.untouched_ground)
 
     def first_messages(self, state: PlantAppState, stamp: int) -> Iterator[tuple[str, Any]]:
         """Truth of the machine as it stands, with which a run begins, at a stamp [ns]."""
@@ -76,22 +78,24 @@ class PlantApp(App[PlantAppState]):
         """Refuse commands that the machine cannot follow."""
         if row.name in COMMANDS:
             self._commands.check(row, message)
+        elif row.name == FAULTS_TOPIC:
+            self._faults.check(message)
 
     def step(self, state: PlantAppState, period: Period) -> tuple[PlantAppState, Answer]:
         """Take the commands of this period, step the machine, tell the truth of the next."""
         if _ends(period.inputs):
             return state, Answer(finished=True)
         before, stamp = state.machine, period.stamp
+        faults = self._faults.after(state.faults, period.goals, before) if period.goals else state.faults
         commands = self._commands.take(state.commands, period.inputs)
-        asked = self._commands.at(commands, stamp)
-        command, locked = self._faults.on(asked, state.locked, before.joints[0], stamps.seconds(stamp))
-        machine, output = step(self.model, before, command)
+        model, command = self._faults.on(faults, self._commands.at(commands, stamp))
+        machine, output = step(model, before, command)
         new = [text for happened, text in _EVENTS if happened(machine) and not happened(before)]
         following = stamp + stamps.CONTROL_PERIOD_NS
         ground = self._ground(following, state.told, machine)
         messages = chain(ground, self._truth.messages(following, machine, output))
         told = machine.ground if ground else state.told
-        return replace(state, machine=machine, commands=commands, locked=locked, told=told), Answer(
+        return replace(state, machine=machine, commands=commands, told=told, faults=faults), Answer(
             messages, errors=new
         )
 
@@ -102,12 +106,11 @@ class PlantApp(App[PlantAppState]):
         return [(GROUND.name, ground_cloud(stamp, told, machine.ground))]
 
     def heartbeat_values(self, state: PlantAppState, stamp: int) -> dict[str, str]:
-        """Events of the machine, motors that have failed by the scenario, and lost commands."""
-        faults = [f"{fault.joint} {fault.kind}" for fault in self._faults.acting(stamps.seconds(stamp))]
+        """Events of the machine, its faults, and lost commands."""
         seconds = state.machine.flight.periods * self.model.simulation.control_period
         flying = {"off the ground for": f"{seconds:.0f} s"} if seconds >= LONG else {}
         return {
-            "faults": ", ".join(faults),
+            "faults": ", ".join(one.name for one in state.faults),
             "rolled over": str(state.machine.rolled_over).lower(),
             "off the terrain": str(state.machine.off_terrain).lower(),
             "lost commands": ", ".join(state.commands.lost(stamp)),

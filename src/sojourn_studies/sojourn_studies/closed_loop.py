@@ -27,7 +27,7 @@ from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, Twis
 from sojourn_machine.contact_report import ReportColumn
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import TOOL_JOINT
-from sojourn_physics.plant.faults import HeldAngles, MotorFaults
+from sojourn_physics.faults.acting import Acting, FaultyPlant, TimedFaults
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantOutput, PlantState
 from sojourn_physics.plant.step import step as step_plant
@@ -64,8 +64,8 @@ class ClosedLoop:
         self._sensors = SensorsApp(scenario)
         self._sensing = self._sensors.initial_state()
         self._tilt_rates = (0.0, 0.0)
-        self._faults = MotorFaults(self.plant, scenario.config.faults)
-        self._locked: HeldAngles = {}
+        self._faults = TimedFaults(FaultyPlant(self.plant), scenario.config.faults, scenario.config.seed)
+        self._acting: Acting = ()
         self._commands = Commands(self.plant)
         self._held = self._commands.holding(self.truth.motor_angles)
 
@@ -89,8 +89,9 @@ class ClosedLoop:
         """The plant's part of the period that ends at `stamp` [ns]."""
         self._held = self._commands.take(self._held, {"/drive_command": self._wheels.command(stamp, self.output)})
         asked = self._commands.at(self._held, stamp)
-        command, self._locked = self._faults.on(asked, self._locked, self.truth.joints[0], stamps.seconds(stamp))
-        self.truth, self.plant_output = step_plant(self.plant, self.truth, command)
+        self._acting = self._faults.at(self._acting, self.truth, stamps.seconds(stamp))
+        plant, command = self._faults.plant.on(self._acting, asked)
+        self.truth, self.plant_output = step_plant(plant, self.truth, command)
 
     @property
     def true_pose(self) -> tuple[float, float, float]:

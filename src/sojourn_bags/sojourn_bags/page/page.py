@@ -13,6 +13,7 @@ from sojourn_bags.summary import length_in_words
 
 SECTIONS = (
     record.goals,
+    record.faults,
     ground.section,
     motion.wheels,
     motion.attitude,
@@ -38,6 +39,7 @@ def write_page(bag: Bag, path: Path, judged: bool = True) -> Story:
     if machine is not None and machine.floats:
         kept = [afloat.base if make is ground.section else make for make in kept]
     sections = [make(story) for make in kept]
+    sections = [section for section in sections if section.body or section.key != "faults"]
     name = story.run.name if story.run else bag.path.name
     script = POINTER % (LEFT, RIGHT, story.axis.begin, story.axis.end)
     path.write_text(document(f"Run report: {name}", _headline(story), sections, script), encoding="utf-8")
@@ -50,10 +52,12 @@ def _headline(story: Story) -> str:
     if summary is None:
         words = f"No verdict: {story.why_no_run}. What the bag does hold is below."
         return f'<div class="verdict open"><b>NOT JUDGED</b>{paragraph(words)}</div>{tiles(_common(story))}'
-    if summary["all_met"] and summary["complete"]:
-        look, word = "good", "PASSED"
+    if not summary["all_met"]:
+        look, word = "bad", "FAILED"
+    elif not summary["faults_met"]:
+        look, word = "bad", "FAULT NOT RECOGNISED"
     else:
-        look, word = ("bad", "FAILED") if not summary["all_met"] else ("bad", "RECORD NOT COMPLETE")
+        look, word = ("good", "PASSED") if summary["complete"] else ("bad", "RECORD NOT COMPLETE")
     where = f"{summary['scenario']}, seed {summary['seed']}: " + (story.run.scenario.description if story.run else "")
     head = f'<div class="verdict {look}"><b>{word}</b>{paragraph(summary["verdict"])}</div>'
     return paragraph(where, quiet=True) + head + tiles(_numbers(story))

@@ -77,6 +77,17 @@ class Site(NamedTuple):
     """Round the nodes of a machine whose heat is known."""
 
 
+class PlantGiven(NamedTuple):
+    """What a plant is made of; see `PlantModel`."""
+
+    urdf_xml: str
+    machine: MachineParams
+    site: Site
+    power: PowerParams
+    simulation: SimulationParams | None = None
+    tool: ToolParams | None = None
+
+
 class PlantModel:
     """Fixed part of the plant. Its working memory makes it unfit for two threads; make one model for each.
 
@@ -103,6 +114,7 @@ class PlantModel:
         simulation: SimulationParams | None = None,
         tool: ToolParams | None = None,
     ) -> None:
+        self.given = PlantGiven(urdf_xml, machine, site, power, simulation, tool)
         gravity, terrain = site.field.gravity, site.terrain
         self.machine = machine = with_tool(machine, tool)
         self.terrain = terrain
