@@ -53,6 +53,9 @@ DEPENDENCY_OF_MODULE = {
     "sensor_msgs": "sensor_msgs",
     "std_msgs": "std_msgs",
     "trajectory_msgs": "trajectory_msgs",
+    "trimesh": None,
+    "viser": None,
+    "websockets": "python3-websockets",
     "yaml": "python3-yaml",
     "zstandard": None,
 } | {package: package for package in PACKAGES}
@@ -84,7 +87,7 @@ def imported_modules(package: str) -> set[str]:
 
 
 def test_every_package_is_found() -> None:
-    assert len(PACKAGES) == 16
+    assert len(PACKAGES) == 17
     assert sorted(path.name for path in ROOT.glob("src/sojourn_*")) == PACKAGES
     assert set(NODES) < set(PACKAGES)
 

@@ -96,6 +96,7 @@ def start_arguments(given: argparse.Namespace) -> list[str]:
             arguments += [f"--{name.replace('_', '-')}", value]
     for text in given.overrides:
         arguments += ["--set", text]
+    arguments += ["--console"] if given.console else []
     return [*arguments, "--direct"] if given.direct else arguments
 
 
@@ -141,7 +142,7 @@ def run(given: argparse.Namespace) -> int:
     screen = BarScreen(console) if console.is_terminal else PlainScreen(console)
     plan = start_run.make_plan(start.parser("demo").parse_args(start_arguments(given)), screen)
     layout: start_run.Layout = "direct" if given.direct else "processes" if given.processes else "composed"
-    outcome = start_run.run_plan(plan, layout, screen)
+    outcome = start_run.run_plan(plan, layout, screen, given.console)
     if outcome.status != SUCCEEDED:
         screen.say(outcome.message)
     if outcome.status == INTERRUPTED or not plan.bag().exists():

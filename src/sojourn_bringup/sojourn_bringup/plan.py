@@ -180,6 +180,12 @@ def _lacking(role: str, present: tuple[str, ...], table: TopicTable) -> str:
     return " and ".join(lacking) or "the others"
 
 
+def add_console(parser: argparse.ArgumentParser) -> None:
+    """--console: a page beside the run."""
+    help_text = "show the run in the browser and command it from there: prints the address of a page on this machine"
+    parser.add_argument("--console", action="store_true", help=help_text)
+
+
 def add_patience(parser: argparse.ArgumentParser) -> None:
     """--lockstep-timeout and --start-timeout: how long a run waits for its nodes."""
     parser.add_argument(

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from typing import TYPE_CHECKING, Literal
 
+from sojourn_bringup.console_child import ConsoleChild
 from sojourn_bringup.ending import last_words
 from sojourn_bringup.instance import RoleTokens
 from sojourn_bringup.outcome import Outcome
@@ -58,6 +59,10 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     if (given.composed or given.direct) and (replacements or shadows or len(started) < len(participants)):
         option = "--composed" if given.composed else "--direct"
         raise UsageError(f"{option} runs every role in one process: it does not go with --replace, --shadow or --only")
+    if given.console and layout_of(given) == "direct":
+        raise UsageError(
+            "--console listens to topics, and a run without middleware has none: not with --direct, --resume"
+        )
     if given.direct and given.realtime:
         raise UsageError("--direct runs as fast as it can: it does not go with --realtime")
     if "plant" not in participants:
@@ -151,8 +156,8 @@ def layout_of(given: argparse.Namespace) -> Layout:
     return "direct" if given.direct or given.resume else "composed" if given.composed else "processes"
 
 
-def run_plan(plan: RunPlan, layout: Layout, screen: Screen) -> Outcome:
-    """Run to the end, in one process or in many; nothing is left behind."""
+def run_plan(plan: RunPlan, layout: Layout, screen: Screen, with_console: bool = False) -> Outcome:
+    """Run to the end, in one process or in many; nothing is left behind. with_console: beside it."""
     # here and not above, because the libraries read the environment when they are loaded
     try:
         if layout == "direct":  # it meets nobody on any domain
@@ -160,7 +165,8 @@ def run_plan(plan: RunPlan, layout: Layout, screen: Screen) -> Outcome:
 
             with screen:
                 return DirectRun(plan, screen).run()
-        with RoleTokens(plan.domain, plan.namespace, plan.started), screen:
+        console = ConsoleChild(plan, screen) if with_console else nullcontext()
+        with RoleTokens(plan.domain, plan.namespace, plan.started), screen, console:
             if layout == "composed":
                 from sojourn_bringup.composed import ComposedRun
 
@@ -182,7 +188,7 @@ def run(given: argparse.Namespace) -> int:
     screen = default_screen()
     plan = make_plan(given, screen)
     screen.say(f"run {plan.run_dir}, domain {plan.domain}{', namespace ' + plan.namespace if plan.namespace else ''}")
-    outcome = run_plan(plan, layout_of(given), screen)
+    outcome = run_plan(plan, layout_of(given), screen, given.console)
     for line in last_words(plan, outcome):
         screen.say(line)
     return outcome.status
