@@ -130,7 +130,7 @@ def told(
     if len(switched) != 1 or state.before is not None or len(state.window) < max(count, LEAST_COUNT):
         return fresh
     draw = watched.draw(switched[0], voltage)
-    mean, scatter = _steady(state.window)
+    mean, scatter = steady(state.window)
     if draw is None or scatter is None or (watched.has_sources and mean <= 0.0):
         return fresh
     expected = draw if on[switched[0]] else -draw
@@ -141,7 +141,7 @@ def _draw(load: LoadParams, voltage: float) -> float:
     return load.power_w * (voltage / load.voltage_nominal) ** 2 if load.kind == "resistive" else load.power_w
 
 
-def _steady(window: tuple[float, ...]) -> tuple[float, float | None]:
+def steady(window: tuple[float, ...]) -> tuple[float, float | None]:
     """Mean of a window, and variance of that mean; None where its power was not steady.
 
     The variance of one reading is half the mean square of successive differences (von Neumann 1941, Annals of
@@ -160,7 +160,7 @@ def _judged(
     params: SwitchWatchParams, watched: Watched, state: SwitchState, window: tuple[float, ...]
 ) -> tuple[StuckSwitch, ...]:
     """What is known of stuck switches once both windows are full."""
-    mean, scatter = _steady(window)
+    mean, scatter = steady(window)
     if state.before is None or scatter is None or (watched.has_sources and mean <= 0.0):
         return state.stuck
     change, step = mean - state.before, state.expected
