@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sojourn_flight.hazards.camera_watch import CameraState, speed_left, usable, watched
 from sojourn_flight.mobility.easing import Behind, eased
 from sojourn_flight.mobility.mobility import (
     BodyMotion,
@@ -152,6 +153,8 @@ class _Going(NamedTuple):
     """Nothing is commanded to move."""
     rather_astern: bool
     """It would get on better backwards."""
+    sight: float
+    """Part of its speed that the hazard camera leaves [-]."""
 
 
 def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going: _Going, dt: float) -> PlanarTwist:
@@ -179,7 +182,7 @@ def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going:
             arbiter.text = guidance.text
             return guidance.twist
     limits = model.params.limits
-    pace = power if policy is None else power * speed_part(policy, slip)
+    pace = going.sight * (power if policy is None else power * speed_part(policy, slip))
     moving = not going.still or math.hypot(odometry.v_x, odometry.v_y) > model.params.odometry.standing_speed
     ability = model.mobility.ability
     able = FollowerLimits(
@@ -221,6 +224,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     """
     _check(inputs, dt)
     params, felt = model.params, inputs.felt
+    inputs, camera = _seen(model, state, inputs)
     standing = state.odometry.standing_for >= params.odometry.standing_time
     told = MotionInput(
         inputs.joints,
@@ -254,7 +258,8 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         arbiter.end_goal(stop(arbiter.follower, reason))
     slip_now = _mean_slip(model, state, mobility, odometry, dt)
     if arbiter.follower is not None:
-        going = _Going(inputs.power_limit, slip_now, health.no_headway != "", motion.commanded_still, astern)
+        sight = 1.0 if params.obstacles is None else speed_left(params.obstacles.camera, camera)
+        going = _Going(inputs.power_limit, slip_now, health.no_headway != "", motion.commanded_still, astern, sight)
         wanted = _follow(model, arbiter, published, going, dt)
     wanted = arbiter.keep_clear(model, wanted, published)
 
@@ -278,6 +283,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         terrain=located.terrain,
         behind=located.behind,
         avoidance=arbiter.avoidance,
+        camera=camera,
         foreseen=foreseen,
     )
     pose_covariance, twist_covariance = message_covariances(params.odometry, published, dt)
@@ -300,6 +306,15 @@ def _why_not(arbiter: Arbiter, health: MobilityHealth, rather_astern: bool) -> s
     if arbiter.follower is not None and not is_answered(arbiter.follower, rather_astern):
         reason = reason or health.no_headway
     return reason or health.lost
+
+
+def _seen(model: DriveModel, state: DriveState, inputs: DriveInput) -> tuple[DriveInput, CameraState]:
+    """The inputs without a cloud that does not tell of the ground that is there, and what is thought of the camera."""
+    if model.params.obstacles is None or inputs.cloud is None:
+        return inputs, state.camera
+    camera = watched(model.params.obstacles.camera, state.camera, inputs.cloud)
+    cloud = usable(camera, inputs.cloud)
+    return (inputs if cloud is not None else replace(inputs, cloud=None)), camera
 
 
 class _Located(NamedTuple):

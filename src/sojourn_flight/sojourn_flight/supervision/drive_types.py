@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
+from sojourn_flight.hazards.camera_watch import CameraState
 from sojourn_flight.mobility.easing import NOTHING, Behind
 from sojourn_flight.mobility.mobility import NOTHING_FELT, InertialMeasurement, JointReferences, MobilityJoints, Moves
 from sojourn_flight.mobility.twist import PlanarTwist
@@ -100,6 +101,8 @@ class DriveState:
     """Corrections that are not in the published odometry yet."""
     avoidance: AvoidanceState | None = None
     """Obstacles; None without obstacle handling."""
+    camera: CameraState = field(default_factory=CameraState)
+    """What is thought of the hazard camera."""
     foreseen: Mapping[str, str | float] = field(default_factory=dict)
     """The answer to the last question; see `foresight`."""
 
