@@ -14,22 +14,19 @@ from sojourn_bringup.alarm_lines import alarm_lines
 from sojourn_bringup.alarms import SCENARIO
 from sojourn_bringup.alarms_bag import watched_bag
 from sojourn_config.command_errors import UsageError
-from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_contract.errors import UnknownFieldNameError
 from sojourn_contract.run_table import table_of
 from sojourn_operator.alarms.events import Event
 from sojourn_operator.alarms.params import Severity
 from sojourn_operator.alarms.watch import Watch, WatchState, limits_of
-from sojourn_operator.scenario_steps import course_of
-
-MACHINE_SCENARIO = "flat_drive"
+from sojourn_operator.scenario_steps import named_scenario
 
 
 def run(given: argparse.Namespace) -> int:
     """Watch, and say how it stands. Status as `main` says."""
     try:
         if given.show_limits:
-            limits = limits_of(_scenario(given), given.limits)
+            limits = limits_of(named_scenario(given.scenario, given.machine, SCENARIO), given.limits)
             print(yaml.safe_dump({name: params.model_dump(mode="json", exclude_defaults=True)
                                   for name, params in limits.items()}, sort_keys=False), end="")  # fmt: skip
             return 0
@@ -52,18 +49,11 @@ def _of_bag(given: argparse.Namespace) -> tuple[Watch, WatchState, list[Event]]:
 def _of_stack(given: argparse.Namespace) -> tuple[Watch, WatchState, list[Event]]:
     from sojourn_bringup.alarms_live import AlarmDesk  # not above: a bag needs no ROS
 
-    scenario = _scenario(given)
+    scenario = named_scenario(given.scenario, given.machine, SCENARIO)
     watch = Watch(limits_of(scenario, given.limits), table_of(scenario))
     with AlarmDesk(given.domain, given.namespace, watch, given.who or getpass.getuser()) as desk:
         desk.run(given.seconds, given.publish)
     return watch, desk.state, desk.log
-
-
-def _scenario(given: argparse.Namespace) -> LoadedScenario:
-    """Whose machine it is."""
-    if given.machine is None:
-        return load_scenario(given.scenario or SCENARIO)
-    return load_scenario(given.scenario or course_of(given.machine, MACHINE_SCENARIO), [f"machine={given.machine}"])
 
 
 def _write(file: Path, watch: Watch, state: WatchState, log: Sequence[Event]) -> None:

@@ -78,10 +78,16 @@ def parser() -> argparse.ArgumentParser:
 
 
 def verb_first(arguments: Sequence[str]) -> list[str]:
-    """The same with what stands before the verb behind it, for options are told in any order."""
-    for place, word in enumerate(arguments):
-        if word in VERBS and (place == 0 or arguments[place - 1] not in WITH_VALUE):
-            return [word, *arguments[:place], *arguments[place + 1 :]]
+    """The same with what stands before the verb behind it, for options are told in any order. Where none is a verb, the
+    first word that could be meant as one is taken for it, and refused by its name.
+    """
+    words = [
+        place
+        for place, word in enumerate(arguments)
+        if not word.startswith("-") and (place == 0 or arguments[place - 1] not in WITH_VALUE)
+    ]
+    for place in [place for place in words if arguments[place] in VERBS] or words[:1]:
+        return [arguments[place], *arguments[:place], *arguments[place + 1 :]]
     return list(arguments)
 
 
@@ -89,7 +95,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Send a goal; 0 only if it was reached (a stop: if drive and arm stand; a dry run: if it is allowed; a switch: if
     it is done).
     """
-    given = parser().parse_args(verb_first(sys.argv[1:] if arguments is None else arguments))
+    words, options = verb_first(sys.argv[1:] if arguments is None else arguments), parser()
+    if words and words[0].startswith("-") and not {"-h", "--help"} & set(words):
+        options.error(f"what to do is missing: allowed is one of {', '.join(VERBS)}")
+    given = options.parse_args(words)
     from sojourn_operator.goal_sending import run  # not above: --help needs none of it
 
     return run(given)

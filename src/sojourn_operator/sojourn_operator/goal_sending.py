@@ -91,12 +91,17 @@ class GoalClient(Desk):
 
     def send(self, who: str, name: str, message: Message) -> None:
         """Publish a goal on a topic once its role listens. Raises NoStackError if it does not within ANSWER_S."""
+        sender = self.sender_to(who, name)
+        sender.publish(encode(topic(name), stamped(message, self.now)))
+        self._last_stamp = self.now
+
+    def sender_to(self, who: str, name: str) -> Any:
+        """Publisher of a topic, once its role listens. Raises NoStackError if it does not within ANSWER_S."""
         sender = self.sender(topic(name))
         if not self._await(lambda: bool(self._is_heard(sender) and self.now)):
             what = "its simulation time does not run" if self._is_heard(sender) else f"nobody acts on {name}"
             raise NoStackError(self._nobody(who, what))
-        sender.publish(encode(topic(name), stamped(message, self.now)))
-        self._last_stamp = self.now
+        return sender
 
     def halt(self) -> tuple[bool, str]:
         """Stop whoever listens, drive and arm, and wait until their statuses say that they stand.

@@ -13,6 +13,8 @@ from sojourn_machine.names import names_text
 from sojourn_operator.steps.step import OperatorStep
 
 STATUS = "diagnostic_msgs/DiagnosticArray"
+MACHINE_SCENARIO = "flat_drive"
+"""Around a machine that is named alone: any rover can drive it."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,13 @@ def course_of(rover: str, otherwise: str) -> str:
     """The scenario made for a rover, ROVER_course, if there is one."""
     own = f"{Path(rover).stem}_course"
     return own if own in available("scenarios") else otherwise
+
+
+def named_scenario(scenario: str | None, machine: str | None, otherwise: str) -> LoadedScenario:
+    """The scenario that a command line names, with its machine; where it names neither, another. Raises ConfigError."""
+    if machine is None:
+        return load_scenario(scenario or otherwise)
+    return load_scenario(scenario or course_of(machine, MACHINE_SCENARIO), [f"machine={machine}"])
 
 
 def absent_roles(scenario: LoadedScenario) -> dict[str, str]:
