@@ -12,8 +12,9 @@ from sojourn_console.desk import Desk
 from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
 from sojourn_console.model import BasePose, RunScene
-from sojourn_console.panels.goals import foresight_html
+from sojourn_console.panels.goals import foresight_rows
 from sojourn_console.panels.head import head_html
+from sojourn_console.panels.panel import table_html
 from sojourn_console.world import World
 from sojourn_contract.codecs import encode
 from sojourn_contract.topics import topic
@@ -110,7 +111,7 @@ def test_one_page_commands_at_a_time() -> None:
 
 def test_words_of_the_page_escape_what_others_say() -> None:
     answer = {"asked_state": "refused", "asked_reason": "<b>too far</b>", "asked_length_m": "3.0"}
-    words = foresight_html(answer)
+    words = table_html(foresight_rows(answer))
     assert "&lt;b&gt;too far" in words and "3.00 m" in words
     scene = RunScene(statuses={"/drive/status": {"state": "refused", "reason": "<script>"}}, charge=0.5)
     words = head_html(scene, "flat_drive", "explorer")

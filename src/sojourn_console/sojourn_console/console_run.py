@@ -21,6 +21,8 @@ from sojourn_contract.stop_flag import StopFlag
 ADDRESS = "the console is at"
 """Before the address, for who starts the console for others."""
 
+HEARD = "the run is heard"
+
 
 def run(given: argparse.Namespace) -> int:
     """Serve until Ctrl-C. Raises ConsoleError, ConfigError."""
@@ -30,8 +32,18 @@ def run(given: argparse.Namespace) -> int:
     server = GuardedServer("Sojourn", given.port)
     page = Page(server, world, feed)
     say(f"{ADDRESS} {server.address}")
+    told = False
+
+    def goes_on() -> bool:
+        nonlocal told
+        stamp = page.bench.scene.stamp
+        if stamp and not told:
+            told = True
+            say(f"{HEARD}, from {stamp * 1e-9:.2f} s on")
+        return not stop.is_set
+
     try:
-        page.run(lambda: not stop.is_set)
+        page.run(goes_on)
     finally:
         page.close()
     return 0

@@ -111,6 +111,8 @@ class Page:
 
     def close(self) -> None:
         """End it, and the feed."""
+        for panel in self._tabs:
+            panel.clear()
         self.bench.feed.close()
         self.bench.server.stop()
 

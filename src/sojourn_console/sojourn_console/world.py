@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mcap.records import Attachment, Message
@@ -57,14 +57,16 @@ class World:
     sun: SunOver
     cameras: tuple[CameraPlace, ...]
     attachments: dict[str, bytes]
+    source: str = ""
+    """Name or file from which the scenario can be read again; empty where it is gone."""
 
     @classmethod
-    def of_scenario(cls, scenario: LoadedScenario) -> "World":
-        """Of a scenario."""
+    def of_scenario(cls, scenario: LoadedScenario, source: str = "") -> "World":
+        """Of a scenario, which was read from there."""
         table = table_of(scenario)
         attachments = {one.name: one.data for one in Run.of_scenario(scenario).attachments()}
         cameras = tuple(_cameras(scenario, table))
-        return cls(scenario, scenario.height_field(), table, scenario.sun_over(), cameras, attachments)
+        return cls(scenario, scenario.height_field(), table, scenario.sun_over(), cameras, attachments, source)
 
     @property
     def supports(self) -> tuple[str, ...]:
@@ -78,13 +80,13 @@ class World:
 
 def world_named(name: str, overrides: Sequence[str] = ()) -> World:
     """The world of a scenario. Raises ConfigError."""
-    return World.of_scenario(load_scenario(name, overrides))
+    return World.of_scenario(load_scenario(name, overrides), name)
 
 
 def world_of_bag(bag: Bag) -> World:
     """The world of a recorded run. Raises BagsError for a bag that does not say which it is."""
     with run_configuration(bag) as configuration:
-        return world_named(configuration.scenario, configuration.overrides)
+        return replace(world_named(configuration.scenario, configuration.overrides), source="")
 
 
 def world_of_run(run: Path) -> World:

@@ -13,6 +13,8 @@ from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import RunScene
 from sojourn_console.panels.panel import QuietPanel, Workbench, table_html
 from sojourn_console.picking import met_by
+from sojourn_console.rehearsal import believed
+from sojourn_console.rehearser import Rehearser
 from sojourn_console.views.view import GREEN, Shown, segments
 from sojourn_console.views.way_view import on_ground
 from sojourn_flight.arm.tasks.names import TASKS
@@ -50,6 +52,8 @@ class GoalsPanel(QuietPanel):
         self._asked: int | None = None
         self._sent: tuple[str, int] | None = None
         self._words = ""
+        self._rehearser = Rehearser()
+        self._foreseen: list[tuple[str, str]] = []
         self._connect()
         self._redraw()
 
@@ -57,7 +61,9 @@ class GoalsPanel(QuietPanel):
         drive = scene.status("/drive/status")
         if self._asked is not None and drive.get("asked_stamp") == str(self._asked):
             self._asked = None
-            self._say(foresight_html(drive))
+            self._foreseen = foresight_rows(drive)
+        if self._foreseen and self._sent is None:
+            self._say(table_html([*self._foreseen, *rehearsal_rows(self._rehearser)]))
         if self._sent is not None:
             topic, stamp = self._sent
             status = scene.status(topic)
@@ -66,6 +72,8 @@ class GoalsPanel(QuietPanel):
 
     def clear(self) -> None:
         self._asked = self._sent = None
+        self._foreseen = []
+        self._rehearser.end()
         self._say("")
 
     def _connect(self) -> None:
@@ -136,8 +144,11 @@ class GoalsPanel(QuietPanel):
     def _ask(self) -> str:
         draft = self._bench.draft
         draft.check(self._bench.world.ground)
-        self._asked = self._bench.desk.ask(draft)
-        self._say(table_html([("rehearsal", "asked, waits for the drive …")]))
+        self._asked, self._sent = self._bench.desk.ask(draft), None
+        self._foreseen = [("rehearsal", "asked, waits for the drive …")]
+        scene, world = self._bench.scene, self._bench.world
+        if world.source and scene.pose is not None and scene.charge is not None:
+            self._rehearser.begin(world.source, believed(world.scenario.overrides, scene.pose, scene.charge, draft))
         return ""
 
     def _sending(self) -> str:
@@ -145,7 +156,8 @@ class GoalsPanel(QuietPanel):
         draft.check(self._bench.world.ground)
         stamp = self._bench.desk.send(draft)
         self._sent = ("/drive/status" if draft.is_way else "/arm/status", stamp)
-        self._asked = None
+        self._asked, self._foreseen = None, []
+        self._rehearser.end()
         return f"{self._mode.value}: sent"
 
     def _say(self, words: str) -> None:
@@ -211,14 +223,30 @@ class GoalsPanel(QuietPanel):
         return handle
 
 
-def foresight_html(status: Mapping[str, str]) -> str:
-    """The drive's answer to a question."""
+def foresight_rows(status: Mapping[str, str]) -> list[tuple[str, str]]:
+    """The drive's answer to a question, as names and values."""
     first, *rest = foresight_lines(status)
     rows = [("rehearsal", first)]
     for line in rest:
         name, _, value = line.partition(":")
         rows.append((name, value.strip()))
-    return table_html(rows)
+    return rows
+
+
+def rehearsal_rows(rehearser: Rehearser) -> list[tuple[str, str]]:
+    """What a rehearsal has found so far, as names and values."""
+    if rehearser.problem:
+        return [("simulated", rehearser.problem)]
+    found = rehearser.forecast
+    if found is None:
+        return [("simulated", "begins …")] if rehearser.is_under_way else []
+    state = found.state if found.is_over else f"{found.time_s:.0f} s so far"
+    return [
+        ("simulated", f"{state}: {found.reason}" if found.reason else state),
+        ("driven", f"{found.length_m:.2f} m in {found.time_s:.0f} s"),
+        ("energy", f"{found.energy_wh:.2f} Wh, charge {found.charge:.1%}, {found.mode.lower()}"),
+        ("worst", f"tilt {found.tilt_deg:.1f}°, slip {found.slip:.0%}"),
+    ]
 
 
 def _hint(mode: str, draft: Draft) -> str:
