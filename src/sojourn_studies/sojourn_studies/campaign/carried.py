@@ -6,22 +6,20 @@ elevation model the part that is used. A worker writes it into a folder of its o
 
 import hashlib
 import io
-import os
 import tarfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import chdir, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
+from sojourn_bags.run_configuration import place_below, set_variable
 from sojourn_config.command_errors import UsageError
 from sojourn_config.paths import ENVIRONMENT_VARIABLE, config_folder, display, is_path, urdf_folder
 from sojourn_config.recorded_raster import ELEVATION_NAME, raster_bytes
 from sojourn_config.scenario import LoadedScenario
 
-OUTSIDE = "outside"
-"""Folder of the files whose names are whole paths."""
 _KINDS = (".yaml", ".xml", ".urdf")
 
 
@@ -77,8 +75,7 @@ def carry(loaded: Iterable[LoadedScenario]) -> CarriedFiles:
 
 def place_of(name: str) -> str:
     """Where a file goes: relative names as they are, whole paths below a folder of their own."""
-    parts = [part for part in PurePosixPath(name).parts if part not in ("/", "..")]
-    return str(PurePosixPath(*([OUTSIDE] if name.startswith("/") else []), *parts))
+    return place_below(Path(), name).as_posix()
 
 
 def named_there(name: Any) -> Any:
@@ -91,16 +88,8 @@ def named_there(name: Any) -> Any:
 @contextmanager
 def in_configuration(base: Path) -> Iterator[None]:
     """Read the configuration from below a folder, for as long as the context is open."""
-    before = os.environ.get(ENVIRONMENT_VARIABLE)
-    os.environ[ENVIRONMENT_VARIABLE] = str(base / "config")
-    try:
-        with chdir(base):
-            yield
-    finally:
-        if before is None:
-            del os.environ[ENVIRONMENT_VARIABLE]
-        else:
-            os.environ[ENVIRONMENT_VARIABLE] = before
+    with set_variable(ENVIRONMENT_VARIABLE, str(base / "config")), chdir(base):
+        yield
 
 
 def packed(folder: Path) -> bytes:

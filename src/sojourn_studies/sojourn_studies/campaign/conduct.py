@@ -12,6 +12,7 @@ from typing import Any
 from distributed import Client
 from rich.console import Console
 
+from sojourn_bringup.run_folder import ONLY_OWNER
 from sojourn_config.paths import repository_root
 from sojourn_config.scenario import LoadedScenario
 from sojourn_studies.campaign.alike import versions_here
@@ -30,8 +31,6 @@ from sojourn_studies.campaign.table import COSTS, TABLE, schema, varied_keys, wr
 from sojourn_studies.campaign.task import Finished, Order
 
 PAGE = "report.html"
-ONLY_OWNER = 0o077
-"""Mask of the files of a campaign: they are their owner's."""
 
 
 def run(given: argparse.Namespace) -> int:
