@@ -62,7 +62,16 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
     )
     add_console(result)
     command_line.add_place(result)
-    result.add_argument("--network", action="store_true", help="find nodes on other machines too")
+    result.add_argument(
+        "--network",
+        action="store_true",
+        help="find nodes on other machines too: opens UDP ports on every interface, see the manual's part on security",
+    )
+    result.add_argument(
+        "--secure",
+        action="store_true",
+        help="DDS security: each role has keys of its own and may say and hear its rows of the contract; needs SROS 2",
+    )
     result.add_argument("--run-dir", type=Path, metavar="DIR", help="folder of the run (default: a new one in runs/)")
     command_line.add_machine(result)
     result.add_argument("--seed", type=command_line.whole_number, metavar="N", help="seed in place of the scenario's")
