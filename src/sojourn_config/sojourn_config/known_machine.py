@@ -96,6 +96,13 @@ class KnownMachine:
         """Joints of the arm; none where there is no arm."""
         return () if self.arm is None else self.arm.joint_names
 
+    @property
+    def pointed_joints(self) -> tuple[str, ...]:
+        """Joints held by position that neither drive nor arm moves: a mast's pan and tilt."""
+        others = {*self.arm_joints, *(() if self.driving is None else self.driving.mobility.joints(self.machine))}
+        held = (joint for drive in self.machine.drives if drive.mode == "position" for joint in drive.joints)
+        return tuple(joint for joint in held if joint not in others)
+
     def arm_pose(self, name: str) -> dict[str, float]:
         """Angles of the arm's joints in a named pose [rad]; none where there is no arm, or no such pose."""
         positions = () if self.arm is None else self.arm.named_poses.get(name, ())

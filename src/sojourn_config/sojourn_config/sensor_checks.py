@@ -19,6 +19,7 @@ WITHOUT = {
     "joint": "is no joint of the URDF that moves",
     "travel": "is no joint of the URDF whose travel has ends",
     "string": "is no load of a bus with a store, whose voltage is its",
+    "driven": "is no joint with a motor of ours, whose current is known",
     "motor": "is no joint whose motor's heat is known: the key thermal of its drive",
 }
 """What is wrong with the name of a part that is not there, by the kind of part."""
@@ -58,7 +59,7 @@ def _link_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: Yaml
 def _parts(sets: MachineSets) -> Mapping[str, Sequence[str]]:
     """Names of all parts that a sensor may be on, by their kind."""
     joined = sets.joined
-    drives = [drive for drive in joined.config.drives if isinstance(drive, JointDriveParams) and drive.thermal]
+    drives = [drive for drive in joined.config.drives if isinstance(drive, JointDriveParams)]
     return {
         "node": () if sets.thermal is None else tuple(sets.thermal.nodes),
         "store": tuple(joined.power.all_stores),
@@ -70,7 +71,8 @@ def _parts(sets: MachineSets) -> Mapping[str, Sequence[str]]:
             for load in params.loads
             if joined.power.stores_on(bus)
         ),
-        "motor": tuple(joint for drive in drives for joint in drive.joints),
+        "driven": tuple(joint for drive in drives for joint in drive.joints),
+        "motor": tuple(joint for drive in drives if drive.thermal for joint in drive.joints),
     }
 
 

@@ -14,7 +14,7 @@ from sojourn_contract.barrier import is_due
 from sojourn_contract.clouds import points_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.hazcam import TOPIC as CLOUD
-from sojourn_contract.hazcam import hazard_camera_of, newest_cloud
+from sojourn_contract.hazcam import hazard_camera_of, newest_cloud, own_body_of
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.kept_data import Kept
 from sojourn_contract.run_table import table_of
@@ -108,6 +108,7 @@ class DriveApp(FlightApp[DriveAppState]):
         self._charges = tuple(row.name for row in table_of(known).each("/battery_state"))
         self._start = known.start
         self.model = DriveModel(known.drive, known.mobility(), hazard_camera_of(known))
+        self._body = own_body_of(known)
         self._measurements = JointMeasurements(known.machine, self.model.mobility.joints, known.urdf_xml)
         self._sun = SunSightings(known)
         self._charge = ChargeGauge(known.power_manager, self._measurements.loads)
@@ -277,9 +278,15 @@ class DriveApp(FlightApp[DriveAppState]):
             raise RefusedMessageError(name, "header.frame_id", repr(frame), f"base_link: {LOST}")
 
     def _cloud(self, inputs: Mapping[str, Any], is_new: bool, refusals: list[Refusal]) -> FloatArray | None:
-        """Points of a cloud that is new, shape (n, 3) [m]; None without one, and of one that is refused."""
+        """Points of a cloud that is new, shape (n, 3) [m], less those on the machine itself; None without one, and of
+        one that is refused.
+        """
         try:
-            return points_of(CLOUD, inputs[CLOUD]) if is_new else None
+            points = points_of(CLOUD, inputs[CLOUD]) if is_new else None
+            joints = inputs.get("/joint_states")
+            if points is None or self._body is None or joints is None:
+                return points
+            return self._body.left_out(points, joints.names, joints.position)
         except RefusedMessageError as refusal:
             refusals.append((CLOUD, refusal))
             return None

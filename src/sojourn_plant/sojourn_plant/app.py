@@ -1,7 +1,7 @@
 """The plant without ROS: the simulated machine and its ground. Commands in, the truth of the next period out."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any
 
@@ -13,6 +13,7 @@ from sojourn_contract.barrier import is_due
 from sojourn_contract.events import parse_tick
 from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
 from sojourn_contract.ground import GROUND, ground_cloud
+from sojourn_contract.motors import MOTORS
 from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_types import Topic
 from sojourn_machine.evolution import replace
@@ -24,6 +25,9 @@ from sojourn_physics.terrain import earthwork
 from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_plant.commands import COMMANDS, Commands, HeldCommands
 from sojourn_plant.faults import PlantFaults
+from sojourn_plant.motor_truth import MotorTruth
+from sojourn_plant.pointing import TOPIC as POINTED
+from sojourn_plant.pointing import Pointing, Targets
 from sojourn_plant.start import build_plant
 from sojourn_plant.truth import TruthMessages
 
@@ -45,6 +49,8 @@ class PlantAppState:
     told: GroundMemory
     """The ground that has been told of."""
     faults: Acting = ()
+    targets: Targets = field(default_factory=dict)
+    """Where the joints are to be that an operator points."""
 
 
 class PlantApp(App[PlantAppState]):
@@ -55,9 +61,12 @@ class PlantApp(App[PlantAppState]):
     def __init__(self, scenario: LoadedScenario) -> None:
         self.model, self._start = build_plant(scenario)
         self._commands = Commands(self.model)
+        self._pointing = Pointing(self.model, scenario.pointed_joints)
         self._faults = PlantFaults(self.model, faultable(scenario, scenario.terrain))
         self._truth = TruthMessages(self.model)
-        self._tells_ground = GROUND.name in table_of(scenario)
+        table = table_of(scenario)
+        self._tells_ground = GROUND.name in table
+        self._motors = MotorTruth(self.model) if MOTORS.name in table else None
 
     def warm_up(self) -> None:
         """Those of digging; the others were loaded while the machine settled."""
@@ -72,6 +81,8 @@ class PlantApp(App[PlantAppState]):
     def first_messages(self, state: PlantAppState, stamp: int) -> Iterator[tuple[str, Any]]:
         """Truth of the machine as it stands, with which a run begins, at a stamp [ns]."""
         yield from self._ground(stamp, state.told, state.machine)
+        if self._motors is not None:
+            yield from self._motors.messages(stamp, state.machine, self.model.currents)
         yield from self._truth.first(stamp, state.machine)
 
     def check(self, row: Topic, message: Any) -> None:
@@ -80,6 +91,8 @@ class PlantApp(App[PlantAppState]):
             self._commands.check(row, message)
         elif row.name == FAULTS_TOPIC:
             self._faults.check(message)
+        elif row.name == POINTED:
+            self._pointing.check(row, message)
 
     def step(self, state: PlantAppState, period: Period) -> tuple[PlantAppState, Answer]:
         """Take the commands of this period, step the machine, tell the truth of the next."""
@@ -88,16 +101,19 @@ class PlantApp(App[PlantAppState]):
         before, stamp = state.machine, period.stamp
         faults = self._faults.after(state.faults, period.goals, before) if period.goals else state.faults
         commands = self._commands.take(state.commands, period.inputs)
+        targets = self._pointing.asked(state.targets, period.goals) if period.goals else state.targets
+        if targets:
+            self._pointing.moved(targets, *commands.reference[:2])
         model, command = self._faults.on(faults, self._commands.at(commands, stamp))
         machine, output = step(model, before, command)
         new = [text for happened, text in _EVENTS if happened(machine) and not happened(before)]
         following = stamp + stamps.CONTROL_PERIOD_NS
         ground = self._ground(following, state.told, machine)
-        messages = chain(ground, self._truth.messages(following, machine, output))
+        motors = [] if self._motors is None else self._motors.messages(following, machine, output.currents)
+        messages = chain(ground, motors, self._truth.messages(following, machine, output))
         told = machine.ground if ground else state.told
-        return replace(state, machine=machine, commands=commands, told=told, faults=faults), Answer(
-            messages, errors=new
-        )
+        after = replace(state, machine=machine, commands=commands, told=told, faults=faults, targets=targets)
+        return after, Answer(messages, errors=new)
 
     def _ground(self, stamp: int, told: GroundMemory, machine: PlantState) -> list[tuple[str, Any]]:
         """What is new of the ground, where a sensor looks at it and it is time."""
