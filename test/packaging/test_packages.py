@@ -31,6 +31,7 @@ DEPENDENCY_OF_MODULE = {
     "builtin_interfaces": "builtin_interfaces",
     "coal": None,
     "coverage": "python3-coverage",
+    "cv2": "python3-opencv",
     "dask": "python3-dask",
     "diagnostic_msgs": "diagnostic_msgs",
     "distributed": None,
