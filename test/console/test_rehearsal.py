@@ -23,7 +23,14 @@ GOAL = Draft("drive", ((1.2, -1.8, 0.0),))
 
 
 def test_the_world_of_a_rehearsal_is_what_is_believed() -> None:
-    told = ["soil.k_c=1", "faults=[]", "machine=skid", "battery.capacity_ah=9", "belief.battery.capacity_ah=20", "rock_soil.k_c=1"]
+    told = [
+        "soil.k_c=1",
+        "faults=[]",
+        "machine=skid",
+        "battery.capacity_ah=9",
+        "belief.battery.capacity_ah=20",
+        "rock_soil.k_c=1",
+    ]
     found = believed(told, HERE, 0.6, GOAL)
     assert found[:2] == ["machine=skid", "battery.capacity_ah=20"] and not any("k_c" in text for text in found)
     values = dict(text.split("=", 1) for text in found)

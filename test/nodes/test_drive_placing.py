@@ -13,7 +13,8 @@ from sojourn_config.scenario import load_flight
 from sojourn_contract.app import Period
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.values import PoseStamped, PoseWithCovarianceStamped
-from sojourn_drive.app import DriveApp, DriveAppState
+from sojourn_drive.app import DriveApp
+from sojourn_drive.memory import DriveAppState
 from sojourn_drive.placing import LEAST_SIGMA
 from sojourn_operator.goal_messages import place_message
 

@@ -25,6 +25,7 @@ from sojourn_drive.arm_interlock import ArmInterlock
 from sojourn_drive.charge import ChargeGauge
 from sojourn_drive.goals import GoalStatus, QuestionStatus, goal_of
 from sojourn_drive.measurements import JointMeasurements
+from sojourn_drive.memory import Asked, DriveAppState, Heard, Views
 from sojourn_drive.placing import PLACE, PlaceStatus, placed
 from sojourn_drive.reports import costmap, drive_report, odometry_report, plan
 from sojourn_drive.restart import LOST, kept_odometry, less_sure, lost, odometry_of, unseen
@@ -44,70 +45,6 @@ from sojourn_machine.params import FloatArray
 
 QUESTION = "/drive/question"
 MEASUREMENTS = ("/joint_states", "/imu/data")
-
-
-@dataclass(frozen=True, slots=True)
-class Asked:
-    """What operators want."""
-
-    last: GoalStatus = field(default_factory=GoalStatus)
-    pending: Goal | None = None
-    """A goal that waits for the first period whose measurements can be used."""
-    twist: tuple[int, PlanarTwist] | None = None
-    """The last velocity command and its stamp [ns]."""
-    abandoned: str = ""
-    """Why the goal has been given up for want of measurements, until the drive has heard of it."""
-    question: Goal | None = None
-    """One that waits likewise."""
-    questioned: QuestionStatus = field(default_factory=QuestionStatus)
-    placed: PlaceStatus = field(default_factory=PlaceStatus)
-
-
-class Views(NamedTuple):
-    """What cameras have seen that is new."""
-
-    cloud: FloatArray | None
-    """Points in base_link, shape (n, 3) [m]."""
-    images: StereoImages | None
-
-
-@dataclass(frozen=True, slots=True)
-class Heard:
-    """What others have said last."""
-
-    power_limit: float = 1.0
-    """Factor of the power manager on all speeds [-]."""
-    dark: bool = False
-    """The power manager has switched off the load of the IMU."""
-    supply: EnergyLeft | None = None
-    """Of energy; None until the first reading of the battery."""
-    interlock: str = ""
-    """Why the rover may not drive, in words; empty where it may."""
-    sun: int = 0
-    cloud: int = -1
-    images: int = -1
-    """Stamps of the last sighting, cloud and stereo pair that were taken [ns]."""
-    usable_at: int | None = None
-    """When its measurements could last be used [ns]."""
-
-
-@dataclass(frozen=True, slots=True)
-class DriveAppState:
-    """What the role remembers."""
-
-    drive: DriveState
-    output: DriveOutput
-    """Of the last period whose measurements could be used."""
-    asked: Asked = field(default_factory=Asked)
-    heard: Heard = field(default_factory=Heard)
-    stepped_at: int | None = None
-    """Stamp of that period [ns]; None where it is not known."""
-    tilt_rates: tuple[float, float] = (0.0, 0.0)
-    """Angular velocity of base_link about its x and y axes, as last measured [rad/s]."""
-    alarm: str = ""
-    """What operators have to know of it for the rest of the run: that it was started again."""
-    is_lost: bool = False
-    """It does not know where it is."""
 
 
 class DriveApp(FlightApp[DriveAppState]):
