@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from sojourn_bags.contract_version import check_own_contract
 from sojourn_bags.reading import read_bag
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.errors import RefusedMessageError
@@ -79,6 +80,12 @@ def test_a_schedule_is_in_the_bag(tmp_path: Path) -> None:
     (said,) = read_bag(tmp_path / "bag")["/faults"].statuses()
     expected = {"name": "tired", "state": "present", "kind": "motor_weak", "joint": WHEEL, "part": "0.5"}
     assert {key: said[key] for key in expected} == expected
+
+
+def test_a_bag_whose_sensors_wait_for_the_operator_is_one_of_our_contract(tmp_path: Path) -> None:
+    fault = "faults=[{kind: sensor, sensor: imu, stuck: true, at: 0.3}]"
+    run(RunSpec("flat_drive", tuple(ROLES), (fault, "duration_limit_s=0.5"), tmp_path / "bag"))
+    assert check_own_contract(read_bag(tmp_path / "bag"))
 
 
 def test_a_message_says_a_fault_and_is_read_again() -> None:

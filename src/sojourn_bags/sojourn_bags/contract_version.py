@@ -17,7 +17,8 @@ from sojourn_contract.description import (
     row_of_data,
 )
 from sojourn_contract.errors import TopicNameError
-from sojourn_contract.run_table import row_named
+from sojourn_contract.fault_messages import TOPIC as FAULTS
+from sojourn_contract.run_table import TICK, row_named
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topics import STANDARD
 
@@ -81,7 +82,10 @@ def table_of_bag(bag: Bag) -> TopicTable:
                 rows.append(row)
             if row is not None and data is not None:
                 delivered.append(delivered_by_data(row, data))
-        return STANDARD.joined_with(rows).delivered(delivered)
+        waits = described.get(TICK)  # with faults in its schedule whoever they happen to waits for the operator
+        roles = () if waits is None else STANDARD.topic(FAULTS).subscribers
+        hearing = [role for role in roles if role in waits["subscribers"]]
+        return STANDARD.joined_with(rows).heard_by(TICK, hearing).delivered(delivered)
     except (TopicNameError, *_UNREADABLE) as error:
         raise OtherContractError(bag.path, f"its {CONTRACT_NAME} cannot be read: {error}") from error
 
