@@ -108,7 +108,7 @@ def test_what_changes_between_two_images_is_not_missed() -> None:
 
 
 def test_each_camera_has_its_topics_under_its_own_name() -> None:
-    scenario = load_scenario("flat_drive", ["machine=explorer_cameras", REAR])
+    scenario = load_scenario("flat_drive", ["machine=explorer_cameras", REAR, "drive.visual_odometry=null"])
     table = table_of(scenario)
     for name in ("/navcam/left/image", "/navcam/depth", "/rear/image", "/rear/camera_info", "/truth/ground"):
         assert name in table and row_named(name) == table.topic(name)

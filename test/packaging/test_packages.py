@@ -31,6 +31,7 @@ DEPENDENCY_OF_MODULE = {
     "builtin_interfaces": "builtin_interfaces",
     "coal": None,
     "coverage": "python3-coverage",
+    "cv2": "python3-opencv",
     "diagnostic_msgs": "diagnostic_msgs",
     "geometry_msgs": "geometry_msgs",
     "lz4": "python3-lz4",

@@ -13,6 +13,7 @@ from sojourn_contract.description import (
     contract_differences,
     contract_name,
     delivered_by_data,
+    heard_by_data,
     row_of_data,
 )
 from sojourn_contract.errors import TopicNameError
@@ -76,6 +77,7 @@ def table_of_bag(bag: Bag) -> TopicTable:
         for name, data in described.items():
             row = row_named(name) or (None if data is None else row_of_data(name, data))
             if row is not None and name not in STANDARD:
+                row = row if data is None else heard_by_data(row, data)
                 rows.append(row)
             if row is not None and data is not None:
                 delivered.append(delivered_by_data(row, data))

@@ -302,8 +302,8 @@ def _with_losses(bundle: Known, config: ScenarioConfig) -> Known:
 
 
 def _blind(bundle: Known) -> Known:
-    """The same, its drive without the camera."""
+    """The same, its drive without cameras."""
     if bundle.driving is None:
         return bundle
-    blind = bundle.drive.model_copy(update={"obstacles": None, "terrain_match": None})
+    blind = bundle.drive.model_copy(update={"obstacles": None, "terrain_match": None, "visual_odometry": None})
     return replace(bundle, driving=blind)

@@ -12,6 +12,7 @@ from sojourn_config.known_machine import KnownMachine
 from sojourn_contract.delivery import Delivery, Loss
 from sojourn_contract.errors import SensorRowError
 from sojourn_contract.stamps import NANOSECONDS
+from sojourn_contract.stereo_pair import heard_by_drive
 from sojourn_contract.topic_table import TopicTable, of_thing
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import STANDARD
@@ -33,7 +34,7 @@ def table_of(scenario: KnownMachine) -> TopicTable:
     """The topics of a run of a scenario, whoever takes part. Raises TopicNameError, SensorRowError."""
     sensors = scenario.sensors.sensors.items()
     rows = {row.name: row for name, params in sensors for row in (*rows_of(params, name), *params.hears)}
-    brought = [row for name, row in rows.items() if name not in STANDARD]
+    brought = heard_by_drive(scenario, [row for name, row in rows.items() if name not in STANDARD])
     table = STANDARD.joined_with(brought).for_things(things_of(scenario)).heard_by(TICK, scenario.fault_roles)
     return table.delivered(_delivered(scenario, table))
 

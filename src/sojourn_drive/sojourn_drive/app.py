@@ -4,7 +4,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from sojourn_config.flight import FlightScenario
 from sojourn_contract import stamps
@@ -18,6 +18,7 @@ from sojourn_contract.hazcam import hazard_camera_of, newest_cloud
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.kept_data import Kept
 from sojourn_contract.run_table import table_of
+from sojourn_contract.stereo_pair import pair_place_of
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Path, TwistStamped
 from sojourn_drive.arm_interlock import ArmInterlock
@@ -27,8 +28,10 @@ from sojourn_drive.measurements import JointMeasurements
 from sojourn_drive.placing import PLACE, PlaceStatus, placed
 from sojourn_drive.reports import costmap, drive_report, odometry_report, plan
 from sojourn_drive.restart import LOST, kept_odometry, less_sure, lost, odometry_of, unseen
+from sojourn_drive.stereo import StereoInput
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.twist import PlanarTwist
+from sojourn_flight.odometry.visual_state import StereoImages
 from sojourn_flight.planning.energy_forecast import EnergyLeft
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.supervision.arbiter import why_pre_empted
@@ -60,6 +63,14 @@ class Asked:
     placed: PlaceStatus = field(default_factory=PlaceStatus)
 
 
+class Views(NamedTuple):
+    """What cameras have seen that is new."""
+
+    cloud: FloatArray | None
+    """Points in base_link, shape (n, 3) [m]."""
+    images: StereoImages | None
+
+
 @dataclass(frozen=True, slots=True)
 class Heard:
     """What others have said last."""
@@ -74,7 +85,8 @@ class Heard:
     """Why the rover may not drive, in words; empty where it may."""
     sun: int = 0
     cloud: int = -1
-    """Stamps of the last sighting and the last cloud that were taken [ns]."""
+    images: int = -1
+    """Stamps of the last sighting, cloud and stereo pair that were taken [ns]."""
     usable_at: int | None = None
     """When its measurements could last be used [ns]."""
 
@@ -107,9 +119,10 @@ class DriveApp(FlightApp[DriveAppState]):
     def __init__(self, known: FlightScenario) -> None:
         self._charges = tuple(row.name for row in table_of(known).each("/battery_state"))
         self._start = known.start
-        self.model = DriveModel(known.drive, known.mobility(), hazard_camera_of(known))
+        self.model = DriveModel(known.drive, known.mobility(), hazard_camera_of(known), pair_place_of(known))
         self._measurements = JointMeasurements(known.machine, self.model.mobility.joints, known.urdf_xml)
         self._sun = SunSightings(known)
+        self._stereo = StereoInput(known)
         self._charge = ChargeGauge(known.power_manager, self._measurements.loads)
         self._interlock = ArmInterlock(known.arm)
         self._imu_load = known.sensors.powered_by.get("imu", "")
@@ -169,8 +182,9 @@ class DriveApp(FlightApp[DriveAppState]):
         state = self._take_places(state, period.goals, refusals)
         asked = self._take_goals(state, heard, period.goals, stamp, refusals)
         cloud = self._cloud(period.inputs, heard.cloud != state.heard.cloud, refusals)
+        images, heard = self._images(period, heard, refusals)
         state = replace(state, asked=asked, heard=heard)
-        stepped = self._drive(state, period, cloud, refusals)
+        stepped = self._drive(state, period, Views(cloud, images), refusals)
         usable_at = seen_usable(stamp, heard.usable_at, stepped is not None)
         if stepped is not None:
             state = replace(stepped, heard=replace(stepped.heard, usable_at=usable_at))
@@ -284,8 +298,17 @@ class DriveApp(FlightApp[DriveAppState]):
             refusals.append((CLOUD, refusal))
             return None
 
+    def _images(self, period: Period, heard: Heard, refusals: list[Refusal]) -> tuple[StereoImages | None, Heard]:
+        """Images of a stereo pair that are new; None without, and of those that are refused."""
+        try:
+            images, taken = self._stereo.images(period.stamp, period.inputs, heard.images)
+        except RefusedMessageError as refusal:
+            refusals.append((refusal.topic, refusal))
+            return None, replace(heard, images=period.stamp)
+        return images, heard if taken == heard.images else replace(heard, images=taken)
+
     def _drive(
-        self, state: DriveAppState, period: Period, cloud: FloatArray | None, refusals: list[Refusal]
+        self, state: DriveAppState, period: Period, views: Views, refusals: list[Refusal]
     ) -> DriveAppState | None:
         """The state after a step with the measurements of this period; None where they cannot be used, with the refusal
         added to `refusals`.
@@ -295,7 +318,7 @@ class DriveApp(FlightApp[DriveAppState]):
             return None
         stamp, drive = period.stamp, state.drive
         try:
-            measured, heard = self._measured(state, period, cloud)
+            measured, heard = self._measured(state, period, views)
             if state.stepped_at is None and stamp > stamps.CONTROL_PERIOD_NS:
                 drive = self.model.in_motion(drive)
             drive, output = self.model.step(drive, measured, _since(state.stepped_at, stamp))
@@ -315,7 +338,7 @@ class DriveApp(FlightApp[DriveAppState]):
             tilt_rates=(gyro[0], gyro[1]),
         )
 
-    def _measured(self, state: DriveAppState, period: Period, cloud: FloatArray | None) -> tuple[DriveInput, Heard]:
+    def _measured(self, state: DriveAppState, period: Period, views: Views) -> tuple[DriveInput, Heard]:
         """What the drive is told of this period, and what has been heard with it."""
         inputs, asked, heard = period.inputs, state.asked, state.heard
         sun, sun_at = self._sun.sighting(period.stamp, inputs.get("/sun_direction"), heard.sun)
@@ -327,7 +350,8 @@ class DriveApp(FlightApp[DriveAppState]):
         measured = replace(
             self._measurements.drive_input(joints, imu),
             sun=sun,
-            cloud=cloud,
+            cloud=views.cloud,
+            images=views.images,
             twist=twist,
             goal=asked.pending,
             question=asked.question,

@@ -17,8 +17,10 @@ from sojourn_contract.app import Period
 from sojourn_contract.clouds import points_of
 from sojourn_contract.hazcam import TOPIC as HAZCAM
 from sojourn_contract.hazcam import hazard_camera_of
+from sojourn_contract.stereo_pair import pair_place_of
 from sojourn_contract.values import JointState, Odometry
 from sojourn_drive.measurements import JointMeasurements
+from sojourn_drive.stereo import StereoInput
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.goal import Goal
@@ -50,7 +52,7 @@ class ClosedLoop:
         self.scenario = scenario
         self.plant, self.truth = build_plant(scenario) if placed is None else placed
         params = scenario.drive if avoids else scenario.drive.model_copy(update={"obstacles": None})
-        self.drive = DriveModel(params, scenario.mobility(), hazard_camera_of(scenario))
+        self.drive = DriveModel(params, scenario.mobility(), hazard_camera_of(scenario), pair_place_of(scenario))
         self.drive.warm_up()
         start = scenario.config.start
         self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
@@ -60,6 +62,7 @@ class ClosedLoop:
         self.period = 0
         self._wheels = JointMeasurements(scenario.machine, self.drive.mobility.joints, scenario.urdf_xml)
         self._camera, self._sightings, self._sighted = self.drive.camera, SunSightings(scenario.as_believed()), 0
+        self._stereo, self._seen = StereoInput(scenario), -1
         self._joint_names = (*self.plant.joints.names, *(() if self.plant.tool is None else (TOOL_JOINT,)))
         self._sensors = SensorsApp(scenario)
         self._sensing = self._sensors.initial_state()
@@ -138,7 +141,8 @@ class ClosedLoop:
         measured = replace(measured, sun=sun, twist=twist, goal=goal)
         if self._camera is not None and HAZCAM in said:
             measured = replace(measured, cloud=points_of(HAZCAM, said[HAZCAM]).astype(np.float64))
-        return measured
+        images, self._seen = self._stereo.images(stamp, said, self._seen)
+        return measured if images is None else replace(measured, images=images)
 
     def _with_tool(self, of_joints: FloatArray, place: int) -> FloatArray:
         """What the sensors measure of the joints and, at the end, of the tool: position (0) or effort (1)."""

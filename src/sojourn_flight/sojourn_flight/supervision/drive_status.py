@@ -3,6 +3,7 @@
 import math
 
 from sojourn_flight.odometry.key_frames import match_status
+from sojourn_flight.odometry.visual_state import visual_status
 from sojourn_flight.planning.energy_forecast import account_status
 from sojourn_flight.supervision.drive_types import DriveState, Pace
 from sojourn_flight.supervision.driven_machine import DrivenMachine
@@ -40,6 +41,7 @@ def drive_status(machine: DrivenMachine, state: DriveState, pace: Pace) -> dict[
         "sun_rejected": float(state.heading.rejected),
         "sun_deviation_sigma": state.heading.deviation,
         **match_status(state.terrain, odometry),
+        **visual_status(state.visual, odometry.slip_error),
         "wheel_disagreement_m_s": odometry.residual,
         "yaw_rate_difference_rad_s": odometry.yaw_rate_difference,
         "encoder_jumps": float(odometry.encoder_jumps),
