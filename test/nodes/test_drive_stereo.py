@@ -1,12 +1,19 @@
 """Images of a stereo pair on their way to the drive: whose run has them, what is taken, rectified, refused."""
 
-from typing import Any
+import json
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
+from sojourn_bags.contract_version import check_own_contract
+from sojourn_bags.provenance import CONTRACT_NAME
+from sojourn_bags.reading import Bag
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
+from sojourn_contract.description import contract_data
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stereo_pair import pair_in_use, pair_place_of
@@ -47,6 +54,15 @@ def test_the_drive_hears_the_images_that_its_odometry_goes_by_and_no_others() ->
     assert not heard("drive.visual_odometry=null")
     assert all(not row.needs_listener for row in table_of(SEEING) if row.name in ROWS)
     assert pair_in_use(load_scenario("flat_drive")) is None and pair_place_of(load_scenario("flat_drive")) is None
+
+
+@pytest.mark.parametrize("overrides", [(), ("drive.visual_odometry=null",)])
+def test_a_bag_of_such_a_run_is_one_of_our_contract(overrides: tuple[str, ...], tmp_path: Path) -> None:
+    """By the contract that it carries, which says who heard the images."""
+    table = table_of(load_scenario("flat_drive", ["machine=explorer_cameras", *overrides]))
+    carried = {CONTRACT_NAME: json.dumps(contract_data(table)).encode()}
+    bag = SimpleNamespace(path=tmp_path, attachments=carried, topics={row.name: None for row in table})
+    assert check_own_contract(cast(Bag, bag))
 
 
 def test_a_pair_is_taken_once_and_in_its_period() -> None:
