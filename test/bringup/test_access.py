@@ -33,8 +33,8 @@ def test_what_is_said_can_be_heard_by_those_who_act_on_it_and_by_nobody_else() -
     for row in table:
         speakers = {role for role in ROLES if row.name in found[enclave_of(role)]["publish"]}
         hearers = {role for role in ROLES if row.name in found[enclave_of(role)].get("subscribe", set())}
-        assert speakers == (set(ROLES) if row.publisher == "all" else {row.publisher}), row.name
-        assert hearers == set(row.subscribers) | ({"recorder"} if row.logged else set()), row.name
+        assert speakers == (set(ROLES) if row.publisher == "all" else {row.publisher} & set(ROLES)), row.name
+        assert hearers == set(row.subscribers) & set(ROLES) | ({"recorder"} if row.logged else set()), row.name
     assert found[enclave_of(SUPERVISOR)]["publish"] == {"/parameter_events"}
 
 
@@ -62,7 +62,7 @@ def test_where_there_is_no_sros_it_is_said_before_anything_starts(tmp_path: obje
         start.main(["flat_drive", "--secure", "--run-dir", f"{tmp_path}/run"])
 
 
-@pytest.mark.parametrize("option", [("--composed",), ("--direct",), ("--only", "plant")])
+@pytest.mark.parametrize("option", [("--composed",), ("--direct",), ("--only", "plant"), ("--console",)])
 def test_what_it_does_not_go_with(option: tuple[str, ...]) -> None:
     with pytest.raises(UsageError, match="--secure does not go with"):
         start.main(["flat_drive", "--secure", *option])

@@ -37,9 +37,10 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     shadows = _commands(given.shadow, "--shadow")
     _check_checkpoints(given)
     if given.secure:
-        if layout_of(given) != "processes" or given.shadow or given.only:
+        if layout_of(given) != "processes" or given.shadow or given.only or given.console:
             reason = "each role has keys of its own: it goes with all roles as processes here"
-            raise UsageError(f"--secure does not go with --composed, --direct, --resume, --shadow or --only: {reason}")
+            others = "--composed, --direct, --resume, --shadow, --only or --console"
+            raise UsageError(f"--secure does not go with {others}: {reason}")
         check_secure()
     resumed = _resumed(given)
     if resumed is None:
