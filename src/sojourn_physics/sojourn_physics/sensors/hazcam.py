@@ -93,7 +93,7 @@ class Hazcam:
     """Depth along the optical axis for each metre of a ray, shape (rays,) [-]."""
 
 
-class Seen(NamedTuple):
+class HazcamView(NamedTuple):
     """What there is before a camera."""
 
     ground: HeightField
@@ -121,7 +121,7 @@ def initial_state(camera: Hazcam, seed: int, name: str = "hazcam") -> NoiseStrea
 
 
 def step(
-    camera: Hazcam, state: NoiseStream, seen: Seen, position_base_in_map: FloatArray, rotation: FloatArray
+    camera: Hazcam, state: NoiseStream, seen: HazcamView, position_base_in_map: FloatArray, rotation: FloatArray
 ) -> tuple[NoiseStream, NDArray[np.float32]]:
     """One look: the state after it, and points in base_link, shape (points, 3) [m].
 

@@ -72,7 +72,7 @@ class HazcamSensor(Sensor[HazcamSensorParams, HazcamMemory, NDArray[np.float32]]
         ground = heard_of(state.ground, truth)
         x, y, _ = position + rotation @ self._place
         changes = changes_within(ground, float(x), float(y), self.params.range)
-        seen = hazcam.Seen(self.site.ground, changes, self._body(truth))
+        seen = hazcam.HazcamView(self.site.ground, changes, self._body(truth))
         noise, points = hazcam.step(self._camera, state.noise, seen, position, rotation)
         return HazcamMemory(noise, ground), NO_POINTS if self._is_dark(truth) else points
 
