@@ -62,7 +62,8 @@ class LiveFeed:
         try:
             self._token.__enter__()
         except RoleInUseError as error:
-            self._refusal = f"process {error.holder} is a console with the control here: this one looks on"
+            who = f"process {error.holder}" if error.holder else "another process"
+            self._refusal = f"{who} is a console with the control here: this one looks on"
         os.environ.update(ros_variables(domain))
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         self._node = rclpy.create_node(
