@@ -13,8 +13,8 @@ from sojourn_contract.app import Period
 from sojourn_contract.kept_data import Kept
 from sojourn_contract.values import PoseStamped
 from sojourn_drive.app import DriveApp
-from sojourn_drive.memory import DriveAppState
 from sojourn_drive.goals import GoalStatus
+from sojourn_drive.memory import DriveAppState
 from sojourn_drive.restart import LOST, unseen
 
 AT = 5_000_000_000

@@ -3,8 +3,7 @@
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 from sojourn_config.flight import FlightScenario
 from sojourn_contract import stamps
@@ -33,12 +32,10 @@ from sojourn_drive.stereo import StereoInput
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.visual_state import StereoImages
-from sojourn_flight.planning.energy_forecast import EnergyLeft
-from sojourn_flight.planning.goal import Goal
 from sojourn_flight.supervision.arbiter import why_pre_empted
 from sojourn_flight.supervision.drive import LONGEST_PERIOD, DriveModel
 from sojourn_flight.supervision.drive_status import drive_status
-from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, DriveState, TwistCommand
+from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
 from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray

@@ -11,13 +11,13 @@ from sojourn_config.starter.layout import (
     CARRIER_PART,
     SIDES,
     WHEEL_PART,
-    Body,
+    StarterBody,
     StarterMachine,
     body_width,
     frames,
 )
 from sojourn_config.starter.size import StarterSize
-from sojourn_config.starter.solids import Box, Cylinder, Joint, Link
+from sojourn_config.starter.solids import Box, Cylinder, Link, StarterJoint
 
 REAR, KNEE = "rear_body_link", "articulation_link"
 STEERING = "articulation_joint"
@@ -34,7 +34,7 @@ def articulated(size: StarterSize, with_cameras: bool) -> StarterMachine:
     half, drop, height = 0.5 * size.wheelbase, 0.4 * size.radius, 1.2 * size.radius
     length = min(2.6 * size.radius, 1.4 * half)
     box = (length, body_width(size, 0.0), height)
-    bodies = Body(BASE, box, (0.0, 0.0, 0.0)), Body(REAR, box, (-half, 0.0, 0.0))
+    bodies = StarterBody(BASE, box, (0.0, 0.0, 0.0)), StarterBody(REAR, box, (-half, 0.0, 0.0))
     solid, mass = Cylinder(size.radius, size.width), WHEEL_PART * size.mass / size.wheels
     corners = [(f"{axle}_{side}", body, sign) for axle, body in zip(("front", "rear"), bodies, strict=True)
                for side, sign in SIDES]  # fmt: skip
@@ -60,10 +60,11 @@ def articulated(size: StarterSize, with_cameras: bool) -> StarterMachine:
         ),
         joints=(
             *frame_joints,
-            Joint(STEERING, "revolute", BASE, KNEE, (-half, 0.0, 0.0), (0.0, 0.0, 1.0),
+            StarterJoint(STEERING, "revolute", BASE, KNEE, (-half, 0.0, 0.0), (0.0, 0.0, 1.0),
                   (1.3 * drives[1].effort, RATE), (-ANGLE, ANGLE)),
-            Joint("roll_joint", "revolute", KNEE, REAR, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 10.0), (-ROLL, ROLL)),
-            *(Joint(joint, "continuous", body.link, f"wheel_{name}_link", place, (0.0, 1.0, 0.0), limit)
+            StarterJoint("roll_joint", "revolute", KNEE, REAR, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 10.0),
+                  (-ROLL, ROLL)),
+            *(StarterJoint(joint, "continuous", body.link, f"wheel_{name}_link", place, (0.0, 1.0, 0.0), limit)
               for joint, (name, body, _), place in zip(joints, corners, places, strict=True)),
         ),
         supports=tuple(

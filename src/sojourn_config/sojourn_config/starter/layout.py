@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from sojourn_config.starter.drives import StarterDrive
 from sojourn_config.starter.size import StarterSize
-from sojourn_config.starter.solids import Box, Joint, Link, Vector
+from sojourn_config.starter.solids import Box, Link, StarterJoint, Vector
 
 BASE = "base_link"
 SIDES = (("left", 1.0), ("right", -1.0))
@@ -30,7 +30,7 @@ class StarterMachine:
 
     size: StarterSize
     links: tuple[Link, ...]
-    joints: tuple[Joint, ...]
+    joints: tuple[StarterJoint, ...]
     supports: tuple[str, ...]
     support: tuple[str, ...]
     drives: tuple[StarterDrive, ...]
@@ -51,7 +51,7 @@ class StarterMachine:
 
 
 @dataclass(frozen=True)
-class Body:
+class StarterBody:
     """A box that carries wheels, and its axles.
 
     Args:
@@ -84,11 +84,13 @@ def body_width(size: StarterSize, turn: float) -> float:
     return max(size.track - 2.0 * swept - 0.02, 0.4 * (size.track - size.width))
 
 
-def frames(front: float, top: float, with_cameras: bool) -> tuple[tuple[Link, ...], tuple[Joint, ...]]:
+def frames(front: float, top: float, with_cameras: bool) -> tuple[tuple[Link, ...], tuple[StarterJoint, ...]]:
     """Where sensors sit on base_link. front: x of the body's face, top: z of its lid [m]."""
     places = [("imu", (0.0, 0.0, 0.0), 0.0)]
     if with_cameras:
         places += [("hazcam", (front + 0.02, 0.0, 2.0 * top + 0.1), PITCH_OF_CAMERA), ("sun", (0.0, 0.0, top), 0.0)]
     links = tuple(Link(f"{name}_link") for name, _, _ in places)
-    joints = tuple(Joint(f"{name}_joint", "fixed", BASE, f"{name}_link", at, pitch=pitch) for name, at, pitch in places)
+    joints = tuple(
+        StarterJoint(f"{name}_joint", "fixed", BASE, f"{name}_link", at, pitch=pitch) for name, at, pitch in places
+    )
     return links, joints

@@ -18,13 +18,13 @@ from sojourn_config.starter.layout import (
     NO_PASSIVE,
     SIDES,
     WHEEL_PART,
-    Body,
+    StarterBody,
     StarterMachine,
     body_width,
     frames,
 )
 from sojourn_config.starter.size import StarterSize
-from sojourn_config.starter.solids import ORIGIN, Box, Cylinder, Joint, Link, Vector
+from sojourn_config.starter.solids import ORIGIN, Box, Cylinder, Link, StarterJoint, Vector
 
 ACKERMANN_ANGLE = 0.7
 """At the stops of steered wheels of a machine that does not turn on the spot [rad]."""
@@ -48,23 +48,23 @@ class _Corner:
     steered: bool
     sprung: bool
 
-    def parts(self, wheel: Link, carrier: float, limits: "_Limits") -> Iterator[tuple[Link, Joint]]:
+    def parts(self, wheel: Link, carrier: float, limits: "_Limits") -> Iterator[tuple[Link, StarterJoint]]:
         """Its links, each with the joint above it. carrier: mass of each that holds it [kg]."""
         parent, at = BASE, self.place
         block = Box((0.4 * limits.radius,) * 3)
         if self.sprung:
             slide = Link(f"slide_{self.name}_link", block, carrier)
             stops = (-SAG * limits.radius, 2.0 * SAG * limits.radius)
-            yield slide, Joint(self.suspension_joint, "prismatic", parent, slide.name, at, UP, (0.0, 5.0), stops)
+            yield slide, StarterJoint(self.suspension_joint, "prismatic", parent, slide.name, at, UP, (0.0, 5.0), stops)
             parent, at = slide.name, ORIGIN
         if self.steered:
             knuckle = Link(f"knuckle_{self.name}_link", block, carrier)
             limit = (limits.steer_effort, STEER_RATE)
             stops = (-limits.steer_angle, limits.steer_angle)
-            yield knuckle, Joint(self.steer_joint, "revolute", parent, knuckle.name, at, UP, limit, stops)
+            yield knuckle, StarterJoint(self.steer_joint, "revolute", parent, knuckle.name, at, UP, limit, stops)
             parent, at = knuckle.name, ORIGIN
         turning = (0.0, 1.0, 0.0)
-        yield wheel, Joint(self.wheel_joint, "continuous", parent, wheel.name, at, turning, limits.wheel)
+        yield wheel, StarterJoint(self.wheel_joint, "continuous", parent, wheel.name, at, turning, limits.wheel)
 
     @property
     def wheel_joint(self) -> str:
@@ -131,7 +131,7 @@ def _rigid(
     ]
     height = 1.2 * size.radius
     middle = 0.5 * size.wheelbase - base
-    body = Body(BASE, (size.wheelbase + 0.8 * size.radius, body_width(size, angle), height), (middle, 0.0, 0.0))
+    body = StarterBody(BASE, (size.wheelbase + 0.8 * size.radius, body_width(size, angle), height), (middle, 0.0, 0.0))
     solid, mass = Cylinder(size.radius, size.width), WHEEL_PART * size.mass / size.wheels
     carrier = CARRIER_PART * size.mass / size.wheels
     spin = mass * solid.inertia_per_mass[1]

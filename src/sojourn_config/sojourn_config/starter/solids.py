@@ -78,7 +78,7 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Joint:
+class StarterJoint:
     """A joint. at: of its frame in that of its parent [m]. pitch: of it there [rad].
 
     limit: effort [N m] or [N], velocity [rad/s] or [m/s]. stops: lower, upper [rad] or [m]; None: it turns on.
@@ -108,7 +108,7 @@ class Joint:
         return "\n".join([*lines, "  </joint>"])
 
 
-def urdf_text(name: str, words: str, links: Sequence[Link], joints: Sequence[Joint]) -> str:
+def urdf_text(name: str, words: str, links: Sequence[Link], joints: Sequence[StarterJoint]) -> str:
     """The whole file. words: for its head."""
     parts = [*(link.urdf() for link in links), *(joint.urdf() for joint in joints)]
     return "\n".join(['<?xml version="1.0"?>', f"<!-- {words} -->", f'<robot name="{name}">', *parts, "</robot>", ""])

@@ -5,9 +5,9 @@ rover.
 import math
 
 from sojourn_config.starter.drives import driving
-from sojourn_config.starter.layout import BASE, SIDES, Body, StarterMachine, frames
+from sojourn_config.starter.layout import BASE, SIDES, StarterBody, StarterMachine, frames
 from sojourn_config.starter.size import StarterSize
-from sojourn_config.starter.solids import Box, Cylinder, Joint, Link
+from sojourn_config.starter.solids import Box, Cylinder, Link, StarterJoint
 
 TRACK_PART, SPROCKET_PART = 0.25, 0.06
 """Of the machine's mass: both tracks, both sprockets."""
@@ -17,7 +17,7 @@ RISE_DEG = 40.0
 def tracks(size: StarterSize, with_cameras: bool) -> StarterMachine:
     """The machine; its wheelbase is the flat run."""
     radius, run = size.radius, size.wheelbase
-    hull = Body(BASE, (run + 2.0 * radius, size.track - size.width - 0.06, 2.0 * radius), (0.0, 0.0, 0.0))
+    hull = StarterBody(BASE, (run + 2.0 * radius, size.track - size.width - 0.06, 2.0 * radius), (0.0, 0.0, 0.0))
     solid, mass = Cylinder(radius, size.width), 0.5 * SPROCKET_PART * size.mass
     frame = Box((run + 3.0 * radius, size.width, 1.8 * radius))
     sunk = -1.4 * radius
@@ -35,9 +35,9 @@ def tracks(size: StarterSize, with_cameras: bool) -> StarterMachine:
         ),
         joints=(
             *frame_joints,
-            *(Joint(f"track_{side}_mount", "fixed", BASE, f"track_{side}_link", (0.0, sign * 0.5 * size.track, sunk))
+            *(StarterJoint(f"track_{side}_mount", "fixed", BASE, f"track_{side}_link", (0.0, sign * 0.5 * size.track, sunk))
               for side, sign in SIDES),
-            *(Joint(joint, "continuous", f"track_{side}_link", f"sprocket_{side}_link", sprocket, (0.0, 1.0, 0.0),
+            *(StarterJoint(joint, "continuous", f"track_{side}_link", f"sprocket_{side}_link", sprocket, (0.0, 1.0, 0.0),
                     (1.5 * drives[0].effort, size.rim_rate))
               for joint, (side, _) in zip(joints, SIDES, strict=True)),
         ),
