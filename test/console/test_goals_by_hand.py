@@ -8,7 +8,7 @@ import pytest
 from deaf_feed import DeafFeed
 
 from sojourn_console.control import Control
-from sojourn_console.desk import Desk
+from sojourn_console.desk import CommandDesk
 from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
 from sojourn_console.model import BasePose, RunScene
@@ -56,7 +56,7 @@ def test_what_cannot_be_sent_is_told(world: World) -> None:
 
 
 def test_a_stop_goes_to_both_without_a_stamp(feed: DeafFeed) -> None:
-    desk = Desk(feed)
+    desk = CommandDesk(feed)
     desk.stop()
     assert [(name, message.stamp) for name, message in feed.said] == [("/cmd_vel", 0), ("/arm/stop", 0)]
     feed.deaf = {"/arm/stop"}
@@ -67,7 +67,7 @@ def test_a_stop_goes_to_both_without_a_stamp(feed: DeafFeed) -> None:
 
 
 def test_a_route_goes_on_after_a_pause_without_what_was_passed(feed: DeafFeed) -> None:
-    desk = Desk(feed)
+    desk = CommandDesk(feed)
     stamp = desk.send(Draft("route", ((1.0, 0.0, 0.0), (2.0, 0.0, 0.0), (3.0, 0.0, 0.0))))
     assert stamp == feed.now and feed.said[-1][1].stamp == stamp
     at = BasePose(np.array([1.1, 0.1, 0.5]), np.array([0.0, 0.0, 0.0, 1.0]))
@@ -84,7 +84,7 @@ def test_a_route_goes_on_after_a_pause_without_what_was_passed(feed: DeafFeed) -
 
 
 def test_the_arm_pauses_by_itself(feed: DeafFeed) -> None:
-    desk = Desk(feed)
+    desk = CommandDesk(feed)
     arm = RunScene(statuses={"/arm/status": {"state": "moving"}})
     assert desk.pause(arm) == "arm paused"
     assert desk.resume() == "arm goes on"
@@ -92,7 +92,7 @@ def test_the_arm_pauses_by_itself(feed: DeafFeed) -> None:
 
 
 def test_cancel_ends_what_is_under_way_alone(feed: DeafFeed) -> None:
-    desk = Desk(feed)
+    desk = CommandDesk(feed)
     desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
     assert desk.cancel(RunScene(statuses={"/drive/status": {"state": "moving"}})) == "goal of drive cancelled"
     assert feed.said[-1][0] == "/cmd_vel" and desk.driven is None

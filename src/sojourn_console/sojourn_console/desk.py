@@ -41,7 +41,7 @@ class Sent:
         return replace(self.draft, points=self.draft.points[min(self.passed, len(self.draft.points) - 1) :])
 
 
-class Desk:
+class CommandDesk:
     """Of one run.
 
     Args:

@@ -11,7 +11,7 @@ import numpy as np
 import viser
 
 from sojourn_console.bag_feed import BagFeed
-from sojourn_console.desk import Desk
+from sojourn_console.desk import CommandDesk
 from sojourn_console.feed import Feed
 from sojourn_console.gate import GuardedServer
 from sojourn_console.ground_tiles import heights_of
@@ -50,7 +50,7 @@ class Page:
         start = np.array([[world.scenario.start.x], [world.scenario.start.y]])
         height = float(heights_of(world.ground, *start)[0])
         self._first = RunScene(odom_height=height + MachineShape(world.scenario.urdf_xml).standing())
-        self.bench = Workbench(server, world, feed, Desk(feed, height), scene=self._first)
+        self.bench = Workbench(server, world, feed, CommandDesk(feed, height), scene=self._first)
         server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="medium")
         self._views = tuple(view(server, world) for view in VIEWS)
         self._head: list[Panel] = [HeadPanel(self.bench)]

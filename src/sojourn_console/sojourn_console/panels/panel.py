@@ -10,7 +10,7 @@ import viser
 
 from sojourn_config.command_errors import CommandError
 from sojourn_console.control import Control
-from sojourn_console.desk import Desk
+from sojourn_console.desk import CommandDesk
 from sojourn_console.draft import Draft
 from sojourn_console.feed import Feed, FeedMessage
 from sojourn_console.model import RunScene
@@ -32,7 +32,7 @@ class Workbench:
     server: viser.ViserServer
     world: World
     feed: Feed
-    desk: Desk
+    desk: CommandDesk
     lock: threading.RLock = field(default_factory=threading.RLock)
     scene: RunScene = field(default_factory=RunScene)
     control: Control = field(default_factory=Control)
