@@ -11,7 +11,7 @@ from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
 from sojourn_console.model import BasePose
 from sojourn_console.panels.goals import rehearsal_rows
-from sojourn_console.rehearsal import Forecast, after, believed, rehearse
+from sojourn_console.rehearsal import RehearsedDrive, after, believed, rehearse
 from sojourn_console.rehearser import Rehearser
 from sojourn_contract.messages import contact_cloud
 from sojourn_contract.topics import topic
@@ -61,7 +61,7 @@ def test_the_worst_is_kept() -> None:
 
     report = np.zeros((2, 16))
     report[:, 4], report[:, 8] = (0.3, 0.9), (100.0, 1.0)  # the second hardly touches
-    found, place = Forecast(), None
+    found, place = RehearsedDrive(), None
     for x, tilt in ((0.0, 0.1), (0.3, 0.2), (0.4, 0.05)):
         said = [(topic("/truth/odom"), odometry(x, tilt)), (topic("/truth/contacts"), contact_cloud(0, report))]
         found, place = after(found, place, said)

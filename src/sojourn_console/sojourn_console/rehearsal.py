@@ -43,7 +43,7 @@ TRUTHS_ALONE = ("faults", "soil", "rock_soil", *TRUTH_ALONE)
 
 
 @dataclass(frozen=True)
-class Forecast:
+class RehearsedDrive:
     """What a rehearsal has found so far.
 
     Args:
@@ -85,13 +85,13 @@ def believed(overrides: Sequence[str], pose: BasePose, charge: float, draft: Dra
     ]
 
 
-def rehearse(scenario: str, overrides: Sequence[str]) -> Iterator[Forecast]:
+def rehearse(scenario: str, overrides: Sequence[str]) -> Iterator[RehearsedDrive]:
     """Run a rehearsal, and tell after each control period what has been found. Raises ConfigError, StackError."""
     loaded = load_scenario(scenario, overrides)
     roles = [role for role in ROLES if role != "arm" or loaded.arm is not None]
     stack = Stack(make_apps(loaded, roles), roles, table_of(loaded))
     state, said = stack.begin()
-    found, place = Forecast(), None
+    found, place = RehearsedDrive(), None
     while not state.finished:
         state, said = stack.step(state)
         found, place = after(found, place, said)
@@ -99,7 +99,9 @@ def rehearse(scenario: str, overrides: Sequence[str]) -> Iterator[Forecast]:
     yield replace(found, is_over=True)
 
 
-def after(found: Forecast, place: FloatArray | None, said: Iterable[Said]) -> tuple[Forecast, FloatArray | None]:
+def after(
+    found: RehearsedDrive, place: FloatArray | None, said: Iterable[Said]
+) -> tuple[RehearsedDrive, FloatArray | None]:
     """What has been found after a period, and where the machine is then."""
     speed = 0.0
     for row, message in said:

@@ -7,7 +7,7 @@ import sys
 import threading
 from collections.abc import Sequence
 
-from sojourn_console.rehearsal import Forecast
+from sojourn_console.rehearsal import RehearsedDrive
 
 MODULE = "sojourn_console.rehearsal"
 _NICE = 10
@@ -23,7 +23,7 @@ class Rehearser:
     """
 
     def __init__(self) -> None:
-        self.forecast: Forecast | None = None
+        self.forecast: RehearsedDrive | None = None
         self.problem = ""
         self._child: subprocess.Popen[str] | None = None
 
@@ -56,7 +56,7 @@ class Rehearser:
     def _listen(self, child: "subprocess.Popen[str]") -> None:
         for line in child.stdout or ():
             if self._child is child:
-                self.forecast = Forecast(**json.loads(line))
+                self.forecast = RehearsedDrive(**json.loads(line))
         errors = child.stderr.read() if child.stderr is not None else ""
         if self._child is child:
             if child.wait():

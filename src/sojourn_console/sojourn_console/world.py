@@ -26,7 +26,7 @@ from sojourn_sensors.kinds.camera import CameraSensorParams
 
 
 @dataclass(frozen=True)
-class CameraPlace:
+class CameraMount:
     """A camera of the machine.
 
     Args:
@@ -55,7 +55,7 @@ class World:
     ground: HeightField
     table: TopicTable
     sun: SunOver
-    cameras: tuple[CameraPlace, ...]
+    cameras: tuple[CameraMount, ...]
     attachments: dict[str, bytes]
     source: str = ""
     """Name or file from which the scenario can be read again; empty where it is gone."""
@@ -104,15 +104,15 @@ def world_of_run(run: Path) -> World:
         raise NoWorldError(str(error)) from error
 
 
-def _cameras(scenario: LoadedScenario, table: TopicTable) -> list[CameraPlace]:
+def _cameras(scenario: LoadedScenario, table: TopicTable) -> list[CameraMount]:
     found = []
     for name, params in scenario.sensors.sensors.items():
         if isinstance(params, HazcamParams):
             across, up = (math.radians(angle) for angle in (params.horizontal_view_deg, params.vertical_view_deg))
-            found.append(CameraPlace(name, params.link, up, math.tan(across / 2) / math.tan(up / 2)))
+            found.append(CameraMount(name, params.link, up, math.tan(across / 2) / math.tan(up / 2)))
         elif isinstance(params, CameraSensorParams):
             lens = params.lens
             images = [row.name for row in rows_of_sensor(scenario, table, name) if row.type == "sensor_msgs/Image"]
             view = 2.0 * math.atan(0.5 * lens.rows / lens.focal_length)
-            found.append(CameraPlace(name, params.link, view, lens.columns / lens.rows, images[0] if images else ""))
+            found.append(CameraMount(name, params.link, view, lens.columns / lens.rows, images[0] if images else ""))
     return found
