@@ -84,7 +84,7 @@ def table_of_bag(bag: Bag) -> TopicTable:
                 delivered.append(delivered_by_data(row, data))
         waits = described.get(TICK)  # with faults in its schedule whoever they happen to waits for the operator
         roles = () if waits is None else STANDARD.topic(FAULTS).subscribers
-        hearing = [role for role in roles if role in waits["subscribers"]]
+        hearing = [role for role in roles if waits is not None and role in waits["subscribers"]]
         return STANDARD.joined_with(rows).heard_by(TICK, hearing).delivered(delivered)
     except (TopicNameError, *_UNREADABLE) as error:
         raise OtherContractError(bag.path, f"its {CONTRACT_NAME} cannot be read: {error}") from error

@@ -35,10 +35,11 @@ def tracks(size: StarterSize, with_cameras: bool) -> StarterMachine:
         ),
         joints=(
             *frame_joints,
-            *(StarterJoint(f"track_{side}_mount", "fixed", BASE, f"track_{side}_link", (0.0, sign * 0.5 * size.track, sunk))
+            *(StarterJoint(f"track_{side}_mount", "fixed", BASE, f"track_{side}_link",
+                           (0.0, sign * 0.5 * size.track, sunk))
               for side, sign in SIDES),
-            *(StarterJoint(joint, "continuous", f"track_{side}_link", f"sprocket_{side}_link", sprocket, (0.0, 1.0, 0.0),
-                    (1.5 * drives[0].effort, size.rim_rate))
+            *(StarterJoint(joint, "continuous", f"track_{side}_link", f"sprocket_{side}_link", sprocket,
+                           (0.0, 1.0, 0.0), (1.5 * drives[0].effort, size.rim_rate))
               for joint, (side, _) in zip(joints, SIDES, strict=True)),
         ),
         supports=tuple(
