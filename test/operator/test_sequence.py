@@ -13,7 +13,7 @@ from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topics import STANDARD
 from sojourn_operator.sequence.condition import conditions
 from sojourn_operator.sequence.file import SequenceConfig, read_sequence, scenario_text, sequence_text
-from sojourn_operator.sequence.runner import Heard, SequenceRunner, SequenceState
+from sojourn_operator.sequence.runner import SequenceInput, SequenceRunner, SequenceState
 from sojourn_operator.sequence_command import main
 from sojourn_operator.steps.step import LEAD_NS, GoalReport, RunFacts
 
@@ -46,7 +46,7 @@ class Run:
             begun, stamp = self._goal
             if stamp and self.now - begun >= NANOSECONDS:
                 self.reports = {"drive": GoalReport(self.ends, stamp, "because")}
-            self.take(self.one.look(self.state, self.now, Heard(self.reports, self.values)))
+            self.take(self.one.look(self.state, self.now, SequenceInput(self.reports, self.values)))
             self.now += NANOSECONDS // 10
         return self
 
@@ -76,7 +76,7 @@ def test_a_step_waits_for_its_time_and_its_comparisons() -> None:
     run.values = {CHARGE: 0.5, "/drive/status.state": "idle"}
     assert run.go(1.9).sent == []
     run.values[CHARGE] = 0.3
-    assert run.go(2.0).sent == [] and "0.4" in run.one.waits_for(run.state, run.now, Heard({}, run.values))
+    assert run.go(2.0).sent == [] and "0.4" in run.one.waits_for(run.state, run.now, SequenceInput({}, run.values))
     run.values[CHARGE] = 0.5
     assert run.go(0.2).sent == ["/goal_pose"]
 

@@ -16,7 +16,7 @@ from sojourn_contract.heartbeat import status_values
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Header, Message, Odometry
 from sojourn_machine.evolution import replace
-from sojourn_operator.fault_schedule import FaultSchedule, ScheduleState, Seen
+from sojourn_operator.fault_schedule import FaultSchedule, ScheduleState, SeenRun
 from sojourn_operator.goal_messages import report_of
 from sojourn_operator.scenario_steps import script_steps
 from sojourn_operator.script import OperatorScript, ScriptState
@@ -83,7 +83,7 @@ class OperatorApp(App[OperatorState]):
         if goal is not None:
             messages.append((goal.topic, goal.message))
             sent[goal.topic] = sent.get(goal.topic, 0) + 1
-        seen = Seen(stamp, len(script.results), state.reports, truth)
+        seen = SeenRun(stamp, len(script.results), state.reports, truth)
         faults, said = self._faults.look(state.faults, seen)
         if said:
             messages += [(FAULTS_TOPIC, message) for message in said]

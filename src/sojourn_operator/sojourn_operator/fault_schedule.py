@@ -37,7 +37,7 @@ class ScheduleState:
 
 
 @dataclass(frozen=True)
-class Seen:
+class SeenRun:
     """What a look shows.
 
     Args:
@@ -61,7 +61,7 @@ class FaultSchedule:
         self.faults = tuple(faults)
         self._times = [fault.time(seed) for fault in faults]
 
-    def look(self, state: ScheduleState, seen: Seen) -> tuple[ScheduleState, list[DiagnosticArray]]:
+    def look(self, state: ScheduleState, seen: SeenRun) -> tuple[ScheduleState, list[DiagnosticArray]]:
         """Look at the run; what is to be sent now."""
         if not self.faults:
             return state, []
@@ -85,7 +85,7 @@ class FaultSchedule:
         return state, said
 
     def _due(
-        self, state: ScheduleState, place: int, fault: FaultChoice, seen: Seen
+        self, state: ScheduleState, place: int, fault: FaultChoice, seen: SeenRun
     ) -> tuple[ScheduleState, int | None]:
         """When a fault that has not come yet is due [ns], None as long as nobody knows."""
         time = self._times[place]
@@ -108,13 +108,13 @@ class FaultSchedule:
         return None if fault.lasts is None else begun + _period_at(fault.lasts)
 
     @staticmethod
-    def _moved(state: ScheduleState, seen: Seen) -> ScheduleState:
+    def _moved(state: ScheduleState, seen: SeenRun) -> ScheduleState:
         x, y, z = seen.truth.position.tolist()
         driven = 0.0 if state.place is None else math.dist(state.place, (x, y, z))
         return replace(state, distance=state.distance + driven, place=(x, y, z))
 
 
-def _happened(trigger: TriggerParams, state: ScheduleState, seen: Seen) -> bool:
+def _happened(trigger: TriggerParams, state: ScheduleState, seen: SeenRun) -> bool:
     if trigger.after_step is not None:
         return seen.steps >= trigger.after_step
     if trigger.distance is not None:

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from sojourn_flight.odometry.disparity_plane import homography, into_later, into_right, mapped, plane_of
 from sojourn_flight.odometry.stereo_geometry import (
     CameraPlace,
-    Motion,
     PinholePair,
+    SeenMotion,
     motion_jacobians,
     moved_on,
     projected,
@@ -26,11 +26,11 @@ STEP = 1e-6
 SEEDS = st.integers(0, 10_000)
 
 
-def some(seed: int, count: int = 12) -> tuple[CameraPlace, Motion, FloatArray]:
+def some(seed: int, count: int = 12) -> tuple[CameraPlace, SeenMotion, FloatArray]:
     """A camera anywhere on a machine, a motion, and points before the camera."""
     random = np.random.default_rng(seed)
     camera = CameraPlace(pin.exp3(random.standard_normal(3)), random.standard_normal(3))
-    motion = Motion(pin.exp3(0.2 * random.standard_normal(3)), 0.3 * random.standard_normal(3))
+    motion = SeenMotion(pin.exp3(0.2 * random.standard_normal(3)), 0.3 * random.standard_normal(3))
     points = np.column_stack([random.uniform(-1.0, 1.0, (count, 2)), random.uniform(3.0, 9.0, count)])
     return camera, motion, points
 
@@ -98,7 +98,7 @@ def test_level_ground_is_a_plane_of_disparities_whatever_sticks_out_of_it(seed: 
     np.testing.assert_allclose(plane.at(seen[:, :2]), seen[:, 0] - seen[:, 2], atol=1e-6)
     np.testing.assert_allclose(mapped(into_right(plane), seen[:, :2]), seen[:, [2, 1]], atol=1e-6)
     camera = CameraPlace(np.eye(3), np.array([0.0, 0.2, 0.1]))
-    motion = Motion(pin.exp3(0.02 * random.standard_normal(3)), 0.1 * random.standard_normal(3))
+    motion = SeenMotion(pin.exp3(0.02 * random.standard_normal(3)), 0.1 * random.standard_normal(3))
     onto = into_later(plane, PAIR, camera, motion, (192, 256))
     assert onto is not None
     later = projected(PAIR, seen_after(camera, motion, points))
@@ -120,4 +120,4 @@ def test_a_homography_of_four_places_is_that_of_opencv(seed: int) -> None:
 def test_ground_behind_the_camera_is_not_in_view() -> None:
     plane = plane_of(np.array([[100.0, 90.0, 60.0], [20.0, 50.0, 0.0], [150.0, 20.0, 140.0]]))
     camera = CameraPlace(np.eye(3), np.zeros(3))
-    assert into_later(plane, PAIR, camera, Motion(np.eye(3), np.array([0.0, 0.0, 50.0])), (192, 256)) is None
+    assert into_later(plane, PAIR, camera, SeenMotion(np.eye(3), np.array([0.0, 0.0, 50.0])), (192, 256)) is None

@@ -8,8 +8,8 @@ import pytest
 
 from sojourn_flight.odometry.stereo_geometry import (
     CameraPlace,
-    Motion,
     PinholePair,
+    SeenMotion,
     projected,
     seen_after,
     triangulated,
@@ -20,11 +20,11 @@ from sojourn_machine.params import FloatArray
 PAIR = PinholePair(300.0, (127.5, 95.5), 0.2)
 DOWN = np.array([[0.0, -0.34, 0.94], [-1.0, 0.0, 0.0], [0.0, -0.94, -0.34]])
 CAMERA = CameraPlace(np.linalg.svd(DOWN)[0] @ np.linalg.svd(DOWN)[2], np.array([0.4, 0.1, 1.0]))
-TRUE = Motion(pin.exp3(np.array([0.01, -0.02, 0.05])), np.array([0.2, 0.02, -0.01]))
-STILL = Motion(np.eye(3), np.zeros(3))
+TRUE = SeenMotion(pin.exp3(np.array([0.01, -0.02, 0.05])), np.array([0.2, 0.02, -0.01]))
+STILL = SeenMotion(np.eye(3), np.zeros(3))
 
 
-def looks(seed: int, noise: float = 0.0, count: int = 80, moved: Motion = TRUE) -> Looks:
+def looks(seed: int, noise: float = 0.0, count: int = 80, moved: SeenMotion = TRUE) -> Looks:
     """Ground 1.5 m below and 2 to 8 m ahead, seen before and after."""
     random = np.random.default_rng(seed)
     points = np.column_stack(
@@ -34,11 +34,11 @@ def looks(seed: int, noise: float = 0.0, count: int = 80, moved: Motion = TRUE) 
     return Looks(CAMERA, PAIR, *(seen + noise * random.standard_normal(seen.shape) for seen in (first, second)))
 
 
-def find(seen: Looks, guess: Motion = STILL, outlier: float = 1.5) -> FoundMotion | None:
+def find(seen: Looks, guess: SeenMotion = STILL, outlier: float = 1.5) -> FoundMotion | None:
     return found_motion(seen, guess, np.random.default_rng(1), outlier, 0.01)
 
 
-def error(found: FoundMotion, true: Motion = TRUE) -> FloatArray:
+def error(found: FoundMotion, true: SeenMotion = TRUE) -> FloatArray:
     """Of shift and turn, shape (6,)."""
     return np.concatenate([found.motion.shift - true.shift, pin.log3(found.motion.turn @ true.turn.T)])
 
@@ -85,7 +85,10 @@ def test_the_same_points_and_numbers_give_the_same_motion() -> None:
 
 def test_a_guess_that_is_off_leads_there_as_well() -> None:
     seen = looks(5, 0.1)
-    near, far = find(seen, TRUE), find(seen, Motion(pin.exp3(np.array([0.0, 0.03, -0.1])), np.array([-0.1, 0.1, 0.0])))
+    near, far = (
+        find(seen, TRUE),
+        find(seen, SeenMotion(pin.exp3(np.array([0.0, 0.03, -0.1])), np.array([-0.1, 0.1, 0.0]))),
+    )
     assert near is not None and far is not None
     np.testing.assert_allclose(near.motion.shift, far.motion.shift, atol=1e-6)
 

@@ -15,7 +15,14 @@ from sojourn_flight.odometry.odometry import OdometryState, initial_odometry
 from sojourn_flight.odometry.stereo_geometry import PinholePair
 from sojourn_flight.odometry.stereo_motion import FoundMotion
 from sojourn_flight.odometry.visual_odometry import VisualOdometer, motion_between, motion_since, way_of
-from sojourn_flight.odometry.visual_state import Pose, StereoImages, View, VisualOdometryState, rolled_on, visual_status
+from sojourn_flight.odometry.visual_state import (
+    PairView,
+    SeenPose,
+    StereoImages,
+    VisualOdometryState,
+    rolled_on,
+    visual_status,
+)
 from sojourn_machine.errors import InvalidValueError
 from sojourn_sensors.app import SensorsApp
 from sojourn_sensors.kinds.camera import CameraPair
@@ -43,7 +50,7 @@ class Scene:
         self.odometer = VisualOdometer(visual.model_copy(update={"corners": 150}), place, 0)
         self.start = initial_odometry(scenario.drive.odometry, key_frames=1)
 
-    def images(self, pose: Pose, number: int) -> StereoImages:
+    def images(self, pose: SeenPose, number: int) -> StereoImages:
         """What is seen from a pose."""
         half = 0.5 * pose.yaw
         turn = np.array([0.0, 0.0, math.sin(half), math.cos(half)])
@@ -66,7 +73,7 @@ def scene() -> Scene:
 
 
 def found_by(
-    scene: Scene, odometry: OdometryState, view: View, there: Pose, number: int
+    scene: Scene, odometry: OdometryState, view: PairView, there: SeenPose, number: int
 ) -> tuple[FoundMotion | None, int]:
     """The motion since a key frame to a pose, and how many points agree on it."""
     images = scene.images(there, 2 * number + 2)
@@ -75,13 +82,13 @@ def found_by(
     return found, points
 
 
-def on(scene: Scene, odometry: OdometryState, pose: Pose) -> OdometryState:
+def on(scene: Scene, odometry: OdometryState, pose: SeenPose) -> OdometryState:
     """The odometry as if it believed in a pose."""
     return replace(odometry, x=pose.x, y=pose.y, z=pose.z, roll=pose.roll, pitch=pose.pitch, yaw=pose.yaw)
 
 
-def pose(x: float, y: float = 0.5, yaw: float = 0.1) -> Pose:
-    return Pose(x, y, 0.45, 0.0, 0.0, yaw)
+def pose(x: float, y: float = 0.5, yaw: float = 0.1) -> SeenPose:
+    return SeenPose(x, y, 0.45, 0.0, 0.0, yaw)
 
 
 def gone(state: VisualOdometryState, way: float = STEP) -> VisualOdometryState:
@@ -95,7 +102,7 @@ class Rover:
     scene: Scene
     slip: float
 
-    def drive(self, looks: int) -> tuple[OdometryState, VisualOdometryState, Pose]:
+    def drive(self, looks: int) -> tuple[OdometryState, VisualOdometryState, SeenPose]:
         """After so many looks, and where it then is."""
         start = pose(1.0)
         odometry = on(self.scene, self.scene.start, start)

@@ -15,8 +15,8 @@ import numpy as np
 
 from sojourn_flight.odometry.stereo_geometry import (
     CameraPlace,
-    Motion,
     PinholePair,
+    SeenMotion,
     projected,
     seen_after,
     triangulated,
@@ -65,7 +65,7 @@ def into_right(plane: DisparityPlane) -> FloatArray:
 
 
 def into_later(
-    plane: DisparityPlane, pair: PinholePair, camera: CameraPlace, motion: Motion, size: tuple[int, int]
+    plane: DisparityPlane, pair: PinholePair, camera: CameraPlace, motion: SeenMotion, size: tuple[int, int]
 ) -> tuple[FloatArray, FloatArray] | None:
     """From the left image of a look into both images after a motion, shape (3, 3) each; None where the plane is not in
     view, before or after. size: rows and columns of the images [px].

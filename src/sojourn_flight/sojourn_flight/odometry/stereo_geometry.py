@@ -53,7 +53,7 @@ class CameraPlace(NamedTuple):
     """In base_link, shape (3,) [m]."""
 
 
-class Motion(NamedTuple):
+class SeenMotion(NamedTuple):
     """Of base_link in base_link before; one, or several at once."""
 
     turn: FloatArray
@@ -101,13 +101,13 @@ def projection_jacobian(pair: PinholePair, points: FloatArray) -> FloatArray:
     return jacobian
 
 
-def seen_after(camera: CameraPlace, motion: Motion, points: FloatArray) -> FloatArray:
+def seen_after(camera: CameraPlace, motion: SeenMotion, points: FloatArray) -> FloatArray:
     """Y of points X, shape (..., n, 3), after a motion, or each after its own [m]."""
     around = points @ camera.turn.T + camera.place - motion.shift[..., np.newaxis, :]
     return np.asarray((around @ motion.turn - camera.place) @ camera.turn)
 
 
-def motion_jacobians(camera: CameraPlace, motion: Motion, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+def motion_jacobians(camera: CameraPlace, motion: SeenMotion, points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Derivatives of `seen_after` by e and q, shape (..., n, 3, 6), and by the points, shape (..., 1, 3, 3)."""
     around = points @ camera.turn.T + camera.place - motion.shift[..., np.newaxis, :]
     back = (motion.turn @ camera.turn).swapaxes(-1, -2)[..., np.newaxis, :, :]
@@ -124,11 +124,11 @@ def cross(vectors: FloatArray) -> FloatArray:
     return matrix
 
 
-def moved_on(motion: Motion, step: FloatArray) -> Motion:
+def moved_on(motion: SeenMotion, step: FloatArray) -> SeenMotion:
     """The motion with e and q, shape (..., 6): exp([q]x) by Rodrigues' formula."""
     turn = step[..., 3:]
     angle = np.linalg.norm(turn, axis=-1)[..., np.newaxis, np.newaxis]
     skew = cross(turn)
     half = np.sinc(0.5 * angle / np.pi)
     exponential = np.eye(3) + np.sinc(angle / np.pi) * skew + 0.5 * half * half * (skew @ skew)
-    return Motion(exponential @ motion.turn, motion.shift + step[..., :3])
+    return SeenMotion(exponential @ motion.turn, motion.shift + step[..., :3])

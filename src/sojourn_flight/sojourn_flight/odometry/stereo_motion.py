@@ -28,8 +28,8 @@ from numpy.typing import NDArray
 
 from sojourn_flight.odometry.stereo_geometry import (
     CameraPlace,
-    Motion,
     PinholePair,
+    SeenMotion,
     motion_jacobians,
     moved_on,
     projected,
@@ -62,7 +62,7 @@ class Looks(NamedTuple):
 class FoundMotion(NamedTuple):
     """What the points say."""
 
-    motion: Motion
+    motion: SeenMotion
     covariance: FloatArray
     """Of shift and turn, both in the axes of base_link before, shape (6, 6) [m, rad]."""
     deviation: float
@@ -72,7 +72,7 @@ class FoundMotion(NamedTuple):
 
 
 def found_motion(
-    looks: Looks, guess: Motion, random: np.random.Generator, outlier: float, tracking_sigma: float
+    looks: Looks, guess: SeenMotion, random: np.random.Generator, outlier: float, tracking_sigma: float
 ) -> FoundMotion | None:
     """The motion by consensus and least squares; None where fewer points agree than make one.
 
@@ -85,7 +85,7 @@ def found_motion(
         return None
     points = triangulated(looks.pair, looks.first)
     sets = np.argsort(random.random((SETS, count)), axis=1)[:, :OF_POINTS]
-    tried = Motion(np.tile(guess.turn, (SETS, 1, 1)), np.tile(guess.shift, (SETS, 1)))
+    tried = SeenMotion(np.tile(guess.turn, (SETS, 1, 1)), np.tile(guess.shift, (SETS, 1)))
     for _ in range(SET_STEPS):
         tried = moved_on(tried, _step(looks, tried, points[sets], looks.second[sets]))
     off = np.linalg.norm(looks.second - projected(looks.pair, seen_after(looks.camera, tried, points)), axis=-1)
@@ -101,7 +101,7 @@ def found_motion(
     return FoundMotion(motion, np.asarray(variance * np.linalg.inv(information)), math.sqrt(variance), before)
 
 
-def _least_squares(looks: Looks, guess: Motion, agree: NDArray[np.bool_]) -> tuple[Motion, FloatArray, float]:
+def _least_squares(looks: Looks, guess: SeenMotion, agree: NDArray[np.bool_]) -> tuple[SeenMotion, FloatArray, float]:
     """Motion by the points that agree, sum A^T V^-1 A, and sum e^T V^-1 e."""
     first, second = looks.first[agree], looks.second[agree]
     points, spread = triangulated(looks.pair, first), triangulation_jacobian(looks.pair, first)
@@ -122,7 +122,7 @@ def _least_squares(looks: Looks, guess: Motion, agree: NDArray[np.bool_]) -> tup
     return motion, information, float(np.einsum("ni,nij,nj->", residual, weights, residual))
 
 
-def _step(looks: Looks, motion: Motion, points: FloatArray, second: FloatArray) -> FloatArray:
+def _step(looks: Looks, motion: SeenMotion, points: FloatArray, second: FloatArray) -> FloatArray:
     """A step of Gauss-Newton for each set of points, (sets, points, 3), all places alike; shape (sets, 6)."""
     there = seen_after(looks.camera, motion, points)
     jacobian = projection_jacobian(looks.pair, there) @ motion_jacobians(looks.camera, motion, points)[0]

@@ -31,15 +31,15 @@ from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.odometry.relative_fix import Seen, fix_way, with_key_frame
 from sojourn_flight.odometry.stereo_geometry import (
     CameraPlace,
-    Motion,
     PinholePair,
+    SeenMotion,
     projected,
     seen_after,
     triangulated,
 )
 from sojourn_flight.odometry.stereo_motion import FoundMotion, Looks, found_motion
 from sojourn_flight.odometry.visual_params import VisualOdometryParams
-from sojourn_flight.odometry.visual_state import Pose, StereoImages, View, VisualOdometryState
+from sojourn_flight.odometry.visual_state import PairView, SeenPose, StereoImages, VisualOdometryState
 from sojourn_machine.params import FloatArray
 
 COARSE = 11
@@ -112,7 +112,7 @@ def _begun(
         return odometry, replace(state, view=None, rolled=0.0, turned=0.0, text=why)
     odometry = with_key_frame(odometry, odometer.frame)
     text = state.text if state.view is not None else "key frame"
-    view = View(images, seen, plane, pose_of(odometry))
+    view = PairView(images, seen, plane, pose_of(odometry))
     return odometry, replace(state, view=view, rolled=0.0, turned=0.0, text=text)
 
 
@@ -132,7 +132,7 @@ def depths(params: VisualOdometryParams, images: StereoImages) -> tuple[FloatArr
 
 
 def motion_since(
-    odometer: VisualOdometer, odometry: OdometryState, view: View, images: StereoImages, number: int
+    odometer: VisualOdometer, odometry: OdometryState, view: PairView, images: StereoImages, number: int
 ) -> tuple[FoundMotion | None, int, str]:
     """The motion since the key frame, the points that agree on it, and why there is none."""
     params, random = odometer.params, np.random.default_rng(number)
@@ -156,8 +156,8 @@ def motion_since(
 
 
 def _coarse(
-    odometer: VisualOdometer, view: View, images: StereoImages, guess: Motion, random: np.random.Generator
-) -> Motion:
+    odometer: VisualOdometer, view: PairView, images: StereoImages, guess: SeenMotion, random: np.random.Generator
+) -> SeenMotion:
     """The motion to some pixels, by searching around the places where a guess has some of the points: a slip that was
     not believed leads farther astray than can be followed. The guess itself where too few are found.
     """
@@ -177,7 +177,7 @@ def _coarse(
 
 
 def _fixed(
-    odometer: VisualOdometer, odometry: OdometryState, state: VisualOdometryState, view: View, found: FoundMotion
+    odometer: VisualOdometer, odometry: OdometryState, state: VisualOdometryState, view: PairView, found: FoundMotion
 ) -> tuple[OdometryState, VisualOdometryState]:
     """The filter's update with a motion."""
     seen, covariance = way_of(odometer.params, view.pose, found)
@@ -192,7 +192,7 @@ def _fixed(
     return fix.odometry, replace(state, matches=state.matches + 1, slip=slip, text=text)
 
 
-def way_of(params: VisualOdometryParams, before: Pose, found: FoundMotion) -> tuple[FloatArray, FloatArray]:
+def way_of(params: VisualOdometryParams, before: SeenPose, found: FoundMotion) -> tuple[FloatArray, FloatArray]:
     """x, y [m] and turn [rad] in the level axes of a key frame, shape (3,), with their covariance, shape (3, 3)."""
     level = rotation_of(before.roll, before.pitch)
     turned, gone = level @ found.motion.turn, level @ found.motion.shift
@@ -205,17 +205,17 @@ def way_of(params: VisualOdometryParams, before: Pose, found: FoundMotion) -> tu
     return way, covariance
 
 
-def pose_of(odometry: OdometryState) -> Pose:
+def pose_of(odometry: OdometryState) -> SeenPose:
     """Where the odometry has base_link."""
-    return Pose(odometry.x, odometry.y, odometry.z, odometry.roll, odometry.pitch, odometry.yaw)
+    return SeenPose(odometry.x, odometry.y, odometry.z, odometry.roll, odometry.pitch, odometry.yaw)
 
 
-def motion_between(before: Pose, after: Pose) -> Motion:
+def motion_between(before: SeenPose, after: SeenPose) -> SeenMotion:
     """Of base_link from one pose to another, in the axes of the first."""
     was = rotation_of(before.roll, before.pitch, before.yaw)
     now = rotation_of(after.roll, after.pitch, after.yaw)
     gone = np.array((after.x - before.x, after.y - before.y, after.z - before.z))
-    return Motion(was.T @ now, was.T @ gone)
+    return SeenMotion(was.T @ now, was.T @ gone)
 
 
 def _rejected(state: VisualOdometryState, why: str) -> VisualOdometryState:

@@ -21,7 +21,7 @@ class StereoImages:
     pair: PinholePair
 
 
-class Pose(NamedTuple):
+class SeenPose(NamedTuple):
     """Of base_link by the odometry."""
 
     x: float
@@ -35,7 +35,7 @@ class Pose(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class View:
+class PairView:
     """A key frame: what was seen there."""
 
     images: StereoImages
@@ -43,14 +43,14 @@ class View:
     """u, v in the left image and u in the right one of each point, shape (n, 3) [px]."""
     plane: DisparityPlane
     """The ground, by most of them."""
-    pose: Pose
+    pose: SeenPose
 
 
 @dataclass(frozen=True, slots=True)
 class VisualOdometryState:
     """The key frame, and what became of the looks."""
 
-    view: View | None = None
+    view: PairView | None = None
     """None before the first look with ground in it."""
     rolled: float = 0.0
     """Way of the supports since the key frame, slip and all [m]."""

@@ -16,7 +16,15 @@ from sojourn_operator.foresight_words import foresight_lines
 from sojourn_operator.goal_messages import QUESTION, report_of
 from sojourn_operator.goal_sending import GoalClient
 from sojourn_operator.script import GoalToSend
-from sojourn_operator.sequence.runner import ABORTED, STOPS, WAITING, Answer, Heard, SequenceRunner, SequenceState
+from sojourn_operator.sequence.runner import (
+    ABORTED,
+    STOPS,
+    WAITING,
+    Answer,
+    SequenceInput,
+    SequenceRunner,
+    SequenceState,
+)
 from sojourn_operator.steps.step import View
 
 HELP = "h: hold, r: resume, s: skip, a: abort, l: list, q: leave (what is under way goes on)"
@@ -98,9 +106,9 @@ class SequenceDesk(GoalClient):
                 say(f"   {line}")
         return 0 if allowed else 1
 
-    def _heard(self) -> Heard:
+    def _heard(self) -> SequenceInput:
         reports = {who: report_of(status) for who, status in self.statuses.items()}
-        return Heard(reports, self._values, self._truth)
+        return SequenceInput(reports, self._values, self._truth)
 
     def _take(self, answer: Answer) -> None:
         self.state, goals = answer

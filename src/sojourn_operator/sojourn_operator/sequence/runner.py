@@ -76,7 +76,7 @@ class SequenceState:
 
 
 @dataclass(frozen=True)
-class Heard:
+class SequenceInput:
     """What is known at a look: reports of drive and arm, values of the fields by name, where the machine is."""
 
     reports: Mapping[str, GoalReport] = field(default_factory=dict)
@@ -125,7 +125,7 @@ class SequenceRunner:
         step = self._action(state).describe()
         return f"step {state.index + 1} of {len(self.config.steps)}, {state.phase}{held}: {step}"
 
-    def look(self, state: SequenceState, now: int, heard: Heard) -> Answer:
+    def look(self, state: SequenceState, now: int, heard: SequenceInput) -> Answer:
         """Look at simulation time `now` [ns]; the next state, and what is to be sent."""
         if state.is_over:
             return state, []
@@ -142,7 +142,7 @@ class SequenceRunner:
         state = replace(state, phase=RUNNING, since=now)
         return state, self._said(state, self._view(state, now, heard))
 
-    def waits_for(self, state: SequenceState, now: int, heard: Heard) -> str:
+    def waits_for(self, state: SequenceState, now: int, heard: SequenceInput) -> str:
         """Why the next step does not begin, "" where it may."""
         step = self.config.steps[state.index]
         if state.held:
@@ -191,7 +191,7 @@ class SequenceRunner:
         """That its steps ask something of."""
         return tuple(dict.fromkeys(step.action.role for step in self.config.steps if step.action.role))
 
-    def _look_at_running(self, state: SequenceState, now: int, heard: Heard) -> Answer:
+    def _look_at_running(self, state: SequenceState, now: int, heard: SequenceInput) -> Answer:
         view, step = self._view(state, now, heard), self.config.steps[state.index]
         outcome = self._action(state).end(view)
         if outcome is None and step.timeout_s is not None and view.is_over(step.timeout_s):
@@ -222,7 +222,7 @@ class SequenceRunner:
         action: OperatorStep = self.config.steps[state.index].action
         return action
 
-    def _view(self, state: SequenceState, now: int, heard: Heard) -> View:
+    def _view(self, state: SequenceState, now: int, heard: SequenceInput) -> View:
         return View(_since(state), now, heard.reports, self.around, heard.truth)
 
     def _said(self, state: SequenceState, view: View) -> list[GoalToSend]:
