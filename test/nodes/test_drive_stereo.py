@@ -17,7 +17,7 @@ from sojourn_contract.description import contract_data
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stereo_pair import pair_in_use, pair_place_of
-from sojourn_contract.values import CameraInfo, Image
+from sojourn_contract.values import CameraInfo, Image, JointState
 from sojourn_drive.stereo import StereoInput
 from sojourn_physics.imaging.lens import LensParams, project
 
@@ -42,7 +42,13 @@ def said(**other: Any) -> dict[str, Any]:
     """What the pair says; other: by the names of `PairTopics`."""
     assert ROWS is not None
     told = {"left": image(1), "left_info": info(0.0), "right": image(2), "right_info": info(0.2)} | other
-    return {getattr(ROWS, name): message for name, message in told.items()}
+    return {getattr(ROWS, name): message for name, message in told.items()} | {"/joint_states": mast()}
+
+
+def mast(pan: float = 0.0, tilt: float = 0.0) -> JointState:
+    return JointState(
+        STAMP, ("mast_tilt_joint", "wheel_front_left_joint", "mast_pan_joint"), np.array([tilt, 7.0, pan])
+    )
 
 
 def test_the_drive_hears_the_images_that_its_odometry_goes_by_and_no_others() -> None:
@@ -63,6 +69,14 @@ def test_a_bag_of_such_a_run_is_one_of_our_contract(overrides: tuple[str, ...], 
     carried = {CONTRACT_NAME: json.dumps(contract_data(table)).encode()}
     bag = SimpleNamespace(path=tmp_path, attachments=carried, topics={row.name: None for row in table})
     assert check_own_contract(cast(Bag, bag))
+
+
+def test_a_pair_on_a_mast_that_points_elsewhere_is_not_used() -> None:
+    """Where it sits is known with the mast ahead: the way would be seen turned by the mast's angle."""
+    pairs = StereoInput(SEEING)
+    assert pairs.images(STAMP, said() | {"/joint_states": mast(pan=0.003, tilt=-0.003)}, -1)[0] is not None
+    for pointed in (mast(pan=0.2), mast(tilt=-0.2), None, JointState(STAMP, (), np.zeros(0))):
+        assert pairs.images(STAMP, said() | {"/joint_states": pointed}, -1) == (None, STAMP)
 
 
 def test_a_pair_is_taken_once_and_in_its_period() -> None:

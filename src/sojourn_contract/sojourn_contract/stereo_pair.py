@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from sojourn_config.known_machine import KnownMachine
+from sojourn_config.urdf import MOVING
 from sojourn_contract.topic_types import Topic
 from sojourn_flight.odometry.stereo_geometry import CameraPlace
 from sojourn_machine.mounting import mounting
@@ -43,6 +44,20 @@ def pair_place_of(scenario: KnownMachine) -> CameraPlace | None:
     link = scenario.sensors.sensors[drive.visual_odometry.camera].links[0]
     rotation, position = mounting(scenario.urdf_xml, link)
     return CameraPlace(rotation @ LINK_TO_OPTICAL, position)
+
+
+def joints_before_pair(scenario: KnownMachine) -> tuple[str, ...]:
+    """Joints that move between base_link and the pair that the drive goes by, as those of a mast."""
+    drive = scenario.driving
+    if drive is None or drive.visual_odometry is None:
+        return ()
+    above = {joint.child: joint for joint in scenario.urdf.joints.values()}
+    link, found = scenario.sensors.sensors[drive.visual_odometry.camera].links[0], []
+    while link in above:
+        if above[link].kind in MOVING:
+            found.append(above[link].name)
+        link = above[link].parent
+    return tuple(found)
 
 
 def heard_by_drive(scenario: KnownMachine, rows: Iterable[Topic]) -> Iterator[Topic]:

@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 from sojourn_config.known_machine import KnownMachine
 from sojourn_contract import stamps
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.stereo_pair import PairTopics, pair_in_use
-from sojourn_contract.values import CameraInfo, Image
+from sojourn_contract.stereo_pair import PairTopics, joints_before_pair, pair_in_use
+from sojourn_contract.values import CameraInfo, Image, JointState
 from sojourn_flight.odometry.stereo_geometry import PinholePair
 from sojourn_flight.odometry.visual_state import StereoImages
 
 MODELS = ("plumb_bob", "equidistant")
+POINTED_AWAY = 0.005
+"""Angle of a joint between body and pair beyond which the pair is not where it is known to be [rad]."""
 
 
 class StereoInput:
@@ -26,12 +28,14 @@ class StereoInput:
 
     def __init__(self, known: KnownMachine) -> None:
         self._topics: PairTopics | None = pair_in_use(known)
+        self._joints = frozenset(joints_before_pair(known))
 
     def images(self, stamp: int, inputs: Mapping[str, Any], last: int) -> tuple[StereoImages | None, int]:
         """The pair that belongs to this period [ns], None where there is none, it is late, or it has been taken before;
         and the stamp of the last that was looked at [ns].
 
-        What is compared with it is where the machine is now: a pair that comes later than by a period is not used.
+        What is compared with it is where the machine is now: a pair that comes later than by a period is not used, nor
+        one on a mast that is pointed elsewhere than ahead, or of which nobody knows where it points.
 
         Raises:
             RefusedMessageError: images or lenses that are none of a rectified pair.
@@ -44,6 +48,8 @@ class StereoInput:
         moments = {left.stamp, right.stamp}
         if len(moments) > 1 or not 0 <= stamp - left.stamp <= stamps.CONTROL_PERIOD_NS:
             return None, left.stamp
+        if self._joints and not self._points_ahead(inputs.get("/joint_states")):
+            return None, left.stamp
         both = [_pixels(name, image) for name, image in ((self._topics.left, left), (self._topics.right, right))]
         pair = pinhole_pair(self._topics.right_info, left_info, right_info)
         if both[0].shape != both[1].shape:
@@ -53,6 +59,12 @@ class StereoInput:
         if left_info.distortion.any() and both[0].size:
             both = [_rectified(image, info) for image, info in zip(both, (left_info, right_info), strict=True)]
         return StereoImages(both[0], both[1], pair), left.stamp
+
+    def _points_ahead(self, joints: JointState | None) -> bool:
+        if joints is None:
+            return False
+        angles = dict(zip(joints.names, joints.position.tolist(), strict=True))
+        return all(abs(angles.get(name, np.inf)) <= POINTED_AWAY for name in self._joints)
 
 
 def pinhole_pair(topic: str, left: CameraInfo, right: CameraInfo) -> PinholePair:

@@ -41,7 +41,9 @@ class Scene:
     def __init__(self, *overrides: str) -> None:
         scenario = load_scenario("lunar_route", ["machine=explorer_cameras", SMALL, *overrides])
         app = SensorsApp(scenario)
-        (self._camera,) = (sensor for sensor in app.sensors if isinstance(sensor, CameraPair))
+        (self._camera,) = (
+            sensor for sensor in app.sensors if isinstance(sensor, CameraPair) and sensor.name == "navcam"
+        )
         self._rest = app._at_rest()
         lens, stereo = self._camera.params.lens, self._camera.params.stereo
         self.pair = PinholePair(lens.focal_length, lens.principal_point, stereo.baseline)
