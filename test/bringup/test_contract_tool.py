@@ -16,9 +16,11 @@ from sojourn_bags.provenance import contract_attachment
 from sojourn_bringup import contract_tool
 from sojourn_bringup.contract_live import FOUND_S, LiveStack
 from sojourn_config.command_errors import UsageError
+from sojourn_config.scenario import load_scenario
 from sojourn_contract.conformance.endpoints import Endpoint
 from sojourn_contract.conformance.judge import Judge
 from sojourn_contract.description import contract_data, contract_differences
+from sojourn_contract.run_table import table_of
 from sojourn_contract.topics import ROLES, TOPICS, inputs_of, outputs_of
 
 WORDS = (
@@ -85,8 +87,9 @@ def test_page_and_table_hold_what_a_flight_team_needs(capsys: pytest.CaptureFixt
 def test_json_is_the_table(capsys: pytest.CaptureFixture[str]) -> None:
     assert contract_tool.main(["show", "--format", "json"]) == 0
     shown = json.loads(capsys.readouterr().out)
-    assert list(shown["topics"]) == [row.name for row in TOPICS]
-    assert shown["digest"] == contract_data()["digest"]
+    table = table_of(load_scenario("flat_drive"))
+    assert list(shown["topics"]) == [row.name for row in table]
+    assert shown["digest"] == contract_data(table)["digest"]
     assert shown["machine"]["joints"]["steer_front_left_joint"] == {
         "group": "steer",
         "held_by": "position",

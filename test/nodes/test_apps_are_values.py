@@ -13,8 +13,8 @@ from sojourn_config.scenario import load_scenario
 from sojourn_contract.app import App, Period
 from sojourn_contract.barrier import is_due
 from sojourn_contract.codecs import encode
+from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
-from sojourn_contract.topics import inputs_of, topic
 from sojourn_contract.values import Header, JointState, PoseStamped
 from sojourn_drive.app import DriveApp
 from sojourn_plant.app import PlantApp
@@ -23,6 +23,7 @@ from sojourn_sensors.app import SensorsApp
 
 ROLES = ("sensors", "power", "drive", "arm", "plant")
 """In the order in which they act here."""
+TABLE = table_of(load_scenario("lunar_sample"))
 
 
 @pytest.fixture(scope="module")
@@ -45,17 +46,17 @@ class Loop:
         """One period; gives what everybody has said, as bytes."""
         stamp = self.period * CONTROL_PERIOD_NS
         for role in ROLES:
-            rows = [row for row in inputs_of(role, ROLES) if not row.is_event]
+            rows = [row for row in TABLE.inputs_of(role, ROLES) if not row.is_event]
             due = {row.name: self.messages.get(row.name) for row in rows if is_due(row, self.period)}
             if not any(message is not None for message in due.values()):
                 continue
             goals = [self.goals[self.period]] if self.period in self.goals else []
-            goals = [(name, message) for name, message in goals if role in topic(name).subscribers]
+            goals = [(name, message) for name, message in goals if role in TABLE.topic(name).subscribers]
             self.states[role], answer = self.apps[role].step(self.states[role], Period(stamp, due, goals))
             assert not answer.refusals
             for name, message in answer.messages:
                 self.messages[name] = message
-                yield name, encode(topic(name), message)
+                yield name, encode(TABLE.topic(name), message)
         self.period += 1
 
     def run(self, periods: int) -> list[tuple[str, bytes]]:
@@ -104,7 +105,7 @@ def test_a_drive_is_gone_on_with_from_a_kept_state_as_if_nothing_had_happened(ap
     loop = Loop(apps, {3: ("/goal_pose", pose("odom", 2.0, 0.5))})
     names = loop.goes_on_from(33, 20)
     assert {"/imu/data", "/joint_states", "/hazcam/points", "/power/switches", "/truth/contacts", "/odom"} <= names
-    assert all(topic(name).publisher in ROLES for name in names)
+    assert all(TABLE.topic(name).publisher in ROLES for name in names)
     assert max(np.abs(loop.messages["/drive_command"].velocity)) > 0.1
 
 

@@ -125,7 +125,7 @@ def test_wheels_that_spin_on_the_spot_end_a_goal_within_two_seconds() -> None:
 
 def test_a_dead_front_wheel_is_trailed_up_a_slope() -> None:
     """Three degrees of loose soil: forwards it digs itself in, 0.19 m from its start, and the goal was ended there."""
-    fault = 'faults=[{"joint": "wheel_front_left_joint", "kind": "dead", "at_s": 0.5}]'
+    fault = 'faults=[{"joint": "wheel_front_left_joint", "kind": "motor_dead", "at": 0.5}]'
     loop = ClosedLoop(on_plane("flat_drive", (fault,), 3.0, 0.0))
     standing(loop, 2.0)
     output, off, said = loop.step(goal=Goal.at(1.3, 0.0)), [], set()

@@ -68,13 +68,13 @@ def test_every_run_has_a_seed_of_its_own_unless_the_campaign_says_one() -> None:
 
 def test_values_become_texts_of_set() -> None:
     values = {
-        "faults": {"kind": "list", "of": [[], [{"joint": "x", "at_s": 1.5}]]},
+        "faults": {"kind": "list", "of": [[], [{"joint": "x", "at": 1.5}]]},
         "scenario": {"kind": "list", "of": ["a", "b"]},
     }
     one, two = draws(config(values=values, scenario=None, runs=None, set={"seed": 1}))
     assert one.scenario == "a" and two.scenario == "b"
     assert one.overrides == ("seed=1", "faults=[]")
-    assert two.overrides == ("seed=1", 'faults=[{"joint": "x", "at_s": 1.5}]')
+    assert two.overrides == ("seed=1", 'faults=[{"joint": "x", "at": 1.5}]')
 
 
 def test_about_the_share_asked_for_is_kept() -> None:
