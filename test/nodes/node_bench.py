@@ -29,7 +29,9 @@ from sojourn_contract.heartbeat import (
     status_values,
 )
 from sojourn_contract.messages import battery_state, wrench_stamped
-from sojourn_contract.topics import TOPICS, topic
+from sojourn_contract.run_table import row_named
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import TOPICS
 from sojourn_contract.types import message_class
 from sojourn_machine.tools import TOOL_JOINT
 
@@ -51,6 +53,13 @@ def stamp_of(message: Any) -> int:
 def at(period: int) -> int:
     """Stamp [ns] of a control period."""
     return period * stamps.CONTROL_PERIOD_NS
+
+
+def row_of(name: str) -> Topic:
+    """The row of a topic in whatever run has it."""
+    row = row_named(name)
+    assert row is not None, name
+    return row
 
 
 class Bench:
@@ -78,7 +87,7 @@ class Bench:
     def listen(self, *names: str, namespace: str = "", lockstep: bool = True) -> None:
         """Keep what comes on these topics, under their names in the table."""
         for name in names:
-            row = topic(name)
+            row = row_of(name)
             self.peer.create_subscription(
                 message_class(row.type),
                 namespace + name,
@@ -89,7 +98,7 @@ class Bench:
     def speak(self, *names: str, lockstep: bool = True) -> None:
         """Get ready to publish on these topics."""
         for name in names:
-            row = topic(name)
+            row = row_of(name)
             self._senders[name] = self.peer.create_publisher(message_class(row.type), name, qos.profile(row, lockstep))
 
     def connect(self, node: Any, lockstep: bool = True) -> None:
