@@ -240,7 +240,7 @@ def chain(bench: Bench, *nodes: Any) -> PlantNode:
     plant = bench.start(PlantNode, *roles, lockstep_timeout_s=1.0)
     for node_class in nodes:
         bench.start(node_class, *roles, lockstep_timeout_s=1.0)
-    bench.listen(*(row.name for row in outputs_of("plant", roles)))
+    bench.listen(*plant.endpoints.outputs)
     bench.speak("/diagnostics")
     return plant
 

@@ -33,7 +33,7 @@ RECORDED_BESIDES = ("/tf",)
 def table_of(scenario: KnownMachine) -> TopicTable:
     """The topics of a run of a scenario, whoever takes part. Raises TopicNameError, SensorRowError."""
     sensors = scenario.sensors.sensors.items()
-    rows = {row.name: row for name, params in sensors for row in (*rows_of(params, name), *params.hears)}
+    rows = {row.name: row for name, params in sensors for row in (*rows_of(params, name), *params.heard_rows)}
     brought = heard_by_drive(scenario, [row for name, row in rows.items() if name not in STANDARD])
     table = STANDARD.joined_with(brought).for_things(things_of(scenario)).heard_by(TICK, scenario.fault_roles)
     return table.delivered(_delivered(scenario, table))

@@ -66,6 +66,11 @@ class SensorParams(Params):
         return self
 
     @property
+    def heard_rows(self) -> tuple[Any, ...]:
+        """Those of `hears` that this one does hear, by its parameters."""
+        return self.hears
+
+    @property
     def own_rows(self) -> tuple[Any, ...]:
         """Of the rows of its kind those on which it speaks: all, unless what it says depends on its parameters."""
         return self.speaks_on

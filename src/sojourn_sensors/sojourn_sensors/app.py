@@ -125,7 +125,7 @@ class SensorsApp(App[SensorsState]):
                 if self._measures(place, number):
                     read = sensor.step_without_power if sensor.name in state.dead else sensor.step
                     after[place], readings[place] = read(after[place], truth, dt)
-                elif sensor.params.hears:
+                elif sensor.params.heard_rows:
                     after[place] = sensor.hear(after[place], truth)
         except (MachineError, RefusedMessageError) as error:
             return state, [("/truth/joint_states", error)]

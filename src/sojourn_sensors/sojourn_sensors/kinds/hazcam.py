@@ -1,4 +1,4 @@
-"""The hazard camera: /hazcam/points, the ground in its view as it is now, and what of the machine is before it."""
+"""The hazard camera: /hazcam/points, the ground in its view, as it is now where that is asked for, and what of the machine is before it."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from sojourn_contract import stamps
 from sojourn_contract.clouds import point_cloud
@@ -33,6 +34,15 @@ class HazcamSensorParams(HazcamParams, SensorParams):
     kind: str = "hazcam"
     speaks_on: ClassVar[tuple[Any, ...]] = (ROW,)
     hears: ClassVar[tuple[Any, ...]] = (GROUND,)
+    sees_changes: bool = Field(
+        default=False,
+        description="whether it sees what wheels and tools do to the ground, which the plant tells it then",
+    )
+
+    @property
+    def heard_rows(self) -> tuple[Any, ...]:
+        """See SensorParams."""
+        return self.hears if self.sees_changes else ()
 
     @classmethod
     def silence(cls, stamp: int) -> Iterable[tuple[str, Any]]:
