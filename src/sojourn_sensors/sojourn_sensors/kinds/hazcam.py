@@ -1,4 +1,4 @@
-"""The hazard camera: /hazcam/points, the ground in its view, as it is now where that is asked for, and what of the machine is before it."""
+"""The hazard camera: /hazcam/points, where asked for of the ground as it is now, and of what of the machine it sees."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
