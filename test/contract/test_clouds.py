@@ -10,9 +10,10 @@ import pytest
 from sensor_msgs.msg import PointCloud2, PointField
 
 from ros_messages import ros_message, value_of
-from sojourn_contract.checks import check_message
+from sojourn_contract.arrival import check_input
 from sojourn_contract.clouds import point_cloud, points_of
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.topics import topic
 
 TOPIC = "/hazcam/points"
 POINTS = np.array([[1.0, -0.5, 0.25], [2.0, 3.0, -4.0]], dtype=np.float32)
@@ -72,5 +73,5 @@ def test_what_no_node_may_take(spoil: Callable[[Any], None], field: str, words: 
     cloud = ros_message(point_cloud(0, "base_link", POINTS))
     spoil(cloud)
     with pytest.raises(RefusedMessageError) as refusal:
-        check_message(TOPIC, value_of(cloud))
+        check_input(topic(TOPIC), value_of(cloud))
     assert refusal.value.field == field and words in str(refusal.value)

@@ -17,6 +17,9 @@ from sojourn_contract.topic_types import Reliability, Topic
 from sojourn_contract.topics import RECORDER_LAG, ROLES, TOPICS, inputs_of, outputs_of, topic
 from sojourn_contract.types import message_class
 
+WATCH = "console"
+"""Whoever watches a run beside it: no role of it."""
+
 every_row = pytest.mark.parametrize("row", TOPICS, ids=lambda row: row.name)
 
 FILLED = {
@@ -40,9 +43,9 @@ def field_at(message: object, path: str) -> object:
 def test_row_is_complete(row: Topic) -> None:
     message = message_class(row.type)()
     assert row.name.startswith("/") and row.meaning
-    assert row.publisher in (*ROLES, "all")
+    assert row.publisher in (*ROLES, "all", WATCH)
     assert set(row.subscribers) <= set(ROLES) and row.publisher not in row.subscribers
-    assert 50 % row.every == 0 or row.every % 50 == 0 if row.every else row.publisher == "operator"
+    assert 50 % row.every == 0 or row.every % 50 == 0 if row.every else row.publisher in ("operator", WATCH)
     assert row.max_age_s > 0.0
     if not row.is_event:  # it must not be lost between two of its own messages
         assert row.max_age_s > row.every * 0.02

@@ -19,6 +19,7 @@ OVERRIDES = [
     "start.x=-0.6",
     "sun={azimuth_deg: 0.0, elevation_deg: 20.0, ground_hides: true}",
     "sensors.hazcam.least_light=1.0",
+    "blind_drive=true",  # else it waits in the dark for a camera that sees
     "steps=[{drive_to: {x: 1.2, y: 0.0}, timeout_s: 100.0}]",
 ]
 
