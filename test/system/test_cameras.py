@@ -19,6 +19,7 @@ SET = {
     "duration_limit_s": "12",
     "sensors.navcam.lens": "{columns: 64, rows: 48, horizontal_view_deg: 60.0}",
     "sensors.front": "null",
+    "sensors.powered_by": "{navcam: cameras, rear: cameras, hazcam: cameras}",
     "sensors.belly": "null",
     "sensors.rear": "{kind: camera, link: hazcam_link, lens: {columns: 48, rows: 32, horizontal_view_deg: 90.0}}",
 }
