@@ -15,6 +15,7 @@ from sojourn_machine.params import FloatArray
 BOX, CYLINDER, BALL = 0.0, 1.0, 2.0
 KIND, HALF_X, HALF_Y, HALF_Z, ROUND, ALBEDO = 0, 1, 2, 3, 4, 5
 """Columns of `sizes`: kind; half sides, or radius, radius and half length; radius of the ball about it [m]; albedo [-].
+Numbers of columns are compiled into kernels.
 """
 
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from sojourn_flight.arm.dh import pose
@@ -21,6 +21,7 @@ ANGLES = st.floats(min_value=-math.pi, max_value=math.pi)
 
 
 @given(st.tuples(ANGLES, ANGLES, ANGLES))
+@example((0.0, -5.960464477539063e-08, 0.0))  # the sign of so small a tilt was lost
 @settings(max_examples=100, deadline=None)
 def test_every_form_gives_the_rotation_back(angles: tuple[float, float, float]) -> None:
     rotation = pose((0, 0, 0), np.array(angles))[:3, :3]

@@ -220,4 +220,4 @@ def test_what_is_no_pose_or_no_camera_is_refused() -> None:
     with pytest.raises(InvalidValueError, match="hazcam_rear_link"):
         camera_with(link="hazcam_rear_link")
     with pytest.raises(ValueError, match="nearest"):
-        HazcamParams(**{**PARAMS.model_dump(), "nearest": 5.0})
+        type(PARAMS).model_validate({**PARAMS.model_dump(), "nearest": 5.0})

@@ -48,7 +48,7 @@ def orientation_of(rotation: FloatArray) -> Orientation:
     turn = Rotation.from_matrix(matrix)
     vector = turn.as_rotvec()
     rpy = turn.as_euler("xyz", suppress_warnings=True)
-    zyz = turn.as_euler("ZYZ", suppress_warnings=True)
+    zyz = _euler_zyz(matrix)
     found = []
     if abs(np.linalg.norm(vector) - math.pi) < NEAR:
         found.append("rotation vector: half a turn, both senses of the axis are right")
@@ -75,6 +75,19 @@ def from_rotation_vector(vector: FloatArray) -> FloatArray:
 def from_roll_pitch_yaw(angles: FloatArray) -> FloatArray:
     """Rotation matrix (3, 3) of roll, pitch, yaw (3,) [rad]."""
     return np.asarray(Rotation.from_euler("xyz", _finite("roll, pitch, yaw", angles, 3)).as_matrix())
+
+
+def _euler_zyz(matrix: FloatArray) -> FloatArray:
+    """Angles about moving z, y, z [rad], the second in 0..pi. The third follows from the sum or the difference of the
+    outer two, which are well determined where one of them alone is not.
+    """
+    second = math.atan2(math.hypot(matrix[0, 2], matrix[1, 2]), matrix[2, 2])
+    first = math.atan2(matrix[1, 2], matrix[0, 2])
+    if matrix[2, 2] >= 0.0:
+        third = math.atan2(matrix[1, 0] - matrix[0, 1], matrix[0, 0] + matrix[1, 1]) - first
+    else:
+        third = first - math.atan2(-(matrix[1, 0] + matrix[0, 1]), matrix[1, 1] - matrix[0, 0])
+    return np.array([first, second, math.remainder(third, 2.0 * math.pi)])
 
 
 def from_euler_zyz(angles: FloatArray) -> FloatArray:
