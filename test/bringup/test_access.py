@@ -56,7 +56,7 @@ def test_roles_that_take_no_part_have_no_keys_and_bundles_go_between_companions(
     assert all(name.startswith("/one/") for name in found[enclave_of("plant")]["subscribe"])
 
 
-@pytest.mark.skipif(secure.has_sros2(), reason="SROS 2 is here: test/system has the run with it")
+@pytest.mark.skipif(secure.has_sros2(), reason="SROS 2 is here, so --secure is not refused")
 def test_where_there_is_no_sros_it_is_said_before_anything_starts(tmp_path: object) -> None:
     with pytest.raises(UsageError, match="--secure needs SROS 2"):
         start.main(["flat_drive", "--secure", "--run-dir", f"{tmp_path}/run"])

@@ -15,7 +15,6 @@ from sojourn_bags.run_configuration import run_configuration
 from sojourn_bringup.bench_options import candidate_of, check_role
 from sojourn_bringup.candidate_bench import bench, replay_settings
 from sojourn_config.command_errors import UsageError
-from sojourn_stack import replay as direct_replay
 
 
 def wanted(given: argparse.Namespace) -> tuple[str, str]:
@@ -47,11 +46,14 @@ def run_replay(given: argparse.Namespace, bag: Bag, role: str, command: str) -> 
 
 def replay_directly(bag: Bag, role: str) -> Replay:
     """Replay through our app of a role, without middleware. Raises UsageError: the bag cannot be played."""
+    from sojourn_stack.replay import app_of  # here: it loads every app, which a replay over topics does without
+    from sojourn_stack.replay import replay as replay_app
+
     try:
         with run_configuration(bag) as configuration:
             for warning in configuration.warnings():
                 print(f"note: {warning}")
-            return direct_replay.replay(bag, role, direct_replay.app_of(role, configuration))
+            return replay_app(bag, role, app_of(role, configuration))
     except BagsError as error:
         raise UsageError(str(error)) from error
 
