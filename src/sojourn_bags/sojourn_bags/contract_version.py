@@ -9,6 +9,7 @@ from sojourn_bags.errors import OtherContractError
 from sojourn_bags.provenance import CONTRACT_NAME, VERSIONS_NAME, versions
 from sojourn_bags.reading import Bag
 from sojourn_contract.description import (
+    LEAP,
     contract_data,
     contract_differences,
     contract_name,
@@ -79,7 +80,8 @@ def table_of_bag(bag: Bag) -> TopicTable:
                 rows.append(row)
             if row is not None and data is not None:
                 delivered.append(delivered_by_data(row, data))
-        return STANDARD.joined_with(rows).delivered(delivered)
+        leap = 0 if theirs is None else int(theirs.get(LEAP, 0))
+        return TopicTable(STANDARD.joined_with(rows).delivered(delivered), leap)
     except (TopicNameError, *_UNREADABLE) as error:
         raise OtherContractError(bag.path, f"its {CONTRACT_NAME} cannot be read: {error}") from error
 

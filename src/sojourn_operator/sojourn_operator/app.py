@@ -52,6 +52,7 @@ class OperatorApp(App[OperatorState]):
         steps = script_steps(scenario)
         terrain = scenario.height_field() if any(step.looks_at_ground for step, _ in steps) else None
         around = RunFacts(scenario.arm_joints, terrain)
+        self._leaps = scenario.leaps is not None
         self.script = OperatorScript(steps, scenario.config.duration_limit_s, around)
 
     def initial_state(self) -> OperatorState:
@@ -79,7 +80,8 @@ class OperatorApp(App[OperatorState]):
         if goal is not None:
             messages.append((goal.topic, goal.message))
             sent[goal.topic] = sent.get(goal.topic, 0) + 1
-        tick = format_tick(sent, script.finished)
+        rests = self.script.rests_until(script, stamp, state.reports) if self._leaps else 0
+        tick = format_tick(sent, script.finished, rests)
         messages.append((TICK, Header(stamp, tick)))
         return replace(state, script=script, sent=sent, has_said_end=script.finished), Answer(messages)
 

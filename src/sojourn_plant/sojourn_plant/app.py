@@ -1,7 +1,7 @@
 """The plant without ROS: the simulated machine and its ground. Commands in, the truth of the next period out."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any
 
@@ -16,11 +16,13 @@ from sojourn_contract.topic_types import Topic
 from sojourn_machine.evolution import replace
 from sojourn_physics.plant.faults import HeldAngles, MotorFaults
 from sojourn_physics.plant.flight import LONG
-from sojourn_physics.plant.state import PlantState
+from sojourn_physics.plant.rest import leap
+from sojourn_physics.plant.state import PlantCommand, PlantOutput, PlantState
 from sojourn_physics.plant.step import step
 from sojourn_physics.terrain import earthwork
 from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_plant.commands import COMMANDS, Commands, HeldCommands
+from sojourn_plant.leaping import Leaping, LeapState
 from sojourn_plant.start import build_plant
 from sojourn_plant.truth import TruthMessages
 
@@ -43,6 +45,8 @@ class PlantAppState:
     """Of motors that have failed."""
     told: GroundMemory
     """The ground that has been told of."""
+    leaps: LeapState = field(default_factory=LeapState)
+    """Where the clock may leap."""
 
 
 class PlantApp(App[PlantAppState]):
@@ -55,7 +59,9 @@ class PlantApp(App[PlantAppState]):
         self._commands = Commands(self.model)
         self._faults = MotorFaults(self.model, scenario.config.faults)
         self._truth = TruthMessages(self.model)
-        self._tells_ground = GROUND.name in table_of(scenario)
+        table = table_of(scenario)
+        self._tells_ground = GROUND.name in table
+        self._leaping = Leaping(table, scenario.config.faults) if table.longest_leap else None
 
     def warm_up(self) -> None:
         """Those of digging; the others were loaded while the machine settled."""
@@ -85,15 +91,29 @@ class PlantApp(App[PlantAppState]):
         commands = self._commands.take(state.commands, period.inputs)
         asked = self._commands.at(commands, stamp)
         command, locked = self._faults.on(asked, state.locked, before.joints[0], stamps.seconds(stamp))
-        machine, output = step(self.model, before, command)
+        machine, output, leaps = self._moved(state, command, period)
         new = [text for happened, text in _EVENTS if happened(machine) and not happened(before)]
-        following = stamp + stamps.CONTROL_PERIOD_NS
+        passed = machine.tick - before.tick
+        following = stamp + passed * stamps.CONTROL_PERIOD_NS
         ground = self._ground(following, state.told, machine)
         messages = chain(ground, self._truth.messages(following, machine, output))
         told = machine.ground if ground else state.told
-        return replace(state, machine=machine, commands=commands, locked=locked, told=told), Answer(
-            messages, errors=new
-        )
+        state = replace(state, machine=machine, commands=commands, locked=locked, told=told, leaps=leaps)
+        return state, Answer(messages, errors=new, landing=following if passed > 1 else 0)
+
+    def _moved(
+        self, state: PlantAppState, command: PlantCommand, period: Period
+    ) -> tuple[PlantState, PlantOutput, LeapState]:
+        """The machine after the period, or where the clock leaps after all periods that it passes over."""
+        before, leaps, leaping = state.machine, state.leaps, self._leaping
+        if leaping is None:
+            return *step(self.model, before, command), leaps
+        steps = leaping.steps(self.model, leaps, command, period.stamp, period.inputs)
+        if steps:
+            machine, output = leap(self.model, before, leaps.rest, command, steps)
+            return machine, output, leaping.after_leap(leaps, command, output)
+        machine, output = step(self.model, before, command)
+        return machine, output, leaping.after_step(self.model, leaps, machine, command, output)
 
     def _ground(self, stamp: int, told: GroundMemory, machine: PlantState) -> list[tuple[str, Any]]:
         """What is new of the ground, where a sensor looks at it and it is time."""

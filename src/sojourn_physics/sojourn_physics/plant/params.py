@@ -25,6 +25,12 @@ class FaultParams(Params):
         return self
 
 
+class LeapParams(Params):
+    """How the clock leaps while the machine rests and its operator waits."""
+
+    longest_s: float = Field(gt=0.0, le=86400.0, description="longest leap [s]")
+
+
 class SimulationParams(Params):
     """How the plant is integrated."""
 
