@@ -28,7 +28,6 @@ from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import READY, read_heartbeats, status_message
 from sojourn_contract.node import ContractNode
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import outputs_of
 from sojourn_contract.types import message_class
 
 SCENARIO = "flat_drive"
@@ -95,7 +94,8 @@ class FakeNode(ContractNode):
     def __init__(self, role: str, participants: list[str], **parameters: Any) -> None:
         super().__init__(role, overrides={"participants": participants, "scenario": SCENARIO, **parameters})
         self.forget: set[tuple[str, int]] = set()
-        self._owed = [row for row in outputs_of(role) if not row.is_event and row.publisher == role]
+        owed = self.endpoints.outputs.values()
+        self._owed = [row for row in owed if not row.is_event and row.publisher == role]
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """Publish what is due."""

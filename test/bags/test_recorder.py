@@ -25,9 +25,11 @@ from sojourn_bags.errors import BagExistsError, UnwritableBagError
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.recorder_node import RecorderNode
 from sojourn_bags.writer import BagWriter
+from sojourn_config.scenario import load_scenario
 from sojourn_contract import process
 from sojourn_contract.heartbeat import STALLED
 from sojourn_contract.node import SILENCE_S
+from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_table import CLOCK
 from sojourn_contract.topic_types import Topic
@@ -132,7 +134,7 @@ def test_two_runs_give_the_same_file_content(tmp_path: Path) -> None:
     first, second = values(read_bag(tmp_path / "first")), values(read_bag(tmp_path / "second"))
     assert len(first) > 900
     assert first == second
-    order = [row.name for row in TOPICS]
+    order = [row.name for row in table_of(load_scenario(SCENARIO))]
     ranks = [(log_time, order.index(topic)) for log_time, topic, _ in first if topic != "/tf"]
     assert ranks == sorted(ranks)
 

@@ -76,7 +76,12 @@ def test_its_bag_keeps_the_contract_and_is_told_of(gone_on: Path) -> None:
 
 def test_with_other_values_it_branches_off(unbroken: Path) -> None:
     folder = unbroken.with_name("branch")
-    soft = ("--set", "soil.k_phi=200000.0", "--set", "faults=[{joint: wheel_rear_left_joint, kind: dead, at_s: 4.5}]")
+    soft = (
+        "--set",
+        "soil.k_phi=200000.0",
+        "--set",
+        "faults=[{joint: wheel_rear_left_joint, kind: motor_dead, at: 4.5}]",
+    )
     start.main(["--resume", str(kept(unbroken)), *soft, "--run-dir", str(folder)])
     one, other = after(read_bag(unbroken), BEGUN)["/truth/odom"], after(read_bag(folder), BEGUN)["/truth/odom"]
     assert one[0] == other[0], "it begins where the run stood"

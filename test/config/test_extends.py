@@ -201,12 +201,13 @@ def read_base(path: Path, name: str) -> YamlDocument:
 
 
 def test_kinds_of_machine_are_found_by_their_names() -> None:
-    assert set(MACHINE_KINDS.names()) >= {"rover", "stand"}
-    assert {machine_config(name).kind for name in available("machines")} == {"rover", "stand"}
+    assert set(MACHINE_KINDS.names()) >= {"rover", "spacecraft", "stand"}
+    assert {machine_config(name).kind for name in available("machines")} == {"rover", "spacecraft", "stand"}
     for name in available("machines"):
         config = machine_config(name)
         assert type(config) is MACHINE_KINDS.get(config.kind)
         assert config.fixed_base == (config.kind == "stand")
+        assert config.floats == (config.kind == "spacecraft")
 
 
 def test_motors_of_one_type_are_one() -> None:

@@ -14,7 +14,7 @@ from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import step
 from sojourn_plant.start import build_plant
 
-ROVERS = [name for name in available("machines") if not machine_config(name).fixed_base]
+ROVERS = [name for name in available("machines") if machine_config(name).stands_on]
 FORCE_Z = 8
 """Column of the vertical force in the plant's report of contacts."""
 G_MOON = 4902.800e9 / 1737.4e3**2

@@ -27,7 +27,7 @@ ROLES = ("sensors", "power", "drive", "arm", "plant")
 
 @pytest.fixture(scope="module")
 def apps() -> dict[str, App[Any]]:
-    scenario = load_scenario("lunar_sample", ["faults=[{joint: wheel_front_left_joint, kind: locked, at_s: 0.1}]"])
+    scenario = load_scenario("lunar_sample", ["faults=[{joint: wheel_front_left_joint, kind: servo_locked, at: 0.1}]"])
     return {kind.role: kind.of(scenario) for kind in (PlantApp, SensorsApp, PowerApp, DriveApp, ArmApp)}
 
 

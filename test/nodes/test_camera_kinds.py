@@ -10,12 +10,14 @@ from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.app import Period
 from sojourn_contract.ground import GROUND, ground_cloud
+from sojourn_contract.hazcam import own_body_of
 from sojourn_contract.run_table import row_named, table_of
-from sojourn_contract.values import Odometry
+from sojourn_contract.values import JointState, Odometry
 from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_physics.terrain.memory_tiles import CHANNELS, DUG, TILE
 from sojourn_sensors.app import SensorsApp
 from sojourn_sensors.kinds.camera import CameraPair
+from sojourn_sensors.kinds.hazcam import HazcamSensor
 from sojourn_sensors.sensor import Truth
 
 SMALL = "sensors.navcam.lens={columns: 96, rows: 96, horizontal_view_deg: 45.4}"
@@ -25,7 +27,8 @@ def pair(*overrides: str) -> tuple[CameraPair, Truth]:
     """The navigation cameras of the explorer, and a truth of it on flat ground."""
     scenario = load_scenario("flat_drive", ["machine=explorer_cameras", SMALL, *overrides])
     app = SensorsApp(scenario)
-    (camera,) = (sensor for sensor in app.sensors if isinstance(sensor, CameraPair))
+    (camera,) = (sensor for sensor in app.sensors if sensor.name == "navcam")
+    assert isinstance(camera, CameraPair)
     pose = np.array([0.0, 0.0, 0.45]), np.array([0.0, 0.0, 0.0, 1.0])
     odometry = Odometry(0, "map", "base_link", *pose, np.zeros(3), np.zeros(3))
     return camera, replace(app._at_rest(), odometry=odometry, stamp=10**9)
@@ -108,7 +111,7 @@ def test_what_changes_between_two_images_is_not_missed() -> None:
 
 
 def test_each_camera_has_its_topics_under_its_own_name() -> None:
-    scenario = load_scenario("flat_drive", ["machine=explorer_cameras", REAR])
+    scenario = load_scenario("flat_drive", ["machine=explorer_cameras", REAR, "drive.visual_odometry=null"])
     table = table_of(scenario)
     for name in ("/navcam/left/image", "/navcam/depth", "/rear/image", "/rear/camera_info", "/truth/ground"):
         assert name in table and row_named(name) == table.topic(name)
@@ -117,7 +120,32 @@ def test_each_camera_has_its_topics_under_its_own_name() -> None:
 
 
 def test_a_machine_without_cameras_has_no_such_topics() -> None:
-    assert GROUND.name not in table_of(load_scenario("flat_drive"))
+    assert GROUND.name not in table_of(load_scenario("flat_drive", ["sensors.hazcam=null"]))
+
+
+def test_the_drive_leaves_out_what_the_hazard_camera_sees_of_the_machine() -> None:
+    """On flat ground, with the arm folded before it: all that is left is ground."""
+    scenario = load_scenario("flat_drive", ["sensors.hazcam.sees_body=true", "sensors.hazcam.disparity_noise_px=0"])
+    app, body = SensorsApp(scenario), own_body_of(scenario)
+    (camera,) = (sensor for sensor in app.sensors if isinstance(sensor, HazcamSensor))
+    pose = np.array([0.0, 0.0, 0.47]), np.array([0.0, 0.0, 0.0, 1.0])
+    odometry = Odometry(0, "map", "base_link", *pose, np.zeros(3), np.zeros(3))
+    truth = replace(app._at_rest(), odometry=odometry, stamp=10**9)
+    arm = scenario.arm
+    assert body is not None and arm is not None
+    angles = dict(zip(truth.joints.names, truth.joints.position, strict=True))
+    angles |= dict(zip(arm.joint_names, arm.named_poses["stow"], strict=True))
+    joints = JointState(0, tuple(angles), *(np.array(list(angles.values())) for _ in range(3)))
+    truth = replace(truth, joints=joints)
+    _, points = camera.step(camera.initial_state(truth), truth, 0.02)
+    above = points[:, 2] > -0.46
+    left = body.left_out(points.astype(float), joints.names, joints.position)
+    assert above.sum() > 50 and len(left) > 400
+    assert np.abs(left[:, 2] + 0.47).max() < 3e-3
+
+
+def test_a_hazard_camera_that_does_not_see_the_machine_leaves_nothing_out() -> None:
+    assert own_body_of(load_scenario("flat_drive")) is None
 
 
 REAR = "sensors.rear={kind: camera, link: hazcam_link, lens: {columns: 48, rows: 32, horizontal_view_deg: 90.0}}"

@@ -13,7 +13,8 @@ from sojourn_config.scenario import load_flight
 from sojourn_contract.app import Period
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.values import PoseStamped, PoseWithCovarianceStamped
-from sojourn_drive.app import DriveApp, DriveAppState
+from sojourn_drive.app import DriveApp
+from sojourn_drive.memory import DriveAppState
 from sojourn_drive.placing import LEAST_SIGMA
 from sojourn_operator.goal_messages import place_message
 
@@ -73,8 +74,8 @@ def test_what_it_has_learnt_stays_and_what_hangs_on_the_old_pose_goes(app: Drive
     kept = after.odometry
     assert (kept.z, kept.roll, kept.gyro_bias, kept.distance) == (0.4, 0.1, 1e-4, 12.0)
     assert after.avoidance is not None and after.avoidance.map.x0 < 3.0 < after.avoidance.map.x0 + 12.0
-    if kept.key is not None:
-        assert kept.key == pytest.approx([3.0, -2.0, 1.2])
+    if kept.keys is not None:
+        assert kept.keys == pytest.approx(np.array([[3.0, -2.0, 1.2]]))
 
 
 SKEW = np.zeros(36)

@@ -12,8 +12,9 @@ from sojourn_config.scenario import load_flight
 from sojourn_contract.app import Period
 from sojourn_contract.kept_data import Kept
 from sojourn_contract.values import PoseStamped
-from sojourn_drive.app import DriveApp, DriveAppState
+from sojourn_drive.app import DriveApp
 from sojourn_drive.goals import GoalStatus
+from sojourn_drive.memory import DriveAppState
 from sojourn_drive.restart import LOST, unseen
 
 AT = 5_000_000_000

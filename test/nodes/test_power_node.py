@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
 from node_bench import Bench, at, battery, stamp_of
@@ -165,3 +166,20 @@ def test_a_filter_tells_its_deviation_and_the_capacity(bench: Bench) -> None:
     factor = float(status["capacity_factor"])
     assert state.capacity == pytest.approx(factor * state.design_capacity, rel=1e-4)
     assert state.charge == pytest.approx(state.percentage * state.capacity, rel=1e-4)
+
+
+def test_a_switch_that_is_stuck_is_told_in_words_and_numbers(bench: Bench, power: PowerNode) -> None:
+    noise = np.random.default_rng(4)
+
+    def go(first: int, last: int) -> str:
+        for period in range(first, last + 1, 5):
+            bench.send("/bus/state", battery(period, HIGH, 2.6 + 0.02 * noise.standard_normal()))
+            bench.answer("/power/switches", period)
+        return bench.status("/power/status", last)["faults"]
+
+    assert go(5, 350) == ""
+    send_event(bench, power, "/power/request", ros_message(status_message(0, "request", {"cameras": "off"})))
+    assert go(355, 600) == ""  # 5 s after it
+    assert go(605, 700).startswith("cameras switch stuck on: ")  # and 7 s
+    send_event(bench, power, "/power/request", ros_message(status_message(0, "request", {"cameras": "on"})))
+    assert "cameras switch stuck off: " in go(705, 1050)  # the current has never changed

@@ -41,6 +41,24 @@ def test_a_route_needs_pairs() -> None:
         main(["route", "1", "2", "-3"])
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--domain", "78", "fly", "3"], "'fly'"),
+        (["fly", "3"], "'fly'"),
+        (["--domain", "78"], "what to do is missing"),
+        (["--domain", "78", "drive", "3"], "required: y"),
+    ],
+)
+def test_wrong_words_are_told_by_their_names(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    assert end.value.code == 2
+    assert said in capsys.readouterr().err
+
+
 class Heard:
     """In place of the client of a running stack: keeps what is sent, and says that it was reached."""
 

@@ -13,10 +13,10 @@ MODULES = {
     for path in sorted(SCRIPTS.iterdir())
     if path.is_file()
     and path.name != "setup"  # which has the kernels compiled
-    and (found := re.search(r'-m"?,? "?(sojourn_\w+\.\w+)', path.read_text(encoding="utf-8")))
+    and (found := re.search(r'-m"?,? "?(sojourn_\w+(?:\.\w+)+)', path.read_text(encoding="utf-8")))
 }
 """Module by script."""
-HEAVY = ("numba", "scipy", "matplotlib", "pinocchio", "rclpy")
+HEAVY = ("numba", "scipy", "matplotlib", "pinocchio", "rclpy", "distributed")
 PROGRAM = """
 import runpy, sys
 module, *heavy = sys.argv[1:]

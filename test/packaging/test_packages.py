@@ -31,7 +31,10 @@ DEPENDENCY_OF_MODULE = {
     "builtin_interfaces": "builtin_interfaces",
     "coal": None,
     "coverage": "python3-coverage",
+    "cv2": "python3-opencv",
+    "dask": "python3-dask",
     "diagnostic_msgs": "diagnostic_msgs",
+    "distributed": None,
     "geometry_msgs": "geometry_msgs",
     "lz4": "python3-lz4",
     "matplotlib": "python3-matplotlib",
@@ -40,6 +43,7 @@ DEPENDENCY_OF_MODULE = {
     "numba": "python3-numba",
     "numpy": "python3-numpy",
     "pinocchio": "pinocchio",
+    "pyarrow": None,
     "pydantic": "python3-pydantic",
     "pydantic_core": "python3-pydantic",
     "rasterio": None,
@@ -53,6 +57,9 @@ DEPENDENCY_OF_MODULE = {
     "sensor_msgs": "sensor_msgs",
     "std_msgs": "std_msgs",
     "trajectory_msgs": "trajectory_msgs",
+    "trimesh": None,
+    "viser": None,
+    "websockets": "python3-websockets",
     "yaml": "python3-yaml",
     "zstandard": None,
 } | {package: package for package in PACKAGES}
@@ -84,7 +91,7 @@ def imported_modules(package: str) -> set[str]:
 
 
 def test_every_package_is_found() -> None:
-    assert len(PACKAGES) == 16
+    assert len(PACKAGES) == 17
     assert sorted(path.name for path in ROOT.glob("src/sojourn_*")) == PACKAGES
     assert set(NODES) < set(PACKAGES)
 

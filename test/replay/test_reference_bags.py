@@ -94,6 +94,13 @@ def test_bag_holds_what_a_reference_should(name: str) -> None:
     assert any(status["drive"] not in ("on", "off") for status in switches), "the drive's power is limited"
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_nobody_has_refused_a_message_of_ours(name: str) -> None:
+    """The ground that wheels had changed was refused by the sensors for want of a z, and the run went on without it."""
+    told = reference(name)["/diagnostics"].statuses()
+    assert told and not [values for values in told if any(key.startswith("refused ") for key in values)]
+
+
 def test_digests_are_those_of_the_bags_and_all_are_small() -> None:
     for name in NAMES:
         assert (references_folder() / name / DIGEST).read_text(encoding="utf-8") == digest(reference(name)), RENEW

@@ -20,7 +20,7 @@ from sojourn_stack.checkpoint import TREE, CheckpointError, load, save
 from sojourn_stack.stack import RoleState, Stack, StackState
 
 ROLES = ("plant", "sensors", "drive", "power", "operator")
-SCENARIO, OVERRIDES = "flat_drive", ("faults=[{joint: wheel_front_left_joint, kind: locked, at_s: 0.5}]",)
+SCENARIO, OVERRIDES = "flat_drive", ("faults=[{joint: wheel_front_left_joint, kind: servo_locked, at: 0.5}]",)
 GO_ON = """
 import sys
 from pathlib import Path

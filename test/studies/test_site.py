@@ -84,7 +84,18 @@ def test_the_orbit_of_a_station(capsys: pytest.CaptureFixture[str]) -> None:
     assert found["in the body's shadow"] == pytest.approx(36.0, abs=0.5)
     beside = found["what rests 1 m above a spacecraft is along its flight a turn later"]
     assert beside == pytest.approx(-37.70, abs=0.01)  # 12 pi
-    assert "air, mean activity of the Sun" not in sheet(capsys, "moon", "--orbit", "--altitude", "1e5")["orbit"]
+    assert found["debris of 1 mm or more, of 2010"] > found["meteoroids of 1 mm or more"] > 1e-4
+    moon = sheet(capsys, "moon", "--orbit", "--altitude", "1e5")["orbit"]
+    assert "air, mean activity of the Sun" not in moon and not any("debris" in name for name in moon)
+    assert moon["meteoroids of 1 mm or more"] > 0.0
+
+
+def test_an_orbit_on_an_ellipse(capsys: pytest.CaptureFixture[str]) -> None:
+    ellipse = ("--eccentricity", "0.737", "--inclination", "63.4")
+    found = sheet(capsys, "earth", "--orbit", "--altitude", "600000", *ellipse)["orbit"]
+    assert found["highest"] == pytest.approx(39_700.0, rel=0.01)
+    assert found["period"] / 60.0 == pytest.approx(11.97, abs=0.1)
+    assert abs(found["drift of the perigee"]) < 0.002
 
 
 @pytest.mark.parametrize(
@@ -93,6 +104,7 @@ def test_the_orbit_of_a_station(capsys: pytest.CaptureFixture[str]) -> None:
         (["earth", "--orbit"], "--altitude 0"),
         (["low_earth_orbit", "--orbit", "--altitude", "1e5"], "an orbit itself"),
         (["earth", "--orbit", "--altitude", "4e5", "--beta", "91"], "--beta 91"),
+        (["earth", "--orbit", "--altitude", "4e5", "--eccentricity", "1.0"], "--eccentricity 1"),
         (["earth", "--orbit", "--altitude", "4e5", "--lat", "3"], "a place or an orbit"),
     ],
 )

@@ -32,6 +32,7 @@ ELSEWHERE = {
 MODULES = {
     "bench": "sojourn_studies.bench",
     "compare": "sojourn_bags.compare_command",
+    "console": "sojourn_console.console",
     "contract_tool": "sojourn_bringup.contract_tool",
     "datasheet": "sojourn_studies.rover_datasheet",
     "demo": "sojourn_bringup.demo",

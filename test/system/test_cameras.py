@@ -18,6 +18,8 @@ SET = {
     "machine": "explorer_cameras",
     "duration_limit_s": "12",
     "sensors.navcam.lens": "{columns: 64, rows: 48, horizontal_view_deg: 60.0}",
+    "sensors.front": "null",
+    "sensors.belly": "null",
     "sensors.rear": "{kind: camera, link: hazcam_link, lens: {columns: 48, rows: 32, horizontal_view_deg: 90.0}}",
 }
 PAIR = tuple(f"/navcam/{name}" for name in ("left/image", "right/image", "depth"))

@@ -14,7 +14,7 @@ from sojourn_config.machine_reader import machine_config
 from sojourn_config.paths import available
 from sojourn_config.scenario import load_scenario
 
-ROVERS = [name for name in available("machines") if not machine_config(name).fixed_base]
+ROVERS = [name for name in available("machines") if machine_config(name).stands_on]
 SLOPE_DEG = {"tracked": 15.0}
 """Where it is not 10."""
 

@@ -34,7 +34,7 @@ from sensor_msgs.msg import Range
 from sojourn_contract.codecs.ros_library import serialised
 from sojourn_contract.topic_types import FieldRule, Topic
 from sojourn_machine.sensor_choice import SensorParams
-from sojourn_physics.sensors.hazcam import cast_rays
+from sojourn_physics.sensors.hazcam import cast_rays, relief_of
 from sojourn_physics.sensors.noise import draw, initial_stream
 from sojourn_sensors.motion import rotation_matrix
 from sojourn_sensors.sensor import Sensor
@@ -69,7 +69,7 @@ class Ranger(Sensor[RangerParams, Any, float]):
         to_map, ground = rotation_matrix(truth.odometry.orientation), self.site.ground
         origin = truth.odometry.position + to_map @ self._place
         down = (to_map @ self._rotation @ np.array([0.0, 0.0, -1.0])).reshape(1, 3)
-        (found,) = cast_rays(ground.heights, ground.grid, origin, down, 0.5 * ground.resolution, self.params.reach)
+        (found,) = cast_rays(relief_of(ground), origin, down, 0.5 * ground.resolution, self.params.reach)
         return state, min(max(found + self.params.noise * noise[0], 0.0), self.params.reach)
 
     def messages(self, stamp, reading):

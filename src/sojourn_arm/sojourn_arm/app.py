@@ -2,14 +2,15 @@
 `sojourn_flight.arm`.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from sojourn_arm.afloat import Afloat, Attitude, SpaceGoal
 from sojourn_arm.command import Command, command_of
 from sojourn_arm.goals import GoalReader, LastGoal
 from sojourn_arm.ground import GroundWatch, KnownGround
-from sojourn_arm.measurements import JOINTS, MEASUREMENTS, Measured, Measurements
+from sojourn_arm.measurements import IMU, JOINTS, MEASUREMENTS, Measured, Measurements
 from sojourn_arm.rover import Rover, RoverWatch
 from sojourn_arm.stand import LastLoads, Stand
 from sojourn_arm.tasks import Request, task_input
@@ -54,6 +55,10 @@ class ArmAppState:
     loads: LastLoads = field(default_factory=LastLoads)
     usable_at: int | None = None
     """When its measurements could last be used [ns]."""
+    space: SpaceGoal | None = None
+    """What was asked for last on a base that floats; None before it, and on all others."""
+    base: dict[str, str] = field(default_factory=dict)
+    """What the status tells of such a base."""
 
 
 class ArmApp(FlightApp[ArmAppState]):
@@ -72,7 +77,8 @@ class ArmApp(FlightApp[ArmAppState]):
         self._rover = RoverWatch(self.params.interlock, [wheel.joint for wheel in known.machine.rolling])
         self._ground = GroundWatch(self.params, known, reach_from_base(self.model))
         self._stand = Stand(self.params, known.urdf_xml, known.machine)
-        self._goals = GoalReader(self.params)
+        self._goals = GoalReader(self.params, known.machine.floats)
+        self._afloat = Afloat(self.params, self.model, known.urdf_xml) if known.machine.floats else None
 
     def warm_up(self) -> None:
         """Those of the tasks, the control, and the ground."""
@@ -99,7 +105,7 @@ class ArmApp(FlightApp[ArmAppState]):
         )
         state = self._take_goals(state, period, rover, refusals)
         if measured is not None:
-            state = self._control(state, inputs[JOINTS], measured, rover)
+            state = self._control(state, inputs, measured, rover)
         else:
             state = replace(state, command=state.command.at_rest())
             cause = last_refused(str(refusals[-1][1]) if refusals else period.last_refusal)
@@ -130,11 +136,13 @@ class ArmApp(FlightApp[ArmAppState]):
                 refusals.append((name, RefusedMessageError(name, "goal", "refused", str(refusal))))
         return state
 
-    def _control(self, state: ArmAppState, joints: Any, measured: Measured, rover: Rover) -> ArmAppState:
+    def _control(self, state: ArmAppState, inputs: Mapping[str, Any], measured: Measured, rover: Rover) -> ArmAppState:
         """Form the command of a period whose measurements can be used."""
+        if self._afloat is not None:
+            state = _aimed(self._afloat, state, self._afloat.attitude(measured.positions, inputs[IMU]))
         request, granted = state.pending, state.granted
-        ground = state.ground if request is None else self._ground.observe(state.ground, joints)
-        loads = self._stand.loads(state.loads, joints, measured, state.tasks.moves or request is not None)
+        ground = state.ground if request is None else self._ground.observe(state.ground, inputs[JOINTS])
+        loads = self._stand.loads(state.loads, inputs[JOINTS], measured, state.tasks.moves or request is not None)
         why_not = rover.why_not_allowed if granted else "the power manager has switched the arm off"
         known = ArmInput(
             positions=measured.positions,
@@ -149,6 +157,11 @@ class ArmApp(FlightApp[ArmAppState]):
         tasks, output, report = task_control.step(
             self.params, self.model, state.tasks, observed, stamps.CONTROL_PERIOD_S
         )
+        state = replace(state, pending=None)
+        if self._afloat is not None and state.space is not None:
+            now = self._afloat.attitude(measured.positions, inputs[IMU])
+            space, output = self._afloat.followed(state.space, request, now, output)
+            state = replace(state, space=space, pending=space.correction, base=self._afloat.told(space, now))
         return replace(
             state,
             tasks=tasks,
@@ -156,9 +169,19 @@ class ArmApp(FlightApp[ArmAppState]):
             output=output,
             command=command_of(self.params.joint_names, output, None if tasks.tool is None else tasks.tool_command),
             goal=state.goal.noted(output, report),
-            pending=None,
             loads=loads,
         )
+
+
+def _aimed(afloat: Afloat, state: ArmAppState, now: Attitude) -> ArmAppState:
+    """With the goal of a period as it is asked of the arm on a base that floats."""
+    if state.pending is None:
+        return state
+    try:
+        space, request = afloat.taken(state.space, state.pending, now)
+    except GoalRefusedError as refusal:
+        return replace(state, goal=state.goal.refused(str(refusal)), pending=None)
+    return replace(state, space=space, pending=request)
 
 
 def _granted(switches: Any, loads: Sequence[str], before: float) -> float:
@@ -174,7 +197,7 @@ def _granted(switches: Any, loads: Sequence[str], before: float) -> float:
 
 def _messages(state: ArmAppState, stamp: int) -> Iterator[tuple[str, Any]]:
     if is_due(topic(STATUS), stamp // stamps.CONTROL_PERIOD_NS):
-        values = state.goal.status(state.output)
+        values = state.goal.status(state.output) | state.base
         level = 1 if values["state"] in ("refused", "failed") else 0
         yield STATUS, status_message(stamp, "arm", values, values["reason"] or values["state"], level)
     yield "/arm_command", state.command.message(stamp)

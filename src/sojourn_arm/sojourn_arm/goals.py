@@ -23,6 +23,7 @@ from sojourn_flight.arm.goals import (
 )
 from sojourn_flight.arm.jogging import JogCommand
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmOutput
 from sojourn_flight.arm.tasks.task_control import TaskReport
 from sojourn_machine.evolution import replace
@@ -103,10 +104,10 @@ class LastGoal:
 
 
 class GoalReader:
-    """Makes the arm's own goals of messages."""
+    """Makes the arm's own goals of messages. floats: the base gives way under the arm."""
 
-    def __init__(self, params: ArmParams) -> None:
-        self._params = params
+    def __init__(self, params: ArmParams, floats: bool = False) -> None:
+        self._params, self._floats = params, floats
 
     def request(self, topic: str, message: Any, now: int, rover: Rover) -> Request:
         """What a message asks for at the time `now` [ns], of a rover that stands where it does.
@@ -123,6 +124,9 @@ class GoalReader:
         if topic == "/arm/cmd_vel":
             return self._jog(topic, message, now, rover)
         if topic == "/arm/path":
+            if self._floats:
+                why = "the base floats free and gives way under the arm, so that the hand would leave the line"
+                raise GoalRefusedError(f"{why}: allowed are poses, joint goals, trajectories and jogging")
             return self._path(topic, message, rover)
         if topic == "/arm/joint_goal":
             if not message.names:

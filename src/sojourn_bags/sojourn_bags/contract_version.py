@@ -14,10 +14,12 @@ from sojourn_contract.description import (
     contract_differences,
     contract_name,
     delivered_by_data,
+    heard_by_data,
     row_of_data,
 )
 from sojourn_contract.errors import TopicNameError
-from sojourn_contract.run_table import row_named
+from sojourn_contract.fault_messages import TOPIC as FAULTS
+from sojourn_contract.run_table import TICK, row_named
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topics import STANDARD
 
@@ -77,11 +79,15 @@ def table_of_bag(bag: Bag) -> TopicTable:
         for name, data in described.items():
             row = row_named(name) or (None if data is None else row_of_data(name, data))
             if row is not None and name not in STANDARD:
+                row = row if data is None else heard_by_data(row, data)
                 rows.append(row)
             if row is not None and data is not None:
                 delivered.append(delivered_by_data(row, data))
+        waits = described.get(TICK)  # with faults in its schedule whoever they happen to waits for the operator
+        roles = () if waits is None else STANDARD.topic(FAULTS).subscribers
+        hearing = [role for role in roles if waits is not None and role in waits["subscribers"]]
         leap = 0 if theirs is None else int(theirs.get(LEAP, 0))
-        return TopicTable(STANDARD.joined_with(rows).delivered(delivered), leap)
+        return TopicTable(STANDARD.joined_with(rows).heard_by(TICK, hearing).delivered(delivered), leap)
     except (TopicNameError, *_UNREADABLE) as error:
         raise OtherContractError(bag.path, f"its {CONTRACT_NAME} cannot be read: {error}") from error
 

@@ -108,3 +108,10 @@ class UnansweredError(ReplayError):
     Args:
         words: one sentence that says who did not answer what, and when.
     """
+
+
+class TransformTypeError(BagsError):
+    """The class of tf2_msgs/TFMessage is neither installed nor can it be made."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(f"tf2_msgs is not installed, and its message cannot be made here: {reason}")

@@ -65,12 +65,12 @@ def series(bag: Bag, text: str) -> list[Series]:
         raise UnknownFieldError(topic, "is not in the bag", _nearest(topic, sorted(bag.topics)))
     messages = bag[topic]
     if not path:
-        names = [f"{topic}.{name}" for name in _names(bag, messages)]
-        raise UnknownFieldError(topic, "needs a field after a dot", names[:NEAREST])
+        typed = [f"{topic}.{name}" for name in names(bag, messages)]
+        raise UnknownFieldError(topic, "needs a field after a dot", typed[:NEAREST])
     parts = _parts(bag, messages, path)
     if not parts:
-        names = [f"{topic}.{name}" for name in _names(bag, messages)]
-        raise UnknownFieldError(text, "is not in the bag", _nearest(text, names))
+        typed = [f"{topic}.{name}" for name in names(bag, messages)]
+        raise UnknownFieldError(text, "is not in the bag", _nearest(text, typed))
     stamps = _stamps(messages)
     found = []
     for name, values in parts:
@@ -123,8 +123,8 @@ def _parts(bag: Bag, messages: Messages, path: str) -> list[tuple[str, FloatArra
         return [columns[labels.index(which)]]
     if which.isdigit() and int(which) < len(columns):
         return [columns[int(which)]]
-    names = [name for name, _ in columns]
-    raise UnknownFieldError(f"{messages.topic}.{path}", "is not in the bag", _nearest(path, names) or names[:NEAREST])
+    there = [name for name, _ in columns]
+    raise UnknownFieldError(f"{messages.topic}.{path}", "is not in the bag", _nearest(path, there) or there[:NEAREST])
 
 
 def _touched(columns: list[tuple[str, FloatArray]]) -> list[tuple[str, FloatArray]]:
@@ -186,9 +186,9 @@ def _of_status(_: Bag, messages: Messages, path: str) -> list[tuple[str, FloatAr
 
 
 def _of_message(messages: Messages, path: str) -> list[tuple[str, FloatArray]] | None:
-    names = [name for name in _known_fields(messages) if name == path or name.startswith((path + ".", path + "["))]
+    alike = [name for name in _known_fields(messages) if name == path or name.startswith((path + ".", path + "["))]
     found = []
-    for name in names:
+    for name in alike:
         values = messages.column(name)
         if values.ndim == 1:
             found.append((name, values))
@@ -205,7 +205,7 @@ def _known_fields(messages: Messages) -> list[str]:
         raise UnknownFieldError(messages.topic, f"cannot be drawn: it is a {text}", []) from error
 
 
-def _names(bag: Bag, messages: Messages) -> list[str]:
+def names(bag: Bag, messages: Messages) -> list[str]:
     """Names of fields of a topic that can be typed, most telling first."""
     if messages.type == "sensor_msgs/msg/JointState":
         joints = messages.joints()

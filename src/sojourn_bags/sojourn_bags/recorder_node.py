@@ -2,7 +2,7 @@
 
 In lock-step it takes part: it says on /recorder/tick up to which period everything is written, and the plant
 never runs further ahead than the table allows. The file is the same from run to run. In real time it writes
-what comes.
+what comes. Besides it shows the machine to viewers, see `live_model`.
 """
 
 import sys
@@ -15,6 +15,7 @@ from rclpy.context import Context
 
 from sojourn_bags.definitions import ChannelSpec, offered_entries
 from sojourn_bags.errors import BagsError
+from sojourn_bags.live_model import LiveModel
 from sojourn_bags.recorded_run import RecordedRun
 from sojourn_bags.recording import CLOCK, Recording
 from sojourn_config.errors import ConfigError
@@ -56,6 +57,8 @@ class RecorderNode(ContractNode):
         except (BagsError, ConfigError):
             self.destroy_node()
             raise
+        told = [row.name for row in self.table if row.publisher in self.participants]
+        self._live = LiveModel(self, self.scenario.urdf, told)
 
     def poll(self) -> None:
         """Wall-clock chores: readiness, a word when stalled, and the flush of each second."""
@@ -117,6 +120,7 @@ class RecorderNode(ContractNode):
             stamp = stamp_of(row.name, message)
         except RefusedMessageError as refusal:
             self.refuse(row.name, refusal)
+        self._live.hear(row.name, stamp, message)
         try:
             self.recording.take(row, stamp, message)
         except RefusedMessageError as refusal:

@@ -15,6 +15,7 @@ from sojourn_bags.description import Run
 from sojourn_bags.goals import ARM_TOPICS
 from sojourn_bags.machine import FloatArray, TrueMachine, euler_angles, poses_of
 from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.report_afloat import draw_base
 from sojourn_bags.report_arm import draw_standing_arm
 from sojourn_bags.report_map import draw_map
 from sojourn_bags.summary import summarise
@@ -55,22 +56,26 @@ def write_report(
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06)  # type: ignore[union-attr, call-arg]
     figure.suptitle(_title(summary), fontsize=13, x=0.01, ha="left")
     grid = figure.add_gridspec(4, 2, width_ratios=(1.12, 1.0))
-    draw_map(figure, figure.add_subplot(grid[0:2, 0]), bag, TrueMachine(bag, run.urdf), terrain or run.terrain())
+    where, machine = figure.add_subplot(grid[0:2, 0]), TrueMachine(bag, run.urdf)
+    if run.machine.floats:
+        draw_base(where, bag, machine)
+    else:
+        draw_map(figure, where, bag, machine, terrain or run.terrain())
 
     charge_axes = figure.add_subplot(grid[2, 0])
     arm_axes = figure.add_subplot(grid[3, 0], sharex=charge_axes)
     wheel_axes = [figure.add_subplot(grid[row, 1], sharex=charge_axes) for row in range(4)]
     _draw_power(charge_axes, bag)
     if run.arm_joints:
-        label = "torque [N m], force [N]" if run.machine.fixed_base else "torque [N m]"
+        label = "torque [N m]" if run.machine.stands_on else "torque [N m], force [N]"
         _draw_joints(arm_axes, bag, run.arm_joints, "Torque of the arm joints, force at the wrist", label)
         _draw_wrist(arm_axes, bag)
     else:
         _draw_attitude(arm_axes, bag)
-    if run.machine.fixed_base:
-        draw_standing_arm(wheel_axes, bag, run.machine, run.arm_joints, _draw_curves)
-    else:
+    if run.machine.stands_on:
         _draw_wheels(wheel_axes, bag, run)
+    else:
+        draw_standing_arm(wheel_axes, bag, run.machine, run.arm_joints, _draw_curves)
     times = (charge_axes, arm_axes, *wheel_axes)
     for axes in times:
         _shade_goals(axes, summary["goals"])

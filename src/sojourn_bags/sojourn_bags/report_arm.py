@@ -1,4 +1,4 @@
-"""Panels of the report for a machine that stands fast: where its arm was, how fast, and how far off its command."""
+"""Panels of the report for a machine that does not drive: where its arm was, how fast, and how far off its command."""
 
 from collections.abc import Callable, Sequence
 

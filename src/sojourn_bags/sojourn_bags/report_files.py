@@ -11,7 +11,7 @@ from sojourn_bags.errors import BagsError
 from sojourn_bags.page.page import write_page
 from sojourn_bags.reading import Bag, bag_file, read_bag
 from sojourn_bags.report import write_report
-from sojourn_bags.summary import goal_lines, summarise, write_summary
+from sojourn_bags.summary import fault_lines, goal_lines, summarise, write_summary
 from sojourn_config.command_errors import UsageError
 
 
@@ -24,7 +24,7 @@ def place_of(bag: Path) -> Path:
 def say(summary: dict[str, Any], console: Console) -> None:
     """Verdict, and what became of each goal."""
     console.print(str(summary["verdict"]), markup=False)
-    for line in goal_lines(summary):
+    for line in (*goal_lines(summary), *fault_lines(summary)):
         console.print(line, markup=False)
 
 

@@ -81,15 +81,15 @@ def run_configuration(bag: Bag) -> Iterator[RunConfiguration]:
     changed = tuple(name for name, text in files.items() if _text_here(name) != text)
     with tempfile.TemporaryDirectory(prefix="sojourn-replay-") as base:
         for name, text in files.items():
-            path = _place(Path(base), name)
+            path = place_below(Path(base), name)
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
         folder = Path(base) / "config"
         folder.mkdir(exist_ok=True)
         if ELEVATION_NAME in bag.attachments:
             (folder / ELEVATION_NAME).write_bytes(bag.attachments[ELEVATION_NAME])
-        scenario = str(_place(Path(base), first))
-        with _variable(ENVIRONMENT_VARIABLE, str(folder)):
+        scenario = str(place_below(Path(base), first))
+        with set_variable(ENVIRONMENT_VARIABLE, str(folder)):
             try:
                 now = Run.of_scenario(load_scenario(scenario, overrides)).resolved
             except ConfigError as error:
@@ -98,7 +98,7 @@ def run_configuration(bag: Bag) -> Iterator[RunConfiguration]:
             yield RunConfiguration(scenario, overrides, folder, changed, otherwise)
 
 
-def _place(base: Path, name: str) -> Path:
+def place_below(base: Path, name: str) -> Path:
     """Where a file goes: relative names as they are, absolute ones below a folder of their own."""
     parts = [part for part in PurePosixPath(name).parts if part not in ("/", "..")]
     return base.joinpath(*(["outside"] if name.startswith("/") else []), *parts)
@@ -119,7 +119,8 @@ def _as_json(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 @contextmanager
-def _variable(name: str, value: str) -> Iterator[None]:
+def set_variable(name: str, value: str) -> Iterator[None]:
+    """An environment variable with another value, for as long as the context is open."""
     before = os.environ.get(name)
     os.environ[name] = value
     try:

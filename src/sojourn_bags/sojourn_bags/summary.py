@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sojourn_bags.afloat import base_motion
 from sojourn_bags.completeness import RECORD
 from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import Run
+from sojourn_bags.detection import judge_faults, sentence
 from sojourn_bags.goals import (
     ARM_TOPICS,
     DRIVE_TOPICS,
@@ -40,7 +42,9 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     Returns:
         scenario, seed, verdict (words), all_met, complete, sim_time_s, wall_time_s, real_time_factor,
         distance_m, goal_error_m (last drive goal), arm_error_m (worst place of the arm), energy_wh,
-        soc_start, soc_end, max_sinkage_m, max_tilt_deg, goals (each with its outcome), steps_not_sent,
+        soc_start, soc_end, max_sinkage_m, max_tilt_deg, of what floats base_moved_m, base_turned_deg and
+        centre_of_mass_moved_m, goals (each with its outcome), steps_not_sent,
+        faults (each with how it showed), faults_met (whether all showed as they should),
         messages (topic -> published, recorded).
     """
     run = run or Run.of_bag(bag)
@@ -56,11 +60,15 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     not_sent = missing_steps(topics, [result.goal for result in results])
     drive_errors = [result.error_m for result in results if result.goal.topic in DRIVE_TOPICS]
     arm_errors = [result.error_m for result in results if result.goal.topic in ARM_TOPICS]
-    max_tilt_deg = float(np.degrees(tilts(poses_of(bag, "/truth/odom")[:, 3:]).max())) if has_truth else None
+    floats = run.machine.floats  # which has no way up, and does not drive
+    upright = has_truth and not floats
+    max_tilt_deg = float(np.degrees(tilts(poses_of(bag, "/truth/odom")[:, 3:]).max())) if upright else None
     rolled_over = max_tilt_deg is not None and max_tilt_deg >= run.machine.roll_over_tilt_deg
     charge = charges(bag)
+    faults = judge_faults(bag, run.scenario.faults)
     complete = bag.whole and bag.records.get(RECORD, {}).get("complete") == "true"
-    distance = distance_driven(bag) if has_truth else None
+    distance = distance_driven(bag) if upright else None
+    base = base_motion(bag, machine) if floats and machine is not None else None
     all_met = all(result.met for result in results) and not not_sent and not rolled_over
     summary: dict[str, Any] = {
         "scenario": run.name,
@@ -80,11 +88,16 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
         "max_sinkage_m": max_sinkage(bag, len(run.machine.stands_on)),
         "max_tilt_deg": max_tilt_deg,
         "rolled_over": rolled_over,
+        **({} if base is None else base.figures()),
         "goals": [result.as_data() for result in results],
         "steps_not_sent": not_sent,
+        "faults": [fault.as_data() for fault in faults],
+        "faults_met": all(fault.good for fault in faults),
         "messages": messages(bag),
     }
-    summary["verdict"] = _verdict(summary, results, run.machine.fixed_base)
+    who = "rover" if run.machine.stands_on else "machine"
+    verdict = [_verdict(summary, results, who), "" if base is None else base.words(), sentence(faults)]
+    summary["verdict"] = " ".join(filter(None, verdict))
     return {
         key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in summary.items()
     }
@@ -98,6 +111,11 @@ def goal_lines(summary: dict[str, Any]) -> list[str]:
         reason = f" ({goal['reason']})" if goal["reason"] else ""
         lines.append(f"  {goal['goal']}: {goal['outcome']}{error}{reason}")
     return lines
+
+
+def fault_lines(summary: dict[str, Any]) -> list[str]:
+    """What became of each fault, a line each, for a terminal."""
+    return [f"  {fault['fault']}: {fault['words']}" for fault in summary["faults"]]
 
 
 def write_summary(summary: dict[str, Any], path: Path) -> None:
@@ -157,8 +175,8 @@ def messages(bag: Bag) -> dict[str, dict[str, int | None]]:
     }
 
 
-def _verdict(summary: dict[str, Any], results: list[GoalResult], stands_fast: bool) -> str:
-    """One or two sentences for a person."""
+def _verdict(summary: dict[str, Any], results: list[GoalResult], who: str) -> str:
+    """One or two sentences for a person; `who`: what to call the machine."""
     unmet = [result for result in results if not result.met]
     parts = []
     if summary["rolled_over"]:
@@ -171,13 +189,13 @@ def _verdict(summary: dict[str, Any], results: list[GoalResult], stands_fast: bo
     if summary["steps_not_sent"]:
         parts.append(f"{summary['steps_not_sent']} steps of the scenario were never sent.")
     if summary["all_met"]:
-        parts.append(_success(summary, len(results), stands_fast))
+        parts.append(_success(summary, len(results), who))
     if not summary["complete"]:
         parts.append("The record is not complete.")
     return " ".join(parts)
 
 
-def _success(summary: dict[str, Any], goals: int, stands_fast: bool) -> str:
+def _success(summary: dict[str, Any], goals: int, who: str) -> str:
     if not goals:
         return "No goals were asked for."
     deeds = []
@@ -186,7 +204,6 @@ def _success(summary: dict[str, Any], goals: int, stands_fast: bool) -> str:
         deeds.append(f"drove {summary['distance_m']:.1f} m and stopped {from_goal} from the goal")
     if summary["arm_error_m"] is not None:
         deeds.append(f"placed the arm {length_in_words(summary['arm_error_m'])} from its target")
-    who = "machine" if stands_fast else "rover"
     done = f": the {who} {' and '.join(deeds)}" if deeds else ""
     return f"Every goal was met{done}."
 

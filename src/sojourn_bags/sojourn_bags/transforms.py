@@ -122,7 +122,7 @@ class TransformTemplate:
         marks = [[100.0 * number + axis + 1.5 for axis in range(7)] for number in range(len(links))]
         transforms = [
             stamped(
-                header=header(stamp=time(sec=-1 - number, nanosec=0xFFFFFFF0 + number), frame_id=parent),
+                header=header(stamp=time(sec=-1 - number, nanosec=0xFFFF0000 + number), frame_id=parent),
                 child_frame_id=child,
                 transform=transform(translation=vector(*mark[:3]), rotation=quaternion(*mark[3:])),
             )
@@ -130,7 +130,7 @@ class TransformTemplate:
         ]
         self._data = bytearray(typestore().serialize_cdr(message(transforms=transforms), "tf2_msgs/msg/TFMessage"))
         self._numbers = [self._data.index(_SEVEN.pack(*mark)) for mark in marks]
-        self._stamps = [self._data.index(_STAMP.pack(-1 - number, 0xFFFFFFF0 + number)) for number in range(len(links))]
+        self._stamps = [self._data.index(_STAMP.pack(-1 - number, 0xFFFF0000 + number)) for number in range(len(links))]
 
     def fill(self, stamp: int, transforms: tuple[Transform, ...]) -> bytes:
         """The message stamped `stamp` [ns], one transform a link."""

@@ -28,10 +28,8 @@ from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.description import contract_data
 from sojourn_contract.page import contract_page
 from sojourn_contract.topic_table import TopicTable
-from sojourn_operator.scenario_steps import course_of
+from sojourn_operator.scenario_steps import named_scenario
 
-MACHINE_SCENARIO = "flat_drive"
-"""Around a machine that --machine names: any rover can drive it."""
 Checked = tuple[Report, dict[str, Any], list[Bag]]
 """Verdict, where it is from, and the bags that were read."""
 
@@ -96,13 +94,11 @@ def _machine(given: argparse.Namespace) -> JudgedMachine | None:
     """The machine that --scenario or --machine names; None where neither is given."""
     if given.scenario is None and given.machine is None:
         return None
-    if given.machine is None:
-        return _machine_of(given.scenario)
-    return _machine_of(given.scenario or course_of(given.machine, MACHINE_SCENARIO), (f"machine={given.machine}",))
+    return JudgedMachine.of_scenario(named_scenario(given.scenario, given.machine, SCENARIO))
 
 
-def _machine_of(scenario: str, overrides: Sequence[str] = ()) -> JudgedMachine:
-    return JudgedMachine.of_scenario(load_scenario(scenario, overrides))
+def _machine_of(scenario: str) -> JudgedMachine:
+    return JudgedMachine.of_scenario(load_scenario(scenario))
 
 
 def _facts(

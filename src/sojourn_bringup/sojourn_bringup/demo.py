@@ -3,7 +3,7 @@
 import argparse
 from collections.abc import Sequence
 
-from sojourn_bringup.plan import add_patience
+from sojourn_bringup.plan import add_console, add_patience
 from sojourn_config import command_line
 
 DEFAULT_SCENARIO = "lunar_sample"
@@ -32,6 +32,7 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("--set", action="append", default=[], dest="overrides", metavar="KEY=VALUE",
                         help="set a value of the scenario or of a file that it names; again for more")  # fmt: skip
     result.add_argument("--run-dir", metavar="DIR", help="folder of the run (default: a new one in runs/)")
+    add_console(result)
     command_line.add_place(result)
     add_patience(result)
     return result

@@ -1,6 +1,7 @@
 """A run under a progress bar, and its verdict in words, numbers and a picture: the work of scripts/demo."""
 
 import argparse
+import os
 import shlex
 from collections.abc import Sequence
 
@@ -13,6 +14,7 @@ from sojourn_bringup.demo import DEFAULT_SCENARIO, MACHINE_SCENARIO
 from sojourn_bringup.health import Health, Progress
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome
 from sojourn_bringup.plan import RunPlan
+from sojourn_bringup.run_folder import ONLY_OWNER
 from sojourn_bringup.screen import PlainScreen, Screen
 from sojourn_config.command_errors import CommandError
 from sojourn_operator.scenario_steps import course_of
@@ -96,6 +98,7 @@ def start_arguments(given: argparse.Namespace) -> list[str]:
             arguments += [f"--{name.replace('_', '-')}", value]
     for text in given.overrides:
         arguments += ["--set", text]
+    arguments += ["--console"] if given.console else []
     return [*arguments, "--direct"] if given.direct else arguments
 
 
@@ -137,11 +140,12 @@ def _judge(plan: RunPlan, outcome: Outcome, screen: Screen) -> bool:
 
 def run(given: argparse.Namespace) -> int:
     """Run the demonstration; 0 only if every goal was met and the record is complete."""
+    os.umask(ONLY_OWNER)
     console = Console(highlight=False, soft_wrap=True)
     screen = BarScreen(console) if console.is_terminal else PlainScreen(console)
     plan = start_run.make_plan(start.parser("demo").parse_args(start_arguments(given)), screen)
     layout: start_run.Layout = "direct" if given.direct else "processes" if given.processes else "composed"
-    outcome = start_run.run_plan(plan, layout, screen)
+    outcome = start_run.run_plan(plan, layout, screen, given.console)
     if outcome.status != SUCCEEDED:
         screen.say(outcome.message)
     if outcome.status == INTERRUPTED or not plan.bag().exists():

@@ -1,13 +1,14 @@
 """Listens to the heartbeats of a run: the supervisor's only ROS node."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import rclpy
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
+from sojourn_bringup.access import SUPERVISOR
 from sojourn_bringup.health import Health, Progress
 from sojourn_contract import qos
 from sojourn_contract.decoding import hearing
@@ -22,18 +23,19 @@ class Monitor:
     """Keeps the health of the nodes and the progress of the run up to date. A context manager.
 
     Args:
-        namespace: namespace of the run. nodes: health by role, updated in place.
+        namespace: namespace of the run. nodes: health by role, updated in place. arguments: of ROS, for its node.
     """
 
-    def __init__(self, namespace: str, nodes: Mapping[str, Health]) -> None:
+    def __init__(self, namespace: str, nodes: Mapping[str, Health], arguments: Sequence[str] = ()) -> None:
         self.nodes = nodes
         self.progress = Progress()
         self._namespace = namespace
+        self._arguments = ["--ros-args", *arguments] if arguments else []
 
     def __enter__(self) -> "Monitor":
-        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        rclpy.init(args=self._arguments, signal_handler_options=SignalHandlerOptions.NO)
         self._node = rclpy.create_node(
-            "supervisor", namespace=self._namespace or None, enable_rosout=False, start_parameter_services=False
+            SUPERVISOR, namespace=self._namespace or None, enable_rosout=False, start_parameter_services=False
         )
         self._listen("/diagnostics", self._on_heartbeat)
         self._listen("/drive/status", self._on_drive_status)

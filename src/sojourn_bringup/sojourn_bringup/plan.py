@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sojourn_bringup.access import enclave_of
 from sojourn_bringup.process_table import PROCESSES
 from sojourn_config import command_line
 from sojourn_config.command_errors import UsageError
@@ -42,6 +43,7 @@ class RunPlan:
         loaded: the scenario as it was checked, for a run in this process; None: it is to be read.
         begin: where it goes on from; None for its start.
         checkpoint_every_s: simulation time from one checkpoint to the next [s]; None for none.
+        secure: each process in its enclave, see `access`.
     """
 
     scenario: str
@@ -60,6 +62,7 @@ class RunPlan:
     loaded: "LoadedScenario | None" = field(default=None, compare=False, repr=False)
     begin: "StackState | None" = field(default=None, compare=False, repr=False)
     checkpoint_every_s: float | None = None
+    secure: bool = False
 
     @property
     def result_file(self) -> Path:
@@ -112,7 +115,11 @@ class RunPlan:
             values["companions"] = list(self.companions)
         if role == "operator":
             values["result_file"] = str(self.result_file)
-        return ros_arguments(values, self.namespace)
+        return [*ros_arguments(values, self.namespace), *self.enclave_arguments(role)]
+
+    def enclave_arguments(self, node: str) -> list[str]:
+        """Arguments, behind --ros-args, by which a node finds its keys; none where the run needs none."""
+        return ["--enclave", enclave_of(node)] if self.secure else []
 
 
 def ros_arguments(
@@ -178,6 +185,12 @@ def _lacking(role: str, present: tuple[str, ...], table: TopicTable) -> str:
         if other not in present and any(row.publisher == other for row in awaited_inputs(role, ROLES, table))
     ]
     return " and ".join(lacking) or "the others"
+
+
+def add_console(parser: argparse.ArgumentParser) -> None:
+    """--console: a page beside the run."""
+    help_text = "show the run in the browser and command it from there: prints the address of a page on this machine"
+    parser.add_argument("--console", action="store_true", help=help_text)
 
 
 def add_patience(parser: argparse.ArgumentParser) -> None:

@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from sojourn_bringup.plan import add_patience
+from sojourn_bringup.plan import add_console, add_patience
 from sojourn_bringup.process_table import role_list
 from sojourn_config import command_line
 
@@ -60,8 +60,18 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
         help="run this command beside the node of a role, on the same inputs. What it says is on /shadow/..., is "
         "compared with what our node says, and is not acted upon",
     )
+    add_console(result)
     command_line.add_place(result)
-    result.add_argument("--network", action="store_true", help="find nodes on other machines too")
+    result.add_argument(
+        "--network",
+        action="store_true",
+        help="find nodes on other machines too: opens UDP ports on every interface, see the manual's part on security",
+    )
+    result.add_argument(
+        "--secure",
+        action="store_true",
+        help="DDS security: each role has keys of its own and may say and hear its rows of the contract; needs SROS 2",
+    )
     result.add_argument("--run-dir", type=Path, metavar="DIR", help="folder of the run (default: a new one in runs/)")
     command_line.add_machine(result)
     result.add_argument("--seed", type=command_line.whole_number, metavar="N", help="seed in place of the scenario's")

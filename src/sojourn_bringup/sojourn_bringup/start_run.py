@@ -1,19 +1,23 @@
 """A run checked, started and told of: the work of scripts/start.py."""
 
 import argparse
+import os
 from collections.abc import Sequence
 from contextlib import nullcontext
 from typing import TYPE_CHECKING, Literal
 
+from sojourn_bringup.console_child import ConsoleChild
 from sojourn_bringup.ending import last_words
 from sojourn_bringup.instance import RoleTokens
 from sojourn_bringup.outcome import Outcome
 from sojourn_bringup.plan import RunPlan, check_lockstep, replacement_of
 from sojourn_bringup.process_table import PROCESSES, ROLE_NAMES, check_roles, process
-from sojourn_bringup.run_folder import make_run_folder
+from sojourn_bringup.run_folder import ONLY_OWNER, make_run_folder
 from sojourn_bringup.screen import Screen, default_screen
+from sojourn_bringup.secure import check_secure, make_keystore
 from sojourn_config.command_errors import UsageError
 from sojourn_config.resolved import resolved_text
+from sojourn_config.ros_environment import what_the_network_opens
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.shared_memory import remove_tracing_files
 from sojourn_contract.run_table import table_of
@@ -32,6 +36,12 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     replacements = _commands(given.replace, "--replace")
     shadows = _commands(given.shadow, "--shadow")
     _check_checkpoints(given)
+    if given.secure:
+        if layout_of(given) != "processes" or given.shadow or given.only or given.console:
+            reason = "each role has keys of its own: it goes with all roles as processes here"
+            others = "--composed, --direct, --resume, --shadow, --only or --console"
+            raise UsageError(f"--secure does not go with {others}: {reason}")
+        check_secure()
     resumed = _resumed(given)
     if resumed is None:
         scenario = prepare_scenario(given.scenario, overrides_of(given))
@@ -58,6 +68,10 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     if (given.composed or given.direct) and (replacements or shadows or len(started) < len(participants)):
         option = "--composed" if given.composed else "--direct"
         raise UsageError(f"{option} runs every role in one process: it does not go with --replace, --shadow or --only")
+    if given.console and layout_of(given) == "direct":
+        raise UsageError(
+            "--console listens to topics, and a run without middleware has none: not with --direct, --resume"
+        )
     if given.direct and given.realtime:
         raise UsageError("--direct runs as fast as it can: it does not go with --realtime")
     if "plant" not in participants:
@@ -88,6 +102,7 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
         loaded=scenario.loaded,
         begin=None if resumed is None else resumed.state,
         checkpoint_every_s=given.checkpoint_every,
+        secure=given.secure,
     )
 
 
@@ -155,8 +170,8 @@ def layout_of(given: argparse.Namespace) -> Layout:
     return "direct" if given.direct or given.resume else "composed" if given.composed else "processes"
 
 
-def run_plan(plan: RunPlan, layout: Layout, screen: Screen) -> Outcome:
-    """Run to the end, in one process or in many; nothing is left behind."""
+def run_plan(plan: RunPlan, layout: Layout, screen: Screen, with_console: bool = False) -> Outcome:
+    """Run to the end, in one process or in many; nothing is left behind. with_console: beside it."""
     # here and not above, because the libraries read the environment when they are loaded
     try:
         if layout == "direct":  # it meets nobody on any domain
@@ -164,14 +179,16 @@ def run_plan(plan: RunPlan, layout: Layout, screen: Screen) -> Outcome:
 
             with screen:
                 return DirectRun(plan, screen).run()
-        with RoleTokens(plan.domain, plan.namespace, plan.started), screen:
+        console = ConsoleChild(plan, screen) if with_console else nullcontext()
+        with RoleTokens(plan.domain, plan.namespace, plan.started), screen, console:
             if layout == "composed":
                 from sojourn_bringup.composed import ComposedRun
 
                 return ComposedRun(plan, screen).run()
             from sojourn_bringup.supervisor import Supervisor
 
-            return Supervisor(plan, screen).run()
+            security = make_keystore(plan, table_of(plan.loaded)) if plan.secure and plan.loaded is not None else {}
+            return Supervisor(plan, screen, security).run()
     finally:
         remove_tracing_files()
 
@@ -183,10 +200,13 @@ def run(given: argparse.Namespace) -> int:
         loaded = load_scenario(given.scenario, overrides_of(given)) if resumed is None else resumed.scenario.loaded
         print(resolved_text(loaded.documents), end="")
         return 0
+    os.umask(ONLY_OWNER)
     screen = default_screen()
     plan = make_plan(given, screen)
     screen.say(f"run {plan.run_dir}, domain {plan.domain}{', namespace ' + plan.namespace if plan.namespace else ''}")
-    outcome = run_plan(plan, layout_of(given), screen)
+    if plan.on_network and not plan.secure:
+        screen.say(what_the_network_opens(plan.domain))
+    outcome = run_plan(plan, layout_of(given), screen, given.console)
     for line in last_words(plan, outcome):
         screen.say(line)
     return outcome.status

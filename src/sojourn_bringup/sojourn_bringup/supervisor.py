@@ -5,8 +5,10 @@ import os
 import signal
 import time
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import replace
 
+from sojourn_bringup.access import SUPERVISOR
 from sojourn_bringup.child import STOP_S, Child, command_of, environment_of
 from sojourn_bringup.health import DEAD, RESTARTING, STOPPED, Health
 from sojourn_bringup.monitor import Monitor
@@ -32,17 +34,17 @@ class Supervisor:
     """One run as processes.
 
     Args:
-        plan: the run. screen: where to show it.
+        plan: the run. screen: where to show it. security: variables of a run that is secured, see `secure`.
     """
 
-    def __init__(self, plan: RunPlan, screen: Screen) -> None:
+    def __init__(self, plan: RunPlan, screen: Screen, security: Mapping[str, str] | None = None) -> None:
         self.plan = plan
         self.screen = screen
         self.nodes = {role: Health(role) for role in reversed(plan.in_order_of_stop())}
         for role in plan.participants:
             self.nodes.setdefault(role, Health(role, detail="not started here"))
         self.children: dict[str, Child] = {}
-        self._ros = ros_variables(plan.domain, plan.on_network)
+        self._ros = {**ros_variables(plan.domain, plan.on_network), **(security or {})}
         self._deaths: dict[str, deque[float]] = {role: deque() for role in plan.started}
         self.shadows = Shadows(plan, screen, self._ros)
         self.stopwatch = RunStopwatch()
@@ -55,7 +57,7 @@ class Supervisor:
         self._logs.mkdir(exist_ok=True)
         stop = StopFlag().install()
         signal.signal(signal.SIGHUP, signal.getsignal(signal.SIGINT))
-        with Monitor(self.plan.namespace, self.nodes) as self._monitor:
+        with Monitor(self.plan.namespace, self.nodes, self.plan.enclave_arguments(SUPERVISOR)) as self._monitor:
             try:
                 outcome = self._wait_for_shadows(stop) or self._start_and_watch(stop)
                 if outcome.status == FAILED:

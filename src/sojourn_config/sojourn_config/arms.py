@@ -102,7 +102,7 @@ def _on_a_rover(name: str) -> SerialArm | None:
     """The arm as it is on the first machine that drives with it, with its motors; None where no such machine has it."""
     for machine in available("machines"):
         config = machine_config(machine)
-        if config.arm != name or config.fixed_base:
+        if config.arm != name or not config.stands_on:
             continue
         joined = joined_machine(machine)
         if joined.arm is None:

@@ -120,7 +120,8 @@ class BundleReader(MachineReader):
         """What has been read, if it fits together."""
         if sets is None or body is None:
             return None
-        self._check(sets, self._gravity(body.params, site), soils)
+        gravity = 0.0 if sets.joined.config.floats else self._gravity(body.params, site)
+        self._check(sets, gravity, soils)
         if self.problems:
             return None
         joined = sets.joined
@@ -134,6 +135,7 @@ class BundleReader(MachineReader):
                 power=joined.power,
                 law=joined.law,
                 derated=joined.config.loads_of([support.joint for support in joined.config.rolling]),
+                on_thermostats=() if sets.thermal is None else tuple(sets.thermal.heaters),
             ),
             sensors=joined.sensors if sets.tool is None else with_tool(joined.sensors, sets.tool.params),
             arm=joined.arm and with_drive_data(joined.arm, joined.config),

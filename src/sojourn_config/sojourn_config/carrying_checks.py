@@ -33,7 +33,7 @@ def carrying_problems(
     for pose, positions in arm.named_poses.items():
         still = StillMachine(urdf, dict(zip(arm.joint_names, positions, strict=True)))
         yield from _holding_problems(arm, urdf, still, pose, gravity, document)
-        if not machine.config.fixed_base:
+        if machine.config.stands_on:
             yield from _balance_problems(machine.config, urdf, still, pose, documents["machine"])
 
 

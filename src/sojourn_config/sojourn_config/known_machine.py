@@ -39,7 +39,7 @@ class KnownMachine:
         arm: set of the arm node, None for a machine without one; rotor inertia and friction that its file leaves out
             are filled in from the machine's drives.
         tool: at the end of the arm, None where there is none.
-        driving: set of the drive node; None for a machine that stands fast.
+        driving: set of the drive node; None for a machine that stands fast or floats.
         thermal: nodes of its heat; None for a machine whose heat is not looked at.
     """
 
@@ -56,6 +56,11 @@ class KnownMachine:
     thermal: ThermalParams | None
 
     @property
+    def fault_roles(self) -> frozenset[str]:
+        """Roles to which something happens by a schedule of faults, as far as it is known."""
+        return frozenset()
+
+    @property
     def urdf_xml(self) -> str:
         """The URDF as text."""
         return self.urdf.text
@@ -70,7 +75,7 @@ class KnownMachine:
     def drive(self) -> DriveParams:
         """The set of the drive node. Raises ConfigError for a machine that stands fast."""
         if self.driving is None:
-            raise single(self.urdf.file, "", MISSING, "this machine stands fast: it does not drive")
+            raise single(self.urdf.file, "", MISSING, f"this machine {self.machine.why_it_stays}: it does not drive")
         return self.driving
 
     def machine_body(self) -> MachineBody:
@@ -91,6 +96,13 @@ class KnownMachine:
         """Joints of the arm; none where there is no arm."""
         return () if self.arm is None else self.arm.joint_names
 
+    @property
+    def pointed_joints(self) -> tuple[str, ...]:
+        """Joints held by position that neither drive nor arm moves: a mast's pan and tilt."""
+        others = {*self.arm_joints, *(() if self.driving is None else self.driving.mobility.joints(self.machine))}
+        held = (joint for drive in self.machine.drives if drive.mode == "position" for joint in drive.joints)
+        return tuple(joint for joint in held if joint not in others)
+
     def arm_pose(self, name: str) -> dict[str, float]:
         """Angles of the arm's joints in a named pose [rad]; none where there is no arm, or no such pose."""
         positions = () if self.arm is None else self.arm.named_poses.get(name, ())
@@ -99,6 +111,8 @@ class KnownMachine:
     @property
     def gravity_field(self) -> GravityField:
         """Gravity in map."""
+        if self.machine.floats:
+            return self.body.field_in_orbit()
         return self.body.gravity_over(self.site)
 
     @property

@@ -67,11 +67,19 @@ class RoverFlight(FlightSet):
 class StandFlight(FlightSet):
     """Of a machine that stands fast."""
 
+    whose: ClassVar[str] = "a stand"
+
     @field_validator("drive", mode="before")
     @classmethod
     def _stands(cls, drive: object) -> None:
         if drive is not None:
-            raise InvalidValueError("drive", drive, "none: a stand does not drive")
+            raise InvalidValueError("drive", drive, f"none: {cls.whose} does not drive")
+
+
+class SpacecraftFlight(StandFlight):
+    """Of a machine that floats free."""
+
+    whose: ClassVar[str] = "a spacecraft"
 
 
 class MachineConfig(MachineParams):
@@ -112,6 +120,7 @@ class RoverConfig(MachineConfig):
     }
 
     fixed_base: Literal[False] = False
+    floats: Literal[False] = False
 
 
 class StandConfig(MachineConfig):
@@ -125,12 +134,30 @@ class StandConfig(MachineConfig):
     }
 
     fixed_base: Literal[True] = True
+    floats: Literal[False] = False
     wheels: tuple[WheelParams, ...] = Field(default=(), max_length=0, description="a stand has none")
 
     @model_validator(mode="after")
     def _arm_and_mount(self) -> Self:
         if self.arm is None:
             raise ValueError("arm: missing: without one nothing moves on a fixed base")
+        return self
+
+
+class SpacecraftConfig(MachineConfig):
+    """A machine that nothing holds: a spacecraft with an arm, whose base gives way under it."""
+
+    flight: ClassVar[type[FlightSet]] = SpacecraftFlight
+    defaults: ClassVar[Mapping[str, str]] = StandConfig.defaults
+
+    fixed_base: Literal[False] = False
+    floats: Literal[True] = True
+    wheels: tuple[WheelParams, ...] = Field(default=(), max_length=0, description="a spacecraft has none")
+
+    @model_validator(mode="after")
+    def _arm_and_mount(self) -> Self:
+        if self.arm is None:
+            raise ValueError("arm: missing: a spacecraft without one has nothing to move")
         return self
 
 

@@ -38,6 +38,7 @@ from sojourn_physics.sensors.params import SensorSuiteParams
 Model = TypeVar("Model", bound=BaseModel)
 MACHINES = "machines"
 DRIVE = "drive"
+ALARMS = "alarms"
 COMPLETED = ("flight", "sensors")
 """Files that need not say all: what stands for them where they are not there stands for what they leave out, too."""
 PARTS_OF_SENSORS: Mapping[str, str] = {"hazcam": "camera_flight", "sun": "sun_flight"}
@@ -67,8 +68,8 @@ class MachineSets:
         joined: with its arm. own_urdf: without it.
         drive: None for a machine that stands fast. tool: None for an arm without one.
         thermal: None for a machine whose heat is not looked at.
-        documents: its files by role (`machine`, `power`, `flight`, `sensors`; `arm`, `tool` and `thermal` where it has
-            them).
+        documents: its files by role (`machine`, `power`, `flight`, `sensors`; `arm`, `tool`, `thermal` and `alarms`
+            where it has them).
     """
 
     joined: LoadedMachine
@@ -126,6 +127,7 @@ class MachineReader(SetReader):
             )
             if found is not None
         }  # fmt: skip
+        documents |= self._alarms(path)
         law: FlightSet = flight.params
         alone = LoadedMachine(config, urdf, power.params, law.power_manager, sensors.params, arm and arm.params)
         joined = self._with_arm(alone, documents, arm)
@@ -160,6 +162,12 @@ class MachineReader(SetReader):
             return None
         document = self.document(own, MACHINES, self._overrides_of("thermal"))
         return None if document is None else self.validated(document, own, ThermalParams)
+
+    def _alarms(self, path: Path) -> dict[str, YamlDocument]:
+        """`alarms.yaml`, which the operator's side reads; none where the machine has none."""
+        own = path.with_name(ALARMS + SUFFIX)
+        document = self.document(own, MACHINES) if own.is_file() else None
+        return {} if document is None else {ALARMS: document}
 
     def _sensors(self, path: Path, config: MachineConfig, urdf: UrdfSummary) -> ReadSet[SensorSuiteParams] | None:
         """`sensors.yaml`, and encoders on all joints where it names none."""

@@ -12,7 +12,7 @@ from sojourn_config.errors import MISSING, single
 from sojourn_machine.names import names_text
 
 ENVIRONMENT_VARIABLE = "SOJOURN_CONFIG_DIR"
-KINDS = ("arms", "bodies", "machines", "nodes", "parts", "scenarios", "soils", "tools", "wheels")
+KINDS = ("arms", "bodies", "campaigns", "machines", "nodes", "parts", "scenarios", "soils", "tools", "wheels")
 """Folders of `config/`."""
 SUFFIX = ".yaml"
 FIRST_FILES = {"machines": "machine"}

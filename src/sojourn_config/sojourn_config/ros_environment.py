@@ -32,6 +32,16 @@ def ros_variables(domain: int, on_network: bool = False) -> dict[str, str]:
     }
 
 
+def what_the_network_opens(domain: int) -> str:
+    """What a run on the network lets in, in words (ports: DDSI-RTPS 2.3, section 9.6.1)."""
+    first = 7400 + 250 * domain
+    return (
+        f"--network: every node listens on all interfaces of this machine, UDP ports {first} to {first + 249}, and "
+        "asks for others at 239.255.0.1. Nothing is encrypted and nobody is asked who he is: whoever reaches these "
+        "ports hears the machine and can command it. Keep them behind a firewall, or use --secure"
+    )
+
+
 def own_environment(base: Mapping[str, str], ros: Mapping[str, str]) -> dict[str, str]:
     """Environment of our own nodes: each computes as all do, and what it prints is in its log at once."""
     environment = {**base, **ros, "PYTHONUNBUFFERED": "1"}

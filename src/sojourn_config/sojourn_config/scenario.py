@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 from pydantic import Field, field_validator
 
@@ -22,6 +22,7 @@ from sojourn_config.steps import FARTHEST, LONGEST, StepConfig
 from sojourn_config.yaml_file import YamlDocument
 from sojourn_flight.power_manager.activities import ActivityParams
 from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_machine.fault_choice import Fault
 from sojourn_machine.params import Params
 from sojourn_machine.timing import CONTROL_PERIOD_S
 from sojourn_machine.tools import ObjectParams
@@ -29,7 +30,7 @@ from sojourn_physics.environment.air.wind import MovingAir, WindParams
 from sojourn_physics.environment.site import SiteParams
 from sojourn_physics.environment.sun.over import SunOver
 from sojourn_physics.environment.sun.path import SunParams
-from sojourn_physics.plant.params import FaultParams, LeapParams, SimulationParams
+from sojourn_physics.plant.params import LeapParams, SimulationParams
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.params import TerrainParams
 
@@ -43,12 +44,23 @@ TRUTH_ALONE = machine_reader.POWER_TABLES
 """Of these, what a run does to the machine behind the back of its computer, which goes by the files."""
 
 
+Speed = Annotated[float, Field(ge=-100.0, le=100.0)]
+Rate = Annotated[float, Field(ge=-360.0, le=360.0)]
+
+
 class StartConfig(Params):
-    """Where the rover stands at the start; its height and tilt follow from the ground."""
+    """Where the rover stands at the start; its height and tilt follow from the ground. A machine that floats is let go
+    there, level but for the yaw.
+    """
 
     x: float = Field(default=0.0, ge=-FARTHEST, le=FARTHEST, description="position in map [m]")
     y: float = Field(default=0.0, ge=-FARTHEST, le=FARTHEST, description="position in map [m]")
     yaw: float = Field(default=0.0, ge=-2 * math.pi, le=2 * math.pi, description="heading in map [rad]")
+    z: float = Field(default=0.0, ge=-FARTHEST, le=FARTHEST, description="of what floats: outward of map's origin [m]")
+    velocity: tuple[Speed, Speed, Speed] = Field(default=(0.0, 0.0, 0.0), description="of what floats, in map [m/s]")
+    rates_deg_per_s: tuple[Rate, Rate, Rate] = Field(
+        default=(0.0, 0.0, 0.0), description="of what floats, against map about its own axes [degree/s]"
+    )
 
 
 class AcceptanceConfig(Params):
@@ -88,7 +100,7 @@ class ScenarioConfig(Params):
     blind_drive: bool = Field(
         default=False, description="the drive uses no camera: it avoids no obstacle and matches no ground"
     )
-    faults: tuple[FaultParams, ...] = Field(default=(), description="motors that fail during the run")
+    faults: tuple[Fault, ...] = Field(default=(), description="what fails during the run, and when")
     objects: tuple[ObjectParams, ...] = Field(default=(), description="what lies on the ground and may be picked")
     steps: tuple[StepConfig, ...] = Field(default=(), description="what the operator sends, in order")
     activities: tuple[ActivityParams, ...] = Field(
@@ -128,6 +140,11 @@ class LoadedScenario(Bundle):
     def as_believed(self) -> FlightScenario:
         """The scenario as the roles that would fly know it: that of `load_flight`."""
         return _flight(self.config, self if self.belief is None else self.belief)
+
+    @property
+    def fault_roles(self) -> frozenset[str]:
+        """Roles to which something happens by the schedule of faults."""
+        return frozenset(fault.role for fault in self.config.faults)
 
     @property
     def start(self) -> StartConfig:
@@ -221,6 +238,7 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
         raise ConfigError(problems)
     if config.blind_drive:
         bundle, belief = _blind(bundle), belief and _blind(belief)
+    bundle, belief = _with_losses(bundle, config), belief and _with_losses(belief, config)
     return LoadedScenario(
         **bundle.fields(),
         belief=belief,
@@ -249,7 +267,7 @@ def load_flight(name: str, overrides: Sequence[str] = ()) -> FlightScenario:
     known = reader.read_known(config.machine, config.body, config.tool, config.site)
     if known is None or reader.problems:
         raise ConfigError(reader.problems)
-    return _flight(config, _blind(known) if config.blind_drive else known)
+    return _flight(config, _with_losses(_blind(known) if config.blind_drive else known, config))
 
 
 def _known_overrides(overrides: Sequence[str]) -> list[str]:
@@ -282,9 +300,21 @@ def _belief_problems(bundle: Bundle | None, belief: Bundle | None, document: Yam
             yield document.problem(("sensors", name, "timing"), "rate, latency or losses", allowed)
 
 
+def _with_losses(bundle: Known, config: ScenarioConfig) -> Known:
+    """The same, with the faults of a schedule that lose messages in the tables of their sensors: whoever waits for the
+    messages knows of them.
+    """
+    sensors = bundle.sensors
+    for fault in config.faults:
+        lost = fault.lost(config.seed)
+        if lost is not None:
+            sensors = sensors.with_fault(*lost)
+    return bundle if sensors is bundle.sensors else replace(bundle, sensors=sensors)
+
+
 def _blind(bundle: Known) -> Known:
-    """The same, its drive without the camera."""
+    """The same, its drive without cameras."""
     if bundle.driving is None:
         return bundle
-    blind = bundle.drive.model_copy(update={"obstacles": None, "terrain_match": None})
+    blind = bundle.drive.model_copy(update={"obstacles": None, "terrain_match": None, "visual_odometry": None})
     return replace(bundle, driving=blind)

@@ -1,8 +1,9 @@
 """Checks of a scenario against its ground and its arm: goals on the map, named poses that exist."""
 
-import math
 import typing
 from collections.abc import Iterator
+
+import numpy as np
 
 from sojourn_config.bundle import Bundle
 from sojourn_config.errors import Problem
@@ -10,6 +11,7 @@ from sojourn_config.steps import Step
 from sojourn_config.yaml_file import KeyPath, YamlDocument
 from sojourn_flight.power_manager.activities import activity_problems
 from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_machine.fault_choice import FaultableMachine
 from sojourn_machine.names import names_text
 from sojourn_physics.environment.sun.over import sun_path
 from sojourn_physics.terrain.params import TerrainParams
@@ -17,13 +19,17 @@ from sojourn_physics.terrain.params import TerrainParams
 if typing.TYPE_CHECKING:
     from sojourn_config.scenario import ScenarioConfig
 
+AFLOAT = ("z", "velocity", "rates_deg_per_s")
+"""Keys of `start` that are for a machine that floats."""
 EDGE = 2.0
 """Drive goals and the start keep this far from the edge of the map [m]."""
 
 
 def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document: YamlDocument) -> Iterator[Problem]:
     """All that does not fit. Without a bundle (its files have problems) only the goals are looked at."""
-    places: list[tuple[KeyPath, float, float]] = [(("start",), config.start.x, config.start.y)]
+    places: list[tuple[KeyPath, float, float]] = []
+    if bundle is None or not bundle.machine.floats:
+        places.append((("start",), config.start.x, config.start.y))
     for index, step in enumerate(config.steps):
         path: KeyPath = ("steps", index, step.kind)
         action: Step = step.action
@@ -37,6 +43,8 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
     if bundle is not None and bundle.body.free_fall and bundle.machine.stands_on:
         allowed = f"is in free fall, where {config.machine} does not press on the ground: allowed is a planet, "
         yield document.problem(("body",), config.body, allowed + "a moon or an asteroid")
+    if bundle is not None:
+        yield from _afloat_problems(config, bundle, document)
     if bundle is not None and config.wind is not None:
         try:
             bundle.body.air_at(bundle.site)
@@ -68,8 +76,20 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
 def _lacking(role: str, bundle: Bundle) -> str:
     """Why a machine has no use for a role, "" where it has."""
     if role == "drive" and bundle.driving is None:
-        return "stands fast: it has no wheels"
+        return bundle.machine.why_it_stays
     return "has no arm" if role == "arm" and bundle.arm is None else ""
+
+
+def _afloat_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
+    """What floats free is in an orbit, and only it is let go high up or with a speed."""
+    if bundle.machine.floats and not bundle.body.free_fall:
+        allowed = f"is no orbit: {config.machine} floats free and would fall: allowed is low_earth_orbit"
+        yield document.problem(("body",), config.body, allowed)
+    for key in AFLOAT if not bundle.machine.floats else ():
+        value = getattr(config.start, key)
+        if np.any(value):
+            allowed = f"{config.machine} does not float free: allowed is 0, as the ground says how it stands"
+            yield document.problem(("start", key), value, allowed)
 
 
 def _sun_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
@@ -117,23 +137,25 @@ def _place_problems(
             yield document.problem((*path, key), value, allowed)
 
 
+def faultable(bundle: Bundle, terrain: TerrainParams) -> FaultableMachine:
+    """What of a machine on its ground may have a fault."""
+    joints = bundle.urdf.joints
+    travel = {name: (joints[name].lower, joints[name].upper) for name in bundle.urdf.moving_joints}
+    return FaultableMachine(bundle.machine, travel, bundle.power, bundle.sensors.sensors, terrain.bounds)
+
+
 def _fault_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
-    """A motor that fails is one of the machine's, and an angle at which it locks one that it can reach."""
-    servos = {joint: drive.mode for drive in bundle.machine.drives for joint in drive.joints}
+    """A fault is one of something that the machine has, comes at some time, and has a name of its own."""
+    machine = faultable(bundle, config.terrain)
     for index, fault in enumerate(config.faults):
         path: KeyPath = ("faults", index)
-        if fault.joint not in servos:
-            yield document.problem((*path, "joint"), fault.joint, "has no motor: " + names_text(fault.joint, servos))
-            continue
-        if any(other.joint == fault.joint for other in config.faults[:index]):
-            yield document.problem((*path, "joint"), fault.joint, "fails above already: allowed is one fault a joint")
-        if fault.angle_deg is None:
-            continue
-        joint = bundle.urdf.joints[fault.joint]
-        low, high = math.degrees(joint.lower), math.degrees(joint.upper)
-        if servos[fault.joint] != "position":
-            allowed = "its motor is commanded by rate: allowed is no angle"
-            yield document.problem((*path, "angle_deg"), fault.angle_deg, allowed)
-        elif not low <= fault.angle_deg <= high:
-            allowed = f"allowed is {low:g} to {high:g} degrees, the limits of {fault.joint}"
-            yield document.problem((*path, "angle_deg"), fault.angle_deg, allowed)
+        if fault.at is None and fault.when is None:
+            yield document.problem((*path, "at"), "", "the key is missing: allowed is at, a time, or when, an event")
+        if fault.when is not None and (fault.when.after_step or 0) > len(config.steps):
+            allowed = f"is no step of this scenario: allowed is 1 to {len(config.steps)}"
+            yield document.problem((*path, "when", "after_step"), fault.when.after_step, allowed)
+        if any(other.called == fault.called for other in config.faults[:index]):
+            allowed = "is the name of a fault above already: allowed is each name once, said by the key name"
+            yield document.problem((*path, "name"), fault.called, allowed)
+        for key, value, allowed in fault.problems(machine):
+            yield document.problem((*path, key), value, allowed)

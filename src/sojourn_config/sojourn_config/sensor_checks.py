@@ -19,10 +19,13 @@ WITHOUT = {
     "joint": "is no joint of the URDF that moves",
     "travel": "is no joint of the URDF whose travel has ends",
     "string": "is no load of a bus with a store, whose voltage is its",
+    "driven": "is no joint with a motor of ours, whose current is known",
     "motor": "is no joint whose motor's heat is known: the key thermal of its drive",
 }
 """What is wrong with the name of a part that is not there, by the kind of part."""
 
+PAIR_ROWS = {f"/{{name}}/{side}/{what}" for side in ("left", "right") for what in ("image", "camera_info")}
+"""On which a stereo pair speaks."""
 MOST_BYTES_A_SECOND = 40e6
 """Of images: what a bag takes in real time beside all else, with half of a processor."""
 
@@ -34,6 +37,7 @@ def sensor_problems(sets: MachineSets) -> Iterator[Problem]:
     yield from _part_problems(sensors, _parts(sets), document)
     yield from _supply_problems(sensors, sets.joined.power, document)
     yield from _rate_problems(sensors, document)
+    yield from _pair_problems(sets)
 
 
 def _rate_problems(sensors: SensorSuiteParams, document: YamlDocument) -> Iterator[Problem]:
@@ -44,6 +48,18 @@ def _rate_problems(sensors: SensorSuiteParams, document: YamlDocument) -> Iterat
         largest = max(rates, key=lambda name: rates[name])
         allowed = f"{1e-6 * MOST_BYTES_A_SECOND:g} MB of images a second from all sensors, for that is what a bag takes"
         yield document.problem((largest,), f"{1e-6 * total:.0f} MB a second in all", f"too much: allowed is {allowed}")
+
+
+def _pair_problems(sets: MachineSets) -> Iterator[Problem]:
+    """Visual odometry goes by a pair that there is, and whose images somebody can rectify."""
+    visual = None if sets.drive is None else sets.drive.visual_odometry
+    if visual is None:
+        return
+    named = sets.joined.sensors.named
+    pairs = [name for name, params in named.items() if {row.name for row in params.own_rows} >= PAIR_ROWS]
+    if visual.camera not in pairs:
+        allowed = "is no stereo pair of sensors.yaml: " + (names_text(visual.camera, pairs) or "it has none")
+        yield sets.documents["flight"].problem(("drive", "visual_odometry", "camera"), visual.camera, allowed)
 
 
 def _link_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:
@@ -58,7 +74,7 @@ def _link_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: Yaml
 def _parts(sets: MachineSets) -> Mapping[str, Sequence[str]]:
     """Names of all parts that a sensor may be on, by their kind."""
     joined = sets.joined
-    drives = [drive for drive in joined.config.drives if isinstance(drive, JointDriveParams) and drive.thermal]
+    drives = [drive for drive in joined.config.drives if isinstance(drive, JointDriveParams)]
     return {
         "node": () if sets.thermal is None else tuple(sets.thermal.nodes),
         "store": tuple(joined.power.all_stores),
@@ -70,7 +86,8 @@ def _parts(sets: MachineSets) -> Mapping[str, Sequence[str]]:
             for load in params.loads
             if joined.power.stores_on(bus)
         ),
-        "motor": tuple(joint for drive in drives for joint in drive.joints),
+        "driven": tuple(joint for drive in drives for joint in drive.joints),
+        "motor": tuple(joint for drive in drives if drive.thermal for joint in drive.joints),
     }
 
 

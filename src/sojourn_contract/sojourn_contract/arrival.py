@@ -1,6 +1,7 @@
 """What the contract refuses of a message on its arrival, whoever takes it."""
 
 from sojourn_contract.checks import check_complete, check_message
+from sojourn_contract.clouds import check_cloud
 from sojourn_contract.events import parse_tick
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.switches import check_switches
@@ -20,5 +21,7 @@ def check_input(row: Topic, message: Message) -> None:
         parse_tick(message.frame)
     elif row.name == SWITCHES:
         check_switches(row.name, status_values(message))
+    elif row.type == "sensor_msgs/PointCloud2":
+        check_cloud(row, message)
     elif row.type == "sensor_msgs/JointState" and row.publisher in MEASURED_BY:
         check_complete(row.name, message)

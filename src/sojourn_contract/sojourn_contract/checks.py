@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from math import isfinite, isnan
 from typing import Any, NamedTuple, TypeAlias
 
-from sojourn_contract.clouds import points_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.values import (
@@ -18,7 +17,6 @@ from sojourn_contract.values import (
     Message,
     Odometry,
     Path,
-    PointCloud2,
     PoseStamped,
     PoseWithCovarianceStamped,
     TwistStamped,
@@ -177,5 +175,4 @@ _CHECKS: dict[type, Check] = {
     Vector3Stamped: _vectors(Vector3Stamped, vector="vector"),
     BatteryState: _check_battery,
     WrenchStamped: _check_wrench,
-    PointCloud2: points_of,
 }

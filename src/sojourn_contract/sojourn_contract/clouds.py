@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.topic_types import Topic
 from sojourn_contract.values import FLOAT32, FLOAT64, PointCloud2, PointField
 
 POINT_FIELDS = ("x", "y", "z")
@@ -38,17 +39,31 @@ def points_of(topic: str, cloud: PointCloud2) -> NDArray[np.float64]:
     """
     if not cloud.width * cloud.height:
         return np.zeros((0, 3))
-    columns = columns_of(topic, cloud, POINT_FIELDS)
+    columns = finite_columns_of(topic, cloud, POINT_FIELDS)
     points = np.empty((cloud.width * cloud.height, len(POINT_FIELDS)))
     for place, name in enumerate(POINT_FIELDS):
         points[:, place] = columns[name]
-    finite = np.isfinite(points)
-    if not finite.all():
-        point, column = np.argwhere(~finite)[0]
-        raise RefusedMessageError(
-            topic, f"{POINT_FIELDS[column]}[{point}]", float(points[point, column]), "a finite number"
-        )
     return points
+
+
+def finite_columns_of(topic: str, cloud: PointCloud2, names: tuple[str, ...]) -> Mapping[str, NDArray[Any]]:
+    """As `columns_of`. Raises RefusedMessageError for a number that is not finite, too."""
+    columns = columns_of(topic, cloud, names)
+    for name in names:
+        finite = np.isfinite(columns[name])
+        if not finite.all():
+            point = int(np.argmin(finite))
+            raise RefusedMessageError(topic, f"{name}[{point}]", float(columns[name][point]), "a finite number")
+    return columns
+
+
+def check_cloud(row: Topic, cloud: PointCloud2) -> None:
+    """Raise RefusedMessageError for a cloud without the fields that its row names (x y z where it names none), or with
+    a number in them that is not finite.
+    """
+    if cloud.width * cloud.height:
+        named = tuple(name for rule in row.fields if not rule.optional for name in rule.path.split())
+        finite_columns_of(row.name, cloud, named or POINT_FIELDS)
 
 
 def columns_of(topic: str, cloud: PointCloud2, names: tuple[str, ...]) -> Mapping[str, NDArray[Any]]:

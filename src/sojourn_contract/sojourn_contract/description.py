@@ -60,6 +60,13 @@ def row_of_data(name: str, data: Mapping[str, Any]) -> Topic:
     return delivered_by_data(row, data)
 
 
+def heard_by_data(row: Topic, data: Mapping[str, Any]) -> Topic:
+    """A row that a sensor brings, with who acts on it in a run, as its contract says: that depends on what the drive of
+    the machine goes by, see `stereo_pair`. Raises as `row_of_data`.
+    """
+    return replace(row, subscribers=tuple(data["subscribers"]))
+
+
 def delivered_by_data(row: Topic, data: Mapping[str, Any]) -> Topic:
     """A row with what a contract says of the delivery of its messages, if anything. Raises as `row_of_data`."""
     told = data.get("delivery")

@@ -1,5 +1,7 @@
 """Errors of the contract: each names the topic and the field, what came and what is allowed."""
 
+from collections.abc import Sequence
+
 
 class ContractError(Exception):
     """Base of every error raised by sojourn_contract."""
@@ -44,6 +46,15 @@ class TopicNameError(ContractError):
 
     def __init__(self, name: str, allowed: str) -> None:
         super().__init__(f"topic {name!r}: allowed is {allowed}")
+
+
+class UnknownFieldNameError(ContractError):
+    """A name by which no field of the contract goes. near: names that look like it."""
+
+    def __init__(self, name: str, reason: str, near: Sequence[str]) -> None:
+        meant = f"; the nearest: {', '.join(near)}" if near else ""
+        super().__init__(f"{name!r}: {reason}{meant}")
+        self.near = tuple(near)
 
 
 class SensorRowError(ContractError):

@@ -137,6 +137,19 @@ GOAL_TOPICS: tuple[Topic, ...] = (
         "carry out a task: status[0].name says which, its values are its numbers",
         (TEXTS,),
     ),
+    Topic(
+        "/mast/joint_goal",
+        "sensor_msgs/JointState",
+        "operator",
+        ("plant",),
+        0,
+        10.0,
+        "turn these joints, of those that neither drive nor arm moves, as a mast's pan and tilt, to these positions; "
+        "the controllers of their motors take them there at the joints' own pace",
+        (ANGLE,),
+        joints="pointed",
+        needs_listener=False,
+    ),
     Topic("/arm/stop", "std_msgs/Header", "operator", ("arm",), 0, 10.0, "stop the arm and hold"),
     Topic(
         "/power/request",
@@ -147,5 +160,17 @@ GOAL_TOPICS: tuple[Topic, ...] = (
         10.0,
         "switch loads: the keys of its one status are loads, or sleep for the whole machine; their values on or off",
         (TEXTS,),
+    ),
+    Topic(
+        "/faults",
+        "diagnostic_msgs/DiagnosticArray",
+        "operator",
+        ("plant", "sensors"),
+        0,
+        10.0,
+        "a fault comes or goes: status[0].name is its name, state of its values present or gone, kind what it is, the "
+        "others the words of its kind",
+        (TEXTS,),
+        needs_listener=False,
     ),
 )

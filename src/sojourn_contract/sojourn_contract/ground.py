@@ -70,19 +70,17 @@ def with_ground(memory: GroundMemory, cloud: PointCloud2) -> GroundMemory:
             raise RefusedMessageError(GROUND.name, name, value, "a finite number within the contract's range")
     columns = _nodes(told["x"], memory.origin_x, memory.cell)
     rows = _nodes(told["y"], memory.origin_y, memory.cell)
-    tiles = dict(memory.tiles)
+    places = np.column_stack([columns // TILE, rows // TILE])
+    found, of_tile = np.unique(places, axis=0, return_inverse=True)
     fresh: dict[tuple[int, int], Tile] = {}
-    for column, row, lowered in zip(columns.tolist(), rows.tolist(), told["lowered"].tolist(), strict=True):
-        key = (column // TILE, row // TILE)
-        tile = fresh.get(key)
-        if tile is None:
-            old = tiles.get(key)
-            tile = np.zeros((TILE, TILE, CHANNELS), dtype=np.float32) if old is None else old.copy()
-            fresh[key] = tile
-        tile[row % TILE, column % TILE, DUG] = lowered
-    for tile in fresh.values():
+    for number, (column, row) in enumerate(found.tolist()):
+        inside = of_tile.reshape(-1) == number
+        old = memory.tiles.get((column, row))
+        tile = np.zeros((TILE, TILE, CHANNELS), dtype=np.float32) if old is None else old.copy()
+        tile[rows[inside] % TILE, columns[inside] % TILE, DUG] = told["lowered"][inside]
         tile.setflags(write=False)
-    return GroundMemory(memory.cell, memory.origin_x, memory.origin_y, tiles | fresh)
+        fresh[column, row] = tile
+    return GroundMemory(memory.cell, memory.origin_x, memory.origin_y, {**memory.tiles, **fresh})
 
 
 def _lowered(tile: Tile) -> NDArray[np.float32]:

@@ -4,6 +4,7 @@ import numpy as np
 
 from sojourn_config.known_machine import KnownMachine
 from sojourn_contract.values import PointCloud2
+from sojourn_flight.hazards.own_body import OwnBody
 from sojourn_flight.hazards.stereo_camera import StereoCamera
 from sojourn_machine.mounting import mounting
 from sojourn_physics.sensors.hazcam import HazcamParams
@@ -19,6 +20,12 @@ def hazard_camera_of(scenario: KnownMachine) -> StereoCamera | None:
     rotation, position = mounting(scenario.urdf_xml, camera.link)
     noise = camera.disparity_noise_px / (camera.focal_length_px * camera.baseline)
     return StereoCamera(position, np.ascontiguousarray(rotation[:, 0]), noise)
+
+
+def own_body_of(scenario: KnownMachine) -> OwnBody | None:
+    """The machine's body, where it is in the view of its hazard camera."""
+    camera = scenario.sensors.first(HazcamParams)
+    return OwnBody(scenario.urdf_xml) if camera is not None and camera.sees_body else None
 
 
 def newest_cloud(message: PointCloud2 | None, last: int) -> int:

@@ -8,6 +8,7 @@ from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.conformance.machine import JudgedMachine
 from sojourn_contract.description import contract_data, contract_name
 from sojourn_contract.manual import SECTIONS
+from sojourn_contract.page_policy import policy_tag
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES
@@ -46,7 +47,10 @@ def contract_page(machine: JudgedMachine) -> str:
         _heading("machine", f"Machine: {machine.name}"),
         _rover(machine),
     ]
-    head = "<meta charset=utf-8><meta name=viewport content='width=device-width'><title>The contract of Sojourn</title>"
+    head = (
+        f"{policy_tag()}<meta charset=utf-8><meta name=viewport content='width=device-width'>"
+        "<title>The contract of Sojourn</title>"
+    )
     return (
         f"<!doctype html><html lang=en><head>{head}<style>{_STYLE}</style></head><body>{''.join(parts)}</body></html>\n"
     )

@@ -15,6 +15,7 @@ from sojourn_contract.delivery import Delivery, Loss
 from sojourn_contract.errors import LeapError, SensorRowError
 from sojourn_contract.leaps import landing_grid
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, CONTROL_PERIOD_S, NANOSECONDS
+from sojourn_contract.stereo_pair import heard_by_drive
 from sojourn_contract.topic_table import TopicTable, of_thing
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import STANDARD
@@ -26,6 +27,8 @@ STORE = "store"
 """Rows with `each` of it stand once for each energy store."""
 OWN = "{name}"
 """In a row of a kind of sensor: every sensor of the kind has that row alone, under its own name."""
+TICK = "/operator/tick"
+"""For which waits whoever acts on what an operator says, so that it takes effect at the same period in every run."""
 RECORDED_BESIDES = ("/tf",)
 """Topics that the recorder adds; no row is about them."""
 
@@ -34,8 +37,8 @@ def table_of(scenario: KnownMachine) -> TopicTable:
     """The topics of a run of a scenario, whoever takes part. Raises TopicNameError, SensorRowError, LeapError."""
     sensors = scenario.sensors.sensors.items()
     rows = {row.name: row for name, params in sensors for row in (*rows_of(params, name), *params.hears)}
-    brought = [row for name, row in rows.items() if name not in STANDARD]
-    table = STANDARD.joined_with(brought).for_things(things_of(scenario))
+    brought = heard_by_drive(scenario, [row for name, row in rows.items() if name not in STANDARD])
+    table = STANDARD.joined_with(brought).for_things(things_of(scenario)).heard_by(TICK, scenario.fault_roles)
     table = table.delivered(_delivered(scenario, table))
     leaps = scenario.leaps if isinstance(scenario, LoadedScenario | FlightScenario) else None
     return table if leaps is None else TopicTable(table, _longest_leap(leaps.longest_s, table))

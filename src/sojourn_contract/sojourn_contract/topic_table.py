@@ -87,6 +87,14 @@ class TopicTable:
         )
         return TopicTable(row for row in found if row.thing or not row.all_named)
 
+    def heard_by(self, name: str, roles: Collection[str]) -> "TopicTable":
+        """The table in which these roles hear a topic besides those that do anyway. Raises UnknownTopicError."""
+        row = self.topic(name)
+        if set(roles) <= set(row.subscribers):
+            return self
+        listeners = tuple(role for role in ROLES if role in row.subscribers or role in roles)
+        return TopicTable(replace(row, subscribers=listeners) if other is row else other for other in self.rows)
+
     def delivered(self, rows: Iterable[Topic]) -> "TopicTable":
         """The table with these, which have a delivery, in the places of those that have their names.
 

@@ -17,6 +17,7 @@ JOINT_SETS = {
     "measured": "names every drive, steer, arm and tool joint, and no joint that the machine does not have",
     "drive": "names joints that move the machine only",
     "arm": "names arm joints only",
+    "pointed": "names joints held by position only that neither drive nor arm moves: a mast's pan and tilt",
     "arm and tool": "names arm joints, and that of the tool, only",
 }
 """Sets of joints that a row may ask for, in words."""

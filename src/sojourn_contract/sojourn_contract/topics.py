@@ -334,6 +334,19 @@ TOPICS: tuple[Topic, ...] = (
     ),
     *GOAL_TOPICS,
     Topic(
+        "/alarms",
+        "diagnostic_msgs/DiagnosticArray",
+        "console",
+        (),
+        0,
+        INFINITY,
+        "what is the matter, by whoever watches a run: a status for each alarm that is active or not yet acknowledged, "
+        "the worst first; each second, and when it changes",
+        (TEXTS,),
+        logged=False,
+        needs_listener=False,
+    ),
+    Topic(
         "/operator/tick",
         "std_msgs/Header",
         "operator",

@@ -3,7 +3,6 @@
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 from sojourn_config.flight import FlightScenario
@@ -14,89 +13,36 @@ from sojourn_contract.barrier import is_due
 from sojourn_contract.clouds import points_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.hazcam import TOPIC as CLOUD
-from sojourn_contract.hazcam import hazard_camera_of, newest_cloud
+from sojourn_contract.hazcam import hazard_camera_of, newest_cloud, own_body_of
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.kept_data import Kept
 from sojourn_contract.run_table import table_of
+from sojourn_contract.stereo_pair import pair_place_of
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Path, TwistStamped
 from sojourn_drive.arm_interlock import ArmInterlock
 from sojourn_drive.charge import ChargeGauge
 from sojourn_drive.goals import GoalStatus, QuestionStatus, goal_of
 from sojourn_drive.measurements import JointMeasurements
+from sojourn_drive.memory import Asked, DriveAppState, Heard, Views
 from sojourn_drive.placing import PLACE, PlaceStatus, placed
 from sojourn_drive.reports import costmap, drive_report, odometry_report, plan
 from sojourn_drive.restart import LOST, kept_odometry, less_sure, lost, odometry_of, unseen
+from sojourn_drive.stereo import StereoInput
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.odometry import stood
-from sojourn_flight.planning.energy_forecast import EnergyLeft
-from sojourn_flight.planning.goal import Goal
+from sojourn_flight.odometry.visual_state import StereoImages
 from sojourn_flight.supervision.arbiter import why_pre_empted
 from sojourn_flight.supervision.drive import LONGEST_PERIOD, DriveModel
 from sojourn_flight.supervision.drive_status import drive_status
-from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, DriveState, TwistCommand
+from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, TwistCommand
 from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 
 QUESTION = "/drive/question"
 MEASUREMENTS = ("/joint_states", "/imu/data")
-
-
-@dataclass(frozen=True, slots=True)
-class Asked:
-    """What operators want."""
-
-    last: GoalStatus = field(default_factory=GoalStatus)
-    pending: Goal | None = None
-    """A goal that waits for the first period whose measurements can be used."""
-    twist: tuple[int, PlanarTwist] | None = None
-    """The last velocity command and its stamp [ns]."""
-    abandoned: str = ""
-    """Why the goal has been given up for want of measurements, until the drive has heard of it."""
-    question: Goal | None = None
-    """One that waits likewise."""
-    questioned: QuestionStatus = field(default_factory=QuestionStatus)
-    placed: PlaceStatus = field(default_factory=PlaceStatus)
-
-
-@dataclass(frozen=True, slots=True)
-class Heard:
-    """What others have said last."""
-
-    power_limit: float = 1.0
-    """Factor of the power manager on all speeds [-]."""
-    dark: bool = False
-    """The power manager has switched off the load of the IMU."""
-    supply: EnergyLeft | None = None
-    """Of energy; None until the first reading of the battery."""
-    interlock: str = ""
-    """Why the rover may not drive, in words; empty where it may."""
-    sun: int = 0
-    cloud: int = -1
-    """Stamps of the last sighting and the last cloud that were taken [ns]."""
-    usable_at: int | None = None
-    """When its measurements could last be used [ns]."""
-
-
-@dataclass(frozen=True, slots=True)
-class DriveAppState:
-    """What the role remembers."""
-
-    drive: DriveState
-    output: DriveOutput
-    """Of the last period whose measurements could be used."""
-    asked: Asked = field(default_factory=Asked)
-    heard: Heard = field(default_factory=Heard)
-    stepped_at: int | None = None
-    """Stamp of that period [ns]; None where it is not known."""
-    tilt_rates: tuple[float, float] = (0.0, 0.0)
-    """Angular velocity of base_link about its x and y axes, as last measured [rad/s]."""
-    alarm: str = ""
-    """What operators have to know of it for the rest of the run: that it was started again."""
-    is_lost: bool = False
-    """It does not know where it is."""
 
 
 class DriveApp(FlightApp[DriveAppState]):
@@ -108,9 +54,11 @@ class DriveApp(FlightApp[DriveAppState]):
     def __init__(self, known: FlightScenario) -> None:
         self._charges = tuple(row.name for row in table_of(known).each("/battery_state"))
         self._start = known.start
-        self.model = DriveModel(known.drive, known.mobility(), hazard_camera_of(known))
+        self.model = DriveModel(known.drive, known.mobility(), hazard_camera_of(known), pair_place_of(known))
+        self._body = own_body_of(known)
         self._measurements = JointMeasurements(known.machine, self.model.mobility.joints, known.urdf_xml)
         self._sun = SunSightings(known)
+        self._stereo = StereoInput(known)
         self._charge = ChargeGauge(known.power_manager, self._measurements.loads)
         self._interlock = ArmInterlock(known.arm)
         self._imu_load = known.sensors.powered_by.get("imu", "")
@@ -170,8 +118,9 @@ class DriveApp(FlightApp[DriveAppState]):
         state = self._take_places(state, period.goals, refusals)
         asked = self._take_goals(state, heard, period.goals, stamp, refusals)
         cloud = self._cloud(period.inputs, heard.cloud != state.heard.cloud, refusals)
+        images, heard = self._images(period, heard, refusals)
         state = replace(state, asked=asked, heard=heard)
-        stepped = self._drive(state, period, cloud, refusals)
+        stepped = self._drive(state, period, Views(cloud, images), refusals)
         usable_at = seen_usable(stamp, heard.usable_at, stepped is not None)
         if stepped is not None:
             state = replace(stepped, heard=replace(stepped.heard, usable_at=usable_at))
@@ -278,15 +227,30 @@ class DriveApp(FlightApp[DriveAppState]):
             raise RefusedMessageError(name, "header.frame_id", repr(frame), f"base_link: {LOST}")
 
     def _cloud(self, inputs: Mapping[str, Any], is_new: bool, refusals: list[Refusal]) -> FloatArray | None:
-        """Points of a cloud that is new, shape (n, 3) [m]; None without one, and of one that is refused."""
+        """Points of a cloud that is new, shape (n, 3) [m], less those on the machine itself; None without one, and of
+        one that is refused.
+        """
         try:
-            return points_of(CLOUD, inputs[CLOUD]) if is_new else None
+            points = points_of(CLOUD, inputs[CLOUD]) if is_new else None
+            joints = inputs.get("/joint_states")
+            if points is None or self._body is None or joints is None:
+                return points
+            return self._body.left_out(points, joints.names, joints.position)
         except RefusedMessageError as refusal:
             refusals.append((CLOUD, refusal))
             return None
 
+    def _images(self, period: Period, heard: Heard, refusals: list[Refusal]) -> tuple[StereoImages | None, Heard]:
+        """Images of a stereo pair that are new; None without, and of those that are refused."""
+        try:
+            images, taken = self._stereo.images(period.stamp, period.inputs, heard.images)
+        except RefusedMessageError as refusal:
+            refusals.append((refusal.topic, refusal))
+            return None, replace(heard, images=period.stamp)
+        return images, heard if taken == heard.images else replace(heard, images=taken)
+
     def _drive(
-        self, state: DriveAppState, period: Period, cloud: FloatArray | None, refusals: list[Refusal]
+        self, state: DriveAppState, period: Period, views: Views, refusals: list[Refusal]
     ) -> DriveAppState | None:
         """The state after a step with the measurements of this period; None where they cannot be used, with the refusal
         added to `refusals`.
@@ -296,7 +260,7 @@ class DriveApp(FlightApp[DriveAppState]):
             return None
         stamp, drive = period.stamp, state.drive
         try:
-            measured, heard = self._measured(state, period, cloud)
+            measured, heard = self._measured(state, period, views)
             if state.stepped_at is None and stamp > stamps.CONTROL_PERIOD_NS:
                 drive = self.model.in_motion(drive)
             since = _since(state.stepped_at, stamp)
@@ -320,7 +284,7 @@ class DriveApp(FlightApp[DriveAppState]):
             tilt_rates=(gyro[0], gyro[1]),
         )
 
-    def _measured(self, state: DriveAppState, period: Period, cloud: FloatArray | None) -> tuple[DriveInput, Heard]:
+    def _measured(self, state: DriveAppState, period: Period, views: Views) -> tuple[DriveInput, Heard]:
         """What the drive is told of this period, and what has been heard with it."""
         inputs, asked, heard = period.inputs, state.asked, state.heard
         sun, sun_at = self._sun.sighting(period.stamp, inputs.get("/sun_direction"), heard.sun)
@@ -332,7 +296,8 @@ class DriveApp(FlightApp[DriveAppState]):
         measured = replace(
             self._measurements.drive_input(joints, imu),
             sun=sun,
-            cloud=cloud,
+            cloud=views.cloud,
+            images=views.images,
             twist=twist,
             goal=asked.pending,
             question=asked.question,

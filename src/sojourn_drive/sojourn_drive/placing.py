@@ -1,7 +1,7 @@
 """An operator's word where the rover is, /initialpose: the estimate goes on from there.
 
 What the word says, x, y and heading with their covariance, replaces what was believed of them; height, tilt, and what
-has been learnt of gyro and slip stay. The camera's key frame and the map of obstacles hang on the old pose: both begin
+has been learnt of gyro and slip stay. The cameras' key frames and the map of obstacles hang on the old pose: both begin
 anew.
 """
 
@@ -64,18 +64,18 @@ def placed(model: DriveModel, drive: DriveState, message: PoseWithCovarianceStam
     covariance[unknown, :] = covariance[:, unknown] = 0.0
     told = _plane_covariance(message)
     covariance[:3, :3] = told
-    if fresh.key is not None:
-        covariance[-3:, -3:] = told
+    for place in range(_key_from(old), len(covariance), 3):
+        covariance[place : place + 3, place : place + 3] = told
     odometry: OdometryState = replace(
-        old, x=x, y=y, yaw=wrap_angle(yaw), v_x=0.0, v_y=0.0, yaw_rate=0.0, covariance=covariance, key=fresh.key
+        old, x=x, y=y, yaw=wrap_angle(yaw), v_x=0.0, v_y=0.0, yaw_rate=0.0, covariance=covariance, keys=fresh.keys
     )
     anew = replace(anew, odometry=odometry, mobility=drive.mobility, heading=drive.heading, text=PLACED)
     return model.in_motion(anew)
 
 
 def _key_from(state: OdometryState) -> int:
-    """Where the key frame is in the covariance; its end where there is none."""
-    return len(state.covariance) - (3 if state.key is not None else 0)
+    """Where the key frames are in the covariance; its end where there are none."""
+    return len(state.covariance) - (0 if state.keys is None else state.keys.size)
 
 
 def _plane_covariance(message: PoseWithCovarianceStamped) -> FloatArray:

@@ -12,7 +12,7 @@ from numba.experimental import structref
 
 from sojourn_machine.kernel_cache import cache_folder
 
-__all__ = ["kernel", "njit", "small_kernel", "structref", "types"]
+__all__ = ["kernel", "njit", "small_kernel", "structref", "types", "vector_kernel"]
 
 numba.config.reload_config()  # here, or one that was there before us would at its next compilation, and lose the folder
 if (_folder := cache_folder()) is not None:
@@ -32,3 +32,11 @@ def kernel(function: Callable[..., Any]) -> Any:
 def small_kernel(function: Callable[..., Any]) -> Any:
     """As `kernel`, put into each of its callers: handing it an array or two would cost as much as it does."""
     return njit(cache=True, _nrt=False, forceinline=True)(function)
+
+
+def vector_kernel(function: Callable[..., Any]) -> Any:
+    """As `small_kernel`, for what is done to each number of a row.
+
+    To divide by zero gives infinity, as in numpy: with a branch to an error the compiler cannot take several at once.
+    """
+    return njit(cache=True, _nrt=False, forceinline=True, error_model="numpy")(function)

@@ -50,13 +50,14 @@ class SuspensionParams(Params):
 
 
 class MachineParams(Params):
-    """A machine: what it stands on, drives and couplings; or an arm on a base that is fixed. Kinematics, masses,
-    inertias and joint limits are in its URDF.
+    """A machine: what it stands on, drives and couplings; or an arm on a base that is fixed, or that floats free.
+    Kinematics, masses, inertias and joint limits are in its URDF.
 
     Joints that no drive names are passive: they have `passive_joint` friction.
     """
 
     fixed_base: bool = Field(default=False, description="base_link stands fast: a stand, the wall of a station")
+    floats: bool = Field(default=False, description="nothing holds base_link: a spacecraft in orbit")
     wheels: tuple[WheelParams, ...] = Field(default=(), description="wheels")
     tracks: tuple[TrackParams, ...] = Field(default=(), description="tracks")
     feet: tuple[FootParams, ...] = Field(default=(), description="feet of legs")
@@ -81,8 +82,11 @@ class MachineParams(Params):
         stands_on = [support.name for support in self.stands_on]
         if self.fixed_base and stands_on:
             raise ValueError(f"fixed_base with {', '.join(stands_on)}: allowed is one or the other")
-        if not (self.fixed_base or stands_on):
-            raise ValueError("wheels, tracks, feet: allowed is one at least, or fixed_base = true")
+        if self.floats and (self.fixed_base or stands_on):
+            other = "fixed_base" if self.fixed_base else ", ".join(stands_on)
+            raise ValueError(f"floats with {other}: allowed is one or the other")
+        if not (self.fixed_base or self.floats or stands_on):
+            raise ValueError("wheels, tracks, feet: allowed is one at least, or fixed_base = true, or floats = true")
         joints = [joint for drive in self.drives for joint in drive.joints]
         for joint in joints:
             if joints.count(joint) > 1:
@@ -114,6 +118,13 @@ class MachineParams(Params):
     def rolling(self) -> tuple[WheelParams | TrackParams, ...]:
         """What it drives with: each has a joint whose rate moves the machine over the ground."""
         return (*self.wheels, *self.tracks)
+
+    @property
+    def why_it_stays(self) -> str:
+        """Why it does not drive, in words; empty of a machine that stands on something."""
+        if self.stands_on:
+            return ""
+        return "floats free: it has no wheels" if self.floats else "stands fast: it has no wheels"
 
     @property
     def support_word(self) -> str:

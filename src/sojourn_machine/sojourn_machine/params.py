@@ -14,3 +14,10 @@ class Params(BaseModel):
     """A parameter set of one model. Its field names are the keys of the YAML file it is read from."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
+
+
+def require_rising(name: str, values: tuple[float, ...]) -> None:
+    """Refuse a table whose numbers do not rise. Raises ValueError."""
+    for i in range(1, len(values)):
+        if not values[i] > values[i - 1]:
+            raise ValueError(f"{name}[{i}] = {values[i]}: allowed is above {values[i - 1]}, the value before it")

@@ -25,8 +25,8 @@ class MachinePart(NamedTuple):
 
     Args:
         key: of the table. kind: what they are: a `node` of the machine's heat, a `store`, a `joint` that moves, a joint
-            whose `travel` has ends, a `motor` by its joint, whose heat is known, a load that is a `string` of a bus
-            with a store.
+            whose `travel` has ends, a `motor` by its joint, whose heat is known, a joint that is `driven` by a
+            motor of ours, a load that is a `string` of a bus with a store.
         names: of the parts; one for a key that is a name, or those of its list.
     """
 

@@ -11,10 +11,12 @@ from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.app import NOTHING, Answer, App, Period
 from sojourn_contract.events import format_tick
+from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.topics import topic
-from sojourn_contract.values import Header, Odometry
+from sojourn_contract.values import Header, Message, Odometry
 from sojourn_machine.evolution import replace
+from sojourn_operator.fault_schedule import FaultSchedule, ScheduleState, Seen
 from sojourn_operator.goal_messages import report_of
 from sojourn_operator.scenario_steps import script_steps
 from sojourn_operator.script import OperatorScript, ScriptState
@@ -41,6 +43,7 @@ class OperatorState:
     has_said_end: bool = False
     drive_status: Mapping[str, str] = field(default_factory=dict)
     """Latest status of the drive, for whoever shows the progress."""
+    faults: ScheduleState = field(default_factory=ScheduleState)
 
 
 class OperatorApp(App[OperatorState]):
@@ -53,6 +56,7 @@ class OperatorApp(App[OperatorState]):
         terrain = scenario.height_field() if any(step.looks_at_ground for step, _ in steps) else None
         around = RunFacts(scenario.arm_joints, terrain)
         self._leaps = scenario.leaps is not None
+        self._faults = FaultSchedule(scenario.config.faults, scenario.config.seed)
         self.script = OperatorScript(steps, scenario.config.duration_limit_s, around)
 
     def initial_state(self) -> OperatorState:
@@ -76,14 +80,23 @@ class OperatorApp(App[OperatorState]):
         if state.has_said_end:
             return state, NOTHING
         script, goal = self.script.look(state.script, stamp, state.reports, truth)
-        sent, messages = dict(state.sent), []
+        sent, messages = dict(state.sent), list[tuple[str, Message]]()
         if goal is not None:
             messages.append((goal.topic, goal.message))
             sent[goal.topic] = sent.get(goal.topic, 0) + 1
-        rests = self.script.rests_until(script, stamp, state.reports) if self._leaps else 0
+        seen = Seen(stamp, len(script.results), state.reports, truth)
+        faults, said = self._faults.look(state.faults, seen)
+        if said:
+            messages += [(FAULTS_TOPIC, message) for message in said]
+            sent[FAULTS_TOPIC] = sent.get(FAULTS_TOPIC, 0) + len(said)
+        rests = 0
+        if self._leaps and not said:
+            until = self.script.rests_until(script, stamp, state.reports)
+            rests = int(max(0, min(until, self._faults.quiet_until(faults))))
         tick = format_tick(sent, script.finished, rests)
         messages.append((TICK, Header(stamp, tick)))
-        return replace(state, script=script, sent=sent, has_said_end=script.finished), Answer(messages)
+        after = replace(state, script=script, sent=sent, has_said_end=script.finished, faults=faults)
+        return after, Answer(messages)
 
     def heartbeat_values(self, state: OperatorState, stamp: int) -> dict[str, str]:
         """Where in the script it is."""

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 from sojourn_config import command_line
 from sojourn_flight.arm.tasks.names import TASKS
+from sojourn_machine.fault_names import FAULTS
 
-VERBS = ("drive", "route", "arm", "task", "power", "here", "stop")
-WITH_VALUE = ("--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z", "--within")
+VERBS = ("drive", "route", "arm", "task", "power", "here", "fault", "stop")
+WITH_VALUE = ("--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z", "--within", "--name")
 """Options before whose value no verb stands."""
 
 
@@ -58,8 +59,13 @@ def parser() -> argparse.ArgumentParser:
         metavar="M",
         help="standard deviation of the place [m] and of the heading [rad] (default: %(default)s)",
     )
+    fault = commands.add_parser("fault", help="let something fail: fault motor_dead joint=wheel_front_left_joint")
+    fault.add_argument("kind", help=f"one of {', '.join(FAULTS.names())}")
+    fault.add_argument("values", nargs="*", metavar="KEY=VALUE", help="words of its kind; a vector as 0,0,1")
+    fault.add_argument("--name", default="", help="of the fault (default: its kind and what it is of)")
+    fault.add_argument("--gone", action="store_true", help="it goes again")
     stop = commands.add_parser("stop", help="stop drive and arm")
-    for command in (drive, route, arm, task, power, here, stop):
+    for command in (drive, route, arm, task, power, here, fault, stop):
         command_line.add_place(command)
         command.add_argument(
             "--timeout",
@@ -72,10 +78,16 @@ def parser() -> argparse.ArgumentParser:
 
 
 def verb_first(arguments: Sequence[str]) -> list[str]:
-    """The same with what stands before the verb behind it, for options are told in any order."""
-    for place, word in enumerate(arguments):
-        if word in VERBS and (place == 0 or arguments[place - 1] not in WITH_VALUE):
-            return [word, *arguments[:place], *arguments[place + 1 :]]
+    """The same with what stands before the verb behind it, for options are told in any order. Where none is a verb, the
+    first word that could be meant as one is taken for it, and refused by its name.
+    """
+    words = [
+        place
+        for place, word in enumerate(arguments)
+        if not word.startswith("-") and (place == 0 or arguments[place - 1] not in WITH_VALUE)
+    ]
+    for place in [place for place in words if arguments[place] in VERBS] or words[:1]:
+        return [arguments[place], *arguments[:place], *arguments[place + 1 :]]
     return list(arguments)
 
 
@@ -83,7 +95,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Send a goal; 0 only if it was reached (a stop: if drive and arm stand; a dry run: if it is allowed; a switch: if
     it is done).
     """
-    given = parser().parse_args(verb_first(sys.argv[1:] if arguments is None else arguments))
+    words, options = verb_first(sys.argv[1:] if arguments is None else arguments), parser()
+    if words and words[0].startswith("-") and not {"-h", "--help"} & set(words):
+        options.error(f"what to do is missing: allowed is one of {', '.join(VERBS)}")
+    given = options.parse_args(words)
     from sojourn_operator.goal_sending import run  # not above: --help needs none of it
 
     return run(given)

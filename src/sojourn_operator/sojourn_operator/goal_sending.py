@@ -1,28 +1,21 @@
 """Sends a goal and follows it: the work of scripts/goal."""
 
 import argparse
-import os
 import time
-from collections.abc import Callable
-from typing import Any
-
-import rclpy
-from rclpy.experimental import EventsExecutor
-from rclpy.signals import SignalHandlerOptions
+from collections.abc import Callable, Mapping
+from typing import Any, Self
 
 from sojourn_config.command_errors import CommandError
 from sojourn_config.role_holder import held_roles
-from sojourn_config.ros_environment import ros_variables
-from sojourn_contract import qos
 from sojourn_contract.codecs import encode
-from sojourn_contract.decoding import hearing
-from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.heartbeat import status_message, status_values
+from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
+from sojourn_contract.fault_messages import FaultEvent
+from sojourn_contract.heartbeat import Heartbeat, read_heartbeats, status_message, status_values
 from sojourn_contract.stamps import seconds
-from sojourn_contract.stop_flag import StopFlag
 from sojourn_contract.topics import ROLES, topic
-from sojourn_contract.types import message_class
 from sojourn_contract.values import UPRIGHT, Clock, DiagnosticArray, Message, Path, PoseStamped
+from sojourn_operator.desk import Desk
+from sojourn_operator.fault_sending import CAME, WENT, answer_of, fault_event, message_of
 from sojourn_operator.foresight_words import foresight_lines
 from sojourn_operator.goal_messages import (
     QUESTION,
@@ -51,6 +44,7 @@ GOALS = {
     "task": ("arm", "/arm/task"),
     "power": ("power", "/power/request"),
     "here": ("drive", "/initialpose"),
+    "fault": ("plant or sensors", FAULTS_TOPIC),
 }
 """Of each command who carries it out, and on which topic it goes."""
 STOP_TOPICS = {"drive": "/cmd_vel", "arm": "/arm/stop"}
@@ -71,55 +65,43 @@ class NoStackError(CommandError):
     """Nobody answers."""
 
 
-class GoalClient:
+class GoalClient(Desk):
     """Talks to a running stack. A context manager.
 
     Args:
-        domain, namespace: where the stack is.
+        domain, namespace: where the stack is. name: of its node.
     """
 
-    def __init__(self, domain: int, namespace: str) -> None:
-        self.domain, self.namespace = domain, namespace
+    def __init__(self, domain: int, namespace: str, name: str = "goal") -> None:
+        super().__init__(name, domain, namespace)
         self.now = 0
         """Simulation time [ns]; zero until a stamped status has come."""
         self.statuses: dict[str, DiagnosticArray] = {}
-        self.stop = StopFlag()
+        self.beats: dict[str, Heartbeat] = {}
+        """Last heartbeat of each role."""
         self._start = StartWatch(self._held)
         self._last_stamp = 0
 
-    def __enter__(self) -> "GoalClient":
-        os.environ.update(ros_variables(self.domain))
-        self.stop.install()
-        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-        self._node = rclpy.create_node(
-            "goal", namespace=self.namespace or None, enable_rosout=False, start_parameter_services=False
-        )
-        self._executor = EventsExecutor()
-        self._executor.add_node(self._node)
-        self._clock = self._node.create_subscription(
-            message_class("rosgraph_msgs/Clock"),
-            "clock",
-            hearing(topic("/clock"), self._on_clock, self._pass_over),
-            qos.profile(topic("/clock"), False),
-            raw=True,
-        )
-        self._readers = [self._listen(name, self._keep(who)) for who, name in STATUS_TOPICS.items()]
-        self._readers.append(self._listen("/diagnostics", self._start.hear))
+    def __enter__(self) -> Self:
+        super().__enter__()
+        self._clock = self.listen(topic("/clock"), self._on_clock, lockstep=False)
+        self._readers = [self.listen(topic(name), self._keep(who)) for who, name in STATUS_TOPICS.items()]
+        self._readers.append(self.listen(topic("/diagnostics"), self._hear))
         return self
-
-    def __exit__(self, *_error: object) -> None:
-        self._executor.remove_node(self._node)
-        self._node.destroy_node()
-        rclpy.try_shutdown()
 
     def send(self, who: str, name: str, message: Message) -> None:
         """Publish a goal on a topic once its role listens. Raises NoStackError if it does not within ANSWER_S."""
-        sender = self._sender(name)
+        sender = self.sender_to(who, name)
+        sender.publish(encode(topic(name), stamped(message, self.now)))
+        self._last_stamp = self.now
+
+    def sender_to(self, who: str, name: str) -> Any:
+        """Publisher of a topic, once its role listens. Raises NoStackError if it does not within ANSWER_S."""
+        sender = self.sender(topic(name))
         if not self._await(lambda: bool(self._is_heard(sender) and self.now)):
             what = "its simulation time does not run" if self._is_heard(sender) else f"nobody acts on {name}"
             raise NoStackError(self._nobody(who, what))
-        sender.publish(encode(topic(name), stamped(message, self.now)))
-        self._last_stamp = self.now
+        return sender
 
     def halt(self) -> tuple[bool, str]:
         """Stop whoever listens, drive and arm, and wait until their statuses say that they stand.
@@ -128,7 +110,7 @@ class GoalClient:
         ANSWER_S. Returns whether they stand, and in words what they say.
         """
         messages = stop_messages(0)
-        senders = {name: self._sender(name) for name, _ in messages}
+        senders = {name: self.sender(topic(name)) for name, _ in messages}
         if not self._await(lambda: any(self._is_heard(sender) for sender in senders.values())):
             raise NoStackError(self._nobody("drive or arm", f"nobody acts on {' or '.join(senders)}"))
         self.spin(STOP_SETTLE_S)  # whoever has not been found by now does not take part
@@ -180,6 +162,26 @@ class GoalClient:
                 return values
         return None
 
+    def hear_from(self, role: str) -> None:
+        """Wait for a heartbeat of a role, STOPPED_S at most: they come once a simulated second."""
+        end = time.monotonic() + STOPPED_S
+        while role not in self.beats and time.monotonic() < end and not self.stop.is_set:
+            self.spin(0.05)
+
+    def watch(self, event: FaultEvent, before: Mapping[str, Heartbeat], timeout_s: float) -> tuple[str, str]:
+        """What becomes of the fault just sent. before: heartbeats from before that."""
+        end = time.monotonic() + timeout_s
+        while not self.stop.is_set and time.monotonic() < end:
+            self.spin(0.05)
+            answer = answer_of(event, before, self.beats)
+            if answer is not None:
+                return answer
+        return "not known", f"{event.fault.role} has not said so within {timeout_s:g} s of wall time"
+
+    def _hear(self, message: DiagnosticArray) -> None:
+        self._start.hear(message)
+        self.beats |= {beat.role: beat for beat in read_heartbeats(message)}
+
     def _held(self) -> list[str]:
         return held_roles(self.domain, self.namespace, ROLES)
 
@@ -202,19 +204,8 @@ class GoalClient:
             self.spin(0.05)
         return True
 
-    def _sender(self, name: str) -> Any:
-        row = topic(name)
-        return self._node.create_publisher(message_class(row.type), name.lstrip("/"), qos.profile(row, lockstep=True))
-
     def _nobody(self, who: str, what: str) -> str:
-        place = f"domain {self.domain}" + (f", namespace {self.namespace}" if self.namespace else "")
-        return f"no running stack for {who} on {place}: {what} (start one with scripts/start.py)"
-
-    def spin(self, wall_s: float) -> None:
-        """Take what arrives for so long [s]."""
-        end = time.monotonic() + wall_s
-        while (left := end - time.monotonic()) > 0.0:
-            self._executor.spin_once(timeout_sec=left)
+        return f"no running stack for {who} on {self.place}: {what} (start one with scripts/start.py)"
 
     def _keep(self, who: str) -> Callable[[DiagnosticArray], None]:
         def keep(message: DiagnosticArray) -> None:
@@ -222,16 +213,6 @@ class GoalClient:
             self.statuses[who] = message
 
         return keep
-
-    def _listen(self, name: str, take: Callable[[DiagnosticArray], None]) -> Any:
-        row = topic(name)
-        hear = hearing(row, take, self._pass_over)
-        profile = qos.profile(row, lockstep=True)
-        return self._node.create_subscription(message_class(row.type), name.lstrip("/"), hear, profile, raw=True)
-
-    def _pass_over(self, refusal: RefusedMessageError) -> None:
-        """Of what cannot be read."""
-        self._node.get_logger().warning(f"refused: {refusal}", throttle_duration_sec=1.0)
 
     def _on_clock(self, message: Clock) -> None:
         self.now = message.stamp
@@ -290,10 +271,24 @@ def _ask(client: GoalClient, goal: PoseStamped | Path, timeout_s: float) -> int:
     return 0 if answer.get("asked_state") == "allowed" else 1
 
 
+def _fail(given: argparse.Namespace) -> int:
+    """Let something fail, or be well again; 0 if whose it is says so."""
+    event = fault_event(given, (_key_and_value(text) for text in given.values))
+    with GoalClient(given.domain, given.namespace) as client:
+        client.hear_from(event.fault.role)
+        before = dict(client.beats)
+        client.send("plant or sensors", FAULTS_TOPIC, message_of(event))
+        outcome, reason = client.watch(event, before, given.timeout)
+    print(f"{outcome}: {reason}")
+    return 0 if outcome in (CAME, WENT) else 1
+
+
 def run(given: argparse.Namespace) -> int:
     """Send a goal; 0 only if it was reached (a stop: if drive and arm stand; a dry run: if it is allowed; a switch: if
     it is done).
     """
+    if given.command == "fault":
+        return _fail(given)
     message = None if given.command == "stop" else _goal(given)
     with GoalClient(given.domain, given.namespace) as client:
         if message is None:

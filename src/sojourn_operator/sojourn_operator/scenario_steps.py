@@ -1,15 +1,21 @@
 """The steps of a scenario as the scripted operator carries them out, and the check of a scenario before a run."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from sojourn_config.errors import MISSING, single
+from sojourn_config.errors import MISSING, ConfigError, Problem, single
 from sojourn_config.paths import available, resolve
 from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_config.yaml_file import KeyPath
 from sojourn_contract.errors import LeapError
 from sojourn_contract.run_table import table_of
+from sojourn_machine.names import names_text
 from sojourn_operator.steps.step import OperatorStep
+
+STATUS = "diagnostic_msgs/DiagnosticArray"
+MACHINE_SCENARIO = "flat_drive"
+"""Around a machine that is named alone: any rover can drive it."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +40,23 @@ def prepare_scenario(name: str, overrides: Sequence[str] = ()) -> PreparedScenar
     except LeapError as error:
         file = next(iter(loaded.files))
         raise single(file, f"leaps: {error.what}", MISSING, f"allowed is {error.allowed}") from error
+    problems = list(_expectation_problems(loaded))
+    if problems:
+        raise ConfigError(problems)
     path = resolve("scenarios", name, ("command line", "scenario"))
     known = name if Path(name).stem == name else str(path.resolve())
     return PreparedScenario(known, tuple(overrides), loaded)
+
+
+def _expectation_problems(loaded: LoadedScenario) -> Iterator[Problem]:
+    """A fault is expected to show in a status that the run has."""
+    rows = [row for row in table_of(loaded) if row.type == STATUS and not row.is_event]
+    names = [row.name for row in rows if row.publisher not in absent_roles(loaded)]
+    for index, fault in enumerate(loaded.config.faults):
+        if fault.expect is not None and fault.expect.topic not in names:
+            allowed = f"is no status of this run: {names_text(fault.expect.topic, names)}"
+            path: KeyPath = ("faults", index, "expect", "topic")
+            yield loaded.documents["scenario"].problem(path, fault.expect.topic, allowed)
 
 
 def script_steps(scenario: LoadedScenario) -> list[tuple[OperatorStep, float | None]]:
@@ -56,11 +76,18 @@ def course_of(rover: str, otherwise: str) -> str:
     return own if own in available("scenarios") else otherwise
 
 
+def named_scenario(scenario: str | None, machine: str | None, otherwise: str) -> LoadedScenario:
+    """The scenario that a command line names, with its machine; where it names neither, another. Raises ConfigError."""
+    if machine is None:
+        return load_scenario(scenario or otherwise)
+    return load_scenario(scenario or course_of(machine, MACHINE_SCENARIO), [f"machine={machine}"])
+
+
 def absent_roles(scenario: LoadedScenario) -> dict[str, str]:
     """Roles that this machine has no use for, and why."""
     reasons = {}
     if scenario.arm is None:
         reasons["arm"] = "has no arm"
     if scenario.driving is None:
-        reasons["drive"] = "stands fast, it has no wheels"
+        reasons["drive"] = scenario.machine.why_it_stays.replace(":", ",")
     return reasons

@@ -2,21 +2,20 @@
 
 It may while the machine rests, what moves it is told the same, and the operator's tick says that no goal is on its way
 and until when none will be sent. A leap begins at a whole second and lands where every topic of the run is due, before
-the operator goes on and before a motor fails. The first is as short as it can be, and so is one after a load has been
+the operator goes on or lets something fail. The first is as short as it can be, and so is one after a load has been
 switched, so that the power manager is heard soon; each one after it may be twice as long.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from sojourn_contract.events import rests_until
 from sojourn_contract.leaps import BEGIN, landing_grid
-from sojourn_contract.stamps import CONTROL_PERIOD_NS, CONTROL_PERIOD_S, NANOSECONDS
+from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_contract.topic_table import TopicTable
 from sojourn_machine.params import FloatArray
 from sojourn_physics.plant.model import PlantModel
-from sojourn_physics.plant.params import FaultParams
 from sojourn_physics.plant.rest import RESTLESS, Rest, is_told_the_same, rest_after
 from sojourn_physics.plant.state import PlantCommand, PlantOutput, PlantState
 
@@ -38,12 +37,11 @@ class Leaping:
     """The leaps of a run.
 
     Args:
-        table: its topics. faults: motors that fail.
+        table: its topics.
     """
 
-    def __init__(self, table: TopicTable, faults: Sequence[FaultParams]) -> None:
+    def __init__(self, table: TopicTable) -> None:
         self.grid, self._longest = landing_grid(table), table.longest_leap
-        self._faults = sorted(int(fault.at_s / CONTROL_PERIOD_S) for fault in faults)
 
     def steps(
         self, model: PlantModel, state: LeapState, command: PlantCommand, stamp: int, inputs: Mapping[str, Any]
@@ -59,7 +57,7 @@ class Leaping:
         rests = rests_until(tick.frame) * NANOSECONDS // CONTROL_PERIOD_NS
         span = self._span(state, command)
         longest = now // span * span + span  # at even times, which those who look ahead have seen before
-        last = min([rests, longest, *(fault for fault in self._faults if fault > now)])
+        last = min(rests, longest)
         landings = range((now // self.grid + 1) * self.grid, last + 1, self.grid)
         return tuple(landing - max(now, landing - self.grid) for landing in landings)
 

@@ -1,8 +1,11 @@
-"""The plant of a scenario, settled on its ground."""
+"""The plant of a scenario, settled on its ground, or let go in its orbit."""
+
+import math
 
 from sojourn_config.expected_heat import site_heat
 from sojourn_config.machine_body import STOWED
 from sojourn_config.scenario import LoadedScenario
+from sojourn_physics.plant.afloat import AfloatStart, afloat_state
 from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.state import PlantState
 from sojourn_physics.plant.step import initial_state
@@ -37,7 +40,9 @@ def build_plant(scenario: LoadedScenario, terrain: HeightField | None = None) ->
         scenario.simulation,
         scenario.tool,
     )
-    start = scenario.config.start
-    return model, initial_state(
-        model, start.x, start.y, start.yaw, scenario.config.battery_soc, scenario.arm_pose(STOWED)
-    )
+    start, soc, stowed = scenario.config.start, scenario.config.battery_soc, scenario.arm_pose(STOWED)
+    if scenario.machine.floats:
+        x, y, z = map(math.radians, start.rates_deg_per_s)
+        let_go = AfloatStart((start.x, start.y, start.z), start.yaw, start.velocity, (x, y, z))
+        return model, afloat_state(model, let_go, soc, stowed)
+    return model, initial_state(model, start.x, start.y, start.yaw, soc, stowed)

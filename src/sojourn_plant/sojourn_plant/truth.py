@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from sojourn_contract import stamps
 from sojourn_contract.barrier import is_due
@@ -103,6 +104,8 @@ class TruthMessages:
                 continue
             values[f"energy {name}"] = f"{getattr(state.energy, name):.9g}"
         values |= self._network_values(state, output) | self._fuses(state) | self._temperatures(state)
+        if self._model.machine.floats:
+            values |= _momentum(self._model, state)
         if state.tool is not None and state.tool.has_worked:
             values |= {name: f"{value:.9g}" for name, value in state.tool.report().items()}
         return status_message(stamp, "loads", values)
@@ -136,6 +139,16 @@ class TruthMessages:
         values = {f"source {name}": f"{power:.6g}" for name, power in powers}
         account = state.power.energy
         return values | {f"network {name}": f"{getattr(account, name):.9g}" for name in account._fields}
+
+
+def _momentum(model: PlantModel, state: PlantState) -> dict[str, str]:
+    """Of all links in map, linear [N s] and angular about their centre of mass [N m s]."""
+    found = pin.computeCentroidalMomentum(model.multibody, model.data, state.configuration, state.velocity)
+    return {
+        f"{name} {axis}": f"{value:.6g}"
+        for name, values in (("momentum", found.linear), ("angular momentum", found.angular))
+        for axis, value in zip("xyz", values, strict=True)
+    }
 
 
 def _odometry(stamp: int, state: PlantState, output: PlantOutput) -> Odometry:

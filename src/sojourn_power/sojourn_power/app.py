@@ -32,7 +32,7 @@ from sojourn_power.requests import NO_REQUEST, LastRequest, switches_of
 
 UNKNOWN, OVERHEAT, DEAD, UNSPECIFIED_FAILURE, COLD = 0, 2, 3, 5, 6
 """Of the enumeration POWER_SUPPLY_HEALTH in sensor_msgs/BatteryState."""
-HEALTH_OF = {"too hot": OVERHEAT, "too cold to charge": COLD, "too cold to discharge": COLD}
+HEALTH_OF = {"too hot": OVERHEAT, "frozen": COLD, "too cold to charge": COLD, "too cold to discharge": COLD}
 END_OF_LIFE = 0.8
 """Part of its nominal capacity below which a battery counts as worn out [1]."""
 BUS, SWITCHES, CHARGE, FORECAST = "/bus/state", "/power/switches", "/battery_state", "/power/forecast"
@@ -53,6 +53,8 @@ class PowerState:
     """Of the machine as it is believed to be, where its files say it."""
     looked_at: int = 0
     """Stamp of that [ns]."""
+    clean: float | None = None
+    """Part of their light that is believed to reach the cells of the arrays [1]; None: as their files have it."""
     ahead: str = ""
     """What the last forecast comes to, in words."""
 
@@ -103,18 +105,21 @@ class PowerApp(FlightApp[PowerState]):
         messages = list[tuple[str, Any]]()
         due = is_due(topic(FORECAST), stamp // CONTROL_PERIOD_NS)
         if due or not state.ahead:  # the words do not wait for the first minute to end
-            known = Known(stamp * 1e-9, manager, readings, self._heat_now(state, stamp, readings))
+            known = Known(stamp * 1e-9, manager, readings, self._heat_now(state, stamp, readings), state.clean)
+            known = known._replace(clean=self._forecaster.clean_after(known)) if due else known
             forecast, least = self._forecaster.forecast(known), self._forecaster.least_asleep(known)
             if least is not None:
                 manager = law.foreseen(self.params, manager, least)
-            state = replace(state, ahead=forecast.words, manager=manager, heat=known.heat, looked_at=stamp)
+            state = replace(
+                state, ahead=forecast.words, manager=manager, heat=known.heat, looked_at=stamp, clean=known.clean
+            )
             if due:
                 messages.append((FORECAST, forecast_message(stamp, forecast)))
         return state, Answer(chain(self._messages(state, stamp, readings, output), messages), refusals)
 
     def _heat_now(self, state: PowerState, stamp: int, readings: Sequence[StoreReading]) -> HeatState | None:
         """Followed from what was believed at the last look ahead."""
-        before = Known(state.looked_at * 1e-9, state.manager, readings, state.heat)
+        before = Known(state.looked_at * 1e-9, state.manager, readings, state.heat, state.clean)
         return self._forecaster.heat_after(before, stamp * 1e-9)
 
     def on_new_time(self, state: PowerState) -> PowerState:
@@ -189,5 +194,7 @@ def _status(stamp: int, output: PowerManagerOutput, state: PowerState) -> Any:
             values[f"current_offset_a{end}"] = f"{known.current_offset:.4f}"
     values["faults"] = "; ".join(fault.text for fault in output.faults)
     values["forecast"] = state.ahead
+    if state.clean is not None:
+        values["arrays_clean"] = f"{state.clean:.3f}"
     values |= state.request.status(output.switches)
     return status_message(stamp, "power", values, values["reason"] or values["state"], 1 if values["reason"] else 0)

@@ -11,13 +11,17 @@ from sojourn_contract import stamps
 from sojourn_contract.app import NOTHING, Answer, App, Period
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.fault_messages import TOPIC
 from sojourn_contract.messages import battery_state, wrench_stamped
 from sojourn_contract.run_table import table_of
+from sojourn_contract.topic_types import Topic
 from sojourn_contract.values import JointState, Odometry
 from sojourn_machine.errors import MachineError
 from sojourn_machine.evolution import replace
+from sojourn_machine.sensor_fault import SensorFault
 from sojourn_sensors.absent import absent_kinds
-from sojourn_sensors.fault_hooks import FaultyState, hook_of
+from sojourn_sensors.fault_hooks import FaultyState
+from sojourn_sensors.faults import SensorFaults
 from sojourn_sensors.sensor import Sensor, SensorSite, Truth
 from sojourn_sensors.supply import LOADS, without_power
 from sojourn_sensors.timing import LateReading, timing_of
@@ -56,9 +60,9 @@ class SensorsApp(App[SensorsState]):
         self._timings = [timing_of(sensor.rows, sensor.every) for sensor in self.sensors]
         self._is_timed = any(timing is not None for timing in self._timings)
         """Whether anything is told later than it is measured."""
-        self._hooks = {sensor.name: hook for sensor in self.sensors if (hook := hook_of(sensor)) is not None}
-        if self._hooks:
-            self._check_faults()
+        self._faults = SensorFaults(self.sensors, self._at_rest)
+        scheduled = [fault for fault in scenario.config.faults if isinstance(fault, SensorFault)]
+        self._faults.check_tables(scheduled)
         self._absent = absent_kinds(self._table, [sensor.rows for sensor in self.sensors])
 
     def warm_up(self) -> None:
@@ -71,7 +75,18 @@ class SensorsApp(App[SensorsState]):
 
     def initial_state(self) -> SensorsState:
         """Before the first truth."""
-        return SensorsState(faulty={name: hook.initial_state() for name, hook in self._hooks.items()})
+        return SensorsState(faulty=self._faults.initial_state())
+
+    def check(self, row: Topic, message: Any) -> None:
+        """Refuse faults that no sensor can have."""
+        if row.name == TOPIC:
+            self._faults.check(message)
+
+    def heartbeat_values(self, state: SensorsState, stamp: int) -> dict[str, str]:
+        """Faults that have come during the run."""
+        tables = {name for sensor in self.sensors for name in sensor.params.faults}
+        names = [name for one in state.faulty.values() for name, _ in one.faults if name not in tables]
+        return {"faults": ", ".join(names)} if names else {}
 
     def on_new_time(self, state: SensorsState) -> SensorsState:
         """The time since the last truth is not known."""
@@ -79,6 +94,8 @@ class SensorsApp(App[SensorsState]):
 
     def step(self, state: SensorsState, period: Period) -> tuple[SensorsState, Answer]:
         """Measure the truth of this period."""
+        if period.goals:
+            state = replace(state, faulty=self._faults.after(state.faulty, period.goals, period.stamp))
         loads = period.inputs.get(LOADS)
         if loads is not None:
             state = replace(state, dead=without_power(self.params.powered_by, state.dead, loads))
@@ -112,7 +129,7 @@ class SensorsApp(App[SensorsState]):
                     after[place] = sensor.hear(after[place], truth)
         except (MachineError, RefusedMessageError) as error:
             return state, [("/truth/joint_states", error)]
-        faulty = self._fault(state, readings, stamp) if self._hooks else state.faulty
+        faulty = self._fault(state, readings, stamp) if state.faulty else state.faulty
         return SensorsState(tuple(after), tuple(readings), state.dead, faulty, state.waiting, stamp), []
 
     def _measures(self, place: int, number: int) -> bool:
@@ -124,18 +141,10 @@ class SensorsApp(App[SensorsState]):
         """Put faults on the readings that are of this stamp [ns]; the state of the faults after it."""
         faulty, number = dict(state.faulty), stamp // stamps.CONTROL_PERIOD_NS
         for place, sensor in enumerate(self.sensors):
-            hook = self._hooks.get(sensor.name)
-            if hook is not None and self._measures(place, number):
+            if sensor.name in faulty and self._measures(place, number):
+                hook = self._faults.hooks[sensor.name]
                 faulty[sensor.name], readings[place] = hook.step(faulty[sensor.name], readings[place], stamp)
         return faulty
-
-    def _check_faults(self) -> None:
-        """Raise ConfigError for a fault that no reading of its sensor can have."""
-        truth = self._at_rest()
-        for sensor in self.sensors:
-            hook = self._hooks.get(sensor.name)
-            if hook is not None:
-                hook.check(sensor.step(sensor.initial_state(truth), truth, stamps.CONTROL_PERIOD_S)[1])
 
     def _told(self, state: SensorsState, number: int) -> tuple[SensorsState, Mapping[str, Sequence[LateReading]]]:
         """What of late readings is told in a control period, by sensor, and the state in which the others wait."""

@@ -8,6 +8,7 @@ A kind whose readings are arrays, or dataclasses of arrays, needs nothing. Anoth
 """
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -92,13 +93,9 @@ class FaultHook:
     def __init__(self, sensor: Any) -> None:
         self._sensor = sensor
 
-    def initial_state(self) -> FaultyState:
-        """As its table has it."""
-        return FaultyState(tuple(self._sensor.params.faults.items()))
-
-    def check(self, reading: Any) -> None:
-        """Raise ConfigError for a fault that a reading cannot have; of none nothing can be told."""
-        for name, fault in self._sensor.params.faults.items():
+    def check(self, faults: Mapping[str, SensorFaultParams], reading: Any) -> None:
+        """Raise ConfigError for one of these faults that a reading cannot have; of none nothing can be told."""
+        for name, fault in faults.items():
             if not fault.is_numerical or reading is None:
                 continue
             try:
@@ -108,7 +105,7 @@ class FaultHook:
 
     def step(self, state: FaultyState, reading: Any, stamp: int) -> tuple[FaultyState, Any]:
         """What the sensor says at a stamp [ns] where it would say `reading`; None is said as it is."""
-        present = [(name, fault) for name, fault in state.faults if stamp >= fault.after * NANOSECONDS]
+        present = [(name, fault) for name, fault in state.faults if stamp >= round(fault.after * NANOSECONDS)]
         if any(fault.stuck for _, fault in present) and state.last is not None:
             reading = state.last
         else:
@@ -124,11 +121,9 @@ class FaultHook:
         return stream_of(self._sensor.site.seed, f"{self._sensor.name} {name}")
 
 
-def hook_of(sensor: Any) -> FaultHook | None:
-    """The faults of a sensor; None for a sound one."""
-    return (
-        FaultHook(sensor) if any(fault.is_numerical or fault.stuck for fault in sensor.params.faults.values()) else None
-    )
+def changes_readings(fault: SensorFaultParams) -> bool:
+    """Whether a fault is a matter of hooks."""
+    return fault.is_numerical or fault.stuck
 
 
 def faulted(reading: Any, fault: FaultNow) -> Any:

@@ -3,9 +3,9 @@
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_machine.params import FloatArray
+from sojourn_machine.shapes import Shapes
 from sojourn_physics.environment.sun.orbits import ASTRONOMICAL_UNIT
 from sojourn_physics.environment.sun.shadow import SOLAR_RADIUS, disc_radius
-from sojourn_physics.imaging.body import Shapes
 from sojourn_physics.imaging.photometry import Illumination
 from sojourn_physics.imaging.scenery import GroundLook, Moment, Scenery, sun_of
 from sojourn_physics.terrain.height_field import HeightField
@@ -26,9 +26,6 @@ class CameraScene:
 
     def __init__(self, scenario: LoadedScenario, ground: HeightField) -> None:
         self.scenery = Scenery(ground, look_of(scenario, ground.soil_names))
-        cell = scenario.terrain.memory_cell if scenario.terrain.memory else 0.0
-        self.untouched = GroundMemory(cell, ground.origin_x, ground.origin_y)
-        """What has been done to the ground at the start."""
         self._sun = scenario.sun_over()  # what the ground hides the shadows know
 
     def moment(self, stamp: int, place: FloatArray, ground: GroundMemory, body: Shapes) -> Moment:

@@ -8,7 +8,7 @@ from pydantic import Field
 from sojourn_contract.ground import GROUND, with_ground
 from sojourn_machine.params import FloatArray
 from sojourn_machine.sensor_choice import SensorParams
-from sojourn_physics.imaging.body import MachineShapes, Shapes, moved
+from sojourn_machine.shapes import MachineShapes, Shapes, moved
 from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_sensors.motion import rotation_matrix
 from sojourn_sensors.sensor import Sensor, SensorSite, Truth
@@ -19,6 +19,12 @@ class SeeingParams(SensorParams):
 
     hears: ClassVar[tuple[Any, ...]] = (GROUND,)
     link: str = Field(min_length=1, description="link of the URDF: x along the axis of its view, z up")
+
+
+def heard_of(ground: GroundMemory, truth: Truth) -> GroundMemory:
+    """What has been done to the ground, after what a period tells of it, if anything. Raises RefusedMessageError."""
+    cloud = truth.inputs.get(GROUND.name)
+    return ground if cloud is None else with_ground(ground, cloud)
 
 
 AnyParams = TypeVar("AnyParams", bound=SeeingParams)
@@ -49,7 +55,7 @@ class SeeingSensor(Sensor[AnyParams, GroundMemory, AnyReading], Generic[AnyParam
         raise NotImplementedError
 
     def initial_state(self, truth: Truth) -> GroundMemory:
-        return self.hear(self.site.scene.untouched, truth)
+        return self.hear(self.site.untouched, truth)
 
     def step(self, state: GroundMemory, truth: Truth, dt: float) -> tuple[GroundMemory, AnyReading]:
         ground = self.hear(state, truth)
@@ -59,8 +65,7 @@ class SeeingSensor(Sensor[AnyParams, GroundMemory, AnyReading], Generic[AnyParam
         return self.hear(state, truth), None
 
     def hear(self, state: GroundMemory, truth: Truth) -> GroundMemory:
-        cloud = truth.inputs.get(GROUND.name)
-        return state if cloud is None else with_ground(state, cloud)
+        return heard_of(state, truth)
 
     def outlook(self, truth: Truth) -> Outlook:
         """With the pose and the joints of the truth."""

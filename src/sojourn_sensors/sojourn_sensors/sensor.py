@@ -20,6 +20,7 @@ from sojourn_machine.mounting import mounting
 from sojourn_machine.params import FloatArray
 from sojourn_machine.sensor_choice import SensorParams
 from sojourn_physics.terrain.height_field import HeightField
+from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_sensors.fault_hooks import FaultNow, faulted
 from sojourn_sensors.scenes import CameraScene
 
@@ -47,6 +48,13 @@ class SensorSite:
     def ground(self) -> HeightField:
         """The ground as it was at the start; made when it is first asked for. Raises ConfigError."""
         return self.scenario.height_field()
+
+    @cached_property
+    def untouched(self) -> GroundMemory:
+        """What has been done to the ground at the start. Raises ConfigError."""
+        terrain = self.scenario.terrain
+        cell = terrain.memory_cell if terrain.memory else 0.0
+        return GroundMemory(cell, self.ground.origin_x, self.ground.origin_y)
 
     @cached_property
     def scene(self) -> CameraScene:

@@ -17,8 +17,10 @@ from sojourn_contract.app import Period
 from sojourn_contract.clouds import points_of
 from sojourn_contract.hazcam import TOPIC as HAZCAM
 from sojourn_contract.hazcam import hazard_camera_of
+from sojourn_contract.stereo_pair import pair_place_of
 from sojourn_contract.values import JointState, Odometry
 from sojourn_drive.measurements import JointMeasurements
+from sojourn_drive.stereo import StereoInput
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.goal import Goal
@@ -27,7 +29,7 @@ from sojourn_flight.supervision.drive_types import DriveInput, DriveOutput, Twis
 from sojourn_machine.contact_report import ReportColumn
 from sojourn_machine.params import FloatArray
 from sojourn_machine.tools import TOOL_JOINT
-from sojourn_physics.plant.faults import HeldAngles, MotorFaults
+from sojourn_physics.faults.acting import Acting, FaultyPlant, TimedFaults
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantOutput, PlantState
 from sojourn_physics.plant.step import step as step_plant
@@ -50,7 +52,7 @@ class ClosedLoop:
         self.scenario = scenario
         self.plant, self.truth = build_plant(scenario) if placed is None else placed
         params = scenario.drive if avoids else scenario.drive.model_copy(update={"obstacles": None})
-        self.drive = DriveModel(params, scenario.mobility(), hazard_camera_of(scenario))
+        self.drive = DriveModel(params, scenario.mobility(), hazard_camera_of(scenario), pair_place_of(scenario))
         self.drive.warm_up()
         start = scenario.config.start
         self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
@@ -60,12 +62,13 @@ class ClosedLoop:
         self.period = 0
         self._wheels = JointMeasurements(scenario.machine, self.drive.mobility.joints, scenario.urdf_xml)
         self._camera, self._sightings, self._sighted = self.drive.camera, SunSightings(scenario.as_believed()), 0
+        self._stereo, self._seen = StereoInput(scenario), -1
         self._joint_names = (*self.plant.joints.names, *(() if self.plant.tool is None else (TOOL_JOINT,)))
         self._sensors = SensorsApp(scenario)
         self._sensing = self._sensors.initial_state()
         self._tilt_rates = (0.0, 0.0)
-        self._faults = MotorFaults(self.plant, scenario.config.faults)
-        self._locked: HeldAngles = {}
+        self._faults = TimedFaults(FaultyPlant(self.plant), scenario.config.faults, scenario.config.seed)
+        self._acting: Acting = ()
         self._commands = Commands(self.plant)
         self._held = self._commands.holding(self.truth.motor_angles)
 
@@ -89,8 +92,9 @@ class ClosedLoop:
         """The plant's part of the period that ends at `stamp` [ns]."""
         self._held = self._commands.take(self._held, {"/drive_command": self._wheels.command(stamp, self.output)})
         asked = self._commands.at(self._held, stamp)
-        command, self._locked = self._faults.on(asked, self._locked, self.truth.joints[0], stamps.seconds(stamp))
-        self.truth, self.plant_output = step_plant(self.plant, self.truth, command)
+        self._acting = self._faults.at(self._acting, self.truth, stamps.seconds(stamp))
+        plant, command = self._faults.plant.on(self._acting, asked)
+        self.truth, self.plant_output = step_plant(plant, self.truth, command)
 
     @property
     def true_pose(self) -> tuple[float, float, float]:
@@ -137,7 +141,8 @@ class ClosedLoop:
         measured = replace(measured, sun=sun, twist=twist, goal=goal)
         if self._camera is not None and HAZCAM in said:
             measured = replace(measured, cloud=points_of(HAZCAM, said[HAZCAM]).astype(np.float64))
-        return measured
+        images, self._seen = self._stereo.images(stamp, said, self._seen)
+        return measured if images is None else replace(measured, images=images)
 
     def _with_tool(self, of_joints: FloatArray, place: int) -> FloatArray:
         """What the sensors measure of the joints and, at the end, of the tool: position (0) or effort (1)."""

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from sojourn_analysis.datasheet.afloat import afloat
 from sojourn_analysis.datasheet.motors import motors_of
 from sojourn_analysis.datasheet.on_tracks import TrackedSubject, tracked_sections
 from sojourn_analysis.datasheet.sheet import Datasheet, datasheet
@@ -15,6 +16,7 @@ from sojourn_analysis.vehicle.tracked_vehicle import tracked_vehicle_of
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
 from sojourn_config.bundle import read_machine
 from sojourn_config.command_errors import UsageError
+from sojourn_config.machine import MachineConfig
 from sojourn_config.machine_body import STOWED
 from sojourn_config.machine_reader import machine_config
 from sojourn_config.vehicle import supply_of, vehicle_of_machine
@@ -119,6 +121,20 @@ def of_its_drives(machine: str, body: str, soil: str) -> Told:
     return Told(Path(machine).name, figures, sheet, lead, f"config/machines/{Path(machine).name}")
 
 
+def of_a_spacecraft(machine: str, body: str, soil: str) -> Told:
+    """Of a machine that floats: how its base gives way, and its drives. Raises ConfigError."""
+    bundle = read_machine(machine, body, soil)
+    arm = bundle.carried_arm()
+    postures = {name: bundle.arm_pose(name) for name in arm.named_poses if name != STOWED}
+    reaction = afloat(bundle.urdf_xml, arm.tip_link, postures)
+    sheet = Datasheet((reaction, motors_of(bundle.machine.drives, supply_of(bundle).voltage)), ())
+    lead = [
+        "It floats free: its base under its arm, and its drives, computed from its files; nothing here is measured."
+    ]
+    figures = {"vehicle": machine, "body": body, "figures": _figures(sheet)}
+    return Told(Path(machine).name, figures, sheet, lead, f"config/machines/{Path(machine).name}")
+
+
 def _figures(sheet: Datasheet) -> dict[str, Any]:
     """Numbers, words, or null where a figure does not apply or is without bound."""
     return {
@@ -132,8 +148,9 @@ def _plain(value: float | str | None) -> float | str | None:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _teller(machine: str) -> Callable[[str, str, str], Told]:
-    config = machine_config(machine)
+def _teller(config: MachineConfig) -> Callable[[str, str, str], Told]:
+    if config.floats:
+        return of_a_spacecraft
     moving = {wheel.joint for wheel in config.wheels} | {track.joint for track in config.tracks}
     geared = all(isinstance(drive, JointDriveParams) for drive in config.drives if moving & set(drive.joints))
     if config.fixed_base or not geared:
@@ -143,7 +160,9 @@ def _teller(machine: str) -> Callable[[str, str, str], Told]:
 
 def run(given: argparse.Namespace) -> int:
     """Compute the sheet and write or print it."""
-    told = _teller(given.machine)(given.machine, given.body, given.soil)
+    config = machine_config(given.machine)
+    body = given.body or ("low_earth_orbit" if config.floats else "moon")
+    told = _teller(config)(given.machine, body, given.soil)
     if given.json:
         print(json.dumps(told.figures, indent=2, ensure_ascii=False))
         if given.out is None:

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure as Drawing
 
 from sojourn_analysis.datasheet.figures import Curve, Figure, Section
 from sojourn_analysis.datasheet.sheet import Datasheet, FigureComparison
+from sojourn_contract.page_policy import policy_tag
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#333333")
 """Distinct to colour-blind eyes too (Okabe and Ito 2008)."""
@@ -75,7 +76,7 @@ def page(sheet: Datasheet, title: str, lead: Iterable[str], sources: str) -> str
     parts.append(f"<footer>Numbers of the vehicle: {html.escape(sources)}</footer>")
     body = "\n".join(parts)
     return (
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        f'<!doctype html>\n<html lang="en"><head>{policy_tag()}<meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{html.escape(title)}</title><style>{STYLE}</style></head>\n<body><main>\n{body}\n</main></body></html>\n"
     )

@@ -7,7 +7,7 @@ Each seed drives the first route of a scenario in plant, sensors and drive (see 
 all noise are those of the seed; its soil is the scenario's with parameters off by SPREAD, while the drive believes what
 its file says. Told are the error at the end over the distance, whether it lies within the 95 % ellipse of the stated
 covariance, and how far the rover truly is from the end of its route. `--set drive.terrain_match=null` leaves the camera
-out, `--set 'faults=[{joint: wheel_middle_left_joint, kind: dead, at_s: 15}]'` has a motor fail.
+out, `--set 'faults=[{joint: wheel_middle_left_joint, kind: motor_dead, at: 15}]'` has a motor fail.
 """
 
 import math

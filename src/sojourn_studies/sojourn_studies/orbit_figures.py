@@ -1,4 +1,4 @@
-"""What is to be said of a circular orbit about a body: the work of scripts/site --orbit."""
+"""What is to be said of an orbit about a body: the work of scripts/site --orbit."""
 
 import argparse
 import json
@@ -10,7 +10,10 @@ from sojourn_config.load import load_params
 from sojourn_machine.errors import MachineError
 from sojourn_physics.environment.body import BodyParams
 from sojourn_physics.environment.gravity.oblate import OblateParams
-from sojourn_physics.environment.orbit.circular import CircularOrbit, Flattening
+from sojourn_physics.environment.hazards.meteoroids import FARTHEST, NEAREST, flux_at
+from sojourn_physics.environment.hazards.orbital_debris import LAST_YEAR, debris_flux, known_for
+from sojourn_physics.environment.orbit.circular import CircularOrbit, Flattening, TurnedOrbit
+from sojourn_physics.environment.orbit.eccentric import EccentricOrbit
 from sojourn_physics.environment.orbit.relative_motion import transition
 from sojourn_physics.environment.orbit.thin_air import (
     HIGHEST,
@@ -26,6 +29,10 @@ from sojourn_studies.site_figures import SheetRow
 
 DAY = 86400.0
 EARTH = "earth"
+HITS = ((1e-4, "0.1 mm"), (1e-3, "1 mm"), (5e-3, "5 mm"))
+"""Diameters of what hits a spacecraft [m]."""
+METEOROID_DENSITY = 2.5
+"""As ECSS-E-ST-10-04C takes it [g/cm3]."""
 BALLISTIC_COEFFICIENT = 100.0
 """Of the spacecraft that drag is told for [kg/m^2]."""
 
@@ -52,11 +59,7 @@ def rows_of_orbit(body: BodyParams, altitude: float, inclination: float, beta: f
     yield SheetRow("speed", orbit.speed, "m/s")
     yield SheetRow("in the body's shadow", orbit.shadow_share(beta) * orbit.period / 60.0, "min each turn")
     yield SheetRow("no shadow from beta", math.degrees(orbit.always_sunlit_above), "deg")
-    if isinstance(body.attraction, OblateParams):
-        flattening = Flattening(body.attraction.j2, body.attraction.reference_radius or max(body.semi_axes))
-        drifts = flattening.node_rate(orbit, inclination), flattening.perigee_rate(orbit, inclination)
-        yield SheetRow("drift of the node, eastward", math.degrees(drifts[0]) * DAY, "deg/day")
-        yield SheetRow("drift of the perigee", math.degrees(drifts[1]) * DAY, "deg/day")
+    yield from _drifts(body, orbit, inclination)
     beside = transition(orbit.rate, orbit.period) @ (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     yield SheetRow("what rests 1 m above a spacecraft is along its flight a turn later", float(beside[1]), "m")
     yield SheetRow("gravity gradient, largest torque for 1 kg m2 between two axes", 1.5 * orbit.rate**2, "N m")
@@ -72,6 +75,51 @@ def rows_of_orbit(body: BodyParams, altitude: float, inclination: float, beta: f
             yield SheetRow("polyimide that it takes away", atoms * KAPTON_YIELD * 1e6 * 365.25 * DAY, "um/year")
 
 
+def _ellipse(lowest: CircularOrbit, eccentricity: float) -> EccentricOrbit:
+    """With its pericentre at the height of a circle. Raises UsageError for what is no ellipse."""
+    try:
+        return EccentricOrbit(lowest.gravitational_parameter, lowest.body_radius, lowest.radius, eccentricity)
+    except MachineError as error:
+        raise UsageError(f"site: --eccentricity {eccentricity:g}: allowed is 0 to less than 1") from error
+
+
+def rows_of_ellipse(body: BodyParams, orbit: EccentricOrbit, inclination: float, beta: float) -> Iterator[SheetRow]:
+    """Its figures; angles in radians."""
+    yield SheetRow("period", orbit.period / 60.0, "min")
+    yield SheetRow("highest", (orbit.apocentre - orbit.body_radius) / 1e3, "km")
+    yield SheetRow("speed at the lowest place", orbit.speed(orbit.pericentre), "m/s")
+    yield SheetRow("speed at the highest place", orbit.speed(orbit.apocentre), "m/s")
+    yield SheetRow("in the body's shadow, its highest place in it", orbit.shadow(beta, 0.0) / 60.0, "min each turn")
+    yield SheetRow("in the body's shadow, its lowest place in it", orbit.shadow(beta, math.pi) / 60.0, "min each turn")
+    yield from _drifts(body, orbit, inclination)
+    gradient = 1.5 * body.gravitational_parameter / orbit.pericentre**3
+    yield SheetRow("gravity gradient, largest torque for 1 kg m2 between two axes", gradient, "N m")
+
+
+def _drifts(body: BodyParams, orbit: TurnedOrbit, inclination: float) -> Iterator[SheetRow]:
+    """By the flattening of the body, where it is known; inclination in radians."""
+    if isinstance(body.attraction, OblateParams):
+        flattening = Flattening(body.attraction.j2, body.attraction.reference_radius or max(body.semi_axes))
+        drifts = flattening.node_rate(orbit, inclination), flattening.perigee_rate(orbit, inclination)
+        yield SheetRow("drift of the node, eastward", math.degrees(drifts[0]) * DAY, "deg/day")
+        yield SheetRow("drift of the perigee", math.degrees(drifts[1]) * DAY, "deg/day")
+
+
+def rows_of_hits(body: BodyParams, orbit: CircularOrbit, inclination: float) -> Iterator[SheetRow]:
+    """What hits a spacecraft in a year, of a diameter or more: meteoroids, and debris about the Earth; inclination in
+    degrees.
+    """
+    sun, altitude = body.semi_major_axis_au, orbit.radius - max(body.semi_axes)
+    for diameter, name in HITS:
+        if NEAREST <= sun <= FARTHEST:
+            mass = METEOROID_DENSITY * math.pi / 6.0 * (100.0 * diameter) ** 3
+            met = flux_at(mass, body.gravitational_parameter, orbit.body_radius, orbit.radius, sun)
+            yield SheetRow(f"meteoroids of {name} or more", met, "1/(m2 year)")
+        if body.name == EARTH and known_for(altitude, inclination):
+            found = debris_flux(diameter, altitude, inclination)
+            yield SheetRow(f"debris of {name} or more, of {LAST_YEAR:g}", found, "1/(m2 year)")
+
+
 def run(given: argparse.Namespace) -> int:
     """Print the sheet of the orbit that the options name.
 
@@ -85,11 +133,18 @@ def run(given: argparse.Namespace) -> int:
             raise UsageError(f"site: --{option} {angle:g}: allowed is {least:g} to {most:g}")
     if given.lat or given.lon or given.time is not None or given.plot is not None:
         raise UsageError("site: --lat, --lon, --time, --plot with --orbit: allowed is a place or an orbit")
-    rows = list(rows_of_orbit(body, given.altitude, math.radians(given.inclination), math.radians(given.beta)))
+    inclination, beta = math.radians(given.inclination), math.radians(given.beta)
+    circle = orbit_of(body, given.altitude)
+    if given.eccentricity:
+        rows = list(rows_of_ellipse(body, _ellipse(circle, given.eccentricity), inclination, beta))
+    else:
+        rows = list(rows_of_orbit(body, given.altitude, inclination, beta))
+        rows += rows_of_hits(body, circle, given.inclination)
     if given.json:
         print(json.dumps({"orbit": {row.name: row.value for row in rows}}, indent=1))
         return 0
-    print(f"{body.name}, orbit {given.altitude:g} m high, inclination {given.inclination:g} deg")
+    high = "high" if not given.eccentricity else f"high at its lowest, eccentricity {given.eccentricity:g}"
+    print(f"{body.name}, orbit {given.altitude:g} m {high}, inclination {given.inclination:g} deg")
     width = max(len(row.name) for row in rows)
     for row in rows:
         print(f"  {row.name.ljust(width)}  {row.value:.5g} {row.unit}")

@@ -17,7 +17,7 @@ def parser() -> argparse.ArgumentParser:
     )
     known = ", ".join(available("machines"))
     result.add_argument("machine", help=f"the path of its folder, or one of {known}")
-    result.add_argument("--body", default="moon", help="name in config/bodies (default: %(default)s)")
+    result.add_argument("--body", help="name in config/bodies (default: moon; of what floats low_earth_orbit)")
     result.add_argument("--soil", default="lunar_nominal", help="name in config/soils (default: %(default)s)")
     result.add_argument(
         "--json", action="store_true", help="print the figures; a page is then written with --out alone"

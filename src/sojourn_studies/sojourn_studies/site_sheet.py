@@ -25,8 +25,13 @@ def parser() -> argparse.ArgumentParser:
         metavar="M",
         help="over the reference ellipsoid, of a giant planet over the level of 1 bar (%(default)s)",
     )
+    result.add_argument("--orbit", action="store_true", help="not a place of the ground: an orbit at that altitude")
     result.add_argument(
-        "--orbit", action="store_true", help="not a place of the ground: a circular orbit at that altitude"
+        "--eccentricity",
+        type=command_line.number,
+        default=0.0,
+        metavar="E",
+        help="of the orbit, the altitude being its lowest (%(default)s: a circle)",
     )
     result.add_argument(
         "--inclination", type=command_line.number, default=0.0, metavar="DEG", help="of the orbit (%(default)s)"

@@ -10,7 +10,7 @@ from sojourn_config.scenario import load_scenario
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_flight.supervision.drive_types import TwistCommand
-from sojourn_physics.plant.faults import HeldAngles, MotorFaults
+from sojourn_physics.faults.acting import Acting, FaultyPlant, TimedFaults
 from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import step
 from sojourn_plant.start import build_plant
@@ -34,8 +34,8 @@ class DrivenPlant:
         self._wheels = self.plant.reference_rows([wheel.joint for wheel in wheels])
         self._steered = [i for i, wheel in enumerate(wheels) if wheel.steer_joint is not None]
         self._steering = self.plant.reference_rows([w.steer_joint for w in wheels if w.steer_joint is not None])
-        self.faults = MotorFaults(self.plant, loaded.config.faults)
-        self.locked: HeldAngles = {}
+        self.faults = TimedFaults(FaultyPlant(self.plant), loaded.config.faults, loaded.config.seed)
+        self.acting: Acting = ()
         self.efforts = np.zeros(len(self.plant.joints.names))
         self.contacts = np.zeros((len(self.plant.supports.names), 0))
         self.time = 0.0
@@ -73,8 +73,9 @@ class DrivenPlant:
         reference[0, self._steering] = output.steer_angles[self._steered]
         reference[1, self._steering] = output.steer_rates[self._steered]
         self.time += DT
-        command, self.locked = self.faults.on(self._command, self.locked, self.state.joints[0], self.time)
-        self.state, seen = step(self.plant, self.state, command)
+        self.acting = self.faults.at(self.acting, self.state, self.time)
+        plant, command = self.faults.plant.on(self.acting, self._command)
+        self.state, seen = step(plant, self.state, command)
         self.efforts, self.contacts = seen.efforts, seen.contacts
         return output
 

@@ -13,7 +13,7 @@ from sojourn_flight.hazards.obstacle_map import ObstacleMap, empty_map, with_clo
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
 from sojourn_flight.hazards.stereo_camera import StereoCamera
 from sojourn_physics.sensors import hazcam
-from sojourn_physics.sensors.hazcam import HazcamParams
+from sojourn_physics.sensors.hazcam import HazcamParams, HazcamView
 from sojourn_physics.terrain.height_field import HeightField
 
 ROOT = Path(__file__).parents[3]
@@ -60,6 +60,6 @@ def driven_over(heights: Heights, way: float, seed: int = 1, pitch: float = 0.0)
     )
     for x in np.arange(0.0, way + 0.05, 0.1):
         position = np.array([x, 0.0, field.height(x, 0.0)]) + RIDE * rotation[:, 2]
-        state, points = hazcam.step(CAMERA, state, field, position, rotation)
+        state, points = hazcam.step(CAMERA, state, HazcamView(field), position, rotation)
         map_ = with_cloud(PARAMS, map_, points.astype(float), STEREO, position, rotation, float(x))
     return map_

@@ -17,7 +17,7 @@ from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_machine.params import FloatArray
 from sojourn_physics.sensors import hazcam
-from sojourn_physics.sensors.hazcam import HazcamParams
+from sojourn_physics.sensors.hazcam import HazcamParams, HazcamView
 from wheel_drive import WheelDrive, WheelInput, WheelOutput, with_mobility
 
 DT = 0.1
@@ -113,7 +113,7 @@ class RollingRover:
             rotation = rotation_of(roll, pitch, yaw)
             ride = self.model.params.obstacles.outline.ride_height if self.model.params.obstacles else 0.0
             base = np.array([x, y, level]) + ride * rotation[:, 2]
-            self.noise, points = hazcam.step(self.camera, self.noise, self.ground, base, rotation)
+            self.noise, points = hazcam.step(self.camera, self.noise, HazcamView(self.ground), base, rotation)
             cloud = points.astype(np.float64)
         rates = np.where([name in self.dead for name in self.model.geometry.names], 0.0, self.output.wheel_rates)
         self.positions = self.positions + rates * DT

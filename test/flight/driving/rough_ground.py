@@ -10,7 +10,7 @@ from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_machine.mounting import mounting
 from sojourn_machine.params import FloatArray
 from sojourn_physics.sensors import hazcam
-from sojourn_physics.sensors.hazcam import HazcamParams, hazcam_on
+from sojourn_physics.sensors.hazcam import HazcamParams, HazcamView, hazcam_on
 from sojourn_physics.sensors.noise import NoiseStream
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.params import RoughnessParams
@@ -62,5 +62,5 @@ class NoisyCamera:
     ) -> FloatArray:
         """The cloud in base_link, shape (n, 3)."""
         place = np.array((x, y, field.height(x, y) + RIDE))
-        self._noise, cloud = hazcam.step(CAMERA, self._noise, field, place, rotation_of(*tilt, yaw))
+        self._noise, cloud = hazcam.step(CAMERA, self._noise, HazcamView(field), place, rotation_of(*tilt, yaw))
         return cloud.astype(np.float64)

@@ -15,7 +15,7 @@ from sojourn_flight.supervision.drive_types import TwistCommand
 from sojourn_physics.plant.state import zeros_command
 from sojourn_physics.plant.step import step as step_plant
 from sojourn_physics.sensors import hazcam
-from sojourn_physics.sensors.hazcam import HazcamParams
+from sojourn_physics.sensors.hazcam import HazcamParams, HazcamView
 from sojourn_plant.start import build_plant
 from wheel_drive import WheelDrive, WheelInput, WheelOutput
 
@@ -83,7 +83,9 @@ class Loop:
         self.worst_tilt = max(self.worst_tilt, math.acos(min(rotation[2, 2], 1.0)))
         cloud = None
         if self.camera is not None and self.noise is not None and self.period % LOOK_EVERY == 0:
-            self.noise, points = hazcam.step(self.camera, self.noise, self.plant.terrain, self.place.copy(), rotation)
+            self.noise, points = hazcam.step(
+                self.camera, self.noise, HazcamView(self.plant.terrain), self.place.copy(), rotation
+            )
             cloud = points.astype(np.float64)
             self.track.append((float(self.place[0]), float(self.place[1]), math.atan2(rotation[1, 0], rotation[0, 0])))
         angles = np.zeros(len(self._wheels))

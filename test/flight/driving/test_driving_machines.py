@@ -65,7 +65,7 @@ def test_articulated_folds_at_a_stand_and_keeps_to_its_curve() -> None:
 
 
 def test_ten_metres_with_a_steering_locked_at_twenty_degrees() -> None:
-    fault = "{joint: steer_front_left_joint, kind: locked, at_s: 10.0, angle_deg: 20.0}"
+    fault = "{joint: steer_front_left_joint, kind: servo_locked, at: 10.0, angle_deg: 20.0}"
     machine = DrivenPlant("flat_drive", [f"faults=[{fault}]", "terrain.size_x=40"])
     said: dict[str, float] = {}
 

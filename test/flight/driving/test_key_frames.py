@@ -43,7 +43,7 @@ class Drive:
     ) -> None:
         self._params, self._table, self._matcher, self._field = params.odometry, wheels.table(), matcher, field
         self._camera, self._turned = NoisyCamera(seed), 0.0
-        self.odometry = initial_wheels(params.odometry, key_frames=True)
+        self.odometry = initial_wheels(params.odometry, key_frames=1)
         self.seen = TerrainMatchState()
         self.x = self.y = 0.0
 
@@ -211,7 +211,7 @@ def test_one_match_alone_does_not_say_that_the_ground_slips_otherwise(
     matcher: TerrainMatcher, drive_params: DriveParams, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One edge on even ground fits in more than one place: a false match made half of the way be taken for slip."""
-    odometry = initial_wheels(drive_params.odometry, key_frames=True)
+    odometry = initial_wheels(drive_params.odometry, key_frames=1)
     moved, answers = replace(odometry, x=0.5), iter([True, True, True, False, True])
     monkeypatch.setattr(key_frames, "fix_way", lambda *_: Fix(moved, 0.5, 9.0, next(answers)))
     found = Match(np.zeros(6), np.eye(2), 500, 0, 1.0, True)

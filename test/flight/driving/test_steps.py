@@ -14,6 +14,7 @@ from sojourn_flight.hazards.steps import EXPECTED, LARGEST, MOST, PLAUSIBLE, gro
 from sojourn_flight.hazards.stereo_camera import height_variances
 from sojourn_flight.hazards.traversability import DROP, FREE, judged
 from sojourn_physics.sensors import hazcam
+from sojourn_physics.sensors.hazcam import HazcamView
 
 LIMIT, CELL = PARAMS.passable.max_step, PARAMS.map.cell
 SEEDS = 6
@@ -41,7 +42,7 @@ def approach(height: float, slope: float, seed: int, begin: float) -> tuple[NDAr
     for distance in distances:
         x = edge / c - distance - CAMERA.position[0]
         place = np.array([x, 0.0, slope * x]) + RIDE * rotation[:, 2]
-        state, points = hazcam.step(CAMERA, state, field, place, rotation)
+        state, points = hazcam.step(CAMERA, state, HazcamView(field), place, rotation)
         map_ = with_cloud(PARAMS, map_, points.astype(float), STEREO, place, rotation, float(x))
         found = judged(PARAMS, map_)
         east, north = map_.x0 + (columns + 0.5) * CELL, map_.y0 + (rows + 0.5) * CELL
@@ -194,9 +195,9 @@ def test_a_look_is_lifted_onto_what_is_known() -> None:
     """Odometry that is 6 cm too high after a climb: the second look would make a step of it."""
     field = ground(lambda x, y: 0.02 * np.sin(3.0 * x))
     state = hazcam.initial_state(CAMERA, 1)
-    state, points = hazcam.step(CAMERA, state, field, np.array([0.0, 0.0, RIDE]), np.eye(3))
+    state, points = hazcam.step(CAMERA, state, HazcamView(field), np.array([0.0, 0.0, RIDE]), np.eye(3))
     first = with_cloud(PARAMS, empty_map(PARAMS, 0.0, 0.0), points.astype(float), STEREO, np.zeros(3), np.eye(3), 0.0)
-    state, points = hazcam.step(CAMERA, state, field, np.array([0.1, 0.0, RIDE]), np.eye(3))
+    state, points = hazcam.step(CAMERA, state, HazcamView(field), np.array([0.1, 0.0, RIDE]), np.eye(3))
     second = with_cloud(PARAMS, first, points.astype(float), STEREO, np.array([0.1, 0.0, 0.06]), np.eye(3), 0.1)
     assert second.lift == pytest.approx(-0.06, abs=0.003)
     assert set(judged(PARAMS, second).kinds.ravel().tolist()) == {FREE}

@@ -10,9 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from sojourn_config.scenario import load_scenario
 from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.power import battery
 from sojourn_machine.power.battery import BatteryParams, PackState
+from sojourn_machine.power.network import PowerNetwork
+from sojourn_machine.power.surroundings import DARK, PowerSurroundings
 
 
 def make(**changes: object) -> BatteryParams:
@@ -247,3 +250,21 @@ def test_parameters_and_state_are_values() -> None:
     assert battery.step(PACK, battery.initial_state(PACK, 0.5), 3.0, 0.02) == battery.step(
         copy.deepcopy(PACK), battery.initial_state(PACK, 0.5), 3.0, 0.02
     )
+
+
+def test_a_frozen_pack_gives_and_takes_nothing_and_lives_again_after_the_thaw() -> None:
+    power = load_scenario("mars_sol").power
+    network, light = PowerNetwork(power), PowerSurroundings(np.array([0.0, 0.0, 1.0]), 500.0, 50.0)
+    state, on = network.initial_state(0.6), np.ones(len(power.loads))
+    (pack,) = state.stores
+    frozen = replace(pack, temperature=150.0)
+    demand = np.zeros(len(power.loads))
+    for surroundings in (DARK, light):
+        after, seen = network.step(replace(state, stores=(frozen,)), on, demand, 1.0, surroundings)
+        assert seen.store_currents == (0.0,)
+        assert after.stores[0].soc == frozen.soc and after.stores[0].energy_terminal == 0.0
+        assert (seen.load_power.sum() > 0.0) == (surroundings is light)
+    thawed = replace(frozen, temperature=293.0)
+    _, seen = network.step(replace(state, stores=(thawed,)), on, demand, 1.0, DARK)
+    assert seen.store_currents[0] > 1.0 and seen.load_power.sum() > 50.0
+    assert next(iter(power.all_stores.values())).limits_exceeded(150.0, 0.0) == ("frozen",)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.body import Shapes
+from sojourn_machine.shapes import Shapes
 from sojourn_physics.imaging.camera import LINK_TO_OPTICAL, DetectorParams, Optics, optics
 from sojourn_physics.imaging.lens import LensParams
 from sojourn_physics.imaging.photometry import Illumination

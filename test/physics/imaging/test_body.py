@@ -12,7 +12,8 @@ from scipy.spatial.transform import Rotation
 from sojourn_config.scenario import load_scenario
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.mounting import mounting
-from sojourn_physics.imaging.body import BALL, BOX, CYLINDER, MachineShapes, Shapes, hides_sun, meet_shape, moved
+from sojourn_machine.shapes import BALL, BOX, CYLINDER, MachineShapes, Shapes, moved
+from sojourn_physics.imaging.body import hides_sun, meet_shape
 
 HALF = st.floats(0.05, 0.5)
 
@@ -101,5 +102,5 @@ def test_a_joint_moves_the_shapes_beyond_it() -> None:
 
 
 def test_a_link_that_is_not_there_is_refused() -> None:
-    with pytest.raises(InvalidValueError, match="link of a camera"):
+    with pytest.raises(InvalidValueError, match="link of a sensor"):
         MachineShapes(load_scenario("flat_drive").urdf_xml, "nowhere_link")

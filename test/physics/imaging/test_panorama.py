@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from sojourn_machine.params import FloatArray
 from sojourn_physics.imaging.ground import seen_ground, with_changes
 from sojourn_physics.imaging.panorama import Eye, azimuth_of, direction_of, meetings, panorama
-from sojourn_physics.sensors.hazcam import cast_rays
+from sojourn_physics.sensors.hazcam import cast_rays, relief_of
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_physics.terrain.memory_tiles import CHANNELS, DUG, TILE
@@ -85,7 +85,7 @@ def test_rays_over_rough_ground_end_where_a_march_in_small_steps_ends(
     place = np.array([x, y, field.height(x, y) + height])
     rays = directions(400, seed)
     found = distances(field, place, rays)
-    marched = cast_rays(field.heights, field.grid, place, rays, 0.004, REACH)
+    marched = cast_rays(relief_of(field), place, rays, 0.004, REACH)
     ends = place + rays * np.where(np.isfinite(marched), marched, 0.0)[:, np.newaxis]
     on_map = np.isfinite(marched) & (np.abs(ends[:, :2]).max(axis=1) < 3.9)
     near = np.abs(found - marched) < 0.02 + 0.01 * marched

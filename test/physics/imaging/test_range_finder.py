@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.body import BALL, Shapes
+from sojourn_machine.shapes import BALL, Shapes
 from sojourn_physics.imaging.range_finder import RangeFinderParams, cone_of, nearest_return
 from sojourn_physics.imaging.scenery import Scenery
 from sojourn_physics.terrain.height_field import HeightField

@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.body import BOX, CYLINDER, Shapes, meet_shape
+from sojourn_machine.shapes import BOX, CYLINDER, Shapes
+from sojourn_physics.imaging.body import meet_shape
 from sojourn_physics.imaging.ranging import Beams, LidarParams, beams_of, measured, strayed
 from sojourn_physics.imaging.scenery import GroundLook, Scenery
-from sojourn_physics.sensors.hazcam import cast_rays
+from sojourn_physics.sensors.hazcam import cast_rays, relief_of
 from sojourn_physics.terrain.height_field import HeightField
 
 
@@ -66,7 +67,7 @@ def test_over_rough_ground_beams_end_where_a_march_in_small_steps_ends(
     place = np.array([x, y, field.height(x, y) + height])
     beams = beams_of(lidar(columns=360, rows=24, vertical_view_deg=60.0))
     distance, _ = sound(field, beams, place)
-    marched = cast_rays(field.heights, field.grid, place, beams.directions, 0.004, 50.0)
+    marched = cast_rays(relief_of(field), place, beams.directions, 0.004, 50.0)
     ends = place + beams.directions * np.where(np.isfinite(marched), marched, 0.0)[:, np.newaxis]
     on_map = np.isfinite(marched) & (np.abs(ends[:, :2]).max(axis=1) < 3.9)
     near = np.abs(distance - marched) < 0.03 + 0.02 * marched

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from sojourn_physics.imaging.body import BALL, Shapes
+from sojourn_machine.shapes import BALL, Shapes
 from sojourn_physics.imaging.camera import StereoParams, expose, exposure_for, noise_of, stereo_depth
 from sojourn_physics.imaging.lens import project
 from sojourn_physics.imaging.photometry import Illumination

@@ -12,9 +12,13 @@ from numpy.typing import NDArray
 
 from sojourn_config.machine_reader import joined_machine
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.shapes import BALL, Shapes
+from sojourn_physics.imaging.ground import NO_CHANGES, changes_within
 from sojourn_physics.sensors import hazcam
-from sojourn_physics.sensors.hazcam import Hazcam, HazcamParams, hazcam_on
+from sojourn_physics.sensors.hazcam import Hazcam, HazcamParams, HazcamView, hazcam_on, relief_of
 from sojourn_physics.terrain.height_field import HeightField
+from sojourn_physics.terrain.memory import GroundMemory
+from sojourn_physics.terrain.memory_tiles import CHANNELS, DUG, TILE
 
 ROOT = Path(__file__).parents[3]
 EXPLORER = joined_machine("explorer")
@@ -39,7 +43,9 @@ def ground(heights: Any = None, resolution: float = 0.05, interpolation: Any = "
 
 def cloud_of(camera: Hazcam, field: HeightField, height: float = HEIGHT, seed: int = 1) -> NDArray[np.float64]:
     """Points in a level frame on the ground below base_link."""
-    _, points = hazcam.step(camera, hazcam.initial_state(camera, seed), field, np.array([0.0, 0.0, height]), LEVEL)
+    _, points = hazcam.step(
+        camera, hazcam.initial_state(camera, seed), HazcamView(field), np.array([0.0, 0.0, height]), LEVEL
+    )
     assert points.dtype == np.float32
     return points.astype(np.float64) + np.array([0.0, 0.0, height])
 
@@ -57,7 +63,7 @@ def test_rays_meet_a_plane_where_geometry_says(slope_x: float, slope_y: float, y
     with np.errstate(divide="ignore"):
         exact = -(normal @ origin) / (rays @ normal)
     expected = np.where((exact > 0.0) & (exact <= PARAMS.range), exact, np.inf)
-    found = hazcam.cast_rays(field.heights, field.grid, origin, rays, 0.05, PARAMS.range)
+    found = hazcam.cast_rays(relief_of(field), origin, rays, 0.05, PARAMS.range)
     at_the_limit = abs(exact - PARAMS.range) < 1e-3
     np.testing.assert_allclose(found[~at_the_limit], expected[~at_the_limit], atol=2e-3)
 
@@ -109,9 +115,60 @@ def test_nothing_is_seen_from_below_the_ground_and_in_the_sky() -> None:
 def test_the_ground_goes_on_beyond_the_edge_of_the_map() -> None:
     camera = camera_with()
     state = hazcam.initial_state(camera, 1)
-    _, inside = hazcam.step(camera, state, ground(), np.array([0.0, 0.0, HEIGHT]), LEVEL)
-    _, beyond = hazcam.step(camera, state, ground(), np.array([7.9, 0.0, HEIGHT]), LEVEL)
+    _, inside = hazcam.step(camera, state, HazcamView(ground()), np.array([0.0, 0.0, HEIGHT]), LEVEL)
+    _, beyond = hazcam.step(camera, state, HazcamView(ground()), np.array([7.9, 0.0, HEIGHT]), LEVEL)
     np.testing.assert_allclose(beyond, inside, atol=2e-3)
+
+
+def dug(x: float, y: float, depth: float) -> GroundMemory:
+    """A hole of two by two tiles, 1 cm a node."""
+    tile = np.zeros((TILE, TILE, CHANNELS), dtype=np.float32)
+    tile[:, :, DUG], side = depth, TILE * 0.01
+    first = int((x + 8.0) / side), int((y + 8.0) / side)
+    return GroundMemory(0.01, -8.0, -8.0, {(first[0] + i, first[1] + j): tile for i in range(2) for j in range(2)})
+
+
+def test_a_hole_and_a_heap_are_seen_where_they_are() -> None:
+    camera = camera_with()
+    place = np.array([0.0, 0.0, HEIGHT])
+    for depth in (0.1, -0.1):
+        changes = changes_within(dug(1.5, 0.2, depth), 0.4, 0.0, PARAMS.range)
+        seen = HazcamView(ground(), changes)
+        _, points = hazcam.step(camera, hazcam.initial_state(camera, 1), seen, place, LEVEL)
+        points = points + place
+        off = np.maximum(np.abs(points[:, 0] - 1.6), np.abs(points[:, 1] - 0.32))  # from its middle: 1.28 + 0.32, 0.32
+        inside, outside = off < 0.3, off > 0.34
+        assert inside.sum() > 20 and np.abs(points[inside][:, 2] + depth).max() < 2e-3
+        assert outside.sum() > 500 and np.abs(points[outside][:, 2]).max() < 2e-3
+
+
+def test_what_was_changed_elsewhere_changes_nothing() -> None:
+    """Of this camera's values, to the last bit, and of their cost: nothing is looked up."""
+    assert changes_within(dug(-6.0, -6.0, 0.1), 0.4, 0.0, PARAMS.range) is NO_CHANGES
+    camera, place = camera_with(disparity_noise_px=0.25), np.array([0.0, 0.0, HEIGHT])
+    rough = ground(lambda x, y: 0.05 * np.sin(3.0 * x) + 0.03 * np.cos(5.0 * y))
+    state = hazcam.initial_state(camera, 1)
+    _, before = hazcam.step(camera, state, HazcamView(rough), place, LEVEL)
+    beside = changes_within(dug(-1.5, 0.0, 0.1), 0.4, 0.0, PARAMS.range)
+    assert beside is not NO_CHANGES
+    _, after = hazcam.step(camera, state, HazcamView(rough, beside), place, LEVEL)
+    np.testing.assert_array_equal(before, after)
+
+
+def test_the_machine_s_body_ends_a_ray_before_the_ground() -> None:
+    """A ball before the camera: points on it, and none behind it."""
+    camera, place = camera_with(), np.array([0.0, 0.0, HEIGHT])
+    middle, radius = camera.position + np.array([0.6, 0.0, -0.3]), 0.1
+    around = np.array([[BALL, radius, radius, radius, radius, 0.5]])
+    ball = Shapes(around, np.eye(3)[np.newaxis], middle[np.newaxis], np.array([*middle, radius]))
+    _, points = hazcam.step(camera, hazcam.initial_state(camera, 1), HazcamView(ground(), body=ball), place, LEVEL)
+    from_ball = np.linalg.norm(points - middle, axis=1)
+    on_it = from_ball < radius + 2e-3
+    assert on_it.sum() > 15 and np.abs(from_ball[on_it] - radius).max() < 2e-3
+    rays = points[~on_it] - camera.position
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    miss = np.linalg.norm(np.cross(rays, middle - camera.position), axis=1)
+    assert miss.min() > radius - 2e-3
 
 
 def test_error_grows_with_the_square_of_depth() -> None:
@@ -123,7 +180,7 @@ def test_error_grows_with_the_square_of_depth() -> None:
         height = -axis[2] * depth - camera.position[2]
         ranges = []
         for _ in range(200):
-            state, points = hazcam.step(camera, state, ground(), np.array([0.0, 0.0, height]), LEVEL)
+            state, points = hazcam.step(camera, state, HazcamView(ground()), np.array([0.0, 0.0, height]), LEVEL)
             assert len(points) == 25
             ranges.append((points - camera.position) @ axis)
         spread = np.std(ranges, axis=0).mean()
@@ -135,7 +192,7 @@ def test_error_grows_with_the_square_of_depth() -> None:
 def test_noise_belongs_to_the_state() -> None:
     camera = camera_with(disparity_noise_px=0.25)
     state = hazcam.initial_state(camera, 5)
-    pose = (ground(), np.array([0.0, 0.0, HEIGHT]), LEVEL)
+    pose = (HazcamView(ground()), np.array([0.0, 0.0, HEIGHT]), LEVEL)
     after, first = hazcam.step(camera, state, *pose)
     _, again = hazcam.step(camera, state, *pose)
     _, second = hazcam.step(camera, after, *pose)
@@ -157,7 +214,9 @@ def test_it_sees_the_ground_before_its_wheels_and_packs_well() -> None:
 def test_what_is_no_pose_or_no_camera_is_refused() -> None:
     camera = camera_with()
     with pytest.raises(InvalidValueError, match="pose of base_link"):
-        hazcam.step(camera, hazcam.initial_state(camera, 1), ground(), np.array([math.nan, 0.0, 0.0]), LEVEL)
+        hazcam.step(
+            camera, hazcam.initial_state(camera, 1), HazcamView(ground()), np.array([math.nan, 0.0, 0.0]), LEVEL
+        )
     with pytest.raises(InvalidValueError, match="hazcam_rear_link"):
         camera_with(link="hazcam_rear_link")
     with pytest.raises(ValueError, match="nearest"):

@@ -1,7 +1,7 @@
 """An arm on a spacecraft that floats free: how the base gives way under the arm, and what the arm is then worth.
 
     H_b v_b + H_bm q' = 0                    total momentum, linear and angular, is zero and stays so
-    v_b = -H_b^-1 H_bm q'                    reaction of the base
+    v_b = -H_b^-1 H_bm q'                    reaction of the base (`sojourn_flight.arm.floating_base`)
     J* = J_m - J_b H_b^-1 H_bm               generalised Jacobian: velocity of the tip against the stars = J* q'
 
 (Umetani & Yoshida 1989, IEEE Trans. Robotics and Automation 5:303.) H_b is the inertia of the machine with its joints
@@ -18,10 +18,9 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from sojourn_flight.arm.floating_base import BASE_RATES, base_reaction
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
-
-BASE_RATES = 6
 
 
 class FreeFlyingArm(NamedTuple):
@@ -51,13 +50,11 @@ def free_flying_arm(model: pin.Model, configuration: FloatArray, tip: str) -> Fr
     if not model.existFrame(tip):
         raise InvalidValueError("frame", tip, "one of " + ", ".join(frame.name for frame in model.frames))
     data = model.createData()
-    inertia = pin.crba(model, data, configuration, pin.Convention.WORLD)
-    mass_matrix = np.triu(inertia) + np.triu(inertia, 1).T
+    reaction = base_reaction(model, data, configuration)
     jacobian = pin.computeFrameJacobian(
         model, data, configuration, model.getFrameId(tip), pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
     )
     base, joints = slice(0, BASE_RATES), slice(BASE_RATES, None)
-    reaction = -np.linalg.solve(mass_matrix[base, base], mass_matrix[base, joints])
     return FreeFlyingArm(reaction, jacobian[:, joints] + jacobian[:, base] @ reaction, jacobian[:, joints])
 
 

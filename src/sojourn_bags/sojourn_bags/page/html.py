@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
+from sojourn_contract.page_policy import policy_tag
+
 STYLE = """
 :root { color-scheme: light; }
 body { font: 15px/1.45 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c1c1c; background: #fff;
@@ -27,7 +29,8 @@ svg text { font: 12px system-ui, "DejaVu Sans", sans-serif; fill: #333; }
 svg text.tick { fill: #555; font-size: 11px; }
 svg .curve { fill: none; stroke-width: 1.5; } svg .band { fill: none; stroke-width: .7; stroke-opacity: .28; }
 svg .grid { stroke: #e4e4e4; stroke-width: 1; } svg .axis { stroke: #777; fill: none; }
-svg .shade { fill-opacity: .08; }
+svg .shade { fill-opacity: .08; } .faint { color: #999; } pre { font-size: 12px; white-space: pre-wrap; }
+.pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(420px, 1fr)); gap: 10px 24px; }
 svg .mark { stroke: #111; stroke-dasharray: 5 4; } svg .now { stroke: #d00; stroke-width: 1; }
 @media (max-width: 700px) { body { padding: 0 10px 40px; font-size: 14px; } h1 { font-size: 20px; }
   figure, section { overflow-x: auto; } svg { min-width: 760px; } table { font-size: 12px; }
@@ -56,6 +59,10 @@ charts.forEach(chart => {
   chart.addEventListener("mouseleave", () => show(-1));
 });
 """
+
+
+class Markup(str):
+    """Text of a cell that is HTML already."""
 
 
 @dataclass(frozen=True)
@@ -90,11 +97,14 @@ def figure(title: str, content: str, note: str = "") -> str:
 def table(
     head: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[int] = (), bad: Sequence[bool] = ()
 ) -> str:
-    """A table of plain texts. `numbers` are the columns set flush right; a row that is `bad` is marked."""
+    """A table of plain texts, or of HTML where a cell is Markup. `numbers` are the columns set flush right; a row that
+    is `bad` is marked.
+    """
 
     def line(cells: Sequence[str], kind: str, mark: bool) -> str:
         inside = "".join(
-            f"<{kind}{' class=n' if column in numbers else ''}>{escape(cell)}</{kind}>"
+            f"<{kind}{' class=n' if column in numbers else ''}>"
+            f"{cell if isinstance(cell, Markup) else escape(cell)}</{kind}>"
             for column, cell in enumerate(cells)
         )
         return f"<tr{' class=bad' if mark else ''}>{inside}</tr>"
@@ -114,14 +124,16 @@ def tiles(found: Sequence[Tile]) -> str:
     return f'<div class="tiles">{inside}</div>'
 
 
-def document(title: str, head: str, sections: Sequence[PageSection], script: str) -> str:
+def document(title: str, head: str, sections: Sequence[PageSection], script: str = "") -> str:
     """The whole page; it needs nothing beside itself."""
     links = "".join(f'<a href="#{section.key}">{escape(section.title)}</a> ' for section in sections)
     body = "".join(
         f'<section id="{section.key}"><h2>{escape(section.title)}</h2>{section.body}</section>' for section in sections
     )
+    code = f"<script>{script}</script>" if script else ""
     return (
-        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
+        f'<!DOCTYPE html>\n<html lang="en"><head>{policy_tag(script)}<meta charset="utf-8">'
+        f"<title>{escape(title)}</title>"
         f'<meta name="viewport" content="width=device-width, initial-scale=1"><style>{STYLE}</style></head><body>'
-        f"<h1>{escape(title)}</h1>{head}<nav>{links}</nav>{body}<script>{script}</script></body></html>\n"
+        f"<h1>{escape(title)}</h1>{head}<nav>{links}</nav>{body}{code}</body></html>\n"
     )

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sojourn_bags.page import ground, machine_parts, motion, record
+from sojourn_bags.page import afloat, ground, machine_parts, motion, record
 from sojourn_bags.page.chart import LEFT, RIGHT
 from sojourn_bags.page.html import POINTER, Tile, document, paragraph, tiles
 from sojourn_bags.page.story import Story
@@ -13,6 +13,7 @@ from sojourn_bags.summary import length_in_words
 
 SECTIONS = (
     record.goals,
+    record.faults,
     ground.section,
     motion.wheels,
     motion.attitude,
@@ -25,7 +26,7 @@ SECTIONS = (
 )
 
 OF_WHEELS = (motion.wheels, motion.attitude)
-"""Left out for a machine that stands fast."""
+"""Left out for a machine that stands on nothing."""
 
 
 def write_page(bag: Bag, path: Path, judged: bool = True) -> Story:
@@ -33,8 +34,12 @@ def write_page(bag: Bag, path: Path, judged: bool = True) -> Story:
     story = Story(bag)
     if judged:
         story.judge()
-    stands_fast = story.run is not None and story.run.machine.fixed_base
-    sections = [make(story) for make in SECTIONS if not (stands_fast and make in OF_WHEELS)]
+    machine = None if story.run is None else story.run.machine
+    kept = [make for make in SECTIONS if machine is None or machine.stands_on or make not in OF_WHEELS]
+    if machine is not None and machine.floats:
+        kept = [afloat.base if make is ground.section else make for make in kept]
+    sections = [make(story) for make in kept]
+    sections = [section for section in sections if section.body or section.key != "faults"]
     name = story.run.name if story.run else bag.path.name
     script = POINTER % (LEFT, RIGHT, story.axis.begin, story.axis.end)
     path.write_text(document(f"Run report: {name}", _headline(story), sections, script), encoding="utf-8")
@@ -47,10 +52,12 @@ def _headline(story: Story) -> str:
     if summary is None:
         words = f"No verdict: {story.why_no_run}. What the bag does hold is below."
         return f'<div class="verdict open"><b>NOT JUDGED</b>{paragraph(words)}</div>{tiles(_common(story))}'
-    if summary["all_met"] and summary["complete"]:
-        look, word = "good", "PASSED"
+    if not summary["all_met"]:
+        look, word = "bad", "FAILED"
+    elif not summary["faults_met"]:
+        look, word = "bad", "FAULT NOT RECOGNISED"
     else:
-        look, word = ("bad", "FAILED") if not summary["all_met"] else ("bad", "RECORD NOT COMPLETE")
+        look, word = ("good", "PASSED") if summary["complete"] else ("bad", "RECORD NOT COMPLETE")
     where = f"{summary['scenario']}, seed {summary['seed']}: " + (story.run.scenario.description if story.run else "")
     head = f'<div class="verdict {look}"><b>{word}</b>{paragraph(summary["verdict"])}</div>'
     return paragraph(where, quiet=True) + head + tiles(_numbers(story))

@@ -55,6 +55,20 @@ def goals(story: Story) -> PageSection:
     return PageSection("goals", "Goals", "".join(parts))
 
 
+def faults(story: Story) -> PageSection:
+    """Faults that came, and how they showed; without a body where there were none."""
+    found = [] if story.summary is None else story.summary["faults"]
+    rows = [
+        [fault["fault"], fault["kind"],
+         *("" if fault[at] is None else _seconds(fault[at]) for at in ("begin_s", "end_s")),
+         fault["words"], fault["expected"]]
+        for fault in found
+    ]  # fmt: skip
+    head = ("fault", "kind", "from [s]", "until [s]", "how it showed", "expected")
+    body = table(head, rows, (2, 3), [not fault["good"] for fault in found]) if found else ""
+    return PageSection("faults", "Faults", body)
+
+
 def heartbeats_of(story: Story) -> dict[str, list[tuple[float, Heartbeat]]]:
     """Heartbeats in the bag by node, each with its time on the page [s]."""
     messages_ = story.find("/diagnostics", STATUS)

@@ -22,7 +22,8 @@ class JudgedMachine:
 
     Args:
         name: of the robot. joints: those that move, by name. arm, tool: names of joints with a motor.
-        drive, steer: joints that move the machine, by rate and by position.
+        drive, steer: joints that move the machine, by rate and by position. pointed: joints held by position that
+            neither drive nor arm moves.
         held: joints held by position; the others with a motor by rate. loads: what the power manager may switch.
         poses: names of the arm's poses. contacts: of its supports. table: the topics of its runs.
     """
@@ -38,6 +39,7 @@ class JudgedMachine:
     poses: tuple[str, ...]
     contacts: int
     table: TopicTable = STANDARD
+    pointed: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -80,7 +82,7 @@ class JudgedMachine:
             scenario.tool,
             () if scenario.driving is None else scenario.driving.mobility.joints(scenario.machine),
         )
-        return replace(machine, table=table_of(scenario))
+        return replace(machine, table=table_of(scenario), pointed=scenario.pointed_joints)
 
     @property
     def motors(self) -> tuple[str, ...]:
@@ -110,7 +112,12 @@ class JudgedMachine:
 
     def known(self, joint_set: str) -> dict[str, UrdfJoint]:
         """Joints that a message of this set (see JOINT_SETS) may name."""
-        sets = {"drive": (*self.drive, *self.steer), "arm": self.arm, "arm and tool": (*self.arm, *self.tool)}
+        sets = {
+            "drive": (*self.drive, *self.steer),
+            "arm": self.arm,
+            "arm and tool": (*self.arm, *self.tool),
+            "pointed": self.pointed,
+        }
         names = sets.get(joint_set, tuple(self.joints))
         return {name: self.joints[name] for name in names}
 

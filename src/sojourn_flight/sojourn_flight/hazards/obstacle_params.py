@@ -5,6 +5,7 @@ from typing import NamedTuple, Self
 
 from pydantic import Field, model_validator
 
+from sojourn_flight.hazards.camera_watch import CameraWatchParams
 from sojourn_machine.params import Params
 
 
@@ -97,6 +98,7 @@ class ObstacleParams(Params):
     guard_margin: float = Field(ge=0.0, le=5.0, description="clearance below which a motion is stopped [m]")
     guard_cmd_vel: bool = Field(description="whether /cmd_vel is stopped before an obstacle, too")
     blind_timeout: float = Field(gt=0.0, le=3600.0, description="time without a cloud after which the rover waits [s]")
+    camera: CameraWatchParams = Field(default=CameraWatchParams(), description="when it does not see")
     max_detour: float = Field(gt=0.0, le=1000.0, description="distance driven beyond the way asked for, at most [m]")
     back_off: float = Field(gt=0.0, le=10.0, description="longest way back to find room for a turn [m]")
     back_off_speed: float = Field(gt=0.0, le=1.0, description="[m/s]")

@@ -22,13 +22,14 @@ from sojourn_flight.hazards.stereo_camera import StereoCamera, along_rays
 from sojourn_flight.odometry.attitude import rotation_of
 from sojourn_flight.odometry.ground_surface import GroundSurface, surface_through
 from sojourn_flight.odometry.odometry import OdometryState, wrap_angle
-from sojourn_flight.odometry.odometry_kernels import cloned, widened
-from sojourn_flight.odometry.relative_fix import fix_way, informative
+from sojourn_flight.odometry.odometry_kernels import widened
+from sojourn_flight.odometry.relative_fix import Seen, fix_way, informative, key_frame, key_place, with_key_frame
 from sojourn_flight.odometry.terrain_match import Match, match
 from sojourn_flight.odometry.terrain_match_params import TerrainMatchParams
-from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
+FRAME = 0
+"""Its key frame among those of the odometry."""
 LEAST_STEEPNESS = 0.05
 """Added to the share of a ray's error that is height: the slope of the ground that it meets is not known yet [-]."""
 LEAST_VARIANCE = 1e-6
@@ -101,9 +102,7 @@ def match_ground(
     Raises:
         InvalidValueError: the odometry is not made for key frames.
     """
-    key = odometry.key
-    if key is None:
-        raise InvalidValueError("key", key, "the pose of a key frame: initial_odometry(..., key_frames=True)")
+    key = key_frame(odometry, FRAME)
     params = matcher.params
     observation = _observation_of(matcher, odometry, state, cloud)
     if len(observation.points) < params.least_points:
@@ -117,8 +116,8 @@ def match_ground(
     if state.surface is None:
         return _with_key_frame(matcher, odometry, _taken(params, state, observation, odometry))
 
-    turn = wrap_angle(odometry.yaw - float(key[2]))
-    ahead, left = _turned(odometry.x - float(key[0]), odometry.y - float(key[1]), -float(key[2]))
+    turn = wrap_angle(odometry.yaw - key[2])
+    ahead, left = _turned(odometry.x - key[0], odometry.y - key[1], -key[2])
     to_key = rotation_of(0.0, 0.0, turn)
     guess = np.array((ahead, left, observation.place[2] - state.level))
     heading = math.sqrt(max(_relative_heading_variance(odometry), 1e-10))
@@ -225,7 +224,7 @@ def _updated(
 ) -> tuple[OdometryState, TerrainMatchState]:
     """The filter's update with a match."""
     since = _told(odometry, state.matched_at)
-    fix = fix_way(params, odometry, guess + found.shift[:2], found.information, since)
+    fix = fix_way(params, odometry, Seen(FRAME, guess + found.shift[:2], found.information), since)
     state = replace(state, points=found.points, deviation=fix.deviation)
     if fix.odometry is None:
         off = f"off by {1e3 * fix.off:.0f} mm, {fix.deviation:.1f} sigma"
@@ -253,11 +252,7 @@ def _with_key_frame(
         variances.append((np.abs(observation.errors[:, 2]) + LEAST_STEEPNESS * length) ** 2 + LEAST_VARIANCE)
     reach = params.range + math.hypot(camera.position[0], camera.position[1])
     surface = surface_through(np.concatenate(points), np.concatenate(variances), params.cell, params.radius, reach)
-    odometry = replace(
-        odometry,
-        key=np.array((odometry.x, odometry.y, odometry.yaw)),
-        covariance=cloned(odometry.covariance, params.reference_sigma**2),
-    )
+    odometry = with_key_frame(odometry, FRAME, params.reference_sigma)
     return odometry, replace(
         state, surface=surface, level=level, matched_at=(odometry.x, odometry.y), key_frames=state.key_frames + 1
     )
@@ -273,7 +268,7 @@ def _told(odometry: OdometryState, place: tuple[float, float]) -> tuple[float, f
 
 
 def _relative_heading_variance(odometry: OdometryState) -> float:
-    covariance, key = odometry.covariance, len(odometry.covariance) - 1
+    covariance, key = odometry.covariance, key_place(odometry, FRAME) + 2
     return float(covariance[2, 2] + covariance[key, key] - 2.0 * covariance[2, key])
 
 

@@ -23,7 +23,8 @@ companion S in odom, the way d and the period's gyro gain g = dt cos roll / cos 
 Q: travel_sigma^2 per metre and turn_sigma^2 per radian in x and y; gyro random walk per second (or wheel_yaw_sigma^2
 per metre); the bias walks; slip and drift are renewed so that their variances stay slip_sigma^2 and side_slip_sigma^2.
 
-The sun sensor corrects heading and bias in between, see `heading_fix`; a camera pose, slip and drift, see `key_frames`.
+The sun sensor corrects heading and bias in between, see `heading_fix`; cameras pose, slip and drift, see
+`key_frames` and `visual_odometry`.
 What a measurement has told of e_slip and e_side is kept as slip_error and side_error, which fade like them, and is
 taken off the way: D (1 - slip_error), S side_error.
 
@@ -105,12 +106,12 @@ class OdometryState:
     distance: float
     """Distance travelled [m]."""
     covariance: FloatArray
-    """Of [x, y, yaw, slip, side slip, gyro bias], then of `mounting` where there is a sun sensor, then of `key` where
-    there is a camera; shape (6, 6) to (16, 16)."""
+    """Of [x, y, yaw, slip, side slip, gyro bias], then of `mounting` where there is a sun sensor, then of `keys` where
+    there is a camera; shape (6, 6) to (19, 19)."""
     mounting: FloatArray
     """Estimated errors of mounting and levelling about the axes of base_link, shape (7,), see `heading_fix` [rad]."""
-    key: FloatArray | None
-    """Pose of the key frame of the camera in odom: x, y [m] and yaw [rad], shape (3,); None without a camera."""
+    keys: FloatArray | None
+    """Poses of the key frames of the cameras in odom: x, y [m] and yaw [rad], shape (k, 3); None without a camera."""
     slip_error: float
     side_error: float
     """By how much of the way the rover slips more, and drifts to the left, than was believed of it [-]."""
@@ -136,12 +137,12 @@ def initial_odometry(
     y: float = 0.0,
     yaw: float = 0.0,
     mounting: tuple[float, ...] = (),
-    key_frames: bool = False,
+    key_frames: int = 0,
 ) -> OdometryState:
     """State at a known start pose in odom [m, rad].
 
     Args:
-        mounting: variances of the sun sensor's mounting and levelling, if any. key_frames: whether a camera makes any.
+        mounting: variances of the sun sensor's mounting and levelling, if any. key_frames: how many cameras make one.
     """
     variances = (
         START_POSITION_VARIANCE,
@@ -151,7 +152,7 @@ def initial_odometry(
         params.side_slip_sigma**2,
         params.gyro_bias_sigma**2,
         *mounting,
-        *((START_POSITION_VARIANCE, START_POSITION_VARIANCE, START_YAW_VARIANCE) if key_frames else ()),
+        *(START_POSITION_VARIANCE, START_POSITION_VARIANCE, START_YAW_VARIANCE) * key_frames,
     )
     return OdometryState(
         x=x,
@@ -166,7 +167,7 @@ def initial_odometry(
         distance=0.0,
         covariance=np.diag(np.array(variances)),
         mounting=np.zeros(7),
-        key=np.array((x, y, wrap_angle(yaw))) if key_frames else None,
+        keys=np.tile((x, y, wrap_angle(yaw)), (key_frames, 1)) if key_frames else None,
         slip_error=0.0,
         side_error=0.0,
         slip_sigma=params.slip_sigma,
@@ -290,7 +291,7 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
         distance=state.distance + travel,
         covariance=covariance,
         mounting=state.mounting,
-        key=state.key,
+        keys=state.keys,
         slip_error=kept * slip_error,
         side_error=kept * state.side_error,
         slip_sigma=slip_sigma,
@@ -314,11 +315,11 @@ def stood(params: OdometryParams, state: OdometryState, time: float) -> Odometry
 
 def corrected(odometry: OdometryState, change: FloatArray, covariance: FloatArray) -> OdometryState:
     """The state after a measurement that has changed all that the covariance is of, shapes (n,) and (n, n)."""
-    mounting, key, rest = odometry.mounting, odometry.key, len(change)
-    if key is not None:
-        rest -= 3
-        key = key + change[rest:]
-        key[2] = wrap_angle(float(key[2]))
+    mounting, keys, rest = odometry.mounting, odometry.keys, len(change)
+    if keys is not None:
+        rest -= keys.size
+        keys = keys + change[rest:].reshape(keys.shape)
+        keys[:, 2] = [wrap_angle(float(yaw)) for yaw in keys[:, 2]]
     if rest > MOUNTING:
         mounting = mounting + change[MOUNTING:rest]
     return replace(
@@ -330,7 +331,7 @@ def corrected(odometry: OdometryState, change: FloatArray, covariance: FloatArra
         side_error=odometry.side_error + float(change[4]),
         gyro_bias=odometry.gyro_bias + float(change[5]),
         mounting=mounting,
-        key=key,
+        keys=keys,
         covariance=covariance,
     )
 

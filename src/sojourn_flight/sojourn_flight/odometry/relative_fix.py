@@ -1,13 +1,15 @@
-"""The odometry's filter and the way from a key frame: one update for each match of the camera.
+"""The odometry's filter and the way from a key frame: one update for each match of a camera.
 
 The pose of the key frame (x, y, yaw in odom) has been cloned into the state of the filter when the key frame was made,
-with its correlations, and with the variance of reference_sigma added in x and y: the error that its surface has as a
-whole, and that all matches with it share. A match that finds base_link at z in the key frame's axes is then, with
+with its correlations, and with a variance added in x and y: the error that the key frame has as a whole, and that all
+matches with it share. A match that finds base_link at z in the key frame's axes is then, with
 D = R(yaw_k) z and the errors e of the state,
 
     D - (x - x_k) = e_x - e_x,k + D_y e_yaw,k + n,    likewise in y with -D_x,     cov n = R information^-1 R^T
 
-one Kalman update along each eigenvector of the information that tells something. It moves the pose, and by the
+one Kalman update along each eigenvector of the information that tells something. One that has seen a turn t besides
+
+    t - (yaw - yaw_k) = e_yaw - e_yaw,k + n. It moves the pose, and by the
 cross-covariances slip, side slip, gyro bias and the key frame itself; nothing is counted twice but what the points of
 two matches share.
 
@@ -23,27 +25,39 @@ and then its place is widened, not its slip.
 
 Sources: Roumeliotis & Burdick (2002), IEEE ICRA, p. 1788 (stochastic cloning); Bar-Shalom, Li & Kirubarajan (2001),
 Estimation with Applications to Tracking and Navigation, sec. 5.4 (gate). Assumptions: small errors of heading; slip and
-drift do not turn within the way since the last match.
+drift do not turn within the way since the last match; each camera has one key frame at a time.
 """
 
 import math
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_flight.odometry.attitude import rotation_of
-from sojourn_flight.odometry.odometry import OdometryState, corrected
-from sojourn_flight.odometry.odometry_kernels import update_all, widened
-from sojourn_flight.odometry.terrain_match_params import TerrainMatchParams
+from sojourn_flight.odometry.odometry import OdometryState, corrected, wrap_angle
+from sojourn_flight.odometry.odometry_kernels import cloned, update_all, widened
+from sojourn_flight.odometry.relative_fix_params import RelativeFixParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
 LARGEST_SIGMA = 0.03
-"""A direction in which a match is worse carries no information [m]."""
+"""A direction in which a match is worse carries no information [m, rad]."""
 
 LEAST_WAY = 0.08
 """Way since the last match from which on the ground may be said to slip otherwise [m]."""
+
+
+class Seen(NamedTuple):
+    """What a match has found of base_link in the axes of its key frame."""
+
+    frame: int
+    """Which of the odometry's key frames."""
+    way: FloatArray
+    """x, y [m] and, of a match that tells it, the turn [rad]; shape (2,) or (3,)."""
+    information: FloatArray
+    """Of it, shape (2, 2) or (3, 3) [1/m^2, 1/rad^2], with at least one eigenvalue that is `informative`."""
 
 
 class Fix(NamedTuple):
@@ -60,45 +74,72 @@ class Fix(NamedTuple):
 
 
 def informative(information: NDArray[Any]) -> NDArray[np.bool_]:
-    """Which eigenvalues of an information matrix [1/m^2] are large enough to be used."""
+    """Which eigenvalues of an information matrix [1/m^2, 1/rad^2] are large enough to be used."""
     return np.asarray(information > LARGEST_SIGMA**-2)
 
 
-def fix_way(
-    params: TerrainMatchParams,
-    odometry: OdometryState,
-    way: FloatArray,
-    information: FloatArray,
-    since: tuple[float, float],
-) -> Fix:
+def key_place(odometry: OdometryState, frame: int) -> int:
+    """Where the x of a key frame is in the covariance; y and yaw are behind it.
+
+    Raises:
+        InvalidValueError: the odometry is not made for so many.
+    """
+    keys = odometry.keys
+    if keys is None or frame >= len(keys):
+        count = 0 if keys is None else len(keys)
+        raise InvalidValueError("key_frames", count, f"initial_odometry(..., key_frames={frame + 1}) or more")
+    return len(odometry.covariance) - keys.size + 3 * frame
+
+
+def key_frame(odometry: OdometryState, frame: int) -> tuple[float, float, float]:
+    """Pose of a key frame in odom: x, y [m], yaw [rad]. Raises as `key_place`."""
+    key_place(odometry, frame)
+    x, y, yaw = np.asarray(odometry.keys)[frame].tolist()
+    return x, y, yaw
+
+
+def with_key_frame(odometry: OdometryState, frame: int, sigma: float = 0.0) -> OdometryState:
+    """The odometry with a key frame where it is, which has an error of `sigma` of its own [m]. Raises as
+    `key_place`.
+    """
+    first = key_place(odometry, frame)
+    keys = np.array(odometry.keys)
+    keys[frame] = odometry.x, odometry.y, odometry.yaw
+    order = np.arange(len(odometry.covariance))
+    order = np.concatenate([np.delete(order, slice(first, first + 3)), order[first : first + 3]])
+    covariance = np.empty_like(odometry.covariance)
+    covariance[np.ix_(order, order)] = cloned(odometry.covariance[np.ix_(order, order)], sigma**2)
+    return replace(odometry, keys=keys, covariance=covariance)
+
+
+def fix_way(params: RelativeFixParams, odometry: OdometryState, seen: Seen, since: tuple[float, float]) -> Fix:
     """The odometry after a match.
 
     Args:
-        way: of base_link from the key frame, in its axes, shape (2,) [m]. information: of it, shape (2, 2) [1/m^2],
-            with at least one eigenvalue that is `informative`. since: way from the last match, in odom [m].
+        since: way from the last match, in odom [m].
 
     Raises:
-        InvalidValueError: the odometry is not made for key frames.
+        InvalidValueError: as `key_place`.
     """
-    key = odometry.key
-    if key is None:
-        raise InvalidValueError("key", key, "the pose of a key frame: initial_odometry(..., key_frames=True)")
-    values, axes = np.linalg.eigh(information)
-    used = informative(values)
-    to_odom = rotation_of(0.0, 0.0, float(key[2]))[:2, :2]
-    gone = to_odom @ way
+    key = key_frame(odometry, seen.frame)
+    values, axes = np.linalg.eigh(seen.information)
+    used, told = informative(values), len(values)
+    to_odom = rotation_of(0.0, 0.0, key[2])[:told, :told]
+    gone = to_odom @ seen.way
     size = len(odometry.covariance)
-    rows = np.zeros((2, size))
-    rows[0, 0] = rows[1, 1] = 1.0
-    rows[0, size - 3] = rows[1, size - 2] = -1.0
-    rows[0, size - 1], rows[1, size - 1] = gone[1], -gone[0]
+    place = key_place(odometry, seen.frame)
+    rows = np.zeros((told, size))
+    rows[:, :told] = np.eye(told)
+    rows[:, place : place + told] = -np.eye(told)
+    rows[0, place + 2], rows[1, place + 2] = gone[1], -gone[0]
+    believed = np.array((odometry.x - key[0], odometry.y - key[1], wrap_angle(odometry.yaw - key[2])))
     along = (to_odom @ axes[:, used]).T
     rows, noise = along @ rows, 1.0 / values[used]
-    innovation = along @ (gone - np.array((odometry.x - key[0], odometry.y - key[1])))
+    innovation = along @ (gone - believed[:told])
 
     changed = params.slip_walk * math.sqrt(math.hypot(*since))
     covariance = widened(odometry.covariance, *since, changed)
-    off, lost = float(np.linalg.norm(innovation)), False
+    off, lost = float(np.linalg.norm((along.T @ innovation)[:2])), False
     deviation = _deviation(covariance, rows, innovation, noise)
     if deviation > params.gate:
         covariance, lost = _doubted(covariance, since, params.lost_slip), True

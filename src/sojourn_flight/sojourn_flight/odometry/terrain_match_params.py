@@ -4,10 +4,10 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from sojourn_machine.params import Params
+from sojourn_flight.odometry.relative_fix_params import RelativeFixParams
 
 
-class TerrainMatchParams(Params):
+class TerrainMatchParams(RelativeFixParams):
     """How clouds of the hazard camera are matched with the ground seen before. Sigmas are standard deviations."""
 
     range: float = Field(gt=0.0, le=100.0, description="points farther from the camera are left out [m]")
@@ -24,11 +24,6 @@ class TerrainMatchParams(Params):
     misfit: float = Field(
         gt=1.0, le=100.0, description="mean square of the residuals, over their variance, at most [-]"
     )
-    gate: float = Field(gt=1.0, le=10.0, description="standard deviations beyond which the slip is not as believed [-]")
-    slip_walk: float = Field(
-        ge=0.0, le=1.0, description="change of the believed slip's error, per square root of metre [1/m^0.5]"
-    )
-    lost_slip: float = Field(gt=0.0, le=2.0, description="slip and drift that are then thought possible, sigma [-]")
 
     @model_validator(mode="after")
     def _check(self) -> Self:

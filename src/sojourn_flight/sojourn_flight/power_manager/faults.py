@@ -1,7 +1,9 @@
-"""Faults that telemetry shows, in words and numbers: undervoltage of a bus, limits of a store exceeded, failed strings.
+"""Faults that telemetry shows, in words and numbers: undervoltage of a bus, limits of a store exceeded, failed strings,
+stuck switches.
 
 A symptom is a fault once it has lasted for `confirm_time`, and none any more once it has stayed away for `clear_time`:
-one noisy reading neither makes nor ends one. A failed string is told by its own watch (`string_watch`).
+one noisy reading neither makes nor ends one. Failed strings and stuck switches are told by watches of their own
+(`string_watch`, `switch_watch`).
 """
 
 from collections.abc import Iterator, Mapping
@@ -12,6 +14,7 @@ from pydantic import Field
 from sojourn_flight.power_manager import string_watch
 from sojourn_flight.power_manager.reading import StoreReading
 from sojourn_flight.power_manager.string_watch import StringState, StringWatchParams
+from sojourn_flight.power_manager.switch_watch import SwitchState, SwitchWatchParams
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import Params
 from sojourn_machine.power.power_params import PowerParams
@@ -25,6 +28,7 @@ class RecognitionParams(Params):
     confirm_time: float = Field(default=1.0, ge=0.0, le=1e4, description="a symptom that lasts so long is a fault [s]")
     clear_time: float = Field(default=10.0, ge=0.0, le=1e5, description="and is over when away for so long [s]")
     strings: StringWatchParams = StringWatchParams()
+    switches: SwitchWatchParams = SwitchWatchParams()
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +62,11 @@ class Symptom:
 
 @dataclass(frozen=True, slots=True)
 class FaultState:
-    """What is remembered of symptoms, by place and kind, and of the strings of each store."""
+    """What is remembered of symptoms, by place and kind, of the strings of each store, and of switches."""
 
     symptoms: Mapping[tuple[str, str], Symptom] = field(default_factory=dict)
     strings: tuple[StringState, ...] = ()
+    switches: SwitchState = field(default_factory=SwitchState)
 
 
 def initial_state(power: PowerParams) -> FaultState:
@@ -83,7 +88,7 @@ def step(
     shown = {(fault.place, fault.kind): fault for fault in _shown(power, readings)}
     if not shown and not state.symptoms:
         return replace(state, strings=strings)
-    return FaultState(_after(params, state.symptoms, shown, dt), strings)
+    return replace(state, symptoms=_after(params, state.symptoms, shown, dt), strings=strings)
 
 
 def recognised(power: PowerParams, state: FaultState) -> tuple[Fault, ...]:
@@ -93,6 +98,7 @@ def recognised(power: PowerParams, state: FaultState) -> tuple[Fault, ...]:
         if strings.failed:
             numbers = f"{strings.failed} of {store.strings}, resistance {strings.ratio:.2f} of what is believed"
             found.append(Fault(name, FAILED_STRING, numbers))
+    found += [Fault(one.load, one.kind, one.numbers) for one in state.switches.stuck]
     return tuple(found)
 
 

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sojourn_flight.power_manager.activities import SECONDS_PER_HOUR, Activities, ActivityParams
+from sojourn_flight.power_manager.array_belief import ArrayBelief, with_clean
 from sojourn_flight.power_manager.law import PowerManagerState
 from sojourn_flight.power_manager.modes import SleepState
 from sojourn_flight.power_manager.params import PowerManagerParams
@@ -24,6 +25,7 @@ from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 from sojourn_machine.power.loads import BusParams
 from sojourn_machine.power.network import PowerNetwork
+from sojourn_machine.power.network_state import NetworkState
 from sojourn_machine.power.power_params import PowerParams
 from sojourn_machine.power.surroundings import PowerSurroundings
 from sojourn_machine.thermal.machine_heat import HeatState
@@ -54,6 +56,8 @@ class Known(NamedTuple):
     """Telemetry of each store."""
     heat: HeatState | None = None
     """As it is believed to be; None: as at the start of a run."""
+    clean: float | None = None
+    """Part of its light that is believed to reach an array's cells [1]; None: as the array's file has it."""
 
 
 class Forecaster:
@@ -88,6 +92,7 @@ class Forecaster:
             )
             for sign in (0.0, 1.0, -1.0)
         )
+        self._arrays = ArrayBelief(self._previews[0], params.switch_watch)
         low = self._previews[1]
         self._asleep = Preview(params, low.network, Activities(params, ()), low.around, warmth)
 
@@ -111,10 +116,22 @@ class Forecaster:
         times = np.array([step.time - known.time for step in expected])
         return PowerForecast(times, values, self._words(known.time, expected, low))
 
+    def clean_after(self, known: Known) -> float | None:
+        """Part of their light that is believed to reach the cells of the arrays, after a look at what they give [1];
+        None of a machine without any.
+        """
+        clean = self._arrays.at_start if known.clean is None else known.clean
+        if clean is None:
+            return None
+        known = known._replace(clean=clean)
+        preview, seen = self._previews[0], known.manager.faults.switches
+        begun = preview.begin(known.time, known.manager, self._believed(preview, known.manager, known), known.heat)
+        return self._arrays.after(clean, seen, begun, known.readings)
+
     def heat_after(self, known: Known, time: float) -> HeatState | None:
         """Heat as it is believed to be at a later time [s], if all went as expected; None for a machine without."""
         preview = self._previews[0]
-        network = believed(preview.network, known.manager, known.readings)
+        network = self._believed(preview, known.manager, known)
         begun = preview.begin(known.time, known.manager, network, known.heat)
         if begun.heat is None or time <= known.time:
             return begun.heat
@@ -138,8 +155,13 @@ class Forecaster:
             sigma = self._settings.charge_sigma if store.filter is None else store.filter.sigma
             stores.append(replace(store, soc=min(max(store.charge + shift * sigma, 0.0), 1.0), filter=None))
         shifted = replace(known.manager, stores=tuple(stores))
-        begun = preview.begin(known.time, shifted, believed(preview.network, shifted, known.readings), known.heat)
+        begun = preview.begin(known.time, shifted, self._believed(preview, shifted, known), known.heat)
         return preview.run(begun, self._settings.step, self._settings.count)
+
+    @staticmethod
+    def _believed(preview: Preview, manager: PowerManagerState, known: Known) -> NetworkState:
+        """The network at charges as a manager has them, its arrays as clean as is believed."""
+        return with_clean(preview.network, believed(preview.network, manager, known.readings), known.clean)
 
     def _charge(self, step: PreviewStep) -> float:
         """Of all stores, which the step that empties one leaves a little below 0 [1]."""

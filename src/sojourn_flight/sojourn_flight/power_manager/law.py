@@ -26,7 +26,7 @@ from dataclasses import dataclass, field
 from math import exp, isfinite
 from typing import Any, Literal, TypeAlias
 
-from sojourn_flight.power_manager import charge_estimate, faults, modes
+from sojourn_flight.power_manager import charge_estimate, faults, modes, switch_watch
 from sojourn_flight.power_manager.charge_estimate import StoreEstimate
 from sojourn_flight.power_manager.faults import Fault, FaultState
 from sojourn_flight.power_manager.kalman import KalmanState
@@ -176,15 +176,23 @@ def step(
         for store, before, reading in zip(params.stores, state.stores, inputs.stores, strict=True)
     ]
     state = replace(state, stores=tuple(estimates))
+    watch, watched = params.law.faults.switches, params.switch_watch
+    found = faults.step(params.law.faults, params.power, state.faults, inputs.stores, dt)
+    found = replace(found, switches=switch_watch.step(watch, watched, found.switches, inputs.stores, dt))
     state = replace(
         state,
         drive_fraction=_drive_fraction(params.law, state.drive_fraction, inputs.stores[params.watched].voltage, dt),
-        faults=faults.step(params.law.faults, params.power, state.faults, inputs.stores, dt),
+        faults=found,
         **_levels(params, state, dt),
     )
     sleep = modes.after(params.law.sleep, params.loads, state.sleep, _supply(params, state), dt)
     state = state if sleep is state.sleep else _changed(params, state, sleep)
-    return state, _output(params, state, inputs)
+    output = _output(params, state, inputs)
+    on = tuple([switch.fraction > 0.0 for switch in output.switches])
+    if on != found.switches.on:
+        told = switch_watch.told(watch, watched, found.switches, on, inputs.stores[params.watched].voltage, dt)
+        state = replace(state, faults=replace(found, switches=told))
+    return state, output
 
 
 def derate_target(law: PowerLawParams, voltage: float) -> float:

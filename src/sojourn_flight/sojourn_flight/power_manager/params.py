@@ -10,6 +10,7 @@ from sojourn_flight.power_manager.faults import RecognitionParams
 from sojourn_flight.power_manager.forecast_params import ForecastParams
 from sojourn_flight.power_manager.kalman import KalmanParams
 from sojourn_flight.power_manager.modes import SLEEP, SleepParams
+from sojourn_flight.power_manager.switch_watch import Watched
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.names import names_text
 from sojourn_machine.params import Params
@@ -76,6 +77,7 @@ class PowerManagerParams(Params):
     derated: tuple[str, ...] = Field(
         default=(), description="loads that drive the machine: they have less power while the voltage of the bus is low"
     )
+    on_thermostats: tuple[str, ...] = Field(default=(), description="loads that draw only while a thermostat asks")
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -110,6 +112,11 @@ class PowerManagerParams(Params):
     def watched(self) -> int:
         """Place of the store whose bus is watched for low voltage: the first on `main`, or the first of all."""
         return next((place for place, store in enumerate(self.stores) if store.bus == MAIN), 0)
+
+    @cached_property
+    def switch_watch(self) -> Watched:
+        """What of the loads their switches are watched by."""
+        return Watched(self.power, self.on_thermostats)
 
     @cached_property
     def shares(self) -> tuple[float, ...]:
@@ -160,6 +167,7 @@ class PowerManagerParams(Params):
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """As pydantic's, but a changed copy works out its own levels and limits."""
         copied = super().model_copy(update=update, deep=deep)
-        for name in ("stores", "watched", "shares", "ratios", "shed_priorities", "shed_thresholds", "granted"):
+        levels = ("shed_priorities", "shed_thresholds", "granted")
+        for name in ("stores", "watched", "switch_watch", "shares", "ratios", *levels):
             copied.__dict__.pop(name, None)
         return copied

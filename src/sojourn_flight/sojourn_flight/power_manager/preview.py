@@ -114,7 +114,7 @@ class Preview:
         sources = zip(network.sources, state.network.sources, strict=True)
         offered = sum(source.point(before, around).power for source, before in sources)
         demand = self._activities.demand(middle)
-        fractions = np.array(commanded.fractions())
+        fractions = network.as_switched(np.array(commanded.fractions()))
         if self._warmth is not None and state.heat is not None:
             around = around._replace(round_stores=self._warmth.heat.store_surroundings(state.heat))
             switches = self._warmth.heat.through_thermostats(state.heat, fractions)

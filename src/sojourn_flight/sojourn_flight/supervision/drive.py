@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sojourn_flight.hazards.camera_watch import CameraState, speed_left, usable, watched
 from sojourn_flight.mobility.easing import Behind, eased
 from sojourn_flight.mobility.mobility import (
     BodyMotion,
@@ -38,6 +39,7 @@ from sojourn_flight.odometry.odometry import (
     message_covariances,
     step_odometry,
 )
+from sojourn_flight.odometry.visual_state import VisualOdometryState, rolled_on
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.planning.goal_follower import FollowerLimits, FollowerPhase, follow, stop
@@ -68,7 +70,7 @@ class DriveModel(DrivenMachine):
     def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
         """At rest at a pose in odom [m, rad]."""
         mounting, terrain = mounting_variances(self.params.heading_fix), self.terrain
-        odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting, key_frames=terrain is not None)
+        odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting, self.key_frames)
         avoidance = initial_avoidance(self.avoidance, x, y) if self.avoidance is not None else None
         return DriveState(
             "idle",
@@ -80,6 +82,7 @@ class DriveModel(DrivenMachine):
             text="idle",
             avoidance=avoidance,
             terrain=None if terrain is None else key_frames.TerrainMatchState(),
+            visual=None if self.visual is None else VisualOdometryState(),
         )
 
     def in_motion(self, state: DriveState) -> DriveState:
@@ -103,6 +106,8 @@ class DriveModel(DrivenMachine):
         self.mobility.warm_up()
         if self.terrain is not None:
             key_frames.warm_up(self.terrain, state.odometry)
+        if self.visual is not None:
+            self.visual.warm_up(state.odometry)
         if self.avoidance is not None and state.avoidance is not None:
             warm_up_guard(self.avoidance, state.avoidance)
         level = InertialMeasurement((0.0, 0.0, 0.1), (0.0, 0.0, 1.0), (0.0, 0.0))
@@ -152,6 +157,8 @@ class _Going(NamedTuple):
     """Nothing is commanded to move."""
     rather_astern: bool
     """It would get on better backwards."""
+    sight: float
+    """Part of its speed that the hazard camera leaves [-]."""
 
 
 def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going: _Going, dt: float) -> PlanarTwist:
@@ -179,7 +186,7 @@ def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going:
             arbiter.text = guidance.text
             return guidance.twist
     limits = model.params.limits
-    pace = power if policy is None else power * speed_part(policy, slip)
+    pace = going.sight * (power if policy is None else power * speed_part(policy, slip))
     moving = not going.still or math.hypot(odometry.v_x, odometry.v_y) > model.params.odometry.standing_speed
     ability = model.mobility.ability
     able = FollowerLimits(
@@ -221,6 +228,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     """
     _check(inputs, dt)
     params, felt = model.params, inputs.felt
+    inputs, camera = _seen(model, state, inputs)
     standing = state.odometry.standing_for >= params.odometry.standing_time
     told = MotionInput(
         inputs.joints,
@@ -254,7 +262,8 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         arbiter.end_goal(stop(arbiter.follower, reason))
     slip_now = _mean_slip(model, state, mobility, odometry, dt)
     if arbiter.follower is not None:
-        going = _Going(inputs.power_limit, slip_now, health.no_headway != "", motion.commanded_still, astern)
+        sight = 1.0 if params.obstacles is None else speed_left(params.obstacles.camera, camera)
+        going = _Going(inputs.power_limit, slip_now, health.no_headway != "", motion.commanded_still, astern, sight)
         wanted = _follow(model, arbiter, published, going, dt)
     wanted = arbiter.keep_clear(model, wanted, published)
 
@@ -276,8 +285,10 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         mean_slip=slip_now,
         heading=located.heading,
         terrain=located.terrain,
+        visual=located.visual,
         behind=located.behind,
         avoidance=arbiter.avoidance,
+        camera=camera,
         foreseen=foreseen,
     )
     pose_covariance, twist_covariance = message_covariances(params.odometry, published, dt)
@@ -302,6 +313,15 @@ def _why_not(arbiter: Arbiter, health: MobilityHealth, rather_astern: bool) -> s
     return reason or health.lost
 
 
+def _seen(model: DriveModel, state: DriveState, inputs: DriveInput) -> tuple[DriveInput, CameraState]:
+    """The inputs without a cloud that does not tell of the ground that is there, and what is thought of the camera."""
+    if model.params.obstacles is None or inputs.cloud is None:
+        return inputs, state.camera
+    camera = watched(model.params.obstacles.camera, state.camera, inputs.cloud)
+    cloud = usable(camera, inputs.cloud)
+    return (inputs if cloud is not None else replace(inputs, cloud=None)), camera
+
+
 class _Located(NamedTuple):
     """Where the machine is after a period."""
 
@@ -311,21 +331,26 @@ class _Located(NamedTuple):
     behind: Behind
     heading: HeadingFixState
     terrain: key_frames.TerrainMatchState | None
+    visual: VisualOdometryState | None
 
 
 def _locate(model: DriveModel, state: DriveState, inputs: DriveInput, motion: BodyMotion, dt: float) -> _Located:
-    """The odometry with what Sun and camera know."""
+    """The odometry with what Sun and cameras know."""
     params, felt = model.params, inputs.felt
     told = OdometryInput(motion, felt.gyro, felt.roll_pitch)
     odometry = step_odometry(params.odometry, state.odometry, told, dt)
-    rolled, heading, terrain = odometry, state.heading, state.terrain
+    rolled, heading, terrain, visual = odometry, state.heading, state.terrain, state.visual
     if params.heading_fix is not None:
         heading = turned_on(heading, odometry.yaw_rate, dt)
         if inputs.sun is not None:
             odometry, heading = fix_heading(params.heading_fix, odometry, heading, inputs.sun)
     if model.terrain is not None and terrain is not None and inputs.cloud is not None and felt.gyro is not None:
         odometry, terrain = key_frames.match_ground(model.terrain, odometry, terrain, inputs.cloud)
+    if model.visual is not None and visual is not None:
+        visual = rolled_on(visual, math.hypot(motion.v_x, motion.v_y), odometry.yaw_rate, dt)
+        if inputs.images is not None:
+            odometry, visual = model.visual.look(odometry, visual, inputs.images)
     # The way is kept to, and obstacles are, where the rover is said to be: the filter jumps at each look of the camera,
     # and each jump would jerk the steering.
     published, behind = eased(rolled, odometry, state.behind, dt)
-    return _Located(odometry, published, behind, heading, terrain)
+    return _Located(odometry, published, behind, heading, terrain, visual)

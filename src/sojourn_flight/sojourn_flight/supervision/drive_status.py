@@ -2,7 +2,9 @@
 
 import math
 
+from sojourn_flight.hazards.camera_watch import in_words
 from sojourn_flight.odometry.key_frames import match_status
+from sojourn_flight.odometry.visual_state import visual_status
 from sojourn_flight.planning.energy_forecast import account_status
 from sojourn_flight.supervision.drive_types import DriveState, Pace
 from sojourn_flight.supervision.driven_machine import DrivenMachine
@@ -40,9 +42,11 @@ def drive_status(machine: DrivenMachine, state: DriveState, pace: Pace) -> dict[
         "sun_rejected": float(state.heading.rejected),
         "sun_deviation_sigma": state.heading.deviation,
         **match_status(state.terrain, odometry),
+        **visual_status(state.visual, odometry.slip_error),
         "wheel_disagreement_m_s": odometry.residual,
         "yaw_rate_difference_rad_s": odometry.yaw_rate_difference,
         "encoder_jumps": float(odometry.encoder_jumps),
+        **({"camera": blindness} if (blindness := in_words(state.camera)) else {}),
         "limit_factor": pace.moves.cut,
         "power_limit": pace.power_limit,
     }

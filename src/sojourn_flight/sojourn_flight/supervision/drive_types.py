@@ -8,12 +8,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
+from sojourn_flight.hazards.camera_watch import CameraState
 from sojourn_flight.mobility.easing import NOTHING, Behind
 from sojourn_flight.mobility.mobility import NOTHING_FELT, InertialMeasurement, JointReferences, MobilityJoints, Moves
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.heading_fix import HeadingFixState, SunSighting
 from sojourn_flight.odometry.key_frames import TerrainMatchState
 from sojourn_flight.odometry.odometry import OdometryState
+from sojourn_flight.odometry.visual_state import StereoImages, VisualOdometryState
 from sojourn_flight.planning.energy_forecast import EnergyLeft, EnergyUse
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_flight.planning.goal_follower import FollowerState
@@ -55,6 +57,8 @@ class DriveInput:
     """A reading of the sun sensor that came in this period."""
     cloud: FloatArray | None = None
     """Points of the hazard camera that came in this period, in base_link, shape (n, 3) [m]."""
+    images: StereoImages | None = None
+    """Of the stereo pair, that came in this period."""
     twist: TwistCommand | None = None
     """Newest /cmd_vel, every period until it is replaced; its age tells when it came."""
     goal: Goal | None = None
@@ -96,10 +100,14 @@ class DriveState:
     """What became of the sightings of the Sun."""
     terrain: TerrainMatchState | None = None
     """Key frame and matches of the hazard camera; None without one."""
+    visual: VisualOdometryState | None = None
+    """Key frame and matches of the stereo pair's images; None without."""
     behind: Behind = NOTHING
     """Corrections that are not in the published odometry yet."""
     avoidance: AvoidanceState | None = None
     """Obstacles; None without obstacle handling."""
+    camera: CameraState = field(default_factory=CameraState)
+    """What is thought of the hazard camera."""
     foreseen: Mapping[str, str | float] = field(default_factory=dict)
     """The answer to the last question; see `foresight`."""
 

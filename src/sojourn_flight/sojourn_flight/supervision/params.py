@@ -7,6 +7,7 @@ from sojourn_flight.mobility.choice import ChosenMobility
 from sojourn_flight.mobility.motion_limits import MotionLimits
 from sojourn_flight.odometry.odometry_params import HeadingFixParams, OdometryParams
 from sojourn_flight.odometry.terrain_match_params import TerrainMatchParams
+from sojourn_flight.odometry.visual_params import VisualOdometryParams
 from sojourn_flight.planning.energy_params import EnergyParams
 from sojourn_flight.planning.follower_params import GoalFollowerParams
 from sojourn_flight.supervision.slip_policy import SlipPolicyParams
@@ -24,6 +25,9 @@ class DriveParams(Params):
     slip_policy: SlipPolicyParams | None = Field(None, description="what slip means for a goal; none: only the stop")
     terrain_match: TerrainMatchParams | None = Field(
         None, description="odometry from the hazard camera; none: its clouds are for obstacles only"
+    )
+    visual_odometry: VisualOdometryParams | None = Field(
+        None, description="odometry from the images of a stereo pair; none: they are for people only"
     )
     follower: GoalFollowerParams = Field(..., description="approach to goals")
     obstacles: ObstacleParams | None = Field(None, description="obstacle handling; left out: it avoids nothing")

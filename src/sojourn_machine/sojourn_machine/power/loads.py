@@ -34,6 +34,9 @@ class LoadParams(Params):
     essential: bool = Field(description="never switched off, neither by the manager nor by the lockout")
     priority: int = Field(ge=0, le=1000, description="the smallest number is shed first [1]")
     fuse: FuseParams | None = Field(default=None, description="between it and its bus")
+    stuck: Literal["on", "off"] | None = Field(
+        default=None, description="its switch stays on or off, whatever it is told: a fault"
+    )
 
 
 class BusParams(Params):

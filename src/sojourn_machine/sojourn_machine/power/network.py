@@ -9,6 +9,7 @@ Energy is conserved: over a period sources + stores = loads + heat of converters
 voltage moves within the period: one part in 10^5 for a battery and 20 ms.
 """
 
+import copy
 from collections.abc import Mapping, Sequence
 from math import inf, isfinite
 from typing import NamedTuple
@@ -20,7 +21,7 @@ from sojourn_machine.params import FloatArray, IntArray
 from sojourn_machine.power.bus_kernels import DRAWN, FED, FLOWS, SERVED, SHUNT, USED, VOLTAGE, operating_point
 from sojourn_machine.power.converters import ConverterParams
 from sojourn_machine.power.fuses import Fuses, FuseState
-from sojourn_machine.power.loads import BusParams, BusState
+from sojourn_machine.power.loads import BusParams, BusState, LoadColumns, LoadParams
 from sojourn_machine.power.network_state import NetworkEnergy, NetworkOutput, NetworkState
 from sojourn_machine.power.power_params import PowerParams
 from sojourn_machine.power.sources import SourceParams
@@ -78,6 +79,7 @@ class PowerNetwork:
         params: of its members. stores, sources, converters: the same by their places; buses: `main` first.
         load_bus: (loads,) place of each load's bus. store_bus: place of each store's bus.
         takes_light: whether a source goes by the light of the surroundings.
+        stuck: switches that are stuck, by their place: 0 off, 1 on.
     """
 
     def __init__(self, params: PowerParams) -> None:
@@ -91,11 +93,24 @@ class PowerNetwork:
         counts = [len(bus.params.loads) for bus in self.buses]
         self._count = len(params.loads)
         self.fuses = Fuses(params.loads) if any(load.fuse is not None for load in params.loads) else None
+        self.stuck = {place: float(load.stuck == "on") for place, load in enumerate(params.loads) if load.stuck}
         self.takes_light = any(source.takes_light for source in self.sources)
         self.load_bus: IntArray = np.repeat(np.arange(len(self.buses)), counts)
         self._inputs = tuple(places[converter.input] for converter in self.converters)
         self._outputs = tuple(places[converter.output] for converter in self.converters)
+        self._shorts: dict[str, LoadColumns] = {}
+        """Of each bus that has a short: its loads with one more."""
         self._upwards = tuple(sorted(range(len(self.buses)), key=self._depth, reverse=True))
+
+    def shorted(self, bus: str, resistance: float) -> "PowerNetwork":
+        """The same with a resistance from a bus to the frame [ohm], which no switch takes off."""
+        other = copy.copy(self)
+        short = LoadParams(name="short", kind="resistive", power_w=1.0, voltage_nominal=1.0, essential=True, priority=0)
+        one = BusParams(loads=(short,), lockout_voltage=0.0, lockout_reset_voltage=1.0, lockout_reset_time=0.0)
+        columns = self._shorts.get(bus, self.params.all_buses[bus].index.columns)
+        pairs = zip(columns, one.index.columns._replace(rated=np.array([1.0 / resistance])), strict=True)
+        other._shorts = {**self._shorts, bus: LoadColumns(*(np.append(*pair) for pair in pairs))}
+        return other
 
     def _buses(self) -> list[Bus]:
         found, first = [], 0
@@ -137,6 +152,15 @@ class PowerNetwork:
             served=(1.0,) * len(self.buses),
             fuses=None if self.fuses is None else self.fuses.first(),
         )
+
+    def as_switched(self, fractions: FloatArray) -> FloatArray:
+        """Switches as they are when they are told to be at fractions (loads,), 0 off to 1 on."""
+        if not self.stuck:
+            return fractions
+        switches = fractions.copy()
+        for place, fraction in self.stuck.items():
+            switches[place] = fraction
+        return switches
 
     def served_at_loads(self, state: NetworkState) -> float | FloatArray:
         """Part of what it asks that each load was given in the last period, (loads,); one number on one bus [1]."""
@@ -268,6 +292,10 @@ class PowerNetwork:
             converter = np.array([feeder.rating_w if most is None else most, least])
         params, held = bus.params, state.buses[place]
         loads = (params.index.columns, period.switches[bus.loads], period.asked[bus.loads])
+        if bus.name in self._shorts:
+            columns = self._shorts[bus.name]
+            more = len(columns.rated) - len(loads[1])
+            loads = (columns, np.append(loads[1], np.ones(more)), np.append(loads[2], np.zeros(more)))
         target = inf if params.voltage is None else params.voltage
         supply = (drawn, stores, sources, converter, target)
         locked = held.locked_out
@@ -280,8 +308,12 @@ class PowerNetwork:
         return _Point(_after(params, held, locked, known[VOLTAGE], period.dt), locked, power, current, known)
 
     def _output(self, points: Sequence[_Point]) -> NetworkOutput:
-        if len(points) == 1:
+        if len(points) == 1 and not self._shorts:
             power, current = points[0].power, points[0].current
+        elif self._shorts:  # the current of a short is no load's
+            counts = [len(bus.params.loads) for bus in self.buses]
+            power = np.concatenate([one.power[:count] for one, count in zip(points, counts, strict=True)])
+            current = np.concatenate([one.current[:count] for one, count in zip(points, counts, strict=True)])
         else:
             power = np.concatenate([point.power for point in points])
             current = np.concatenate([point.current for point in points])

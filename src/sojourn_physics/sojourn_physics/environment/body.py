@@ -11,6 +11,7 @@ factor of about 1.5; a site has the gravity of its latitude, altitude and shape.
 orbit of eccentricity e it goes from S / (1 + e)^2 to S / (1 - e)^2.
 """
 
+import math
 from typing import Annotated, Self
 
 from pydantic import Field, SerializeAsAny, model_validator
@@ -21,6 +22,7 @@ from sojourn_machine.params import Params
 from sojourn_physics.environment.air.atmosphere import ATMOSPHERES, Air, AtmosphereParams
 from sojourn_physics.environment.gravity.attraction import ATTRACTIONS, AttractionParams
 from sojourn_physics.environment.gravity.field import BodyField, GravityField, UniformField
+from sojourn_physics.environment.gravity.tide import TidalField
 from sojourn_physics.environment.rotation import RotationParams
 from sojourn_physics.environment.shape import ShapeParams
 from sojourn_physics.environment.site import SiteParams, site_frame
@@ -100,6 +102,12 @@ class BodyParams(Params):
         attraction = (self.attraction or ATTRACTIONS.get("oblate")(kind="oblate")).build(self)
         spin = 0.0 if self.rotation is None else self.rotation.rate
         return BodyField(attraction, spin, site_frame(site, self.semi_axes))
+
+    def field_in_orbit(self) -> TidalField:
+        """Gravity in the map of a machine that floats. Raises InvalidValueError for a body that is no orbit."""
+        if not self.free_fall:
+            raise InvalidValueError("body", self.name, "an orbit, as what floats free would fall")
+        return TidalField(math.sqrt(self.gravitational_parameter / self.radius**3))
 
     def air_at(self, site: SiteParams | None) -> Air:
         """Its air at a site, or at its mean surface.

@@ -7,6 +7,7 @@ height of the nearest edge to that of all edges' mean, halfway after FADE: hills
 horizon.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -63,20 +64,41 @@ def seen_ground(field: HeightField) -> DrawnGround:
 
 def with_changes(ground: DrawnGround, memory: GroundMemory) -> DrawnGround:
     """The same ground as wheels and tools have left it."""
+    side = TILE * memory.cell
     if not memory.tiles:
         return ground._replace(changes=NO_CHANGES)
+    columns = int((ground.bounds[1] - memory.origin_x) / side) + 2
+    rows = int((ground.bounds[3] - memory.origin_y) / side) + 2
+    return ground._replace(changes=_changes_in(memory, (0, columns), (0, rows)))
+
+
+def changes_within(memory: GroundMemory, x: float, y: float, reach: float) -> Changes:
+    """What has been changed within `reach` of a place in map at least, each way [m]."""
+    if not memory.tiles:
+        return NO_CHANGES
     side = TILE * memory.cell
-    shape = (
-        int((ground.bounds[3] - memory.origin_y) / side) + 2,
-        int((ground.bounds[1] - memory.origin_x) / side) + 2,
-    )
-    pages = np.zeros(shape, dtype=np.int64)
-    pool = np.zeros((len(memory.tiles) + 1, TILE, TILE, CHANNELS), dtype=np.float32)
-    for page, ((column, row), tile) in enumerate(memory.tiles.items(), start=1):
-        if 0 <= row < shape[0] and 0 <= column < shape[1]:
-            pages[row, column], pool[page] = page, tile
-    place = np.array([memory.origin_x, memory.origin_y, memory.cell, len(pool)])
-    return ground._replace(changes=Changes(pool, pages, place))
+    column, row = (x - memory.origin_x) / side, (y - memory.origin_y) / side
+    columns = math.floor(column - reach / side), math.floor(column + reach / side) + 2
+    rows = math.floor(row - reach / side), math.floor(row + reach / side) + 2
+    return _changes_in(memory, columns, rows)
+
+
+def _changes_in(memory: GroundMemory, columns: tuple[int, int], rows: tuple[int, int]) -> Changes:
+    """Of the tiles from one column to before another, and rows likewise."""
+    inside = [
+        (row - rows[0], column - columns[0], tile)
+        for (column, row), tile in memory.tiles.items()
+        if columns[0] <= column < columns[1] and rows[0] <= row < rows[1]
+    ]
+    if not inside:
+        return NO_CHANGES
+    pages = np.zeros((rows[1] - rows[0], columns[1] - columns[0]), dtype=np.int64)
+    pool = np.zeros((len(inside) + 1, TILE, TILE, CHANNELS), dtype=np.float32)
+    for page, (row, column, tile) in enumerate(inside, start=1):
+        pages[row, column], pool[page] = page, tile
+    side = TILE * memory.cell
+    first = memory.origin_x + columns[0] * side, memory.origin_y + rows[0] * side
+    return Changes(pool, pages, np.array([*first, memory.cell, len(pool)]))
 
 
 NO_CHANGES = Changes(
@@ -189,10 +211,11 @@ def slope_at(ground: DrawnGround, x: float, y: float) -> tuple[float, float]:
         rows, columns = ground.heights.shape
         column = min(max((x - ground.place[0]) * ground.place[2], 0.0), columns - 1.00001)
         row = min(max((y - ground.place[1]) * ground.place[2], 0.0), rows - 1.00001)
-        j, i = int(column), int(row)
-        u, v = column - j, row - i
-        a, b = ground.heights[i, j], ground.heights[i, j + 1]
-        c, d = ground.heights[i + 1, j], ground.heights[i + 1, j + 1]
+        left, lower = np.uint64(int(column)), np.uint64(int(row))
+        right, upper = left + UNIT, lower + UNIT
+        u, v = column - int(column), row - int(row)
+        a, b = ground.heights[lower, left], ground.heights[lower, right]
+        c, d = ground.heights[upper, left], ground.heights[upper, right]
         dx = ((b - a) * (1.0 - v) + (d - c) * v) * ground.place[2]
         dy = ((c - a) * (1.0 - u) + (d - b) * u) * ground.place[2]
         changes = ground.changes

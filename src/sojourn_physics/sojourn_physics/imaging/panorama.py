@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sojourn_machine.kernels import kernel, njit, small_kernel
+from sojourn_machine.kernels import kernel, njit, small_kernel, vector_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.imaging.ground import DrawnGround, height_at, height_in, stride_at
 
@@ -32,6 +32,17 @@ CLOSE = 1e-4
 """A ray so near to the ground has met it, by height [m]."""
 SMOOTH, SMOOTH_PART = 0.5, 0.01
 """Where walks beside a ray meet the ground within so much of a node, and of the way, it is smooth between them [-]."""
+ACROSS, AZIMUTH, HEIGHT, BEGIN, END = range(5)
+"""Rows of the room to work in: see `_bearings` and `_brackets`."""
+ROOM = 5
+PLUMB = 1e-7
+"""Way over ground of a ray that is plumb, for each metre [-]."""
+UNKNOWN = -1.0
+"""Instead of a distance."""
+RISE = 0.5
+"""Height of a bin, of its width [-]: a walk costs no more for it, and a ray has less to search."""
+CHUNK = 64
+"""Strides of which heights are looked up together."""
 MARGIN = 0.25
 """Of a stride, on both sides of what two walks say [-]."""
 
@@ -60,6 +71,8 @@ class Panorama(NamedTuple):
     """Rise of the lowest bin for each metre of the ray's own length."""
     bin: float
     """Height of a bin, in the same."""
+    heights: FloatArray
+    """Room for a part of a walk, (CHUNK,)."""
 
 
 def panorama(resolution: float, lowest: float, highest: float) -> Panorama:
@@ -71,13 +84,15 @@ def panorama(resolution: float, lowest: float, highest: float) -> Panorama:
     """
     azimuths = 4 * math.ceil(0.5 * math.pi / resolution)
     lowest, highest = max(lowest - resolution, -1.0), min(highest + resolution, 1.0)
-    bins = max(math.ceil((highest - lowest) / resolution), 1)
-    edges = np.clip(lowest + resolution * np.arange(bins + 1), -1.0 + 1e-9, 1.0 - 1e-9)
+    height = RISE * resolution
+    bins = max(math.ceil((highest - lowest) / height), 1)
+    edges = np.clip(lowest + height * np.arange(bins + 1), -1.0 + 1e-9, 1.0 - 1e-9)
     way = np.empty((azimuths + 1, bins + 1), dtype=np.float32)
-    return Panorama(way, np.zeros(azimuths + 1, dtype=np.bool_), edges / np.sqrt(1.0 - edges**2), lowest, resolution)
+    done = np.zeros(azimuths + 1, dtype=np.bool_)
+    return Panorama(way, done, edges / np.sqrt(1.0 - edges**2), lowest, height, np.empty(CHUNK))
 
 
-@small_kernel
+@vector_kernel
 def azimuth_of(x: float, y: float) -> float:
     """Of a direction, from 0 to 4, a quarter each."""
     length = abs(x) + abs(y)
@@ -122,25 +137,32 @@ def walk(ground: DrawnGround, eye: Eye, around: Panorama, place: int) -> None:
     column, row = (x0 - ground.place[0]) * ground.place[2], (y0 - ground.place[1]) * ground.place[2]
     unchanged = ground.changes.place[3] <= 1.0
     inside = _strides_inside(ground, column, row, ahead_x, ahead_y) if unchanged else 0
-    step = 0
+    step, heights = 1, around.heights
     while near < eye.reach and following < count:
         if rises[following] >= 0.0 and top < rises[following] * near:  # nothing is so high
             break
-        step += 1
-        if step < inside:  # as `height_over` has it, without asking whether there is a map
-            far = step * stride
-            high = height_in(ground.heights, column + 0.5 * step * ahead_x, row + 0.5 * step * ahead_y)
-            high -= eye.place[2] + far * far * eye.fall
+        strides = min(inside - step, CHUNK)
+        if strides > 0:  # as `height_over` has it, without asking whether there is a map
+            for k in range(strides):
+                way = 0.5 * (step + k)
+                heights[k] = height_in(ground.heights, column + way * ahead_x, row + way * ahead_y)
         else:
+            strides = 1
             far = min(near + stride_at(ground, x0 + near * ahead_x, y0 + near * ahead_y, near), eye.reach)
-            high = height_over(ground, eye, x0 + far * ahead_x, y0 + far * ahead_y, far)
-        while following < count and high >= rises[following] * far:
-            # the line between the two samples and the ray, over the ground between them
-            above = rises[following] * near - low
-            part = above / (above + high - rises[following] * far) if above > 0.0 else 0.0
-            ways[following] = np.float32(near + part * (far - near))
-            following += 1
-        near, low = far, high
+        for k in range(strides):
+            if step + k < inside:
+                far = (step + k) * stride
+                high = heights[k] - eye.place[2] - far * far * eye.fall
+            else:
+                high = height_over(ground, eye, x0 + far * ahead_x, y0 + far * ahead_y, far)
+            while following < count and high >= rises[following] * far:
+                # the line between the two samples and the ray, over the ground between them
+                above = rises[following] * near - low
+                part = above / (above + high - rises[following] * far) if above > 0.0 else 0.0
+                ways[following] = np.float32(near + part * (far - near))
+                following += 1
+            near, low = far, high
+        step += strides
 
 
 @small_kernel
@@ -161,33 +183,70 @@ def _strides_inside(ground: DrawnGround, column: float, row: float, ahead_x: flo
     return int(2.0 * far) - 1
 
 
-@small_kernel
-def first_meeting(ground: DrawnGround, eye: Eye, around: Panorama, x: float, y: float, z: float) -> float:
-    """Way over ground to where a ray of a unit vector in map first meets the ground, infinite where it does not [m]."""
-    across = math.sqrt(x * x + y * y)
-    if across < 1e-7:
-        return 0.0 if z < 0.0 else math.inf
-    azimuth = azimuth_of(x, y) * 0.25 * (around.way.shape[0] - 1)
-    left = min(int(azimuth), around.way.shape[0] - 2)
-    bins = around.rises.shape[0] - 1
-    height = (z - around.lowest) / around.bin
-    at = min(max(int(height), 0), bins - 1)
-    for place in (left, left + 1):
-        if not around.done[place]:
-            walk(ground, eye, around, place)
-    ways = around.way
-    a, b, c, d = ways[left, at], ways[left + 1, at], ways[left, at + 1], ways[left + 1, at + 1]
-    begin, end = float(min(a, b)), float(max(c, d))
-    if begin == math.inf:
-        return math.inf
-    if end - begin < SMOOTH * ground.place[3] + SMOOTH_PART * begin:
-        across_bin = azimuth - left
-        low, high = a + across_bin * (b - a), c + across_bin * (d - c)
-        return float(_on_line((around.rises[at], around.rises[at + 1]), (low, high), z / across))
-    return float(_crossing(ground, eye, (x / across, y / across, z / across), begin, min(end, eye.reach)))
+@kernel
+def meet_ground(
+    ground: DrawnGround, eye: Eye, around: Panorama, rays: FloatArray, distance: np.ndarray, room: FloatArray
+) -> None:
+    """Write the distance from the eye to the ground along each ray, infinite where there is none [m].
+
+    Each step does one thing for all rays, so that the processor has the memory of several under way at once.
+
+    Args:
+        rays: unit vectors in map, (3, n). distance: (n,). room: to work in, (ROOM, n).
+    """
+    _bearings(around, rays, room)
+    last = around.way.shape[0] - 1
+    for i in range(distance.shape[0]):
+        left = min(int(room[AZIMUTH, i]), last - 1)
+        if not around.done[left]:
+            walk(ground, eye, around, left)
+        if not around.done[left + 1]:
+            walk(ground, eye, around, left + 1)
+    _brackets(ground, around, rays, distance, room)
+    for i in range(distance.shape[0]):
+        across = room[ACROSS, i]
+        if across < PLUMB:
+            distance[i] = -height_over(ground, eye, eye.place[0], eye.place[1], 0.0) if rays[2, i] < 0.0 else math.inf
+        elif distance[i] < 0.0:
+            ray = (rays[0, i] / across, rays[1, i] / across, rays[2, i] / across)
+            way = _crossing(ground, eye, ray, room[BEGIN, i], min(room[END, i], eye.reach))
+            distance[i] = way / across
 
 
-@small_kernel
+@vector_kernel
+def _bearings(around: Panorama, rays: FloatArray, room: FloatArray) -> None:
+    """Of rays: azimuth and height in bins, way over ground for each metre."""
+    azimuths, lowest, bins = 0.25 * (around.way.shape[0] - 1), around.lowest, 1.0 / around.bin
+    for i in range(rays.shape[1]):
+        x, y = rays[0, i], rays[1, i]
+        room[ACROSS, i] = math.sqrt(x * x + y * y)
+        room[AZIMUTH, i] = azimuth_of(x, y) * azimuths
+        room[HEIGHT, i] = (rays[2, i] - lowest) * bins
+
+
+@vector_kernel
+def _brackets(ground: DrawnGround, around: Panorama, rays: FloatArray, distance: np.ndarray, room: FloatArray) -> None:
+    """Write the distance of rays where the walks beside them tell it, UNKNOWN where they say no more than between which
+    two ways it is.
+    """
+    ways, rises = around.way, around.rises
+    last, bins = ways.shape[0] - 1, rises.shape[0] - 1
+    for i in range(distance.shape[0]):
+        left, at = min(int(room[AZIMUTH, i]), last - 1), min(max(int(room[HEIGHT, i]), 0), bins - 1)
+        a, b, c, d = ways[left, at], ways[left + 1, at], ways[left, at + 1], ways[left + 1, at + 1]
+        begin, end = float(min(a, b)), float(max(c, d))
+        room[BEGIN, i], room[END, i] = begin, end
+        if begin == math.inf:
+            distance[i] = math.inf
+        elif end - begin < SMOOTH * ground.place[3] + SMOOTH_PART * begin:
+            across_bin, across = room[AZIMUTH, i] - left, room[ACROSS, i]
+            low, high = a + across_bin * (b - a), c + across_bin * (d - c)
+            distance[i] = _on_line((rises[at], rises[at + 1]), (low, high), rays[2, i] / across) / across
+        else:
+            distance[i] = UNKNOWN
+
+
+@vector_kernel
 def _on_line(rises: tuple[float, float], ways: tuple[float, float], rise: float) -> float:
     """Where a ray meets the straight ground between the places that two others meet [m].
 
@@ -268,12 +327,6 @@ def meetings(ground: DrawnGround, eye: Eye, around: Panorama, directions: FloatA
         directions: unit vectors in map, shape (n, 3).
     """
     found = np.empty(directions.shape[0])
-    for i in range(directions.shape[0]):
-        x, y, z = directions[i, 0], directions[i, 1], directions[i, 2]
-        way = first_meeting(ground, eye, around, x, y, z)
-        across = math.sqrt(x * x + y * y)
-        if across < 1e-7 and way == 0.0:
-            found[i] = -height_over(ground, eye, eye.place[0], eye.place[1], 0.0)
-        else:
-            found[i] = way / across if way < math.inf else math.inf
+    rays = np.ascontiguousarray(directions.T)
+    meet_ground(ground, eye, around, rays, found, np.empty((ROOM, found.shape[0])))
     return found

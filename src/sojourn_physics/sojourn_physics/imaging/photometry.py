@@ -17,7 +17,7 @@ camera has a bright edge. Under air the dust is taken as matt.
 import math
 from typing import NamedTuple
 
-from sojourn_machine.kernels import small_kernel
+from sojourn_machine.kernels import vector_kernel
 
 W, WIDTH, B0, FIRST, SECOND = 0.21, 0.07, 2.01, 0.29, 0.39
 """w, h, B0, b and c of the Moon."""
@@ -43,12 +43,12 @@ class Illumination(NamedTuple):
     """Of the sky on level ground."""
 
 
-@small_kernel
+@vector_kernel
 def _h(x: float) -> float:
     return (1.0 + 2.0 * x) / (1.0 + 2.0 * x * math.sqrt(1.0 - W))
 
 
-@small_kernel
+@vector_kernel
 def hapke(mu0: float, mu: float, cos_phase: float) -> float:
     """Reflectance of the Moon's mean regolith [1/sr]; mu0, mu: cosines of incidence and emission, more than 0."""
     cosine = min(max(cos_phase, -1.0), 1.0)
@@ -58,7 +58,7 @@ def hapke(mu0: float, mu: float, cos_phase: float) -> float:
     return float(W / (4.0 * math.pi) * mu0 / (mu0 + mu) * ((1.0 + surge) * phase + _h(mu0) * _h(mu) - 1.0))
 
 
-@small_kernel
+@vector_kernel
 def reflectance(look: Look, mu0: float, mu: float, cos_phase: float) -> float:
     """Of the ground [1/sr]; mu0, mu: cosines of incidence and emission; 0 where the Sun is behind."""
     if mu0 <= 0.0:
@@ -68,7 +68,7 @@ def reflectance(look: Look, mu0: float, mu: float, cos_phase: float) -> float:
     return look.albedo * mu0 / math.pi
 
 
-@small_kernel
+@vector_kernel
 def ambient(light: Illumination, albedo: float, ground: float, normal_z: float) -> float:
     """Radiance by the light of the sky and of sunlit ground around [W/m2/sr].
 

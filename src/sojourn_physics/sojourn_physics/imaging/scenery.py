@@ -11,15 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.body import ALBEDO, Shapes
+from sojourn_machine.shapes import ALBEDO, Shapes
 from sojourn_physics.imaging.camera import Optics
 from sojourn_physics.imaging.echoes import Sounded, echoes
 from sojourn_physics.imaging.ground import DrawnGround, seen_ground, with_changes
+from sojourn_physics.imaging.lighting import PlacedLens, Scene
 from sojourn_physics.imaging.panorama import Eye, panorama
 from sojourn_physics.imaging.photometry import Illumination, Look
 from sojourn_physics.imaging.ranging import Beams
-from sojourn_physics.imaging.render import PlacedLens, Scene, Soils, render
+from sojourn_physics.imaging.render import render
 from sojourn_physics.imaging.shadows import CastShadows, shadows
+from sojourn_physics.imaging.soils import Soils, soils_of
 from sojourn_physics.imaging.texture import grain
 from sojourn_physics.imaging.touch import way_ahead
 from sojourn_physics.terrain.height_field import HeightField
@@ -66,7 +68,7 @@ class Scenery:
         self._ground = seen_ground(field)
         self._last: tuple[GroundMemory | None, DrawnGround] = (None, self._ground)
         self._place = place
-        self._soils = Soils(field.soil_index, field.grid, np.array(place.brightness))
+        self._soils = soils_of(field, place.brightness)
         self._grain = grain(SLOPE, CONTRAST, field.resolution)
         self._look = Look(place.albedo, 1.0 if place.airless else 0.0)
         self._shadows = lru_cache(maxsize=2)(self._shadows_of)
@@ -139,7 +141,7 @@ def _as_bright(met: Sounded, reflectance: float) -> Sounded:
     """The same where all has one reflectance [-]."""
     sizes = met.body.sizes.copy()
     sizes[:, ALBEDO] = reflectance
-    soils = met.soils._replace(brightness=np.ones_like(met.soils.brightness))
+    soils = Soils(met.soils.of_node[:1, :1], met.soils.place, np.ones_like(met.soils.brightness))
     return Sounded(met.ground, soils, reflectance, met.body._replace(sizes=sizes))
 
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from sojourn_machine.kernels import kernel, small_kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.ground import DrawnGround, height_at, on_map
+from sojourn_physics.imaging.ground import DrawnGround, height_at, height_in, on_map
 
 BLOCK = 32
 """Nodes along the side of a block."""
@@ -123,12 +123,10 @@ def sunlit(ground: DrawnGround, cast: CastShadows, x: float, y: float, z: float)
         _block_ready(ground, cast, i + 1, j)
         _block_ready(ground, cast, i, j + 1)
         _block_ready(ground, cast, i + 1, j + 1)
-    v, u = row - i, column - j
-    a, b, c, d = (1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v
-    lit = a * cast.lit[i, j] + b * cast.lit[i, j + 1] + c * cast.lit[i + 1, j] + d * cast.lit[i + 1, j + 1]
+    lit = height_in(cast.lit, column, row)
     if z >= lit:
         return 1.0
-    dark = a * cast.dark[i, j] + b * cast.dark[i, j + 1] + c * cast.dark[i + 1, j] + d * cast.dark[i + 1, j + 1]
+    dark = height_in(cast.dark, column, row)
     part = (z - dark) / max(lit - dark, 1e-6)
     return float(min(max(part, 0.0), 1.0))
 

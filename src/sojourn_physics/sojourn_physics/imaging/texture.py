@@ -21,6 +21,7 @@ from sojourn_machine.kernels import small_kernel
 SIZE = 256
 """Texels along the side of the noise, a power of two."""
 MASK = SIZE - 1
+UNIT = np.uint64(1)
 WAVE = 4
 """Texels of a bump."""
 FINEST = 2.0**-10
@@ -66,10 +67,26 @@ def grain(slope: float, contrast: float, node: float) -> Grain:
 
 
 @small_kernel
-def grain_at(look: Grain, x: float, y: float, width: float) -> tuple[float, float, float]:
-    """Slope along x and y, and brightness less 1, at (x, y) in map, of all that is wider than `width` [m]."""
-    octave = max(math.frexp(width / FINEST)[1], 0)
-    bump = math.ldexp(FINEST, octave)
+def octave_for(look: Grain, width: float, octave: int) -> int:
+    """First octave whose bumps are wider than `width` [m], or than all that the ground has not.
+
+    Args:
+        octave: a guess, from 0 on, as that of a neighbour is.
+    """
+    bump = FINEST * (UNIT << np.uint64(octave))
+    while bump <= width and bump <= look.widest:
+        octave, bump = octave + 1, 2.0 * bump
+    while octave > 0 and 0.5 * bump > width:
+        octave, bump = octave - 1, 0.5 * bump
+    return octave
+
+
+@small_kernel
+def grain_at(look: Grain, x: float, y: float, width: float, octave: int) -> tuple[float, float, float]:
+    """Slope along x and y, and brightness less 1, at (x, y) in map, of all that is wider than `width` [m], from an
+    octave on, see `octave_for`.
+    """
+    bump = FINEST * (UNIT << np.uint64(octave))
     weight = np.float32(min(max(bump / width - 1.0, 0.0), 1.0))
     slope_x, slope_y, bright = np.float32(0.0), np.float32(0.0), np.float32(0.0)
     texels = WAVE / bump

@@ -10,11 +10,13 @@ between joints (rocker differential) are linear constraints on the rates, solved
 rate and the drift of the closed loop back to zero. B holds the slopes of the joint torques (see
 `joint_drive`).
 
-A base that is fixed (an arm on a stand) has six more rows, A = [1 0] on its own six rates: -λ is then the wrench on
-the foundation, and the state of every machine has one form.
+A machine that floats in orbit has the bias forces of `orbital_bias`. A base that is fixed (an arm on a stand) has six
+more rows, A = [1 0] on its own six rates: -λ is then the wrench on the foundation, and the state of every machine has
+one form.
 """
 
 import copy
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -36,6 +38,7 @@ from sojourn_physics.contact.soil_needs import needs_of_soil
 from sojourn_physics.contact.support_tables import support_tables
 from sojourn_physics.environment.air.wind import MovingAir
 from sojourn_physics.environment.gravity.field import MAP_ORIGIN, GravityField
+from sojourn_physics.environment.gravity.tide import TidalField
 from sojourn_physics.environment.sun.over import SunOver
 from sojourn_physics.plant.heat import PlantHeat, PlantHeatState
 from sojourn_physics.plant.joint_tables import joint_tables
@@ -74,6 +77,17 @@ class Site(NamedTuple):
     """Round the nodes of a machine whose heat is known."""
 
 
+class PlantGiven(NamedTuple):
+    """What a plant is made of; see `PlantModel`."""
+
+    urdf_xml: str
+    machine: MachineParams
+    site: Site
+    power: PowerParams
+    simulation: SimulationParams | None = None
+    tool: ToolParams | None = None
+
+
 class PlantModel:
     """Fixed part of the plant. Its working memory makes it unfit for two threads; make one model for each.
 
@@ -100,12 +114,14 @@ class PlantModel:
         simulation: SimulationParams | None = None,
         tool: ToolParams | None = None,
     ) -> None:
+        self.given = PlantGiven(urdf_xml, machine, site, power, simulation, tool)
         gravity, terrain = site.field.gravity, site.terrain
         self.machine = machine = with_tool(machine, tool)
         self.terrain = terrain
         self.power = PowerNetwork(power)
         self.simulation = simulation or SimulationParams()
         self.field, self.gravity = site.field, gravity
+        self.tide = site.field if isinstance(site.field, TidalField) else None
         self.air, self.sun = site.air, site.sun
         self.multibody = pin.buildModelFromXML(urdf_xml, pin.JointModelFreeFlyer())
         self.multibody.gravity.linear = self.field.acceleration(MAP_ORIGIN)
@@ -132,6 +148,8 @@ class PlantModel:
         self.memory = MemoryBoard(self.untouched_ground)
         self.tool = None if tool is None else MountedTool(self, tool, ground, site.objects)
         self.roll_over_cosine = float(np.cos(np.radians(machine.roll_over_tilt_deg)))
+        if machine.floats:  # which has no way up
+            self.roll_over_cosine = -math.inf
         self._make_workspace()
         self._check_springs()
 
@@ -161,7 +179,7 @@ class PlantModel:
         Returns:
             force of the air in map, (3,) [N]; None where no wind blows.
         """
-        if self.field.uniform and self.air is None:
+        if (self.field.uniform or self.tide is not None) and self.air is None:
             return None
         moving = pin.Quaternion(configuration[3:7]) * velocity[:3]
         acceleration = self.field.acceleration(configuration[:3], moving)

@@ -1,28 +1,11 @@
-"""Parameters of a run of the plant: how it is integrated, and what fails in it."""
+"""Parameters of a run of the plant: how it is integrated."""
 
-from typing import Literal, Self
+from typing import Self
 
 from pydantic import Field, model_validator
 
 from sojourn_machine.params import Params
 from sojourn_machine.timing import CONTROL_PERIOD_S
-
-
-class FaultParams(Params):
-    """One motor that fails."""
-
-    joint: str = Field(min_length=1, description="joint with a motor")
-    kind: Literal["locked", "dead"] = Field(description="locked: holds its angle; dead: gives no torque")
-    at_s: float = Field(ge=0.0, le=1e6, description="simulated time at which it fails [s]")
-    angle_deg: float | None = Field(
-        default=None, ge=-360.0, le=360.0, description="angle at which it locks; none: where it is [degree]"
-    )
-
-    @model_validator(mode="after")
-    def _only_a_lock_has_an_angle(self) -> Self:
-        if self.kind == "dead" and self.angle_deg is not None:
-            raise ValueError(f"angle_deg = {self.angle_deg:g} of {self.joint}: only a locked joint has an angle")
-        return self
 
 
 class LeapParams(Params):

@@ -33,6 +33,7 @@ from sojourn_physics.plant.flight import flight_after
 from sojourn_physics.plant.heat import Moved
 from sojourn_physics.plant.kernels import SOIL_WORK, advance
 from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.orbital_bias import orbital_bias
 from sojourn_physics.plant.state import EnergyAccount, PlantCommand, PlantOutput, PlantState, zeros_command
 from sojourn_physics.plant.supply import powered
 from sojourn_physics.plant.tools.mounted_tool import NO_ENERGY
@@ -65,6 +66,8 @@ def step(model: PlantModel, state: PlantState, command: PlantCommand) -> tuple[P
         InvalidValueError: a command of another shape or not finite; a state that has become infinite.
     """
     _check_command(model, command)
+    if model.power.stuck:
+        command = replace(command, load_fractions=model.power.as_switched(command.load_fractions))
     conditions, parameters = model.conditions, model.joints.parameters
     if conditions is not None and state.conditions is not None:
         parameters = conditions.now(state.conditions)
@@ -115,12 +118,15 @@ def _sub_steps(model: PlantModel, state: PlantState) -> tuple[FloatArray, bool, 
     """The physics steps of a period: the configuration at its end, whether all contacts were on the map, and the states
     of the drives whose law is their own.
     """
-    multibody, data, work, drives = model.multibody, model.data, model.work, model.outside
+    multibody, data, work, drives, tide = model.multibody, model.data, model.work, model.outside, model.tide
     period, rates, displacement = work.period, work.rates, work.tables.motion.displacement
     configuration, outside, on_map = state.configuration, state.outside, True
     for i in range(model.simulation.substeps):
         pin.crba(multibody, data, configuration, pin.Convention.WORLD)
-        pin.nonLinearEffects(multibody, data, configuration, rates[i])
+        if tide is None:
+            pin.nonLinearEffects(multibody, data, configuration, rates[i])
+        else:
+            model.bias[:] = orbital_bias(multibody, data, tide, configuration, rates[i])
         if outside:
             drives.push(work.tables, outside, i)
         on_map &= advance(period, i)
@@ -227,16 +233,7 @@ def initial_state(
         InvalidValueError: unknown joint; a place where the machine does not come to rest as asked for.
         OutsideTerrainError: no ground there.
     """
-    configuration = pin.neutral(model.multibody)
-    command = zeros_command(len(model.joints.names), len(model.loads))
-    for name, angle in (angles or {}).items():
-        index = int(model.reference_rows([name])[0])
-        joint = model.multibody.joints[index + 2]
-        if joint.nq == 2:
-            configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
-        else:
-            configuration[joint.idx_q] = angle
-        command.reference[0, index] = angle
+    configuration, command = in_posture(model, angles or {})
     wanted = np.array([x, y, yaw])
     start = _put_down(model, configuration, command, wanted, soc)
     state = _settled(model, start, command)
@@ -255,6 +252,21 @@ def initial_state(
         f"at rest {1e3 * np.hypot(*offset[:2]):.1f} mm and {1e3 * abs(offset[2]):.1f} mrad off",
         f"a place where the machine rests within {1e3 * PLACEMENT_TOLERANCE:g} mm and mrad of it",
     )
+
+
+def in_posture(model: PlantModel, angles: dict[str, float]) -> tuple[FloatArray, PlantCommand]:
+    """Configuration (nq,) with joints at angles by name [rad], others at zero, and the command that holds them."""
+    configuration = pin.neutral(model.multibody)
+    command = zeros_command(len(model.joints.names), len(model.loads))
+    for name, angle in angles.items():
+        index = int(model.reference_rows([name])[0])
+        joint = model.multibody.joints[index + 2]
+        if joint.nq == 2:
+            configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
+        else:
+            configuration[joint.idx_q] = angle
+        command.reference[0, index] = angle
+    return configuration, command
 
 
 def _place(state: PlantState) -> FloatArray:
@@ -309,6 +321,11 @@ def _put_down(model: PlantModel, posture: FloatArray, command: PlantCommand, aim
     configuration = posture.copy()
     configuration[:3] = np.array([x, y, height]) + _standing_height(model, configuration) * normal
     configuration[3:7] = pin.Quaternion(rotation).coeffs()
+    return unmoved(model, configuration, command, soc)
+
+
+def unmoved(model: PlantModel, configuration: FloatArray, command: PlantCommand, soc: float) -> PlantState:
+    """The machine at rest in a configuration, (nq,), before anything has acted on it."""
     joints = np.zeros((STATE_ROWS, len(model.joints.names)))
     joints[0] = command.reference[0]
     power = model.power.initial_state(soc)

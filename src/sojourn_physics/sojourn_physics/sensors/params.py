@@ -85,6 +85,13 @@ class SensorSuiteParams(Params):
         """The suite with a sensor of that name, unless it has one or there is none to add."""
         return self if params is None or name in self.named else self.model_copy(update={name: params})
 
+    def with_fault(self, sensor: str, name: str, fault: SensorFaultParams) -> Self:
+        """The suite with one more fault of a sensor that it has."""
+        if sensor == JOINTS:
+            return self.model_copy(update={"joint_faults": {**self.joint_faults, name: fault}})
+        params = self.named[sensor]
+        return self.model_copy(update={sensor: params.model_copy(update={"faults": {**params.faults, name: fault}})})
+
     @model_serializer(mode="wrap")
     def _with_kinds(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """As the file: a sensor that is not named by its kind says which it is."""

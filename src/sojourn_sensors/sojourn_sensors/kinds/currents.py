@@ -19,7 +19,7 @@ from sojourn_machine.params import FloatArray
 from sojourn_machine.power.power_params import PowerParams
 from sojourn_machine.sensor_choice import MachinePart, SensorParams
 from sojourn_physics.sensors.bus import ChannelParams
-from sojourn_physics.sensors.noise import NoiseStream, draw, initial_streams, quantise_within
+from sojourn_physics.sensors.channels import ChannelsState, initial_channels, read_channels
 from sojourn_sensors.part_temperature import LOADS, STORES
 from sojourn_sensors.sensor import Sensor, SensorSite, Truth
 
@@ -55,12 +55,11 @@ class StringCurrentsParams(SensorParams):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CurrentsMemory:
-    """Offsets of the channels and what was told last: of each load (n,) [W], of each store (stores,) [V]."""
+    """The channels, and what was told last: of each load (n,) [W], of each store (stores,) [V]."""
 
-    offset: FloatArray
+    channels: ChannelsState
     power: FloatArray
     voltage: FloatArray
-    stream: NoiseStream
 
 
 class StringCurrents(Sensor[StringCurrentsParams, CurrentsMemory, FloatArray]):
@@ -72,14 +71,11 @@ class StringCurrents(Sensor[StringCurrentsParams, CurrentsMemory, FloatArray]):
         super().__init__(name, params, site)
         self._voltages = [row.name for row in site.table.each(STORES)]
         self._stores = np.array([_store_of(site, load) for load in params.loads], dtype=np.int64)
-        of_each = params.current.model_dump()
-        self._channel = {key: np.full(len(params.loads), of_each[key]) for key in of_each}
 
     def initial_state(self, truth: Truth) -> CurrentsMemory:
-        names = {f"{self.name}.{load}": 1 for load in self.params.loads}
-        stream, row = draw(initial_streams(self.site.seed, names))
-        count = len(self.params.loads)
-        return CurrentsMemory(row * self._channel["offset"], np.zeros(count), np.ones(len(self._voltages)), stream)
+        loads = self.params.loads
+        channels = initial_channels(self.params.current, self.site.seed, [f"{self.name}.{load}" for load in loads])
+        return CurrentsMemory(channels, np.zeros(len(loads)), np.ones(len(self._voltages)))
 
     def step(self, state: CurrentsMemory, truth: Truth, dt: float) -> tuple[CurrentsMemory, FloatArray]:
         power, voltage = state.power, state.voltage.copy()
@@ -92,11 +88,8 @@ class StringCurrents(Sensor[StringCurrentsParams, CurrentsMemory, FloatArray]):
                 voltage[place] = message.voltage
         on_bus = voltage[self._stores]
         true = np.divide(power, on_bus, out=np.zeros_like(power), where=on_bus > 0.0)
-        stream, noise = draw(state.stream)
-        of = self._channel
-        limits = of["minimum"], of["maximum"]
-        reading = quantise_within(true, state.offset, of["noise"], noise, of["resolution"], *limits)
-        return CurrentsMemory(state.offset, power, voltage, stream), reading
+        channels, reading = read_channels(self.params.current, state.channels, true)
+        return CurrentsMemory(channels, power, voltage), reading
 
     def step_without_power(self, state: CurrentsMemory, truth: Truth, dt: float) -> tuple[CurrentsMemory, None]:
         return self.step(state, truth, dt)[0], None

@@ -1,6 +1,7 @@
-"""The hazard camera: /hazcam/points, the ground in its view."""
+"""The hazard camera: /hazcam/points, the ground in its view as it is now, and what of the machine is before it."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -8,13 +9,18 @@ from numpy.typing import NDArray
 
 from sojourn_contract import stamps
 from sojourn_contract.clouds import point_cloud
+from sojourn_contract.ground import GROUND
 from sojourn_contract.topics import topic
 from sojourn_machine.sensor_choice import SensorParams
+from sojourn_machine.shapes import MachineShapes, Shapes
+from sojourn_physics.imaging.ground import changes_within
 from sojourn_physics.sensors import hazcam
 from sojourn_physics.sensors.hazcam import HazcamParams
 from sojourn_physics.sensors.noise import NoiseStream
+from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_sensors.fault_hooks import FaultNow
 from sojourn_sensors.motion import rotation_matrix
+from sojourn_sensors.seeing import heard_of
 from sojourn_sensors.sensor import Sensor, SensorSite, Truth
 
 ROW = topic("/hazcam/points")
@@ -26,6 +32,7 @@ class HazcamSensorParams(HazcamParams, SensorParams):
 
     kind: str = "hazcam"
     speaks_on: ClassVar[tuple[Any, ...]] = (ROW,)
+    hears: ClassVar[tuple[Any, ...]] = (GROUND,)
 
     @classmethod
     def silence(cls, stamp: int) -> Iterable[tuple[str, Any]]:
@@ -36,7 +43,15 @@ class HazcamSensorParams(HazcamParams, SensorParams):
         return HazcamSensor(name, self, site)
 
 
-class HazcamSensor(Sensor[HazcamSensorParams, NoiseStream, NDArray[np.float32]]):
+@dataclass(frozen=True, eq=False, slots=True)
+class HazcamMemory:
+    """What it remembers: its noise, and what it was told of the ground."""
+
+    noise: NoiseStream
+    ground: GroundMemory
+
+
+class HazcamSensor(Sensor[HazcamSensorParams, HazcamMemory, NDArray[np.float32]]):
     """Points in base_link, (n, 3) [m]; none without power, nor in the dark where it has no lamp."""
 
     every: ClassVar[int] = ROW.every
@@ -45,16 +60,34 @@ class HazcamSensor(Sensor[HazcamSensorParams, NoiseStream, NDArray[np.float32]])
         super().__init__(name, params, site)
         self._camera = hazcam.hazcam_on(params, site.scenario.urdf_xml)
         self._lens_to_base, self._place = site.mounting(params.link)
-        self._ground = site.ground
+        self._shapes = MachineShapes(site.scenario.urdf_xml, params.link) if params.sees_body else None
         self._sun = site.scenario.sun_over(lambda: site.ground)
 
-    def initial_state(self, truth: Truth) -> NoiseStream:
-        return hazcam.initial_state(self._camera, self.site.seed, self.name)
+    def initial_state(self, truth: Truth) -> HazcamMemory:
+        noise = hazcam.initial_state(self._camera, self.site.seed, self.name)
+        return HazcamMemory(noise, heard_of(self.site.untouched, truth))
 
-    def step(self, state: NoiseStream, truth: Truth, dt: float) -> tuple[NoiseStream, NDArray[np.float32]]:
-        rotation = rotation_matrix(truth.odometry.orientation)
-        after, points = hazcam.step(self._camera, state, self._ground, truth.odometry.position, rotation)
-        return after, NO_POINTS if self._is_dark(truth) else points
+    def step(self, state: HazcamMemory, truth: Truth, dt: float) -> tuple[HazcamMemory, NDArray[np.float32]]:
+        position, rotation = truth.odometry.position, rotation_matrix(truth.odometry.orientation)
+        ground = heard_of(state.ground, truth)
+        x, y, _ = position + rotation @ self._place
+        changes = changes_within(ground, float(x), float(y), self.params.range)
+        seen = hazcam.HazcamView(self.site.ground, changes, self._body(truth))
+        noise, points = hazcam.step(self._camera, state.noise, seen, position, rotation)
+        return HazcamMemory(noise, ground), NO_POINTS if self._is_dark(truth) else points
+
+    def step_without_power(self, state: HazcamMemory, truth: Truth, dt: float) -> tuple[HazcamMemory, None]:
+        return self.hear(state, truth), None
+
+    def hear(self, state: HazcamMemory, truth: Truth) -> HazcamMemory:
+        ground = heard_of(state.ground, truth)
+        return state if ground is state.ground else HazcamMemory(state.noise, ground)
+
+    def _body(self, truth: Truth) -> Shapes | None:
+        if self._shapes is None:
+            return None
+        _, _, body = self._shapes.at(truth.joints.names, truth.joints.position)
+        return body
 
     def _is_dark(self, truth: Truth) -> bool:
         if self.params.least_light == 0.0:

@@ -2,8 +2,8 @@
 
     n = sqrt(GM/r^3)
     shadow    share acos(sqrt(r^2 - R^2) / (r cos beta)) / pi of the orbit while |beta| < asin(R/r)
-    node      -3/2 n J2 (R_e/r)^2 cos i
-    perigee    3/4 n J2 (R_e/r)^2 (5 cos^2 i - 1), of an orbit that is almost circular
+    node      -3/2 n J2 (R_e/p)^2 cos i
+    perigee    3/4 n J2 (R_e/p)^2 (5 cos^2 i - 1),     p the semi-latus rectum, of a circle its radius
     torque    3 n^2 u x I u, u the unit vector to the body's centre
 
 (Vallado 2013, Fundamentals of Astrodynamics and Applications, sections 5.3 and 9.6; Wertz 1978, Spacecraft Attitude
@@ -14,6 +14,7 @@ those of the first order in J2, mean over the orbit. Range of the torque: a spac
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -38,6 +39,11 @@ class CircularOrbit:
             raise InvalidValueError("gravitational parameter", self.gravitational_parameter, "more than 0")
         if not 0.0 < self.body_radius < self.radius or not math.isfinite(self.radius):
             raise InvalidValueError("radius of the orbit", self.radius, f"more than {self.body_radius:g} m, the body's")
+
+    @property
+    def semi_latus_rectum(self) -> float:
+        """[m]"""
+        return self.radius
 
     @property
     def rate(self) -> float:
@@ -78,20 +84,32 @@ class CircularOrbit:
         return torque
 
 
+class TurnedOrbit(Protocol):
+    """What a flattened body turns."""
+
+    @property
+    def rate(self) -> float:
+        """Mean motion [rad/s]."""
+
+    @property
+    def semi_latus_rectum(self) -> float:
+        """[m]"""
+
+
 @dataclass(frozen=True, slots=True)
 class Flattening:
-    """What turns an orbit: J2 [-] with the radius it goes by [m]."""
+    """What turns an orbit, circular or not: J2 [-] with the radius it goes by [m]."""
 
     j2: float
     reference_radius: float
 
-    def node_rate(self, orbit: CircularOrbit, inclination: float) -> float:
+    def node_rate(self, orbit: TurnedOrbit, inclination: float) -> float:
         """Of the ascending node, eastward [rad/s]; inclination in radians."""
         return -1.5 * self._strength(orbit) * math.cos(inclination)
 
-    def perigee_rate(self, orbit: CircularOrbit, inclination: float) -> float:
+    def perigee_rate(self, orbit: TurnedOrbit, inclination: float) -> float:
         """Of the argument of perigee [rad/s]; inclination in radians."""
         return 0.75 * self._strength(orbit) * (5.0 * math.cos(inclination) ** 2 - 1.0)
 
-    def _strength(self, orbit: CircularOrbit) -> float:
-        return orbit.rate * self.j2 * (self.reference_radius / orbit.radius) ** 2
+    def _strength(self, orbit: TurnedOrbit) -> float:
+        return orbit.rate * self.j2 * (self.reference_radius / orbit.semi_latus_rectum) ** 2

@@ -1,0 +1,125 @@
+"""Whether the faults of a run showed as its scenario expects: detected in so many seconds, missed, or a false alarm.
+
+A fault is detected when the text that is expected stands in its field of a status, at the stamp of that status, within
+the time that is allowed from the stamp of the fault on. It is missed if that comes later or not at all. Where the text
+stands there before its fault has come it is a false alarm, whatever follows.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from sojourn_bags.reading import Bag
+from sojourn_contract.fault_messages import GONE, TOPIC
+from sojourn_machine.fault_choice import ExpectedDetection, FaultChoice
+
+DETECTED, MISSED, FALSE_ALARM, ABSENT, UNJUDGED = "detected", "missed", "false alarm", "did not come", "not judged"
+GOOD = (DETECTED, UNJUDGED)
+
+
+@dataclass(frozen=True)
+class FaultResult:
+    """What became of a fault.
+
+    Args:
+        fault: its name. kind: what it is, "" where the bag does not say. begin_s: when it came, None if it did not [s].
+        end_s: when it went, None if it did not [s]. outcome: one of the words above. after_s: from the fault to the
+            first time that it showed, or of a false alarm to the fault; None where it did not show [s].
+        expected: what should show it, in words; "" where nobody says.
+    """
+
+    fault: str
+    kind: str
+    begin_s: float | None
+    end_s: float | None
+    outcome: str
+    after_s: float | None
+    expected: str
+
+    @property
+    def good(self) -> bool:
+        """Whether it showed as it should, or nobody said how."""
+        return self.outcome in GOOD
+
+    @property
+    def words(self) -> str:
+        """For a terminal."""
+        if self.outcome == DETECTED:
+            return f"detected in {self.after_s:.1f} s"
+        if self.outcome == MISSED:
+            late = "" if self.after_s is None else f", it showed after {self.after_s:.1f} s"
+            return f"missed: {self.expected}{late}"
+        if self.outcome == FALSE_ALARM:
+            when = "though it never came" if self.after_s is None else f"{self.after_s:.1f} s before it came"
+            return f"false alarm: {self.expected}, {when}"
+        return self.outcome
+
+    def as_data(self) -> dict[str, object]:
+        """For the summary."""
+        return {**asdict(self), "good": self.good, "words": self.words}
+
+
+def judge_faults(bag: Bag, schedule: Sequence[FaultChoice]) -> list[FaultResult]:
+    """Results of the faults of a schedule in its order, then of those that came besides.
+
+    Args:
+        bag: of the run. schedule: of its scenario.
+    """
+    came = dict(_came(bag))
+    planned = {fault.called: fault for fault in schedule}
+    return [
+        _judged(bag, name, planned[name].kind if name in planned else came[name][0], came.get(name), planned.get(name))
+        for name in (*planned, *(name for name in came if name not in planned))
+    ]
+
+
+def sentence(results: Sequence[FaultResult]) -> str:
+    """All of them in a sentence for the verdict; "" where nothing was to be judged."""
+    judged = [result for result in results if result.outcome != UNJUDGED]
+    if not judged:
+        return ""
+    found = sum(result.outcome == DETECTED for result in judged)
+    others = "; ".join(f"{result.fault}: {result.words}" for result in judged if result.outcome != DETECTED)
+    return f"{found} of {len(judged)} faults were detected{': ' if others else '.'}{others}{'.' if others else ''}"
+
+
+def _came(bag: Bag) -> Iterator[tuple[str, tuple[str, float, float | None]]]:
+    """Kind, begin and end of each fault that has come, by its name."""
+    if TOPIC not in bag:
+        return
+    found: dict[str, tuple[str, float, float | None]] = {}
+    for time, status in zip(bag[TOPIC].times.tolist(), bag[TOPIC].statuses(), strict=True):
+        name = status.get("name", "")
+        if status.get("state") != GONE and name not in found:
+            found[name] = (status.get("kind", ""), time, None)
+        elif status.get("state") == GONE and name in found:
+            found[name] = (*found[name][:2], time)
+    yield from found.items()
+
+
+def _judged(
+    bag: Bag, name: str, kind: str, came: tuple[str, float, float | None] | None, planned: FaultChoice | None
+) -> FaultResult:
+    begin, end = (None, None) if came is None else came[1:]
+    expect = None if planned is None else planned.expect
+    if expect is None:
+        return FaultResult(name, kind, begin, end, UNJUDGED if begin is not None else ABSENT, None, "")
+    words = f"{expect.says!r} in {expect.field} of {expect.topic} within {expect.within:g} s"
+    shows = _shows(bag, expect)
+    if shows and (begin is None or shows[0] < begin):
+        early = None if begin is None else begin - shows[0]
+        return FaultResult(name, kind, begin, end, FALSE_ALARM, early, words)
+    if begin is None:
+        return FaultResult(name, kind, begin, end, ABSENT, None, words)
+    after = shows[0] - begin if shows else None
+    in_time = after is not None and after <= expect.within
+    return FaultResult(name, kind, begin, end, DETECTED if in_time else MISSED, after, words)
+
+
+def _shows(bag: Bag, expect: ExpectedDetection) -> list[float]:
+    """When the text stands where it is expected [s]."""
+    if expect.topic not in bag:
+        return []
+    messages = bag[expect.topic]
+    pairs: Any = zip(messages.times.tolist(), messages.statuses(), strict=True)
+    return [time for time, status in pairs if expect.says in status.get(expect.field, "")]

@@ -1,0 +1,65 @@
+"""The work of scripts/alarms: limits, a bag or a running stack, what is printed."""
+
+import argparse
+import getpass
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import yaml
+
+from sojourn_bags.errors import BagsError
+from sojourn_bags.reading import read_bag
+from sojourn_bringup.alarm_lines import alarm_lines
+from sojourn_bringup.alarms import SCENARIO
+from sojourn_bringup.alarms_bag import watched_bag
+from sojourn_config.command_errors import UsageError
+from sojourn_contract.errors import UnknownFieldNameError
+from sojourn_contract.run_table import table_of
+from sojourn_operator.alarms.events import Event
+from sojourn_operator.alarms.params import Severity
+from sojourn_operator.alarms.watch import Watch, WatchState, limits_of
+from sojourn_operator.scenario_steps import named_scenario
+
+
+def run(given: argparse.Namespace) -> int:
+    """Watch, and say how it stands. Status as `main` says."""
+    try:
+        if given.show_limits:
+            limits = limits_of(named_scenario(given.scenario, given.machine, SCENARIO), given.limits)
+            print(yaml.safe_dump({name: params.model_dump(mode="json", exclude_defaults=True)
+                                  for name, params in limits.items()}, sort_keys=False), end="")  # fmt: skip
+            return 0
+        watch, state, log = _of_bag(given) if given.bag is not None else _of_stack(given)
+    except (BagsError, UnknownFieldNameError) as error:
+        raise UsageError(str(error)) from error
+    print("\n".join(alarm_lines(watch, state)))
+    if given.json is not None:
+        _write(given.json, watch, state, log)
+    return 1 if state.alarms.worst is Severity.CRITICAL else 0
+
+
+def _of_bag(given: argparse.Namespace) -> tuple[Watch, WatchState, list[Event]]:
+    watch, state, log = watched_bag(read_bag(given.bag), given.limits)
+    for event in log:
+        print(event.line())
+    return watch, state, log
+
+
+def _of_stack(given: argparse.Namespace) -> tuple[Watch, WatchState, list[Event]]:
+    from sojourn_bringup.alarms_live import AlarmDesk  # not above: a bag needs no ROS
+
+    scenario = named_scenario(given.scenario, given.machine, SCENARIO)
+    watch = Watch(limits_of(scenario, given.limits), table_of(scenario))
+    with AlarmDesk(given.domain, given.namespace, watch, given.who or getpass.getuser()) as desk:
+        desk.run(given.seconds, given.publish)
+    return watch, desk.state, desk.log
+
+
+def _write(file: Path, watch: Watch, state: WatchState, log: Sequence[Event]) -> None:
+    alarms = [{"alarm": status.name, **dict(status.values)} for status in watch.message(state).status]
+    data = {"log": [event.as_data() for event in log], "alarms": alarms}
+    try:
+        file.write_text(json.dumps(data, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"--json: {file} cannot be written: {error.strerror}") from error

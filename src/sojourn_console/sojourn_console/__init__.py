@@ -1,0 +1,1 @@
+import sojourn_machine  # noqa: F401 - holds the arithmetic before numpy is loaded

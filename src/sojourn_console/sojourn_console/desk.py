@@ -1,0 +1,126 @@
+"""What an operator can do to a run, whoever the machine is: send a goal, stop, cancel, pause, go on.
+
+A machine knows no pause of its drive: it is stopped, and the goal is sent again when it is to go on, without the points
+that have been passed. The arm knows one.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sojourn_console.draft import Draft
+from sojourn_console.errors import GoalError
+from sojourn_console.feed import Feed
+from sojourn_console.model import RunScene
+from sojourn_contract.heartbeat import status_message
+from sojourn_contract.values import TwistStamped
+from sojourn_operator.goal_messages import QUESTION, stop_messages
+
+PASSED = 0.6
+"""A point of a route counts as passed within so much of it [m]."""
+MOVING = "moving"
+
+
+@dataclass(frozen=True)
+class Sent:
+    """What has been sent last for a role.
+
+    Args:
+        draft: the goal. stamp: of it [ns]. passed: points of its way that have been passed. is_paused: stopped, to go
+            on.
+    """
+
+    draft: Draft
+    stamp: int
+    passed: int = 0
+    is_paused: bool = False
+
+    def rest(self) -> Draft:
+        """The goal without what has been passed; its last point stays."""
+        return replace(self.draft, points=self.draft.points[min(self.passed, len(self.draft.points) - 1) :])
+
+
+class CommandDesk:
+    """Of one run.
+
+    Args:
+        feed: to the run. start_height: of the ground at the start of the run [m].
+    """
+
+    def __init__(self, feed: Feed, start_height: float = 0.0) -> None:
+        self._feed, self._start_height = feed, start_height
+        self.driven: Sent | None = None
+        self._arm_is_paused = False
+
+    def send(self, draft: Draft) -> int:
+        """Send a goal. Returns its stamp [ns], by which its role reports on it. Raises GoalError."""
+        stamp = self._feed.now
+        self._feed.send(*draft.message(stamp, self._start_height))
+        if draft.is_way:
+            self.driven = Sent(draft, stamp)
+        return stamp
+
+    def ask(self, draft: Draft) -> int:
+        """Ask the drive what a goal would take. Returns the stamp of the question [ns]. Raises GoalError."""
+        stamp = self._feed.now
+        self._feed.send(QUESTION, draft.question(stamp, self._start_height))
+        return stamp
+
+    def stop(self) -> None:
+        """Stop drive and arm, softly, as their own limits have it. Raises GoalError where neither hears it."""
+        self.driven, self._arm_is_paused = None, False
+        messages, problems = stop_messages(0), []  # without a stamp, so that none is too old
+        for name, message in messages:
+            try:
+                self._feed.send(name, message)
+            except GoalError as error:
+                problems.append(error)
+        if len(problems) == len(messages):
+            raise problems[0]
+
+    def cancel(self, scene: RunScene) -> str:
+        """End the goal that is under way. Returns what was ended, in words. Raises GoalError."""
+        self.driven, self._arm_is_paused = None, False
+        ended = []
+        for role, (name, message) in zip(("drive", "arm"), stop_messages(0), strict=True):
+            if scene.status(f"/{role}/status").get("state") == MOVING:
+                self._feed.send(name, message)
+                ended.append(role)
+        return f"goal of {' and '.join(ended)} cancelled" if ended else "there is no goal under way"
+
+    def pause(self, scene: RunScene) -> str:
+        """Come to rest, to go on. Returns what was paused, in words. Raises GoalError."""
+        paused = []
+        if scene.status("/drive/status").get("state") == MOVING and self.driven is not None:
+            self._feed.send("/cmd_vel", TwistStamped(0, "base_link", np.zeros(3), np.zeros(3)))
+            self.driven = replace(self.driven, is_paused=True)
+            paused.append("drive")
+        if scene.status("/arm/status").get("state") == MOVING:
+            self._feed.send("/arm/task", status_message(self._feed.now, "pause", {}))
+            self._arm_is_paused = True
+            paused.append("arm")
+        if paused:
+            return f"{' and '.join(paused)} paused"
+        return "there is nothing under way that was sent from here"
+
+    def resume(self) -> str:
+        """Go on. Returns with what, in words. Raises GoalError."""
+        going = []
+        if self.driven is not None and self.driven.is_paused:
+            self.send(self.driven.rest())
+            going.append("drive")
+        if self._arm_is_paused:
+            self._arm_is_paused = False
+            self._feed.send("/arm/task", status_message(self._feed.now, "resume", {}))
+            going.append("arm")
+        return f"{' and '.join(going)} goes on" if going else "nothing is paused"
+
+    def look(self, scene: RunScene) -> None:
+        """See which points of the way have been passed."""
+        sent = self.driven
+        if sent is None or scene.pose is None or sent.passed >= len(sent.draft.points):
+            return
+        x, y = sent.draft.points[sent.passed][:2]
+        if math.hypot(scene.pose.position[0] - x, scene.pose.position[1] - y) < PASSED:
+            self.driven = replace(sent, passed=sent.passed + 1)

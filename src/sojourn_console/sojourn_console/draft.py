@@ -1,0 +1,92 @@
+"""A goal as it stands on the page before it is sent, as a plain value."""
+
+import itertools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from sojourn_console.errors import GoalError
+from sojourn_contract.heartbeat import status_message
+from sojourn_contract.values import UPRIGHT, Message, Path, PoseStamped
+from sojourn_operator.goal_messages import drive_goal, pose_message, question_message, route_goal
+from sojourn_physics.terrain.height_field import HeightField
+
+Point = tuple[float, float, float]
+"""x, y, z in map, or for the arm in base_link [m]."""
+Kind = Literal["drive", "route", "arm", "task"]
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A goal.
+
+    Args:
+        kind: of goal. points: of the way in map; of the arm the one place of its tip in base_link.
+        yaw: heading at the end [rad], None for any. task: its name. values: its numbers, as they are sent.
+    """
+
+    kind: Kind = "drive"
+    points: tuple[Point, ...] = ()
+    yaw: float | None = None
+    task: str = ""
+    values: Mapping[str, str] = field(default_factory=dict)
+
+    def with_point(self, point: Point) -> "Draft":
+        """With one more point of a route, or another place."""
+        return replace(self, points=(*self.points, point) if self.kind == "route" else (point,))
+
+    def without_last(self) -> "Draft":
+        """With one point less."""
+        return replace(self, points=self.points[:-1])
+
+    def moved(self, number: int, point: Point) -> "Draft":
+        """With one of its points elsewhere."""
+        return replace(self, points=(*self.points[:number], point, *self.points[number + 1 :]))
+
+    @property
+    def is_way(self) -> bool:
+        """Whether it is one for the drive."""
+        return self.kind in ("drive", "route")
+
+    @property
+    def length(self) -> float:
+        """Between its points [m]."""
+        return sum(math.dist(one[:2], other[:2]) for one, other in itertools.pairwise(self.points))
+
+    def check(self, ground: HeightField) -> None:
+        """Raise GoalError for what cannot be sent."""
+        if self.kind == "task":
+            if not self.task:
+                raise GoalError("task", "none is chosen")
+            return
+        if not self.points:
+            raise GoalError(self.kind, "there is no place yet: click on the ground")
+        if self.kind == "arm":
+            return
+        x_min, x_max, y_min, y_max = ground.bounds
+        for x, y, _ in self.points:
+            if not (x_min <= x <= x_max and y_min <= y <= y_max):
+                allowed = f"allowed is x from {x_min:g} to {x_max:g} m and y from {y_min:g} to {y_max:g} m"
+                raise GoalError(f"({x:.2f}, {y:.2f})", f"it is off the map: {allowed}")
+
+    def message(self, stamp: int, start_height: float = 0.0) -> tuple[str, Message]:
+        """Topic and message of it. start_height: of the ground at the start of the run [m]."""
+        if self.kind == "task":
+            return "/arm/task", status_message(stamp, self.task, dict(self.values))
+        if self.kind == "arm":
+            return "/arm/goal_pose", pose_message(stamp, "base_link", self.points[0], UPRIGHT)
+        way = self._way(stamp, start_height)
+        return ("/goal_pose" if isinstance(way, PoseStamped) else "/waypoints"), way
+
+    def question(self, stamp: int, start_height: float = 0.0) -> Path:
+        """What asks the drive what it would take. Raises GoalError for a goal of the arm."""
+        if not self.is_way:
+            raise GoalError(self.kind, "the drive can be asked about ways alone")
+        return question_message(self._way(stamp, start_height))
+
+    def _way(self, stamp: int, start_height: float) -> PoseStamped | Path:
+        if self.kind == "drive":
+            x, y, z = self.points[0]
+            return drive_goal(stamp, (x, y), self.yaw, "map", z - start_height)
+        return route_goal(stamp, [(x, y) for x, y, _ in self.points], self.yaw, "map")

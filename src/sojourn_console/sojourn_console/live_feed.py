@@ -1,0 +1,191 @@
+"""A running stack heard over its topics, and spoken to over those of the operator.
+
+The console is one more listener: no role waits for it, and what it does not look at it does not hear. It hears /clock
+alone until the run goes, because nodes that wait for their listeners must not count this one among them.
+
+All of the ROS library is used by one thread, which others ask by a queue.
+"""
+
+import os
+import queue
+import threading
+from collections import deque
+from collections.abc import Callable, Collection
+from typing import Any
+
+import rclpy
+from rclpy.experimental import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from sojourn_bringup.instance import RoleInUseError, RoleTokens
+from sojourn_config.ros_environment import ros_variables
+from sojourn_console.errors import GoalError
+from sojourn_console.feed import FeedMessage
+from sojourn_contract import qos
+from sojourn_contract.codecs import encode
+from sojourn_contract.decoding import stamp_of
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topic_types import Topic
+from sojourn_contract.types import message_class
+from sojourn_contract.values import Message
+
+CLOCK = "/clock"
+ROLE = "console"
+MOST_WAITING = 20_000
+"""Messages of a topic that is wanted in full, at most, until they are fetched."""
+_SPIN_S = 0.02
+_MATCH_S = 2.0
+"""Wall time within which whoever acts on a goal must have been found."""
+
+
+class LiveFeed:
+    """Ears and mouth on a domain. It begins to listen at once.
+
+    Args:
+        domain, namespace: where the stack is. table: the topics of its run.
+    """
+
+    def __init__(self, domain: int, namespace: str, table: TopicTable) -> None:
+        self.now = 0
+        self._table, self._namespace = table, namespace
+        self._waiting: dict[str, deque[bytes]] = {}
+        self._readers: dict[str, Any] = {}
+        self._senders: dict[str, Any] = {}
+        self._tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._looked_at: frozenset[str] = frozenset()
+        self._in_full: frozenset[str] = frozenset()
+        self._is_on = True
+        self._refusal = ""
+        self._jumped = False
+        self._token = RoleTokens(domain, namespace, (ROLE,))
+        try:
+            self._token.__enter__()
+        except RoleInUseError as error:
+            who = f"process {error.holder}" if error.holder else "another process"
+            self._refusal = f"{who} is a console with the control here: this one looks on"
+        os.environ.update(ros_variables(domain))
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        self._node = rclpy.create_node(
+            ROLE, namespace=namespace or None, enable_rosout=False, start_parameter_services=False
+        )
+        self._executor = EventsExecutor()
+        self._executor.add_node(self._node)
+        self._listen(table.topic(CLOCK), in_full=False)
+        self._thread = threading.Thread(target=self._run, name="topics", daemon=True)
+        self._thread.start()
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether the run goes: its clock has been heard."""
+        return self.now > 0
+
+    def poll(self) -> list[FeedMessage]:
+        found: list[FeedMessage] = []
+        for name, waiting in list(self._waiting.items()):
+            row = self._table.topic(name)
+            while waiting:
+                data = waiting.popleft()
+                try:
+                    found.append(FeedMessage(row, data, stamp_of(name, data)))
+                except RefusedMessageError:
+                    found.append(FeedMessage(row, data, self.now))  # who reads it counts it
+        found.sort(key=lambda heard: heard.time)
+        if found:
+            newest = found[-1].time
+            self._jumped = self._jumped or newest < self.now - 1_000_000_000  # another run has begun on the domain
+            self.now = newest if self._jumped else max(self.now, newest)
+        return [heard for heard in found if heard.row.name != CLOCK]
+
+    def want(self, looked_at: Collection[str], in_full: Collection[str]) -> None:
+        wanted, full = frozenset((*looked_at, *in_full)), frozenset(in_full)
+        if (wanted, full) != (self._looked_at, self._in_full):
+            self._looked_at, self._in_full = wanted, full
+            self._tasks.put(self._listen_as_wanted)
+
+    def has_jumped(self) -> bool:
+        jumped, self._jumped = self._jumped, False
+        return jumped
+
+    def refusal(self) -> str:
+        if self._refusal:
+            return self._refusal
+        return "" if self.is_heard else "no run is heard yet"
+
+    def send(self, name: str, message: Message) -> None:
+        row = self._table.topic(name)
+        if not row.is_event or row.publisher != "operator":
+            raise GoalError(name, "allowed is a topic on which operators speak")
+        if self.refusal():
+            raise GoalError(name, self.refusal())
+        data, done = encode(row, message), threading.Event()
+        problems: list[str] = []
+        self._tasks.put(lambda: self._publish(row, data, problems, done))
+        if not done.wait(_MATCH_S + 1.0):
+            raise GoalError(name, "it could not be sent in time")
+        if problems:
+            raise GoalError(name, problems[0])
+
+    def close(self) -> None:
+        self._is_on = False
+        self._thread.join(timeout=5.0)
+        self._executor.remove_node(self._node)
+        self._node.destroy_node()
+        rclpy.try_shutdown()
+        self._token.__exit__(None, None, None)
+
+    def _run(self) -> None:
+        while self._is_on:
+            while not self._tasks.empty():
+                self._tasks.get()()
+            if self._looked_at and self.is_heard and len(self._readers) == 1:
+                self._listen_as_wanted()
+            self._executor.spin_once(timeout_sec=_SPIN_S)
+
+    def _listen_as_wanted(self) -> None:
+        if not self.is_heard:
+            return
+        for name in set(self._readers) - self._looked_at - {CLOCK}:
+            self._node.destroy_subscription(self._readers.pop(name))
+            self._waiting.pop(name, None)
+        for name in self._looked_at - self._readers.keys():
+            row = self._table.get(name)
+            if row is not None:
+                self._listen(row, name in self._in_full)
+        for name, waiting in self._waiting.items():
+            most = MOST_WAITING if name in self._in_full else 1
+            if waiting.maxlen != most:
+                self._waiting[name] = deque(waiting, most)
+
+    def _listen(self, row: Topic, in_full: bool) -> None:
+        self._waiting[row.name] = deque(maxlen=MOST_WAITING if in_full else 1)
+        waiting, name = self._waiting, row.name
+
+        def hear(data: bytes) -> None:
+            if name in waiting:
+                waiting[name].append(data)
+            if name == CLOCK and not self.now:
+                self.now = 1
+
+        profile = qos.profile(row, lockstep=name != CLOCK)
+        kind = message_class(row.type)
+        self._readers[name] = self._node.create_subscription(kind, name.lstrip("/"), hear, profile, raw=True)
+
+    def _publish(self, row: Topic, data: bytes, problems: list[str], done: threading.Event) -> None:
+        """On the topic, once whoever acts on it has been found."""
+        if row.name not in self._senders:
+            profile = qos.profile(row, lockstep=True)
+            self._senders[row.name] = self._node.create_publisher(
+                message_class(row.type), row.name.lstrip("/"), profile
+            )
+        sender = self._senders[row.name]
+        for _ in range(round(_MATCH_S / _SPIN_S)):
+            listeners = self._node.get_subscriptions_info_by_topic(sender.topic_name)
+            acting = [one for one in listeners if one.node_name not in ("recorder", ROLE)]
+            if acting and sender.get_subscription_count() >= len(listeners):
+                sender.publish(data)
+                break
+            self._executor.spin_once(timeout_sec=_SPIN_S)
+        else:
+            problems.append(f"nobody acts on it: is the role {' or '.join(row.subscribers)} there?")
+        done.set()

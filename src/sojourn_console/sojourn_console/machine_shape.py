@@ -1,0 +1,112 @@
+"""The shapes of a machine's links from its URDF, and where they are for given joint angles: by Pinocchio.
+
+Boxes, cylinders, spheres and meshes as Pinocchio reads them; a link without a visual shape is not drawn.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio
+import trimesh
+
+from sojourn_machine.params import FloatArray
+
+_GREY = (0.6, 0.6, 0.6, 1.0)
+_ROUND = 28
+"""Sides of what is drawn for a round thing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One shape: triangles in its own frame, and colour (3,), 0 to 255."""
+
+    name: str
+    vertices: FloatArray
+    faces: FloatArray
+    color: tuple[int, int, int]
+
+
+class MachineShape:
+    """Of one machine.
+
+    Args:
+        urdf: text of its URDF.
+    """
+
+    def __init__(self, urdf: str) -> None:
+        self._model = pinocchio.buildModelFromXML(urdf)
+        self._data = self._model.createData()
+        self._shapes = pinocchio.buildGeomFromUrdfString(self._model, urdf, pinocchio.GeometryType.VISUAL)
+        self._places = self._shapes.createData()
+        self._neutral = pinocchio.neutral(self._model)
+        self.parts = tuple(_part(shape) for shape in self._shapes.geometryObjects)
+        self._columns = {name: self._model.joints[number] for number, name in enumerate(self._model.names) if number}
+
+    def placements(self, joints: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+        """Where the parts are in base_link: positions (n, 3) [m] and orientations (n, 4) w x y z.
+
+        joints: angles [rad], ways [m]; a joint that is not named stands where it is zero.
+        """
+        self._place(joints)
+        pinocchio.updateGeometryPlacements(self._model, self._data, self._shapes, self._places)
+        poses = [pinocchio.SE3ToXYZQUAT(place) for place in self._places.oMg]
+        found = np.array(poses).reshape(-1, 7)
+        return found[:, :3], found[:, [6, 3, 4, 5]]
+
+    def standing(self) -> float:
+        """Height of base_link over flat, hard ground on which its lowest part stands, all joints at zero [m]."""
+        positions, turns = self.placements({})
+        lowest = [
+            float(
+                (pinocchio.Quaternion(turn[0], turn[1], turn[2], turn[3]).matrix() @ part.vertices.T)[2].min()
+                + place[2]
+            )
+            for part, place, turn in zip(self.parts, positions, turns, strict=True)
+        ]
+        return -min(lowest, default=0.0)
+
+    def link(self, name: str, joints: Mapping[str, float]) -> tuple[FloatArray, FloatArray] | None:
+        """Where a link's frame is in base_link: position (3,) [m], rotation (3, 3); None without such a link."""
+        if not self._model.existFrame(name):
+            return None
+        self._place(joints)
+        pinocchio.updateFramePlacements(self._model, self._data)
+        place = self._data.oMf[self._model.getFrameId(name)]
+        return np.array(place.translation), np.array(place.rotation)
+
+    def _place(self, joints: Mapping[str, float]) -> None:
+        configuration = self._neutral.copy()
+        for name, angle in joints.items():
+            joint = self._columns.get(name)
+            if joint is None:
+                continue
+            if joint.nq == 1:
+                configuration[joint.idx_q] = angle
+            else:  # a continuous joint is kept as cosine and sine
+                configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
+        pinocchio.forwardKinematics(self._model, self._data, configuration)
+
+
+def _part(shape: Any) -> Part:
+    mesh = _mesh(shape.geometry)
+    vertices = mesh.vertices * np.array(shape.meshScale)
+    color = np.array(shape.meshColor) if shape.meshColor is not None else np.array(_GREY)
+    red, green, blue = (round(255.0 * float(np.clip(part, 0.0, 1.0))) for part in color[:3])
+    return Part(shape.name, vertices, mesh.faces, (red, green, blue))
+
+
+def _mesh(shape: Any) -> trimesh.Trimesh:
+    kind = type(shape).__name__
+    if kind == "Box":
+        return trimesh.creation.box(2.0 * np.array(shape.halfSide))
+    if kind == "Cylinder":
+        return trimesh.creation.cylinder(shape.radius, 2.0 * shape.halfLength, sections=_ROUND)
+    if kind == "Capsule":
+        return trimesh.creation.capsule(2.0 * shape.halfLength, shape.radius, count=(_ROUND, _ROUND))
+    if kind == "Sphere":
+        return trimesh.creation.icosphere(3, shape.radius)
+    points = np.array([shape.vertex(number) for number in range(shape.num_vertices)])
+    triangles = [shape.tri_indices(number) for number in range(shape.num_tris)]
+    return trimesh.Trimesh(points, [[one[0], one[1], one[2]] for one in triangles], process=False)

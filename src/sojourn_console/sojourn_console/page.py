@@ -1,0 +1,129 @@
+"""The page: what is heard becomes a scene, the scene is drawn; panels beside it.
+
+A further panel is one more row of `PANELS`: a class with a title that is made from the bench (`panels.panel.Panel`).
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import viser
+
+from sojourn_console.bag_feed import BagFeed
+from sojourn_console.desk import CommandDesk
+from sojourn_console.feed import Feed
+from sojourn_console.gate import GuardedServer
+from sojourn_console.ground_tiles import heights_of
+from sojourn_console.machine_shape import MachineShape
+from sojourn_console.model import STATUSES, RunScene, after
+from sojourn_console.panels.goals import GoalsPanel
+from sojourn_console.panels.head import HeadPanel
+from sojourn_console.panels.panel import Panel, Workbench
+from sojourn_console.panels.scene_panel import ScenePanel
+from sojourn_console.panels.telemetry_panel import TelemetryPanel
+from sojourn_console.panels.time_line import TimeLinePanel
+from sojourn_console.views.all_views import VIEWS
+from sojourn_console.views.ground_view import GroundView
+from sojourn_console.world import World
+
+FRAMES = 30.0
+"""Scenes a second."""
+SLOW = 6
+"""Of so many scenes one is shown to the panels: text need not flicker."""
+ALWAYS = ("/odom", "/joint_states", "/battery_state", "/diagnostics", *STATUSES)
+"""Topics that are heard whatever is shown."""
+PANELS: tuple[type[Panel], ...] = (GoalsPanel, TelemetryPanel)
+"""Tabs besides that of the scene, in their order. Alarms, command stacks and zones are to enter here."""
+IN_FULL_OF_A_BAG = ("/odom", "/truth/contacts")
+"""Of what leaves traces every message counts where time may jump."""
+
+
+class Page:
+    """Of one run.
+
+    Args:
+        server: where it is served. world: of the run. feed: to it; closed with the page.
+    """
+
+    def __init__(self, server: GuardedServer, world: World, feed: Feed) -> None:
+        start = np.array([[world.scenario.start.x], [world.scenario.start.y]])
+        height = float(heights_of(world.ground, *start)[0])
+        self._first = RunScene(odom_height=height + MachineShape(world.scenario.urdf_xml).standing())
+        self.bench = Workbench(server, world, feed, CommandDesk(feed, height), scene=self._first)
+        server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="medium")
+        self._views = tuple(view(server, world) for view in VIEWS)
+        self._head: list[Panel] = [HeadPanel(self.bench)]
+        if isinstance(feed, BagFeed):
+            self._head.append(TimeLinePanel(self.bench, feed))
+        tabs = server.gui.add_tab_group()
+        self._tabs: list[Panel] = []
+        for panel in PANELS:
+            if not (panel.commands and isinstance(feed, BagFeed)):
+                with tabs.add_tab(panel.title):
+                    self._tabs.append(panel(self.bench))
+        with tabs.add_tab(ScenePanel.title):
+            self._scene_panel = ScenePanel(self.bench, self._views)
+        self._fold_all = frozenset(IN_FULL_OF_A_BAG if isinstance(feed, BagFeed) else ())
+        self._images = tuple(camera.topic for camera in world.cameras if camera.topic)
+        self._count = 0
+        server.on_client_disconnect(self._gone)
+
+    def run(self, goes_on: Callable[[], bool]) -> None:
+        """Show what comes, FRAMES times a second, for so long as that says."""
+        due = before = time.monotonic()
+        while goes_on():
+            now = time.monotonic()
+            if isinstance(self.bench.feed, BagFeed):
+                with self.bench.lock:
+                    self.bench.feed.advance(now - before)
+            before = now
+            self.look()
+            due = max(due + 1.0 / FRAMES, now)
+            time.sleep(max(due - time.monotonic(), 0.0))
+
+    def look(self) -> None:
+        """Take what has come, and show it."""
+        bench = self.bench
+        with bench.lock:
+            panels = [*self._head, *self._tabs]
+            in_full = self._fold_all.union(*(panel.topics_in_full() for panel in panels))
+            looked_at = {*ALWAYS, *self._scene_panel.topics(), *self._images}
+            looked_at.update(*(panel.topics() for panel in panels))
+            bench.feed.want(looked_at & {row.name for row in bench.world.table}, in_full)
+            if bench.feed.has_jumped():
+                self._clear()
+            heard = bench.feed.poll()
+            scene = replace(bench.scene, passed=())
+            newest = {one.row.name: place for place, one in enumerate(heard)}
+            for place, one in enumerate(heard):
+                if newest[one.row.name] == place or one.row.name in self._fold_all:
+                    scene = after(scene, one)
+            bench.scene = scene
+            for panel in panels:
+                panel.hear(heard)
+            self._count += 1
+            with bench.server.atomic():
+                self._scene_panel.show(scene)
+                for panel in panels if self._count % SLOW == 0 else ():
+                    panel.show(scene)
+            bench.desk.look(scene)
+
+    def close(self) -> None:
+        """End it, and the feed."""
+        for panel in self._tabs:
+            panel.clear()
+        self.bench.feed.close()
+        self.bench.server.stop()
+
+    def _clear(self) -> None:
+        self.bench.scene = self._first
+        for view in self._views:
+            if isinstance(view, GroundView):
+                view.clear()
+        for panel in (*self._head, *self._tabs):
+            panel.clear()
+
+    def _gone(self, client: viser.ClientHandle) -> None:
+        with self.bench.lock:
+            self.bench.control = self.bench.control.without(client.client_id)

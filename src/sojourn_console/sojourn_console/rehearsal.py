@@ -1,0 +1,145 @@
+"""A drive rehearsed: all apps of the run as one value, from where the machine believes to be, as fast as they go.
+
+The world of a rehearsal is what is believed: the scenario's files with `belief.` values in place of the truth's, the
+map for the ground, no faults. So what a run has been given as truth alone, another soil say, is not in it. It begins
+at rest, at the pose and the charge that drive and power manager tell, with the arm stowed.
+
+It is a program of its own, for it keeps a core busy; it prints what it has found so far, a line of JSON a time.
+"""
+
+import json
+import math
+import sys
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+
+from sojourn_config import command_line
+from sojourn_config.overrides import split_beliefs
+from sojourn_config.scenario import HEADS, TRUTH_ALONE, load_scenario
+from sojourn_console.draft import Draft
+from sojourn_console.errors import GoalError
+from sojourn_console.model import BasePose
+from sojourn_contract.clouds import columns_of
+from sojourn_contract.heartbeat import status_values
+from sojourn_contract.messages import yaw_of
+from sojourn_contract.run_table import table_of
+from sojourn_machine.params import FloatArray
+from sojourn_stack.apps import make_apps
+from sojourn_stack.stack import Said, Stack
+
+ROLES = ("plant", "sensors", "drive", "arm", "power", "operator")
+TELL_S = 0.5
+"""Wall time between two lines."""
+BEARING_N = 5.0
+"""A wheel that bears less slips as it likes, and it does not matter."""
+ROLLING = 0.02
+"""Speed below which a wheel's slip says little: it is 1 when the machine begins to move [m/s]."""
+LONGEST_S = 7200.0
+TRUTHS_ALONE = ("faults", "soil", "rock_soil", *TRUTH_ALONE)
+"""First words of what no machine believes."""
+
+
+@dataclass(frozen=True)
+class RehearsedDrive:
+    """What a rehearsal has found so far.
+
+    Args:
+        state, reason: of the drive's goal. time_s: since it began. length_m: driven. energy_wh: that the drive counts.
+        charge: by the power manager, 0 to 1. tilt_deg: the steepest. slip: the worst of a wheel that bears, 0 to 1.
+        mode: of the power manager. is_over: nothing more comes.
+    """
+
+    state: str = "begins"
+    reason: str = ""
+    time_s: float = 0.0
+    length_m: float = 0.0
+    energy_wh: float = 0.0
+    charge: float = math.nan
+    tilt_deg: float = 0.0
+    slip: float = 0.0
+    mode: str = ""
+    is_over: bool = False
+
+
+def believed(overrides: Sequence[str], pose: BasePose, charge: float, draft: Draft) -> list[str]:
+    """What goes over the files of a run's scenario for a rehearsal of a goal. Raises GoalError for one of the arm."""
+    if not draft.is_way or not draft.points:
+        raise GoalError(draft.kind, "ways alone can be rehearsed, with a point at least")
+    told, beliefs = split_beliefs(overrides, HEADS)
+    known = [text for text in told if text.partition("=")[0].partition(".")[0].partition("[")[0] not in TRUTHS_ALONE]
+    x, y = (float(one) for one in pose.position[:2])
+    yaw = {} if draft.yaw is None else {"yaw": draft.yaw}
+    places = [{"x": place[0], "y": place[1]} for place in draft.points]
+    step = {"drive_to": {**places[0], **yaw}} if draft.kind == "drive" else {"drive_route": {"points": places, **yaw}}
+    return [
+        *known,
+        *beliefs,
+        f"start={json.dumps({'x': x, 'y': y, 'yaw': yaw_of(pose.orientation) or 0.0})}",
+        f"battery_soc={min(max(charge, 0.0), 1.0)}",
+        f"steps={json.dumps([{**step, 'timeout_s': LONGEST_S}])}",
+        f"duration_limit_s={LONGEST_S}",
+        "faults=[]",
+    ]
+
+
+def rehearse(scenario: str, overrides: Sequence[str]) -> Iterator[RehearsedDrive]:
+    """Run a rehearsal, and tell after each control period what has been found. Raises ConfigError, StackError."""
+    loaded = load_scenario(scenario, overrides)
+    roles = [role for role in ROLES if role != "arm" or loaded.arm is not None]
+    stack = Stack(make_apps(loaded, roles), roles, table_of(loaded))
+    state, said = stack.begin()
+    found, place = RehearsedDrive(), None
+    while not state.finished:
+        state, said = stack.step(state)
+        found, place = after(found, place, said)
+        yield found
+    yield replace(found, is_over=True)
+
+
+def after(
+    found: RehearsedDrive, place: FloatArray | None, said: Iterable[Said]
+) -> tuple[RehearsedDrive, FloatArray | None]:
+    """What has been found after a period, and where the machine is then."""
+    speed = 0.0
+    for row, message in said:
+        if row.name == "/truth/odom":
+            speed = float(np.linalg.norm(message.linear))
+            way = 0.0 if place is None else float(np.linalg.norm(message.position[:2] - place[:2]))
+            place = message.position
+            x, y = message.orientation[:2]
+            tilt = math.degrees(math.acos(min(1.0 - 2.0 * float(x * x + y * y), 1.0)))
+            found = replace(found, length_m=found.length_m + way, tilt_deg=max(found.tilt_deg, tilt))
+        elif row.name == "/truth/contacts" and speed > ROLLING:
+            columns = columns_of(row.name, message, ("slip_ratio", "force_z"))
+            slips = np.abs(columns["slip_ratio"][columns["force_z"] > BEARING_N])
+            found = replace(found, slip=max(found.slip, float(slips.max(initial=0.0))))
+        elif row.name == "/drive/status":
+            values = status_values(message)
+            used = float(values.get("energy_used_wh", found.energy_wh))
+            found = replace(
+                found, state=values.get("state", ""), reason=values.get("reason", ""), energy_wh=used,
+                time_s=message.stamp * 1e-9,
+            )  # fmt: skip
+        elif row.name == "/battery_state":
+            found = replace(found, charge=message.percentage)
+        elif row.name == "/power/status":
+            found = replace(found, mode=status_values(message).get("mode", ""))
+    return found, place
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Rehearse: SCENARIO OVERRIDE ..., and print a line of JSON from time to time and at the end."""
+    scenario, *overrides = sys.argv[1:] if arguments is None else arguments
+    told = 0.0
+    for found in rehearse(scenario, overrides):
+        if found.is_over or time.monotonic() - told > TELL_S:
+            told = time.monotonic()
+            print(json.dumps(asdict(found)), flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    command_line.run_script(main)

@@ -1,0 +1,85 @@
+"""The ground, coloured by its soils, with the ruts as they form."""
+
+import time
+from typing import Any, ClassVar
+
+import numpy as np
+import viser
+
+from sojourn_console.ground_tiles import GroundTiles, TileKey
+from sojourn_console.model import RunScene
+from sojourn_console.world import World
+
+REDRAW_S = 2.0
+"""Wall time between two drawings of a tile: it is sent as a whole."""
+OUTDATED_S = 8.0
+"""A tile as it was stays so long, until even a slow browser has read the new one."""
+NAMES = 8
+"""Of one tile after the other; a name that comes again takes the place of its first bearer in viser's memory."""
+TOUCH_N = 1.0
+"""Of a pad that does not touch the force is zero."""
+NARROWEST = 0.04
+"""Half the width of a rut at least [m]."""
+
+
+class GroundView:
+    """Ruts are those of /truth/ground where the run tells them, else where /truth/contacts says so."""
+
+    title: ClassVar[str] = ""
+    needs: ClassVar[tuple[str, ...]] = ("/truth/contacts", "/truth/ground")
+    starts_shown: ClassVar[bool] = True
+
+    def __init__(self, server: viser.ViserServer, world: World) -> None:
+        self._server = server
+        self.tiles = GroundTiles(world.ground)
+        self._half_width = max(NARROWEST, _half_width(world))
+        self._drawn: dict[TileKey, tuple[Any, int]] = {}
+        self._stale: list[tuple[float, Any]] = []
+        self._changed: set[TileKey] = set()
+        self._redrawn_at = 0.0
+        self._last: Any = None
+        self._told = False
+        for key in self.tiles.keys():  # noqa: SIM118 - it is no mapping
+            self._draw(key)
+
+    def show(self, scene: RunScene) -> None:
+        if len(scene.lowered) and scene.lowered is not self._last:
+            self._last, self._told = scene.lowered, True
+            self._changed |= self.tiles.lower(scene.lowered[:, :2], scene.lowered[:, 2], NARROWEST / 2)
+        for contacts in () if self._told else scene.passed:
+            touching = np.linalg.norm(contacts.forces, axis=1) > TOUCH_N
+            self._changed |= self.tiles.lower(
+                contacts.places[touching, :2], contacts.sinkage[touching], self._half_width
+            )
+        now = time.monotonic()
+        while self._stale and now - self._stale[0][0] > OUTDATED_S:
+            self._stale.pop(0)[1].remove()
+        if self._changed and now - self._redrawn_at > REDRAW_S:
+            self._redrawn_at = now
+            for key in self._changed:
+                self._draw(key)
+            self._changed.clear()
+
+    def hide(self) -> None:
+        return
+
+    def clear(self) -> None:
+        """Forget the ruts: time has jumped."""
+        self._changed |= self.tiles.clear()
+        self._last = None
+
+    def _draw(self, key: TileKey) -> None:
+        """Beside the tile as it was, which goes later: so there is no moment without one."""
+        handle, number = self._drawn.get(key, (None, 0))
+        if handle is not None:
+            self._stale.append((time.monotonic(), handle))
+        name = f"/ground/tile_{key.row}_{key.column}_{number % NAMES}"
+        fresh = self._server.scene.add_glb(name, glb_data=self.tiles.glb(key), cast_shadow=False)
+        self._drawn[key] = fresh, number + 1
+
+
+def _half_width(world: World) -> float:
+    """Of what leaves ruts [m]."""
+    machine = world.scenario.machine
+    widths = [*(wheel.width for wheel in machine.wheels), *(track.width for track in machine.tracks)]
+    return 0.5 * max(widths, default=0.0)

@@ -1,0 +1,118 @@
+"""What does not change while a run is looked at: its machine, its ground, its Sun, its cameras, its topics."""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from mcap.records import Attachment, Message
+
+from sojourn_bags.description import Run
+from sojourn_bags.errors import BagsError
+from sojourn_bags.reading import Bag, bag_file
+from sojourn_bags.run_configuration import run_configuration
+from sojourn_bags.salvage import Salvage
+from sojourn_config.errors import ConfigError
+from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_console.errors import NoWorldError
+from sojourn_contract.run_table import rows_of_sensor, table_of
+from sojourn_contract.topic_table import TopicTable
+from sojourn_machine.params import FloatArray
+from sojourn_physics.environment.sun.over import SunOver
+from sojourn_physics.sensors.hazcam import HazcamParams
+from sojourn_physics.terrain.height_field import HeightField
+from sojourn_sensors.kinds.camera import CameraSensorParams
+
+
+@dataclass(frozen=True)
+class CameraMount:
+    """A camera of the machine.
+
+    Args:
+        name: of the sensor. link: of the URDF, x along its optical axis, z up in the image.
+        view: angle from the image's bottom to its top [rad]. aspect: its width over its height.
+        topic: of its image; empty for one that sends none.
+    """
+
+    name: str
+    link: str
+    view: float
+    aspect: float
+    topic: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """Of one run.
+
+    Args:
+        scenario: as the run loaded it. ground: at the start of the run. table: its topics. sun: where it stands.
+        cameras: of the machine. attachments: files that describe the run, as its bag carries them.
+    """
+
+    scenario: LoadedScenario
+    ground: HeightField
+    table: TopicTable
+    sun: SunOver
+    cameras: tuple[CameraMount, ...]
+    attachments: dict[str, bytes]
+    source: str = ""
+    """Name or file from which the scenario can be read again; empty where it is gone."""
+
+    @classmethod
+    def of_scenario(cls, scenario: LoadedScenario, source: str = "") -> "World":
+        """Of a scenario, which was read from there."""
+        table = table_of(scenario)
+        attachments = {one.name: one.data for one in Run.of_scenario(scenario).attachments()}
+        cameras = tuple(_cameras(scenario, table))
+        return cls(scenario, scenario.height_field(), table, scenario.sun_over(), cameras, attachments, source)
+
+    @property
+    def supports(self) -> tuple[str, ...]:
+        """Names of what meets the ground, as /truth/contacts has them."""
+        return tuple(support.name for support in self.scenario.machine.supports)
+
+    def sun_direction(self, stamp: int) -> FloatArray:
+        """Unit vector to the Sun in map, shape (3,), at a stamp [ns]."""
+        return self.sun.direction(stamp * 1e-9)
+
+
+def world_named(name: str, overrides: Sequence[str] = ()) -> World:
+    """The world of a scenario. Raises ConfigError."""
+    return World.of_scenario(load_scenario(name, overrides), name)
+
+
+def world_of_bag(bag: Bag) -> World:
+    """The world of a recorded run. Raises BagsError for a bag that does not say which it is."""
+    with run_configuration(bag) as configuration:
+        return replace(world_named(configuration.scenario, configuration.overrides), source="")
+
+
+def world_of_run(run: Path) -> World:
+    """The world of a run that may still be under way, from the beginning of its bag. Raises NoWorldError."""
+    try:
+        file = bag_file(run)
+        found = Bag(file)
+        for record in Salvage(file).records:
+            if isinstance(record, Message):
+                break
+            if isinstance(record, Attachment):
+                found.attachments[record.name] = record.data
+        return world_of_bag(found)
+    except (BagsError, ConfigError, OSError, json.JSONDecodeError) as error:
+        raise NoWorldError(str(error)) from error
+
+
+def _cameras(scenario: LoadedScenario, table: TopicTable) -> list[CameraMount]:
+    found = []
+    for name, params in scenario.sensors.sensors.items():
+        if isinstance(params, HazcamParams):
+            across, up = (math.radians(angle) for angle in (params.horizontal_view_deg, params.vertical_view_deg))
+            found.append(CameraMount(name, params.link, up, math.tan(across / 2) / math.tan(up / 2)))
+        elif isinstance(params, CameraSensorParams):
+            lens = params.lens
+            images = [row.name for row in rows_of_sensor(scenario, table, name) if row.type == "sensor_msgs/Image"]
+            view = 2.0 * math.atan(0.5 * lens.rows / lens.focal_length)
+            found.append(CameraMount(name, params.link, view, lens.columns / lens.rows, images[0] if images else ""))
+    return found

@@ -1,0 +1,155 @@
+"""Makes the one log of what nodes, goals and the contract say: events from their messages, each change once."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from sojourn_contract.heartbeat import STALLED, Heartbeat, read_heartbeats, status_values
+from sojourn_contract.stamps import NANOSECONDS
+from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.values import (
+    DiagnosticArray,
+    Header,
+    JointState,
+    JointTrajectory,
+    Message,
+    Path,
+    PoseStamped,
+    PoseWithCovarianceStamped,
+    TwistStamped,
+)
+from sojourn_operator.alarms.events import Event
+from sojourn_operator.alarms.params import Severity
+
+HEARTBEATS = "/diagnostics"
+STATUSES: Mapping[str, tuple[tuple[str, str], ...]] = {
+    "/drive/status": (("state", "reason"), ("placed_state", "placed_reason")),
+    "/arm/status": (("state", "reason"),),
+    "/power/status": (("mode", "mode_reason"), ("state", "reason"), ("request_state", "request_reason")),
+}
+"""Of each status: keys whose changes are told, each with that of its reason."""
+TOLD = ("faults", "rolled over", "off the terrain", "lost commands")
+"""Keys of heartbeats whose changes are told, where they say anything."""
+QUIET = ("", "false", "none", "idle")
+SILENT_S = 3.0
+"""After which a role that has been heard is silent: three heartbeats [s]."""
+STREAM_S = 2.0
+"""Velocities that come more often than this are one command [s]."""
+NODE, GOAL, CONTRACT = "node", "goal", "contract"
+
+
+@dataclass(frozen=True)
+class NarratorState:
+    """What has been told.
+
+    Args:
+        said: last words by (topic or role, key). beats: last heartbeat of each role. silent: roles that are.
+        commanded: when each stream of velocities was last heard [ns].
+    """
+
+    said: Mapping[tuple[str, str], str] = field(default_factory=dict)
+    beats: Mapping[str, Heartbeat] = field(default_factory=dict)
+    silent: frozenset[str] = frozenset()
+    commanded: Mapping[str, int] = field(default_factory=dict)
+
+
+class Narrator:
+    """Of a run with these topics."""
+
+    def __init__(self, table: TopicTable) -> None:
+        self._goals = {row.name for row in table if row.publisher == "operator" and row.is_event and row.subscribers}
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """That it listens to."""
+        return (HEARTBEATS, *STATUSES, *sorted(self._goals))
+
+    def initial_state(self) -> NarratorState:
+        """Before the first message."""
+        return NarratorState()
+
+    def step(self, state: NarratorState, topic: str, message: Message) -> tuple[NarratorState, list[Event]]:
+        """Hear a message; the next state, and what is new."""
+        if topic == HEARTBEATS:
+            return self._hear_beats(state, message)
+        if topic in STATUSES:
+            said, events = dict(state.said), list(_changes(state, topic, message))
+            said |= {(topic, key): status_values(message).get(key, "") for key, _ in STATUSES[topic]}
+            return NarratorState(said, state.beats, state.silent, state.commanded), events
+        if topic in self._goals:
+            before = state.commanded.get(topic)
+            commanded = {**state.commanded, topic: message.stamp}
+            streams = topic.endswith("cmd_vel") and before is not None
+            if streams and message.stamp - before < STREAM_S * NANOSECONDS:
+                events = []
+            else:
+                events = [Event(message.stamp, "operator", GOAL, Severity.NONE, f"{topic}: {goal_words(message)}")]
+            return NarratorState(state.said, state.beats, state.silent, commanded), events
+        return state, []
+
+    def _hear_beats(self, state: NarratorState, message: DiagnosticArray) -> tuple[NarratorState, list[Event]]:
+        beats, silent = dict(state.beats), set(state.silent)
+        events: list[Event] = []
+        for beat in read_heartbeats(message):
+            events += _beat_events(beats.get(beat.role), beat)
+            beats[beat.role] = beat
+            if beat.role in silent:
+                silent.discard(beat.role)
+                events.append(Event(beat.stamp, beat.role, NODE, Severity.NONE, "is heard again"))
+        for role, beat in beats.items():
+            if role not in silent and beat.stamp and message.stamp - beat.stamp > SILENT_S * NANOSECONDS:
+                silent.add(role)
+                text = f"has been silent for {SILENT_S:g} s"
+                events.append(Event(message.stamp, role, NODE, Severity.WARNING, text))
+        return NarratorState(state.said, beats, frozenset(silent), state.commanded), events
+
+
+def goal_words(message: Message) -> str:
+    """A goal in a few words."""
+    if isinstance(message, DiagnosticArray):
+        return "; ".join(
+            " ".join((one.name, *(f"{key}={value}" for key, value in one.values))) for one in message.status
+        )
+    if isinstance(message, Path):
+        if not message.poses:
+            return "no points"
+        x, y, _ = message.poses[-1].position
+        return f"{len(message.poses)} points to ({x:.2f}, {y:.2f})"
+    if isinstance(message, Header):
+        return message.frame or "sent"
+    if isinstance(message, JointState | JointTrajectory):
+        return message.frame or f"{len(message.names)} joints"
+    if isinstance(message, TwistStamped):
+        return f"{message.linear[0]:.2f} m/s, {message.angular[2]:.2f} rad/s"
+    if isinstance(message, PoseStamped | PoseWithCovarianceStamped):
+        return ", ".join(f"{value:.2f}" for value in message.position) + f" in {message.frame or 'map'}"
+    return "sent"
+
+
+def _changes(state: NarratorState, topic: str, message: DiagnosticArray) -> Iterator[Event]:
+    """Of the words of a status."""
+    values = status_values(message)
+    who = message.status[0].name if message.status else topic
+    for key, reason in STATUSES[topic]:
+        now = values.get(key, "")
+        before = state.said.get((topic, key), "")
+        if now != before and now not in QUIET:
+            why = values.get(reason, "")
+            kind = NODE if topic.startswith("/power") else GOAL
+            yield Event(message.stamp, who, kind, Severity.NONE, f"{now}: {why}" if why else now)
+
+
+def _beat_events(before: Heartbeat | None, beat: Heartbeat) -> Iterator[Event]:
+    """What is new in a heartbeat of a role."""
+    if beat.state != (before.state if before else ""):
+        severity = Severity.CRITICAL if beat.state == STALLED else Severity.NONE
+        detail = f": {beat.detail}" if beat.detail not in ("", beat.state) else ""
+        yield Event(beat.stamp, beat.role, NODE, severity, beat.state + detail)
+    for key in TOLD:
+        now, old = beat.values.get(key, ""), before.values.get(key, "") if before else ""
+        if now != old and now not in QUIET:
+            yield Event(beat.stamp, beat.role, NODE, Severity.NONE, f"{key}: {now}")
+    for topic, count in beat.refused.items():
+        more = count - (before.refused.get(topic, 0) if before else 0)
+        if more > 0:
+            text = f"refused {more} on {topic}: {beat.values.get('last refusal', '')}"
+            yield Event(beat.stamp, beat.role, CONTRACT, Severity.NONE, text)

@@ -1,0 +1,148 @@
+"""When the faults of a scenario come and go: by the time, or by what the operator sees of the run.
+
+The operator sends them like its goals, stamped ahead, so that a run is the same in every layout: a fault that comes at
+a time is there at that time (not before the first goals could be), and one that an event brings so long after the look
+at which the event is seen as a goal takes to act.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from sojourn_contract.fault_messages import FaultEvent, fault_message
+from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
+from sojourn_contract.values import DiagnosticArray, Odometry
+from sojourn_machine.evolution import replace
+from sojourn_machine.fault_choice import FaultChoice, TriggerParams
+from sojourn_operator.steps.step import LEAD_NS, GoalReport
+
+NEXT_LOOK_NS = LEAD_NS
+"""A fault that is due before what is said at the next look could act is said now [ns]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScheduleState:
+    """How far it is; times in the order of the schedule [ns]."""
+
+    met: Mapping[int, int] = field(default_factory=dict)
+    """When an event was seen, by its fault's place."""
+    begun: Mapping[int, int] = field(default_factory=dict)
+    """From when on a fault is there."""
+    over: frozenset[int] = frozenset()
+    """Faults that have gone."""
+    distance: float = 0.0
+    """Driven so far, in truth [m]."""
+    place: tuple[float, float, float] | None = None
+    """At the last look, in map [m]."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What a look shows.
+
+    Args:
+        now: [ns]. steps: how many are over. reports: last word of "drive" and "arm". truth: where the machine is.
+    """
+
+    now: int
+    steps: int
+    reports: Mapping[str, GoalReport]
+    truth: Odometry
+
+
+class FaultSchedule:
+    """The faults of a run.
+
+    Args:
+        faults: as the scenario has them. seed: of the run.
+    """
+
+    def __init__(self, faults: Sequence[FaultChoice], seed: int) -> None:
+        self.faults = tuple(faults)
+        self._times = [fault.time(seed) for fault in faults]
+
+    def look(self, state: ScheduleState, seen: Seen) -> tuple[ScheduleState, list[DiagnosticArray]]:
+        """Look at the run; what is to be sent now."""
+        if not self.faults:
+            return state, []
+        state = self._moved(state, seen)
+        said = []
+        for place, fault in enumerate(self.faults):
+            if place not in state.begun:
+                state, due = self._due(state, place, fault, seen)
+                if due is None or due > seen.now + LEAD_NS + NEXT_LOOK_NS:
+                    continue
+                stamp = max(due, seen.now + LEAD_NS)
+                said.append(fault_message(stamp, FaultEvent(fault.called, fault, comes=True)))
+                state = replace(state, begun={**state.begun, place: stamp})
+            elif place not in state.over:
+                ends = self._ends(fault, state.begun[place])
+                if ends is None or ends > seen.now + LEAD_NS + NEXT_LOOK_NS:
+                    continue
+                stamp = max(ends, seen.now + LEAD_NS, state.begun[place] + CONTROL_PERIOD_NS)
+                said.append(fault_message(stamp, FaultEvent(fault.called, fault, comes=False)))
+                state = replace(state, over=state.over | {place})
+        return state, said
+
+    def quiet_until(self, state: ScheduleState) -> float:
+        """Until when nothing comes or goes by the clock [s], with a second to say so before; infinity for ever. What an
+        event brings comes while the machine does something.
+        """
+        coming = [self._comes(state, place, fault) for place, fault in enumerate(self.faults)]
+        times = [time for time in coming if time is not None]
+        return min(times) // NANOSECONDS - 1 if times else math.inf
+
+    def _comes(self, state: ScheduleState, place: int, fault: FaultChoice) -> int | None:
+        """When the next of a fault is due, its beginning or its end, as far as the clock tells [ns]."""
+        if place in state.over:
+            return None
+        if place in state.begun:
+            return self._ends(fault, state.begun[place])
+        time, met = self._times[place], state.met.get(place)
+        if time is None and met is not None and fault.when is not None:
+            return met + _period_at(fault.when.later)
+        return None if time is None else _period_at(time)
+
+    def _due(
+        self, state: ScheduleState, place: int, fault: FaultChoice, seen: Seen
+    ) -> tuple[ScheduleState, int | None]:
+        """When a fault that has not come yet is due [ns], None as long as nobody knows."""
+        time = self._times[place]
+        if time is not None:
+            return state, _period_at(time)
+        trigger = fault.when
+        if trigger is None:
+            return state, None
+        if place not in state.met:
+            if not _happened(trigger, state, seen):
+                return state, None
+            state = replace(state, met={**state.met, place: seen.now})
+        return state, state.met[place] + _period_at(trigger.later)
+
+    @staticmethod
+    def _ends(fault: FaultChoice, begun: int) -> int | None:
+        """When a fault goes [ns]; None: never."""
+        if fault.until is not None:
+            return _period_at(fault.until)
+        return None if fault.lasts is None else begun + _period_at(fault.lasts)
+
+    @staticmethod
+    def _moved(state: ScheduleState, seen: Seen) -> ScheduleState:
+        x, y, z = seen.truth.position.tolist()
+        driven = 0.0 if state.place is None else math.dist(state.place, (x, y, z))
+        return replace(state, distance=state.distance + driven, place=(x, y, z))
+
+
+def _happened(trigger: TriggerParams, state: ScheduleState, seen: Seen) -> bool:
+    if trigger.after_step is not None:
+        return seen.steps >= trigger.after_step
+    if trigger.distance is not None:
+        return state.distance >= trigger.distance
+    who, word = ("drive", trigger.drive) if trigger.drive is not None else ("arm", trigger.arm)
+    report = seen.reports.get(who)
+    return report is not None and report.state == word
+
+
+def _period_at(time: float) -> int:
+    """The first control period at or after a time [s], as its stamp [ns]."""
+    return math.ceil(round(time * NANOSECONDS) / CONTROL_PERIOD_NS) * CONTROL_PERIOD_NS

@@ -1,0 +1,1 @@
+"""Sequences of commands: a file, checked before anything is sent; then a state and a step. No ROS in here."""

@@ -1,0 +1,201 @@
+"""The light of what rays end on: ground and the machine's shapes.
+
+It is that of `photometry`: the Sun's as far as it is not hidden by the ground (`shadows`) or the machine, the sky's,
+and what sunlit ground sends up. Light that has been scattered more than once besides is left out.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sojourn_machine.kernels import kernel, small_kernel, vector_kernel
+from sojourn_machine.params import FloatArray
+from sojourn_machine.shapes import ALBEDO, Shapes
+from sojourn_physics.imaging.body import hides_sun
+from sojourn_physics.imaging.ground import DrawnGround, is_changed, slope_at
+from sojourn_physics.imaging.photometry import Illumination, Look, ambient, reflectance
+from sojourn_physics.imaging.shadows import CastShadows, sunlit, sunlit_nearby
+from sojourn_physics.imaging.soils import Soils, brightness_at
+from sojourn_physics.imaging.texture import Grain, grain_at, octave_for
+
+X, Y, Z, SLOPE_X, SLOPE_Y, WIDTH, TOWARDS_SUN, TOWARDS_EYE, PHASE, UPRIGHT, SHADE, LIT = range(12)
+"""Rows of a surface: place in map [m], slope [-], width of the pixel on it [m], cosines of incidence, emission and
+phase, of the normal to the vertical, brightness of the albedo of the place, part of the Sun's disc that is seen [-]."""
+SURFACE = 12
+FAR = np.float32(1e6)
+"""Instead of the infinite distance of the sky [m]."""
+
+Vector = tuple[float, float, float]
+Line = NDArray[np.float32]
+
+
+class Seat(NamedTuple):
+    """Of a camera, for the kernels."""
+
+    place: FloatArray
+    """In map, (3,) [m]."""
+    pixel: float
+    """Angle of a pixel [rad]."""
+
+
+class PlacedLens(NamedTuple):
+    """A camera where it is, for the kernels."""
+
+    rays: NDArray[np.float32]
+    """Unit vectors of the pixels in the optical frame, (rows, columns, 3)."""
+    turn: FloatArray
+    """From the optical frame into map, (3, 3)."""
+    pixel: float
+    """Angle of a pixel [rad]."""
+
+
+class Scene(NamedTuple):
+    """All that there is to be seen, for the kernels."""
+
+    ground: DrawnGround
+    soils: Soils
+    look: Look
+    grain: Grain
+    light: Illumination
+    cast: CastShadows
+    body: Shapes
+
+
+@small_kernel
+def ray_of(view: PlacedLens, i: int, j: int) -> Vector:
+    """Unit vector in map that a pixel sees."""
+    turn = view.turn
+    a, b, c = view.rays[i, j, 0], view.rays[i, j, 1], view.rays[i, j, 2]
+    return (
+        turn[0, 0] * a + turn[0, 1] * b + turn[0, 2] * c,
+        turn[1, 0] * a + turn[1, 1] * b + turn[1, 2] * c,
+        turn[2, 0] * a + turn[2, 1] * b + turn[2, 2] * c,
+    )
+
+
+@kernel
+def shape_light(scene: Scene, shape: int, at: Vector, normal: Vector, point: FloatArray) -> float:
+    """Radiance of a shape at a place with a normal, both in map [W/m2/sr]. `point`: working room, (3,)."""
+    albedo, sun = scene.body.sizes[shape, ALBEDO], scene.cast.sun
+    facing = normal[0] * sun[0] + normal[1] * sun[1] + normal[2] * sun[2]
+    bright = ambient(scene.light, albedo, _sent_up(scene), normal[2])
+    if facing > 0.0 and scene.light.direct > 0.0:
+        part = sunlit(scene.ground, scene.cast, at[0], at[1], at[2])
+        lift = 1e-4  # off the surface, which is not to hide itself
+        x, y, z = at[0] + lift * normal[0], at[1] + lift * normal[1], at[2] + lift * normal[2]
+        if part > 0.0 and not hides_sun(scene.body, sun, x, y, z, point):
+            bright += part * scene.light.direct * albedo * facing / math.pi
+    return float(bright)
+
+
+@kernel
+def light_ground(
+    scene: Scene, rays: FloatArray, eye: Seat, distance: Line, radiance: Line, surface: FloatArray, point: FloatArray
+) -> None:
+    """Write the radiance of the pixels of a row of the image that see the ground: those whose radiance is not known
+    yet, less than 0.
+
+    Each step does one thing for all pixels, so that the processor has the memory of several under way at once.
+
+    Args:
+        rays: of the row in map, (3, columns). distance, radiance: of it, (columns,). surface, point: working room,
+            (SURFACE, columns) and (3,).
+    """
+    _places(rays, eye, distance, radiance, surface)
+    _slopes(scene.ground, surface)
+    _widths(rays, eye, distance, surface)
+    _grains(scene, surface)
+    _normals(scene, rays, surface)
+    _sunlight(scene, surface, point)
+    _radiances(scene, surface, radiance)
+
+
+@vector_kernel
+def _places(rays: FloatArray, eye: Seat, distance: Line, radiance: Line, surface: FloatArray) -> None:
+    """Where the pixels see the ground; of others the place of the camera."""
+    place = eye.place
+    for j in range(distance.shape[0]):
+        reach = distance[j] if radiance[j] < 0.0 and distance[j] < math.inf else np.float32(0.0)
+        surface[X, j] = place[0] + reach * rays[0, j]
+        surface[Y, j] = place[1] + reach * rays[1, j]
+        surface[Z, j] = place[2] + reach * rays[2, j]
+
+
+@small_kernel
+def _slopes(ground: DrawnGround, surface: FloatArray) -> None:
+    for j in range(surface.shape[1]):
+        surface[SLOPE_X, j], surface[SLOPE_Y, j] = slope_at(ground, surface[X, j], surface[Y, j])
+
+
+@vector_kernel
+def _widths(rays: FloatArray, eye: Seat, distance: Line, surface: FloatArray) -> None:
+    """Of the pixels on the ground [m]."""
+    for j in range(distance.shape[0]):
+        slope_x, slope_y = surface[SLOPE_X, j], surface[SLOPE_Y, j]
+        length = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+        facing = max((slope_x * rays[0, j] + slope_y * rays[1, j] - rays[2, j]) * length, 0.02)
+        surface[WIDTH, j] = min(distance[j], FAR) * eye.pixel / math.sqrt(facing)
+
+
+@small_kernel
+def _grains(scene: Scene, surface: FloatArray) -> None:
+    """The fine slope and the brightness of the ground."""
+    octave = 0
+    for j in range(surface.shape[1]):
+        octave = octave_for(scene.grain, surface[WIDTH, j], octave)
+        x, y, bright = grain_at(scene.grain, surface[X, j], surface[Y, j], surface[WIDTH, j], octave)
+        surface[SLOPE_X, j] += x
+        surface[SLOPE_Y, j] += y
+        surface[SHADE, j] = max(1.0 + bright, 0.1)
+    for j in range(surface.shape[1]):
+        surface[SHADE, j] *= brightness_at(scene.soils, surface[X, j], surface[Y, j])
+
+
+@vector_kernel
+def _normals(scene: Scene, rays: FloatArray, surface: FloatArray) -> None:
+    sun = scene.cast.sun
+    for j in range(surface.shape[1]):
+        slope_x, slope_y = surface[SLOPE_X, j], surface[SLOPE_Y, j]
+        length = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+        surface[TOWARDS_SUN, j] = (sun[2] - slope_x * sun[0] - slope_y * sun[1]) * length
+        surface[TOWARDS_EYE, j] = (slope_x * rays[0, j] + slope_y * rays[1, j] - rays[2, j]) * length
+        surface[PHASE, j] = -(rays[0, j] * sun[0] + rays[1, j] * sun[1] + rays[2, j] * sun[2])
+        surface[UPRIGHT, j] = length
+
+
+@small_kernel
+def _sunlight(scene: Scene, surface: FloatArray, point: FloatArray) -> None:
+    """The part of the Sun that the ground sees, where it faces it."""
+    ground, sun = scene.ground, scene.cast.sun
+    if scene.light.direct <= 0.0:
+        for j in range(surface.shape[1]):
+            surface[LIT, j] = 0.0
+        return
+    for j in range(surface.shape[1]):
+        surface[LIT, j] = sunlit(ground, scene.cast, surface[X, j], surface[Y, j], surface[Z, j])
+    for j in range(surface.shape[1]):
+        if surface[LIT, j] > 0.0 and surface[TOWARDS_SUN, j] > 0.0:
+            x, y, z = surface[X, j], surface[Y, j], surface[Z, j]
+            if is_changed(ground.changes, x, y):
+                surface[LIT, j] *= sunlit_nearby(ground, sun, x, y, z)
+            if hides_sun(scene.body, sun, x, y, z + 1e-3, point):
+                surface[LIT, j] = 0.0
+
+
+@vector_kernel
+def _radiances(scene: Scene, surface: FloatArray, radiance: Line) -> None:
+    look, light, up = scene.look, scene.light, _sent_up(scene)
+    for j in range(radiance.shape[0]):
+        shade = surface[SHADE, j]
+        bright = ambient(light, look.albedo * shade, up, surface[UPRIGHT, j])
+        seen = reflectance(look, surface[TOWARDS_SUN, j], surface[TOWARDS_EYE, j], surface[PHASE, j])
+        bright += surface[LIT, j] * light.direct * shade * seen
+        radiance[j] = bright if radiance[j] < 0.0 else radiance[j]
+
+
+@small_kernel
+def _sent_up(scene: Scene) -> float:
+    """What level ground around sends up [W/m2]."""
+    return float(scene.look.albedo * (scene.light.direct * max(scene.cast.sun[2], 0.0) + scene.light.diffuse))

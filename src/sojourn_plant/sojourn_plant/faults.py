@@ -1,0 +1,55 @@
+"""The faults of the plant by the messages of /faults."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.fault_messages import TOPIC, read_fault
+from sojourn_machine.errors import MachineError
+from sojourn_machine.fault_choice import FaultableMachine
+from sojourn_physics.faults.acting import Acting, FaultyPlant, without
+from sojourn_physics.faults.plant_fault import PlantFault
+from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.state import PlantCommand
+
+
+class PlantFaults:
+    """Takes faults, and says what the plant is with them.
+
+    Args:
+        model: without a fault. machine: what may have one.
+    """
+
+    def __init__(self, model: PlantModel, machine: FaultableMachine) -> None:
+        self._plant, self._machine = FaultyPlant(model), machine
+
+    def check(self, message: Any) -> None:
+        """Raise RefusedMessageError for what the machine cannot have; faults of other roles are theirs to judge."""
+        event = read_fault(message)
+        if isinstance(event.fault, PlantFault):
+            check_fits(event.fault, self._machine)
+
+    def after(self, acting: Acting, goals: Sequence[tuple[str, Any]], machine: Any) -> Acting:
+        """Those that act from here on. machine: state of the plant now."""
+        for name, message in goals:
+            if name != TOPIC:
+                continue
+            event = read_fault(message)
+            if not event.comes:
+                acting = without(acting, event.name)
+            elif isinstance(event.fault, PlantFault):
+                acting = self._plant.with_fault(acting, event.fault, event.name, machine)
+        return acting
+
+    def on(self, acting: Acting, command: PlantCommand) -> tuple[PlantModel, PlantCommand]:
+        """The plant as it is, and the command as it gets it."""
+        return self._plant.on(acting, command)
+
+
+def check_fits(fault: PlantFault, machine: FaultableMachine) -> None:
+    """Raise RefusedMessageError for a fault that a machine cannot have."""
+    try:
+        for key, value, allowed in fault.problems(machine):
+            raise RefusedMessageError(TOPIC, key, str(value), allowed.rpartition("allowed is ")[2])
+    except MachineError as error:
+        raise RefusedMessageError(TOPIC, fault.kind, fault.called, str(error)) from None

@@ -1,0 +1,79 @@
+"""Whether a fault showed as it should: detected, missed, or a false alarm; from bags made for it."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sojourn_bags.detection import judge_faults, sentence
+from sojourn_config.errors import ConfigError
+from sojourn_machine.fault_choice import FaultChoice, read_fault_words
+from sojourn_operator.scenario_steps import prepare_scenario
+
+EXPECT = {"topic": "/drive/status", "field": "failed_motors", "says": "front_left", "within": 5.0}
+WORDS = {"kind": "motor_dead", "name": "dead", "joint": "wheel_front_left_joint", "at": 10.0}
+
+
+def fault(**more: Any) -> FaultChoice:
+    return read_fault_words({**WORDS, **more})
+
+
+def bag(came: list[tuple[float, str]], said: list[tuple[float, str]], name: str = "dead") -> Any:
+    """As `Bag` answers: /faults with (time, state), /drive/status with (time, failed_motors)."""
+
+    def messages(rows: list[tuple[float, dict[str, str]]]) -> Any:
+        return SimpleNamespace(times=np.array([at for at, _ in rows]), statuses=lambda: [values for _, values in rows])
+
+    topics = {"/drive/status": messages([(at, {"name": "drive", "failed_motors": text}) for at, text in said])}
+    if came:
+        topics["/faults"] = messages([(at, {"name": name, "state": state, "kind": "motor_dead"}) for at, state in came])
+    return topics
+
+
+@pytest.mark.parametrize(
+    ("came", "said", "outcome", "after"),
+    [
+        ([(10.0, "present")], [(9.0, ""), (12.0, "drive of front_left")], "detected", 2.0),
+        ([(10.0, "present"), (14.0, "gone")], [(15.0, "drive of front_left")], "detected", 5.0),
+        ([(10.0, "present")], [(15.5, "drive of front_left")], "missed", 5.5),
+        ([(10.0, "present")], [(15.5, "drive of rear_left")], "missed", None),
+        ([(10.0, "present")], [(4.0, "drive of front_left"), (12.0, "drive of front_left")], "false alarm", 6.0),
+        ([], [(4.0, "drive of front_left")], "false alarm", None),
+        ([], [(4.0, "")], "did not come", None),
+    ],
+)
+def test_what_became_of_a_fault(
+    came: list[tuple[float, str]], said: list[tuple[float, str]], outcome: str, after: float | None
+) -> None:
+    (result,) = judge_faults(bag(came, said), [fault(expect=EXPECT)])
+    assert (result.outcome, result.after_s) == (outcome, after)
+    assert result.good == (outcome == "detected")
+    assert result.begin_s == (10.0 if came else None)
+    assert result.end_s == (14.0 if len(came) == 2 else None)
+
+
+def test_a_fault_of_which_nobody_says_how_it_shows_is_not_judged() -> None:
+    (planned,) = judge_faults(bag([(10.0, "present")], []), [fault()])
+    (by_hand,) = judge_faults(bag([(10.0, "present")], [], "by hand"), [])
+    assert planned.outcome == by_hand.outcome == "not judged"
+    assert by_hand.kind == "motor_dead"
+    assert planned.good
+    assert sentence([planned, by_hand]) == ""
+
+
+def test_the_verdict_names_what_was_not_detected() -> None:
+    results = judge_faults(bag([(10.0, "present")], []), [fault(expect=EXPECT)])
+    assert sentence(results).startswith("0 of 1 faults were detected: dead: missed: 'front_left' in failed_motors")
+    found = judge_faults(bag([(10.0, "present")], [(11.5, "front_left")]), [fault(expect=EXPECT)])
+    assert sentence(found) == "1 of 1 faults were detected."
+    assert found[0].words == "detected in 1.5 s"
+
+
+def test_a_fault_cannot_show_on_a_topic_that_is_not_there(tmp_path: Path) -> None:
+    for topic, hint in (("/drive/statu", "did you mean /drive/status"), ("/odom", "is no status of this run")):
+        words = f"{{topic: {topic}, field: a, says: b, within: 1}}"
+        told = f"faults=[{{kind: motor_dead, joint: wheel_front_left_joint, at: 1, expect: {words}}}]"
+        with pytest.raises(ConfigError, match=hint):
+            prepare_scenario("flat_drive", [told])

@@ -1,0 +1,78 @@
+"""The faults of a scenario: what is refused, and in which words; what whoever waits for messages is told of them."""
+
+import pytest
+
+from sojourn_config.errors import ConfigError
+from sojourn_config.scenario import load_flight, load_scenario
+from sojourn_contract.run_table import table_of
+
+WHEEL = "wheel_front_left_joint"
+
+
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        ("{kind: motor_dea, joint: x, at: 1}", r"faults\[0\]\.kind.*'motor_dea' is unknown.*did you mean motor_dead"),
+        ("{joint: x, at: 1}", r"faults\[0\]\.kind: the key is missing"),
+        ("{kind: motor_dead, joint: rocker_left_joint, at: 1}", r"faults\[0\]\.joint.*rocker_left_joint.*has no motor"),
+        ("{kind: motor_dead, joint: wheel_front_let_joint, at: 1}", "did you mean wheel_front_left_joint"),
+        (f"{{kind: motor_dead, joint: {WHEEL}}}", r"faults\[0\]\.at.*allowed is at, a time, or when, an event"),
+        (f"{{kind: motor_dead, joint: {WHEEL}, at: -1}}", r"faults\[0\]\.at = -1: allowed is a number at least 0"),
+        (f"{{kind: motor_dead, joint: {WHEEL}, at: 5, until: 4}}", "until = 4: allowed is later than at = 5 s"),
+        (f"{{kind: motor_dead, joint: {WHEEL}, at: 5, when: {{distance: 1}}}}", "at and when: allowed is one of them"),
+        (f"{{kind: motor_dead, joint: {WHEEL}, when: {{after_step: 9}}}}", "allowed is 1 to 1"),
+        (
+            f"{{kind: motor_dead, joint: {WHEEL}, when: {{later: 3}}}}",
+            "no event: allowed is one of between, after_step",
+        ),
+        (f"{{kind: servo_locked, joint: {WHEEL}, at: 1, angle_deg: 20}}", "commanded by rate: allowed is no angle"),
+        ("{kind: servo_locked, joint: steer_front_left_joint, at: 1, angle_deg: 120}", "limits of steer_front_left"),
+        (f"{{kind: brake_stuck, joint: {WHEEL}, at: 1}}", "has no brake"),
+        (f"{{kind: gear_broken, joint: {WHEEL}, at: 1, lasts: 5}}", "gear_broken does not go again"),
+        ("{kind: string_lost, strings: 2, at: 1}", "allowed is fewer than the 2 that battery has"),
+        ("{kind: cell_shorted, store: spare, at: 1}", "is no battery: allowed is one of battery"),
+        ("{kind: bus_short, bus: mian, resistance: 1, at: 1}", "did you mean main"),
+        ("{kind: switch_stuck, load: camera, where: on, at: 1}", "did you mean cameras"),
+        ("{kind: array_dust, source: solar, share: 0.5, at: 1}", "is no solar array"),
+        ("{kind: soft_patch, x: 90, y: 0, radius: 1, part: 0.5, at: 1}", "is off the terrain: allowed is -10 to 10 m"),
+        ("{kind: sensor, sensor: imuu, stuck: true, at: 1}", "is no sensor of the machine.*did you mean imu"),
+        ("{kind: sensor, sensor: imu, at: 1}", "nothing is wrong by it"),
+        ("{kind: sensor, sensor: imu, dead: true, when: {distance: 3}}", "allowed is a time at which that begins"),
+    ],
+)
+def test_a_fault_that_cannot_be_is_refused(fault: str, message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        load_scenario("flat_drive", [f"faults=[{fault}]"])
+
+
+def test_each_fault_has_a_name_of_its_own() -> None:
+    fault = f"{{kind: motor_dead, joint: {WHEEL}, at: 1}}"
+    (found,) = load_scenario("flat_drive", [f"faults=[{fault}]"]).config.faults
+    assert (found.called, found.at) == (f"motor_dead {WHEEL}", 1.0)
+    with pytest.raises(ConfigError, match="is the name of a fault above already"):
+        load_scenario("flat_drive", [f"faults=[{fault}, {fault}]"])
+
+
+def test_a_time_by_chance_is_that_of_the_seed() -> None:
+    fault = f"{{kind: motor_dead, joint: {WHEEL}, when: {{between: [10, 20], later: 1.0}}}}"
+    times = []
+    for seed in (1, 1, 2, 3):
+        (found,) = load_scenario("flat_drive", [f"faults=[{fault}]"]).config.faults
+        times.append(found.time(seed))
+    assert times[0] == times[1]
+    assert len(set(times)) == 3
+    assert all(11.0 <= time <= 21.0 for time in times)
+
+
+def test_who_waits_for_messages_knows_when_they_are_lost() -> None:
+    dead = ["faults=[{kind: sensor, sensor: hazcam, dead: true, at: 3.0}]"]
+    for known in (load_scenario("flat_drive", dead), load_flight("flat_drive", dead)):
+        (delivery,) = [row.delivery for row in table_of(known) if row.name == "/hazcam/points"]
+        assert delivery is not None
+        assert delivery.leaves(100) and not delivery.leaves(200)
+
+
+def test_the_sensors_wait_for_the_operator_where_something_happens_to_them() -> None:
+    for fault, waits in (("{kind: sensor, sensor: imu, stuck: true, at: 1}", True), ("", False)):
+        table = table_of(load_scenario("flat_drive", [f"faults=[{fault}]"]))
+        assert ("sensors" in table.topic("/operator/tick").subscribers) == waits

@@ -1,0 +1,118 @@
+"""Goals from the page: as messages, refused where they cannot be, stopped, paused, and who may send them."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from deaf_feed import DeafFeed
+
+from sojourn_console.control import Control
+from sojourn_console.desk import CommandDesk
+from sojourn_console.draft import Draft
+from sojourn_console.errors import GoalError
+from sojourn_console.model import BasePose, RunScene
+from sojourn_console.panels.goals import foresight_rows
+from sojourn_console.panels.head import head_html
+from sojourn_console.panels.panel import table_html
+from sojourn_console.world import World
+from sojourn_contract.codecs import encode
+from sojourn_contract.topics import topic
+
+MOVING = RunScene(statuses={"/drive/status": {"state": "moving"}, "/arm/status": {"state": "moving"}})
+
+
+def test_drafts_are_the_messages_of_their_topics() -> None:
+    place = Draft("drive", ((2.0, 1.0, 0.7),), yaw=math.pi / 2)
+    name, goal = place.message(7, start_height=0.5)
+    assert (name, goal.frame, goal.stamp) == ("/goal_pose", "map", 7)
+    assert goal.position == pytest.approx([2.0, 1.0, 0.2])  # heights of a goal are over that of the start
+    assert goal.orientation == pytest.approx([0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5)])
+    route = Draft("route").with_point((1.0, 0.0, 0.0)).with_point((2.0, 1.0, 0.0))
+    name, way = route.message(7)
+    assert name == "/waypoints" and [tuple(pose.position[:2]) for pose in way.poses] == [(1.0, 0.0), (2.0, 1.0)]
+    arm = Draft("arm").with_point((1.1, 0.0, -0.2)).with_point((1.2, 0.0, -0.2))
+    name, tip = arm.message(7)
+    assert (name, tip.frame) == ("/arm/goal_pose", "base_link") and tip.position == pytest.approx([1.2, 0.0, -0.2])
+    task = Draft("task", task="tare", values={"seconds": "2"})
+    assert task.message(7)[1].status[0].values == (("seconds", "2"),)
+    for draft in (place, route, arm, task):
+        assert encode(topic(draft.message(7)[0]), draft.message(7)[1])
+    assert encode(topic("/drive/question"), place.question(7))
+    assert route.length == pytest.approx(math.sqrt(2.0)) and route.without_last().points == ((1.0, 0.0, 0.0),)
+    assert route.moved(0, (5.0, 5.0, 0.0)).points[0] == (5.0, 5.0, 0.0)
+
+
+def test_what_cannot_be_sent_is_told(world: World) -> None:
+    Draft("drive", ((1.0, 0.0, 0.0),)).check(world.ground)
+    with pytest.raises(GoalError, match=r"\(999.00, 0.00\): it is off the map: allowed is x from"):
+        Draft("route", ((1.0, 0.0, 0.0), (999.0, 0.0, 0.0))).check(world.ground)
+    with pytest.raises(GoalError, match="click on the ground"):
+        Draft("drive").check(world.ground)
+    with pytest.raises(GoalError, match="task: none is chosen"):
+        Draft("task").check(world.ground)
+    with pytest.raises(GoalError, match="ways alone"):
+        Draft("arm", ((1.0, 0.0, 0.0),)).question(0)
+
+
+def test_a_stop_goes_to_both_without_a_stamp(feed: DeafFeed) -> None:
+    desk = CommandDesk(feed)
+    desk.stop()
+    assert [(name, message.stamp) for name, message in feed.said] == [("/cmd_vel", 0), ("/arm/stop", 0)]
+    feed.deaf = {"/arm/stop"}
+    desk.stop()  # a machine without an arm is stopped all the same
+    feed.deaf = {"/arm/stop", "/cmd_vel"}
+    with pytest.raises(GoalError, match="nobody acts"):
+        desk.stop()
+
+
+def test_a_route_goes_on_after_a_pause_without_what_was_passed(feed: DeafFeed) -> None:
+    desk = CommandDesk(feed)
+    stamp = desk.send(Draft("route", ((1.0, 0.0, 0.0), (2.0, 0.0, 0.0), (3.0, 0.0, 0.0))))
+    assert stamp == feed.now and feed.said[-1][1].stamp == stamp
+    at = BasePose(np.array([1.1, 0.1, 0.5]), np.array([0.0, 0.0, 0.0, 1.0]))
+    driving = replace(MOVING, pose=at, statuses={"/drive/status": {"state": "moving"}})
+    desk.look(driving)
+    assert desk.pause(driving) == "drive paused"
+    assert feed.said[-1][0] == "/cmd_vel" and not feed.said[-1][1].linear.any()
+    feed.now += 1
+    assert desk.resume() == "drive goes on"
+    name, way = feed.said[-1]
+    assert name == "/waypoints" and [pose.position[0] for pose in way.poses] == [2.0, 3.0]
+    assert way.stamp == feed.now
+    assert desk.resume() == "nothing is paused"
+
+
+def test_the_arm_pauses_by_itself(feed: DeafFeed) -> None:
+    desk = CommandDesk(feed)
+    arm = RunScene(statuses={"/arm/status": {"state": "moving"}})
+    assert desk.pause(arm) == "arm paused"
+    assert desk.resume() == "arm goes on"
+    assert [message.status[0].name for _, message in feed.said] == ["pause", "resume"]
+
+
+def test_cancel_ends_what_is_under_way_alone(feed: DeafFeed) -> None:
+    desk = CommandDesk(feed)
+    desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
+    assert desk.cancel(RunScene(statuses={"/drive/status": {"state": "moving"}})) == "goal of drive cancelled"
+    assert feed.said[-1][0] == "/cmd_vel" and desk.driven is None
+    assert desk.cancel(RunScene()) == "there is no goal under way"
+    assert desk.cancel(MOVING) == "goal of drive and arm cancelled"
+
+
+def test_one_page_commands_at_a_time() -> None:
+    control = Control().claimed_by(1)
+    assert control.claimed_by(1) == control
+    with pytest.raises(GoalError, match="page 1 has it: press “Take control”"):
+        control.claimed_by(2)
+    assert control.taken_by(2).holder == 2
+    assert control.without(2) == control and control.without(1).holder is None
+
+
+def test_words_of_the_page_escape_what_others_say() -> None:
+    answer = {"asked_state": "refused", "asked_reason": "<b>too far</b>", "asked_length_m": "3.0"}
+    words = table_html(foresight_rows(answer))
+    assert "&lt;b&gt;too far" in words and "3.00 m" in words
+    scene = RunScene(statuses={"/drive/status": {"state": "refused", "reason": "<script>"}}, charge=0.5)
+    words = head_html(scene, "flat_drive", "explorer")
+    assert "<script>" not in words and "50.0 %" in words and "not heard" in head_html(RunScene(), "a", "b")

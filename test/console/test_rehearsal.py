@@ -1,0 +1,78 @@
+"""A drive rehearsed from what is believed, and what it finds."""
+
+import json
+import math
+import time
+
+import numpy as np
+import pytest
+
+from sojourn_console.draft import Draft
+from sojourn_console.errors import GoalError
+from sojourn_console.model import BasePose
+from sojourn_console.panels.goals import rehearsal_rows
+from sojourn_console.rehearsal import RehearsedDrive, after, believed, rehearse
+from sojourn_console.rehearser import Rehearser
+from sojourn_contract.messages import contact_cloud
+from sojourn_contract.topics import topic
+from sojourn_contract.values import Odometry
+
+HALF = math.sin(math.pi / 8)
+HERE = BasePose(np.array([1.0, -2.0, 0.5]), np.array([0.0, 0.0, HALF, math.cos(math.pi / 8)]))
+GOAL = Draft("drive", ((1.2, -1.8, 0.0),))
+
+
+def test_the_world_of_a_rehearsal_is_what_is_believed() -> None:
+    told = [
+        "soil.k_c=1",
+        "faults=[]",
+        "machine=skid",
+        "battery.capacity_ah=9",
+        "belief.battery.capacity_ah=20",
+        "rock_soil.k_c=1",
+    ]
+    found = believed(told, HERE, 0.6, GOAL)
+    assert found[:2] == ["machine=skid", "battery.capacity_ah=20"] and not any("k_c" in text for text in found)
+    values = dict(text.split("=", 1) for text in found)
+    assert json.loads(values["start"]) == pytest.approx({"x": 1.0, "y": -2.0, "yaw": math.pi / 4})
+    assert float(values["battery_soc"]) == 0.6
+    (step,) = json.loads(values["steps"])
+    assert step["drive_to"] == {"x": 1.2, "y": -1.8}
+    route = Draft("route", ((1.0, 0.0, 0.0), (2.0, 0.0, 0.0)), yaw=0.5)
+    (step,) = json.loads(dict(text.split("=", 1) for text in believed([], HERE, 0.6, route))["steps"])
+    assert step["drive_route"] == {"points": [{"x": 1.0, "y": 0.0}, {"x": 2.0, "y": 0.0}], "yaw": 0.5}
+    with pytest.raises(GoalError, match="ways alone"):
+        believed([], HERE, 0.6, Draft("task", task="tare"))
+
+
+def test_a_short_drive_is_rehearsed_to_its_end() -> None:
+    *_, before, last = rehearse("flat_drive", believed([], HERE, 0.8, GOAL))
+    assert last.is_over and not before.is_over and last.state == "reached"
+    apart = math.dist(GOAL.points[0][:2], HERE.position[:2])
+    assert 0.5 * apart < last.length_m < 1.5 * apart
+    assert last.energy_wh > 0.0 and 0.7 < last.charge < 0.9
+    assert last.tilt_deg < 1.0 and 0.0 < last.slip < 0.5  # on the level
+
+
+def test_the_worst_is_kept() -> None:
+    def odometry(x: float, tilt: float) -> Odometry:
+        turn = np.array([0.0, math.sin(tilt / 2), 0.0, math.cos(tilt / 2)])
+        return Odometry(0, "map", "base_link", np.array([x, 0.0, 0.0]), turn, np.array([0.05, 0.0, 0.0]), np.zeros(3))
+
+    report = np.zeros((2, 16))
+    report[:, 4], report[:, 8] = (0.3, 0.9), (100.0, 1.0)  # the second hardly touches
+    found, place = RehearsedDrive(), None
+    for x, tilt in ((0.0, 0.1), (0.3, 0.2), (0.4, 0.05)):
+        said = [(topic("/truth/odom"), odometry(x, tilt)), (topic("/truth/contacts"), contact_cloud(0, report))]
+        found, place = after(found, place, said)
+    assert found.tilt_deg == pytest.approx(math.degrees(0.2)) and found.length_m == pytest.approx(0.4)
+    assert found.slip == pytest.approx(0.3)
+
+
+def test_one_that_fails_says_why() -> None:
+    rehearser = Rehearser()
+    rehearser.begin("no_such_scenario", [])
+    while rehearser.is_under_way:
+        time.sleep(0.05)
+    assert "no_such_scenario" in rehearser.problem
+    assert rehearsal_rows(rehearser)[0][1] == rehearser.problem

@@ -1,0 +1,194 @@
+"""Sequences of commands: what a file may say, when a step begins, what its end and an operator's words lead to."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from sojourn_config.errors import ConfigError
+from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_contract.errors import UnknownFieldNameError
+from sojourn_contract.heartbeat import status_message
+from sojourn_contract.stamps import NANOSECONDS
+from sojourn_contract.topics import STANDARD
+from sojourn_operator.sequence.condition import conditions
+from sojourn_operator.sequence.file import SequenceConfig, read_sequence, scenario_text, sequence_text
+from sojourn_operator.sequence.runner import Heard, SequenceRunner, SequenceState
+from sojourn_operator.sequence_command import main
+from sojourn_operator.steps.step import LEAD_NS, GoalReport, RunFacts
+
+CHARGE = "/battery_state.percentage"
+DRIVE = {"drive_to": {"x": 1.0, "y": 0.0}}
+
+
+@pytest.fixture(scope="module")
+def skid() -> LoadedScenario:
+    return load_scenario("flat_drive", ["machine=skid"])
+
+
+def runner(*steps: dict[str, object]) -> SequenceRunner:
+    return SequenceRunner(SequenceConfig.model_validate({"steps": list(steps)}), STANDARD, RunFacts())
+
+
+class Run:
+    """A runner that is looked at ten times a second; the drive ends each goal as it is told to after a second."""
+
+    def __init__(self, one: SequenceRunner, ends: str = "reached") -> None:
+        self.one, self.ends = one, ends
+        self.state: SequenceState = one.initial_state()
+        self.now, self.values, self.sent = NANOSECONDS, {}, []
+        self.reports: dict[str, GoalReport] = {}
+        self._goal = (0, 0)
+
+    def go(self, seconds: float, **values: float | str) -> "Run":
+        self.values |= values
+        for _ in range(round(10 * seconds)):
+            begun, stamp = self._goal
+            if stamp and self.now - begun >= NANOSECONDS:
+                self.reports = {"drive": GoalReport(self.ends, stamp, "because")}
+            self.take(self.one.look(self.state, self.now, Heard(self.reports, self.values)))
+            self.now += NANOSECONDS // 10
+        return self
+
+    def take(self, answer: tuple[SequenceState, list]) -> None:
+        self.state, goals = answer
+        for goal in goals:
+            self.sent.append(goal.topic)
+            if goal.topic == "/goal_pose":
+                assert goal.message.stamp == self.now + LEAD_NS
+                self._goal = self.now, goal.message.stamp
+
+    @property
+    def outcomes(self) -> list[str]:
+        return [entry.outcome for entry in self.state.history]
+
+
+def test_each_step_begins_when_the_one_before_it_has_come_to_its_end() -> None:
+    run = Run(runner(DRIVE, {"wait_s": 0.5}, DRIVE)).go(6.0)
+    assert run.outcomes == ["reached", "waited", "reached"] and run.sent == ["/goal_pose", "/goal_pose"]
+    assert run.state.phase == "ended" and run.one.is_good(run.state)
+    stamps = [entry.stamp for entry in run.state.history]
+    assert stamps == sorted(stamps) and stamps[1] - stamps[0] >= 0.5 * NANOSECONDS
+
+
+def test_a_step_waits_for_its_time_and_its_comparisons() -> None:
+    run = Run(runner({**DRIVE, "when": f"{CHARGE} > 0.4 and /drive/status.state == idle", "after_s": 2.0}))
+    run.values = {CHARGE: 0.5, "/drive/status.state": "idle"}
+    assert run.go(1.9).sent == []
+    run.values[CHARGE] = 0.3
+    assert run.go(2.0).sent == [] and "0.4" in run.one.waits_for(run.state, run.now, Heard({}, run.values))
+    run.values[CHARGE] = 0.5
+    assert run.go(0.2).sent == ["/goal_pose"]
+
+
+def test_a_comparison_of_what_has_not_come_does_not_hold_and_its_limit_fails_the_step() -> None:
+    run = Run(runner({**DRIVE, "when": f"{CHARGE} > 0.4", "within_s": 1.0, "on_failure": "skip"}, {"wait_s": 0.1}))
+    run.go(3.0)
+    assert run.outcomes == ["timed out", "waited"] and run.sent == []
+    assert not run.one.is_good(run.state)
+
+
+@pytest.mark.parametrize(
+    ("after", "outcomes", "phase"),
+    [("hold", ["stopped"], "waiting"), ("skip", ["stopped", "waited"], "ended"), ("abort", ["stopped"], "aborted")],
+)
+def test_what_a_failure_leads_to(after: str, outcomes: list[str], phase: str) -> None:
+    run = Run(runner({**DRIVE, "on_failure": after}, {"wait_s": 0.1}), "stopped").go(3.0)
+    assert (run.outcomes, run.state.phase) == (outcomes, phase)
+    assert run.sent == (["/goal_pose", "/cmd_vel"] if after == "abort" else ["/goal_pose"])
+
+
+def test_a_step_that_takes_too_long_is_stopped() -> None:
+    run = Run(runner({**DRIVE, "timeout_s": 0.5})).go(1.0)
+    assert run.outcomes == ["timed out"] and run.sent == ["/goal_pose", "/cmd_vel"]
+
+
+def test_an_operator_holds_resumes_skips_and_aborts() -> None:
+    one = runner(DRIVE, {"wait_s": 0.1, "hold": True}, DRIVE, DRIVE)
+    run = Run(one).go(0.5)
+    run.state = one.hold(run.state, "anna", run.now)
+    run.go(3.0)  # what is under way comes to its end
+    assert run.outcomes == ["done", "reached"] and "anna" in one.describe(run.state)
+    run.state = one.resume(run.state, "anna", run.now)
+    run.go(0.5)
+    assert run.outcomes[-1] == "waited" and run.sent == ["/goal_pose"] * 2
+    run.take(one.skip(run.state, "anna", run.now))
+    run.go(0.2)
+    assert run.sent == ["/goal_pose", "/goal_pose", "/cmd_vel", "/goal_pose"]
+    run.take(one.abort(run.state, "ben", run.now, "enough"))
+    run.go(1.0)
+    assert run.state.phase == "aborted" and run.sent[-1] == "/cmd_vel"
+    assert [entry.who for entry in run.state.history][-2:] == ["anna", "ben"]
+    assert "ben: drive to (1.00, 0.00): aborted (enough)" in run.state.history[-1].line()
+
+
+def test_values_are_those_of_the_fields_that_are_compared() -> None:
+    one = runner({**DRIVE, "when": "/drive/status.slip < 0.5 and /drive/status.state != failed"})
+    message = status_message(1, "drive", {"slip": "0.25", "state": "moving", "mode": "goal"})
+    assert one.values("/drive/status", message) == {"/drive/status.slip": 0.25, "/drive/status.state": "moving"}
+    assert one.topics == ("/drive/status",)
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "holds"),
+    [
+        (f"{CHARGE} > 0.4", 0.5, True), (f"{CHARGE} > 0.4", 0.4, False), (f"{CHARGE} >= 0.4", 0.4, True),
+        (f"{CHARGE} <= 0.4", 0.5, False), (f"{CHARGE}<0.4", 0.3, True), (f"{CHARGE} == 0.5", 0.5, True),
+        (f"{CHARGE} > 0.4", "half", False), (f"{CHARGE} != 0.4", "half", True),
+    ],
+)  # fmt: skip
+def test_comparisons(text: str, value: float | str, holds: bool) -> None:
+    (one,) = conditions(text, STANDARD)
+    assert one.holds({CHARGE: value}) is holds and not one.holds({})
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("/battery_state.percent > 0.4", CHARGE),
+        ("charge > 0.4", "no comparison"),
+        (f"{CHARGE} > full", "allowed is == or !="),
+    ],
+)
+def test_what_is_no_comparison_is_said(text: str, said: str) -> None:
+    with pytest.raises(UnknownFieldNameError, match=said):
+        conditions(text, STANDARD)
+
+
+def test_a_file_is_checked_before_anything_is_sent(tmp_path: Path, skid: LoadedScenario) -> None:
+    file = tmp_path / "sequence.yaml"
+
+    def said(text: str) -> str:
+        file.write_text(text, encoding="utf-8")
+        with pytest.raises(ConfigError) as refusal:
+            read_sequence(file, skid, STANDARD)
+        return str(refusal.value)
+
+    several = said(
+        "steps:\n"
+        "  - drive_to: {x: 500.0, y: 0.0}\n"
+        "  - drive_to: {x: 1.0, y: 0.0}\n    when: /battery_state.percent > 0.4\n"
+        "  - arm_joints: {name: unfold}\n"
+    )
+    assert "sequence.yaml:2" in several and "off the terrain" in several
+    assert "sequence.yaml:4" in several and CHARGE in several
+    assert "has no arm" in several
+    assert "did you mean drive_to?" in said("steps:\n  - drive_too: {x: 1.0, y: 0.0}\n")
+    assert "did you mean when?" in said("steps:\n  - drive_to: {x: 1.0, y: 0.0}\n    wen: /x.y > 1\n")
+
+
+def test_steps_go_to_a_scenario_and_back(tmp_path: Path, skid: LoadedScenario) -> None:
+    file = tmp_path / "sequence.yaml"
+    file.write_text(sequence_text(skid), encoding="utf-8")
+    config = read_sequence(file, skid, STANDARD)
+    assert [step.on_failure for step in config.steps] == ["abort"]
+    steps = yaml.safe_load(scenario_text(config))["steps"]
+    again = load_scenario("flat_drive", ["machine=skid", f"steps={yaml.safe_dump(steps, default_flow_style=True)}"])
+    assert again.config.steps == skid.config.steps
+
+
+def test_the_terminal_checks_and_says_what_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "sequence.yaml"
+    file.write_text("steps:\n  - {wait_s: 1.0, hold: true}\n", encoding="utf-8")
+    assert main([str(file), "--check", "--scenario", "flat_drive"]) == 0
+    assert "1 steps, nothing wrong" in capsys.readouterr().out

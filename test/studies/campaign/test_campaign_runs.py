@@ -1,0 +1,119 @@
+"""Whole campaigns on workers of this machine: the same table however many there are, and after a kill."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from pyarrow import parquet
+
+from sojourn_config.command_errors import UsageError
+from sojourn_studies.campaign import cluster, command
+from sojourn_studies.campaign.folder import JOURNAL, WORK
+from sojourn_studies.campaign.table import TABLE
+
+CAMPAIGN = """
+description: Short drives, of which one cannot be
+scenario: {scenario}
+set: {{duration_limit_s: 0.4, seed: 1}}
+values:
+  start.x: {{kind: grid, of: [-1.0, 8.0]}}
+  terrain.size_x: {{kind: grid, of: [20.0, 10.0]}}
+keep: {{failures: false, sample: 0.3}}
+"""
+
+
+@pytest.fixture
+def campaign(tmp_path: Path) -> str:
+    """Its scenario is a file of the user's, which workers do not have."""
+    own = tmp_path / "own"
+    own.mkdir()
+    (own / "mine.yaml").write_text("extends: flat_drive\nseed: 7\n", encoding="utf-8")
+    file = own / "short.yaml"
+    file.write_text(CAMPAIGN.format(scenario=own / "mine.yaml"), encoding="utf-8")
+    return str(file)
+
+
+@contextmanager
+def owners_mask() -> Iterator[None]:
+    """A campaign sets the mask of its process, which here is that of all tests."""
+    before = os.umask(0o022)
+    try:
+        yield
+    finally:
+        os.umask(before)
+
+
+def run(campaign: str, out: Path, *options: str) -> int:
+    with owners_mask():
+        return command.main([campaign, "--out", str(out), *options])
+
+
+def test_the_table_is_the_same_after_a_kill_and_with_other_workers(campaign: str, tmp_path: Path) -> None:
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    assert run(campaign, whole, "--workers", "1") == 0
+    program = [
+        sys.executable,
+        "-m",
+        "sojourn_studies.campaign.command",
+        campaign,
+        "--out",
+        str(killed),
+        "--workers",
+        "2",
+    ]
+    process = subprocess.Popen(program, start_new_session=True, stdout=subprocess.DEVNULL)
+    while not (killed / JOURNAL).is_file():
+        assert process.poll() is None, "it ended before a run was done"
+        time.sleep(0.02)
+    process.kill()
+    process.wait()
+    done = (killed / JOURNAL).read_bytes().count(b"\n")
+    assert 1 <= done <= 4
+    _wait_for_the_end_of(process.pid)
+    assert run(campaign, killed, "--workers", "1") == 0
+    assert (killed / TABLE).read_bytes() == (whole / TABLE).read_bytes()
+    assert len((killed / JOURNAL).read_bytes().splitlines()) == 4, "no run was done twice"
+
+    rows = parquet.read_table(whole / TABLE).to_pylist()
+    assert [row["run"] for row in rows] == [0, 1, 2, 3]
+    assert [row["result"] for row in rows] == ["not met", "not met", "not met", "raised"]
+    assert "off the terrain" in rows[3]["reason"] and rows[3]["goal_error_m"] is None
+    assert rows[2]["goal_error_m"] == pytest.approx(7.0, abs=0.01)
+    kept = [row["run"] for row in rows if row["kept"]]
+    assert kept == [int(folder.name) for folder in sorted((whole / "runs").iterdir())] != []
+    page = (whole / "report.html").read_text(encoding="utf-8")
+    for number in kept:
+        assert f'href="runs/{number:05d}/report.html"' in page
+        assert (whole / "runs" / f"{number:05d}" / "bag" / "metadata.yaml").is_file()
+    assert not (whole / WORK).exists()
+    for path in (whole, *whole.rglob("*")):
+        assert path.stat().st_mode & 0o077 == 0, f"{path} is not its owner's alone"
+
+
+def _wait_for_the_end_of(session: int) -> None:
+    """Workers whose campaign was killed end by themselves."""
+    until = time.monotonic() + 300.0
+    while time.monotonic() < until:
+        try:
+            os.killpg(session, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.1)
+    os.killpg(session, signal.SIGKILL)
+    raise AssertionError("workers live on without their campaign")
+
+
+def test_a_scheduler_that_does_not_answer_is_named(
+    campaign: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "CONNECT_S", 0.3)
+    with pytest.raises(UsageError, match=r"--scheduler tcp://127\.0\.0\.1:9: it cannot be reached"):
+        run(campaign, tmp_path / "out", "--scheduler", "tcp://127.0.0.1:9")
+    with pytest.raises(UsageError, match="it cannot be reached"):
+        run(campaign, tmp_path / "out", "--scheduler", "carrier-pigeon://x")

@@ -1,0 +1,145 @@
+"""The console beside a run changes nothing of it; and as its user has it, in a browser."""
+
+import io
+import re
+import shutil
+import signal
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from playwright.sync_api import Page, expect, sync_playwright
+from programs import PATIENT, SHORT_RUN, Program
+
+from sojourn_bags.comparison import compare
+from sojourn_bags.comparison_result import Verdict
+from sojourn_bags.comparison_words import comparison_lines
+from sojourn_bags.reading import read_bag
+
+REFERENCE = Path(__file__).parents[1] / "replay" / "short_goals"
+CHROMIUM = next(
+    (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), ""
+)
+LONGEST_MS = 300_000.0
+"""For what a busy machine has to draw without a graphics card."""
+WITHOUT_GRAPHICS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+in_a_browser = pytest.mark.skipif(not CHROMIUM, reason="no Chromium on this machine: sudo apt install chromium")
+
+
+@pytest.fixture
+def browser_page() -> Iterator[Page]:
+    """A page of a small window: without a graphics card every pixel costs."""
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(WITHOUT_GRAPHICS))
+        page = browser.new_page(viewport={"width": 640, "height": 420}, device_scale_factor=0.5)
+        page.set_default_timeout(LONGEST_MS)
+        expect.set_options(timeout=LONGEST_MS)
+        yield page
+        browser.close()
+
+
+def told(program: Program, words: str) -> str:
+    """What a program has printed behind some words, once it has."""
+    end = time.monotonic() + LONGEST_MS * 1e-3
+    while time.monotonic() < end:
+        found = re.search(re.escape(words) + r"(.*)", program.text)
+        if found:
+            return found[1].strip()
+        assert program.process.poll() is None, program.text
+        time.sleep(0.1)
+    pytest.fail(f"never said: {words}\n{program.text}")
+
+
+def scenery(page: Page) -> np.ndarray:
+    """What is seen left of the panel, rows, columns and colours."""
+    data = page.screenshot(clip={"x": 0, "y": 0, "width": 300, "height": 420}, timeout=LONGEST_MS)
+    return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"), dtype=float)
+
+
+def wait_for(is_so: Callable[[], bool], what: str) -> None:
+    end = time.monotonic() + LONGEST_MS * 1e-3
+    while not is_so():
+        assert time.monotonic() < end, what
+        time.sleep(0.5)
+
+
+def press(page: Page, name: str) -> None:
+    """Press a button; the event itself, for a click waits until two pictures in a row have been drawn."""
+    page.get_by_role("button", name=name, exact=True).dispatch_event("click")
+
+
+def choose(page: Page, box: str, option: str) -> None:
+    page.get_by_role("combobox", name=box).dispatch_event("click")
+    page.get_by_role("option", name=option, exact=True).dispatch_event("click")
+
+
+def test_a_run_with_a_console_is_the_run_without(tmp_path: Path, start: Callable[..., Program], domain: int) -> None:
+    """It is there before the run begins, and hears it from then on."""
+    console = start("console", SHORT_RUN, "--domain", domain)
+    told(console, "the console is at")
+    looked_at = start("start", SHORT_RUN, *PATIENT, "--domain", domain, "--run-dir", tmp_path / "looked_at")
+    assert looked_at.wait() == 0, looked_at.text
+    assert float(told(console, "the run is heard, from").split()[0]) < 5.0
+    alone = start("start", SHORT_RUN, *PATIENT, "--composed", "--domain", domain, "--run-dir", tmp_path / "alone")
+    assert alone.wait() == 0, alone.text
+    runs = [read_bag(tmp_path / name) for name in ("looked_at", "alone")]
+    result = compare(runs[0].topics, runs[1].topics)
+    assert result.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result))
+
+
+@in_a_browser
+def test_a_bag_is_played_in_the_browser(start: Callable[..., Program], browser_page: Page) -> None:
+    page = browser_page
+    console = start("console", "--bag", REFERENCE)
+    address = told(console, "the console is at")
+    refused = page.goto(address[:-3] + "/")
+    assert refused is not None and refused.status == 403
+    page.goto(address)
+    expect(page.get_by_text("explorer", exact=True)).to_be_visible()
+    expect(page.get_by_role("button", name="STOP", exact=True)).to_have_count(0)
+    end = max(messages.log_times[-1] for messages in read_bag(REFERENCE).topics.values()) * 1e-9
+    expect(page.get_by_text(f"{end:.1f} s", exact=True)).to_be_visible()
+    wait_for(lambda: scenery(page).mean() > 40.0, "the ground is not drawn")
+    before = scenery(page)
+    choose(page, "Speed", "1/4×")
+    page.get_by_text("▶ / ❚❚").dispatch_event("click")  # at its end: from the beginning
+    wait_for(lambda: bool((np.abs(scenery(page) - before).max(axis=2) > 30.0).mean() > 0.002), "nothing moves")
+    page.get_by_role("tab", name="Telemetry").dispatch_event("click")
+    expect(page.get_by_role("combobox", name="Field")).to_have_value("pose.pose.position.x")
+    page.get_by_text("Plot", exact=True).first.dispatch_event("click")
+    expect(page.locator("canvas").nth(1)).to_be_attached()
+    expect(page.get_by_text("/odom.pose.pose.position.x [m]")).to_be_attached()
+
+
+@in_a_browser
+def test_a_goal_is_clicked_foreseen_sent_and_reached(
+    tmp_path: Path, start: Callable[..., Program], domain: int, browser_page: Page
+) -> None:
+    page = browser_page
+    waiting = ("--set", "steps=[]", "--set", "duration_limit_s=3600", "--realtime", "--composed", "--console")
+    run = start("start", SHORT_RUN, *PATIENT, *waiting, "--domain", domain, "--run-dir", tmp_path / "run")
+    page.goto(told(run, "the console is at"))
+    told(run, "the run is heard")
+    expect(page.get_by_text("idle").first).to_be_visible()
+    wait_for(lambda: scenery(page).mean() > 40.0, "the ground is not drawn")
+    choose(page, "A click is", "drive to a place")
+    page.mouse.click(150.0, 260.0)
+    expect(page.get_by_text("Drag to move")).to_be_visible()
+    press(page, "Rehearse")
+    expect(page.get_by_text("allowed")).to_be_attached()
+    expect(page.get_by_text(re.compile(r"^\d+\.\d\d Wh$"))).to_be_attached()
+    press(page, "Send")
+    expect(page.get_by_text("drive to a place: sent")).to_be_attached()
+    expect(page.get_by_text("moving").first).to_be_attached()
+    press(page, "STOP")
+    expect(page.get_by_text("stopped").first).to_be_attached()
+    press(page, "Send")
+    expect(page.get_by_text("reached").first).to_be_attached()
+    run.send(signal.SIGINT)
+    assert run.wait() == 0
+    assert not run.leaves_processes()
+    goals = read_bag(tmp_path / "run")["/goal_pose"]
+    assert len(goals) == 2
