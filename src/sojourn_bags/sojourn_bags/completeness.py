@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from sojourn_contract.heartbeat import ENDED, STALLED, Heartbeat
+from sojourn_contract.leaps import NO_LEAPS, Leaps
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Reliability, Topic
 
@@ -119,6 +120,7 @@ def account(
     last_stamp: int | None,
     lockstep_rows: Iterable[Topic] = (),
     before: Mapping[str, int] | None = None,
+    leaps: Leaps = NO_LEAPS,
 ) -> Completeness:
     """Account of a run.
 
@@ -128,8 +130,9 @@ def account(
         last_stamp: stamp [ns] of the last period of the run in lock-step, None in real time.
         lockstep_rows: rows of the table whose messages lock-step demands.
         before: messages by topic that belong to the time before the record; none where it is of the whole run.
+        leaps: of the clock, in the record.
     """
-    due = {row.name: due_by(row, last_stamp) for row in lockstep_rows} if last_stamp is not None else {}
+    due = {row.name: due_by(row, last_stamp, leaps) for row in lockstep_rows} if last_stamp is not None else {}
     counts = {}
     for row in rows:
         earlier = (before or {}).get(row.name, 0)
@@ -149,8 +152,8 @@ def _later(count: int | None, earlier: int) -> int | None:
     return None if count is None else max(count - earlier, 0)
 
 
-def due_by(row: Topic, last_stamp: int) -> int:
+def due_by(row: Topic, last_stamp: int, leaps: Leaps = NO_LEAPS) -> int:
     """Messages of a periodic row that somebody has waited for by this stamp [ns]."""
     if row.delivery is not None:
         return sum(1 for _ in row.delivery.departures(last_stamp // CONTROL_PERIOD_NS))
-    return max(0, last_stamp // CONTROL_PERIOD_NS - row.lag) // row.every
+    return leaps.count(last_stamp // CONTROL_PERIOD_NS - row.lag, row.every)

@@ -9,6 +9,7 @@ from sojourn_bags.errors import OtherContractError
 from sojourn_bags.provenance import CONTRACT_NAME, VERSIONS_NAME, versions
 from sojourn_bags.reading import Bag
 from sojourn_contract.description import (
+    LEAP,
     contract_data,
     contract_differences,
     contract_name,
@@ -85,7 +86,8 @@ def table_of_bag(bag: Bag) -> TopicTable:
         waits = described.get(TICK)  # with faults in its schedule whoever they happen to waits for the operator
         roles = () if waits is None else STANDARD.topic(FAULTS).subscribers
         hearing = [role for role in roles if waits is not None and role in waits["subscribers"]]
-        return STANDARD.joined_with(rows).heard_by(TICK, hearing).delivered(delivered)
+        leap = 0 if theirs is None else int(theirs.get(LEAP, 0))
+        return TopicTable(STANDARD.joined_with(rows).heard_by(TICK, hearing).delivered(delivered), leap)
     except (TopicNameError, *_UNREADABLE) as error:
         raise OtherContractError(bag.path, f"its {CONTRACT_NAME} cannot be read: {error}") from error
 

@@ -8,11 +8,13 @@ What comes late, stamped off the grid or twice is kept as well: the recorder rec
 filed under the period in which it is written.
 """
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from math import lcm
 from typing import TypeAlias
 
 from sojourn_contract.barrier import is_due
+from sojourn_contract.leaps import NO_LEAPS
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
 
@@ -37,6 +39,7 @@ class PeriodOrder:
             for ever.
         heartbeat_periods: periods between two heartbeats.
         begun: the period before the first, and how many goals of each channel belong to it and to those before.
+        longest_leap: control periods by which the clock may leap.
     """
 
     def __init__(
@@ -45,11 +48,17 @@ class PeriodOrder:
         heartbeat_roles: frozenset[int],
         heartbeat_periods: int,
         begun: tuple[int, Mapping[int, int]] = (0, {}),
+        longest_leap: int = 0,
     ) -> None:
         self.collected = begun[0]
         """Last period of which everything due has come."""
         self.released = begun[0]
         """Last period that has been released."""
+        self.leaps = NO_LEAPS
+        """Of the clock, as far as they are known."""
+        self._ahead = MAX_AHEAD_PERIODS + 2 * longest_leap  # the plant is one ahead, and says where the next one lands
+        self._ready = deque[int]()
+        """Periods that are collected and not released."""
         self._awaited = tuple((channel, row) for channel, row in awaited if row.delivery is None)
         self._delivered = {channel: row for channel, row in awaited if row.delivery is not None}
         self._here: set[tuple[int, int]] = set()
@@ -92,12 +101,16 @@ class PeriodOrder:
 
     def announce(self, stamp: int, counts: dict[int, int]) -> None:
         """How many goals have been sent on each channel by this stamp: the period waits for them."""
-        if stamp <= (self.collected + MAX_AHEAD_PERIODS) * CONTROL_PERIOD_NS:
+        if stamp <= (self.collected + self._ahead) * CONTROL_PERIOD_NS:
             self._ticks[stamp // CONTROL_PERIOD_NS] = counts
+
+    def leap(self, begin: int, end: int) -> None:
+        """The clock tells no period between these two."""
+        self.leaps = self.leaps.with_leap(begin, end)
 
     def collect(self) -> bool:
         """Step to the next period if everything that is due in it has come."""
-        period = self.collected + 1
+        period = self.leaps.after(self.collected)
         due = self._due(period)
         leaving = self._leaving(period)
         if self._arrived.get(period, 0) & due != due or not self._here.issuperset(leaving):
@@ -109,18 +122,19 @@ class PeriodOrder:
         self._ticks.pop(period, None)
         self._here.difference_update(leaving)
         self.collected = period
+        self._ready.append(period)
         return True
 
     def release(self) -> tuple[int, list[Entry]] | None:
         """The next period to write, with its messages in order, or None."""
-        period = self.released + 1
-        if period > self.collected:
+        if not self._ready:
             return None
-        if period % self._heartbeat_periods == 0 and self.collected < period + HOLD_PERIODS:
+        period = self._ready[0]
+        if period % self._heartbeat_periods == 0 and len(self._ready) <= HOLD_PERIODS:
             heard = self._heard.get(period, set())
             if not self._heartbeat_roles <= heard:
                 return None
-        self.released = period
+        self.released = self._ready.popleft()
         self._heard.pop(period, None)
         entries = self._entries.pop(period, [])
         entries.sort()
@@ -134,7 +148,7 @@ class PeriodOrder:
 
     def missing(self) -> list[Topic]:
         """Rows that the period in progress waits for."""
-        period = self.collected + 1
+        period = self.leaps.after(self.collected)
         arrived = self._arrived.get(period, 0)
         lacking = {channel for channel, stamp in self._leaving(period) if (channel, stamp) not in self._here}
         rows = [row for channel, row in self._awaited if is_due(row, period) and not arrived & self._bits[channel]]
@@ -168,13 +182,13 @@ class PeriodOrder:
         one in which it came.
         """
         period = -(-stamp // CONTROL_PERIOD_NS)
-        return period if period <= self.collected + MAX_AHEAD_PERIODS else self.collected + 1
+        return period if period <= self.collected + self._ahead else self.leaps.after(self.collected)
 
     def _keep(self, period: int, channel: int, rank: int, stamp: int, data: bytes, heard: int = 0) -> None:
         """heard: when it is there [ns], 0 for with its stamp."""
         log_time = heard or stamp
         if period <= self.released:
-            period = self.released + 1
+            period = self.leaps.after(self.released)
             log_time = period * CONTROL_PERIOD_NS
         elif log_time > period * CONTROL_PERIOD_NS:  # a goal from far ahead
             log_time = period * CONTROL_PERIOD_NS

@@ -75,4 +75,6 @@ class RecordedRun:
         described = [*attachments(scenario), run_attachment(self.record())]
         writer = BagWriter(folder, [*channels, transform_channel()], described, offered)
         awaited = awaited_inputs(ROLE, self.participants, table)
-        return Recording(writer, rows, awaited, self.participants, self.lockstep, refuse, self.onset)
+        return Recording(
+            writer, rows, awaited, self.participants, self.lockstep, refuse, self.onset, table.longest_leap
+        )

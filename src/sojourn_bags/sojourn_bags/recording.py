@@ -33,7 +33,7 @@ class Recording:
         rows: topics that are recorded. awaited: those that lock-step waits for.
         participants: roles of the run. lockstep: mode of time.
         refuse: called with the topic and the reason for a message that is written and cannot be read.
-        onset: where in the run the record begins.
+        onset: where in the run the record begins. longest_leap: control periods by which the clock may leap.
     """
 
     def __init__(
@@ -45,6 +45,7 @@ class Recording:
         lockstep: bool,
         refuse: Callable[[str, Exception], None],
         onset: Onset = WHOLE,
+        longest_leap: int = 0,
     ) -> None:
         self.writer = writer
         self._refuse = refuse
@@ -59,7 +60,10 @@ class Recording:
         channels = [(self._channel_of[row.name], row) for row in self._awaited]
         self._onset = onset
         earlier = {channel: onset.before.get(name, 0) for name, channel in self._channel_of.items()}
-        self._periods = PeriodOrder(channels, ranks, HEARTBEAT_PERIODS, (onset.period - 1, earlier))
+        self._periods = PeriodOrder(channels, ranks, HEARTBEAT_PERIODS, (onset.last, earlier), longest_leap)
+        self._periods.leaps = onset.leaps
+        self._clock = 0 if longest_leap else None
+        """Last period that a clock which may leap has told; None of another."""
         self._window = WindowOrder()
         self._published = PublishedCounts()
         self._arrived = dict.fromkeys(self._channel_of, 0)
@@ -93,6 +97,10 @@ class Recording:
             self._periods.offer(channel, stamp, message)
             if name == TICK:
                 self._announce(row, stamp, message)
+            elif name == CLOCK and self._clock is not None:
+                before, self._clock = self._clock, stamp // CONTROL_PERIOD_NS
+                if before and self._clock > before + 1:
+                    self._periods.leap(before, self._clock)
         if unreadable is not None:
             raise unreadable
 
@@ -142,6 +150,7 @@ class Recording:
             self.last_stamp if self.lockstep else None,
             [self._rows[self._channel_of[row.name]] for row in self._awaited],
             self._onset.before,
+            self._periods.leaps,
         )
         record = {**run, "last_stamp_ns": str(self.last_stamp)}
         self.writer.close({RUN_RECORD: record, RECORD: completeness.as_record()})

@@ -76,6 +76,10 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
         raise UsageError("--direct runs as fast as it can: it does not go with --realtime")
     if "plant" not in participants:
         raise UsageError("nothing moves without plant: to start it elsewhere, name here what to start with --only")
+    if given.realtime and scenario.loaded.leaps is not None:
+        raise UsageError(
+            f"--realtime goes by the wall's clock, and that of {scenario.name} leaps: put leaps=null over it"
+        )
     if not given.realtime:
         check_lockstep(participants, table_of(scenario.loaded))
     # before a folder is made for a run that cannot be

@@ -11,6 +11,7 @@ from sojourn_config.known_machine import KnownMachine
 from sojourn_flight.power_manager.activities import ActivityParams
 from sojourn_physics.environment.sun.over import SunOver
 from sojourn_physics.environment.sun.path import SunParams
+from sojourn_physics.plant.params import LeapParams
 from sojourn_physics.terrain.height_field import HeightField
 
 if TYPE_CHECKING:
@@ -25,11 +26,13 @@ class FlightScenario(KnownMachine):
         start: where the machine is said to stand at the start.
         sun: the date, or the Sun's place then: an ephemeris.
         activities: what is planned for the hours and days ahead.
+        leaps: how the clock of the run leaps; None where it does not.
     """
 
     start: "StartConfig"
     sun: SunParams
     activities: tuple[ActivityParams, ...]
+    leaps: LeapParams | None = None
 
     def sun_over(self, terrain: Callable[[], HeightField] | None = None) -> SunOver:
         """The Sun over the site, by the ephemeris. terrain: makes ground that may hide it, where any is known."""

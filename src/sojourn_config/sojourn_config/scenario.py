@@ -30,7 +30,7 @@ from sojourn_physics.environment.air.wind import MovingAir, WindParams
 from sojourn_physics.environment.site import SiteParams
 from sojourn_physics.environment.sun.over import SunOver
 from sojourn_physics.environment.sun.path import SunParams
-from sojourn_physics.plant.params import SimulationParams
+from sojourn_physics.plant.params import LeapParams, SimulationParams
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.params import TerrainParams
 
@@ -92,6 +92,10 @@ class ScenarioConfig(Params):
     battery_soc: float = Field(default=1.0, ge=0.0, le=1.0, description="state of charge at the start [1]")
     duration_limit_s: float = Field(gt=0.0, le=LONGEST, description="simulated time at which a run ends [s]")
     simulation: SimulationParams = Field(default_factory=SimulationParams, description="steps of the plant")
+    leaps: LeapParams | None = Field(
+        default=None,
+        description="the clock leaps while nothing moves and the operator waits; none: it tells every control period",
+    )
     accept: AcceptanceConfig = Field(default_factory=AcceptanceConfig, description="how near counts as met")
     blind_drive: bool = Field(
         default=False, description="the drive uses no camera: it avoids no obstacle and matches no ground"
@@ -156,6 +160,11 @@ class LoadedScenario(Bundle):
     def simulation(self) -> SimulationParams:
         """Steps of the plant."""
         return self.config.simulation
+
+    @property
+    def leaps(self) -> LeapParams | None:
+        """How the clock of the run leaps; None where it does not."""
+        return self.config.leaps
 
     @property
     def soil_names(self) -> tuple[str, str]:
@@ -268,7 +277,9 @@ def _known_overrides(overrides: Sequence[str]) -> list[str]:
 
 
 def _flight(config: ScenarioConfig, known: KnownMachine) -> FlightScenario:
-    return FlightScenario(**known.known_fields(), start=config.start, sun=config.sun, activities=config.activities)
+    return FlightScenario(
+        **known.known_fields(), start=config.start, sun=config.sun, activities=config.activities, leaps=config.leaps
+    )
 
 
 def _belief_problems(bundle: Bundle | None, belief: Bundle | None, document: YamlDocument) -> Iterator[Problem]:

@@ -47,6 +47,8 @@ class Answer:
     """For the log."""
     finished: bool = False
     """Whether the run ends with it."""
+    landing: int = 0
+    """Of who makes the time: the clock leaps, and the next period has this stamp [ns]; 0: it is the next one."""
 
 
 NOTHING = Answer()

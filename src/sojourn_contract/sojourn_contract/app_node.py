@@ -10,6 +10,7 @@ from sojourn_config.known_machine import KnownMachine
 from sojourn_contract.app import App, Period
 from sojourn_contract.kept_data import Kept, KeptData, KeptDataError
 from sojourn_contract.node import ContractNode
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
 
 KEEP_EVERY_NS = 200_000_000
@@ -77,6 +78,8 @@ class AppNode(ContractNode):
         for text in answer.errors:
             self.get_logger().error(f"{text} at {stamp / 1e9:.2f} s")
         self.finished = self.finished or answer.finished
+        if answer.landing:
+            self.barrier.leap(*(each // CONTROL_PERIOD_NS for each in (stamp, answer.landing)))
         self.publish_all(answer.messages)
         if self._kept is not None and abs(stamp - self._kept_at) >= KEEP_EVERY_NS:
             self._keep(stamp)

@@ -10,6 +10,8 @@ from math import gcd
 from typing import Generic, TypeVar
 
 from sojourn_contract.delivery import Delivery
+from sojourn_contract.errors import LeapError
+from sojourn_contract.leaps import NO_LEAPS, Leaps
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_contract.topic_table import CLOCK, TopicTable
 from sojourn_contract.topic_types import Topic
@@ -41,13 +43,14 @@ def is_due(row: Topic, period: int) -> bool:
     return period % row.every == 0 and period > row.lag
 
 
-def stamp_due(row: Topic, period: int) -> int:
+def stamp_due(row: Topic, period: int, leaps: Leaps = NO_LEAPS) -> int:
     """Stamp [ns] that the message needed at control period `period` carries: of a row with a delivery the newest that
-    has left and is not too old, zero where there is none.
+    has left and is not too old, zero where there is none; of one that lags the newest that a clock which leaps has.
     """
     if row.delivery is not None:
         return row.delivery.newest(period, oldest_age(row)) * CONTROL_PERIOD_NS
-    return (period - row.lag) * CONTROL_PERIOD_NS
+    due = period - row.lag
+    return (leaps.newest(due, row.every) if leaps.gaps else due) * CONTROL_PERIOD_NS
 
 
 def oldest_age(row: Topic) -> int:
@@ -62,17 +65,35 @@ class Barrier(Generic[Message]):
     Args:
         awaited: rows that the role waits for, as `awaited_inputs` gives them.
         every_period: act at every control period, even where no input is due (the plant).
+        longest_leap: control periods by which the clock may leap, 0 where it does not.
+
+    Attributes:
+        leaps: of the clock, as far as they are known.
+
+    Raises:
+        LeapError: the clock leaps, and nothing that is waited for would tell of it.
     """
 
     awaited: tuple[Topic, ...]
     every_period: bool = False
+    longest_leap: int = 0
+    leaps: Leaps = field(default=NO_LEAPS, init=False)
     _messages: dict[str, dict[int, Message]] = field(default_factory=dict, init=False)
+    _pacer: str = field(default="", init=False)
+    """Row whose stamps tell of a leap."""
+    _heard: int = field(default=0, init=False)
+    """Newest control period of it."""
 
     def __post_init__(self) -> None:
         paces = [row.pace for row in self.awaited if row.name != CLOCK]
         self.stride = 1 if self.every_period or not paces else gcd(*paces)
         self.period = self.stride
         self._messages = {row.name: {} for row in self.awaited}
+        if self.longest_leap and self.awaited and not self.every_period:
+            self._pacer = next((row.name for row in self.awaited if row.every == self.stride and not row.lag), "")
+            if not self._pacer:
+                names = ", ".join(row.name for row in self.awaited)
+                raise LeapError(f"the clock would not be told by {names}", "a run with a node that publishes more")
 
     @property
     def stamp(self) -> int:
@@ -87,11 +108,15 @@ class Barrier(Generic[Message]):
         if stamp % grid:
             return f"a multiple of {grid / 1e9:.2f} s, its period"
         unheard = max(self.stride - row.pace, 0)  # of the clock, at which beats the role does not act
-        oldest = max(self.stamp - (row.lag + unheard) * CONTROL_PERIOD_NS, CONTROL_PERIOD_NS)
+        first = self.period - row.lag - unheard
+        if self.leaps.gaps:  # what has been said before a leap may come after it
+            first = self.leaps.newest(first) - row.lag
+        oldest = max(first, 1) * CONTROL_PERIOD_NS
         if stamp < oldest or self._messages[row.name].get(stamp) is not None:  # one that was refused may be replaced
             return f"newer than {oldest / 1e9 - 1e-9 * CONTROL_PERIOD_NS:.2f} s, once a stamp"
-        if stamp > self.stamp + MAX_PENDING_PERIODS * CONTROL_PERIOD_NS:
-            return f"at most {MAX_PENDING_PERIODS} periods ahead of {self.stamp / 1e9:.2f} s"
+        ahead = MAX_PENDING_PERIODS + 2 * self.longest_leap  # its sender may be one leap ahead, and tell of the next
+        if stamp > self.stamp + ahead * CONTROL_PERIOD_NS:
+            return f"at most {ahead} periods ahead of {self.stamp / 1e9:.2f} s"
         return None
 
     def _refusal_of_delivered(
@@ -106,18 +131,33 @@ class Barrier(Generic[Message]):
     def offer(self, row: Topic, stamp: int, message: Message) -> None:
         """Keep a message until its period, None for one that is refused. Ask `refusal` first."""
         self._messages[row.name][stamp] = message
+        if row.name == self._pacer:
+            before, self._heard = self._heard, max(self._heard, stamp // CONTROL_PERIOD_NS)
+            if before and self._heard > before + self.stride:
+                self._learn(before, self._heard)
+
+    def leap(self, begin: int, end: int) -> None:
+        """Of a role that makes the time: after the control period `begin` comes `end`."""
+        self._learn(begin, end)
+
+    def _learn(self, begin: int, end: int) -> None:
+        self.leaps = self.leaps.with_leap(begin, end)
+        if begin < self.period <= end:
+            self.period = end
 
     def peek(self, row: Topic) -> Message | None:
         """Message of `row` that is due now, if it has arrived."""
         if not is_due(row, self.period):
             return None
-        return self._messages[row.name].get(stamp_due(row, self.period))
+        return self._messages[row.name].get(stamp_due(row, self.period, self.leaps))
 
     def is_complete(self) -> bool:
         """Whether everything that is due now has arrived. Called for every message: no list, no call
         inside.
         """
         period = self.period
+        if self.leaps.gaps:
+            return not self.missing()
         for row in self.awaited:
             if row.delivery is not None:
                 if is_due(row, period) and stamp_due(row, period) not in self._messages[row.name]:
@@ -135,7 +175,7 @@ class Barrier(Generic[Message]):
         return [
             row
             for row in self.awaited
-            if is_due(row, self.period) and stamp_due(row, self.period) not in self._messages[row.name]
+            if is_due(row, self.period) and stamp_due(row, self.period, self.leaps) not in self._messages[row.name]
         ]
 
     def take(self) -> Mapping[str, Message]:
@@ -145,8 +185,11 @@ class Barrier(Generic[Message]):
         for row in self.awaited:
             if not is_due(row, period):
                 continue
-            stamp, messages = stamp_due(row, period), self._messages[row.name]
-            if row.delivery is None:
+            stamp, messages = stamp_due(row, period, self.leaps), self._messages[row.name]
+            if row.lag and self.longest_leap:  # it may be the newest for a while
+                taken[row.name] = messages[stamp]
+                oldest = stamp
+            elif row.delivery is None:
                 taken[row.name] = messages.pop(stamp)
                 oldest = stamp if row.pace < self.stride else 0  # it does not act at every beat of the clock
             else:  # until there is a newer one
@@ -158,5 +201,6 @@ class Barrier(Generic[Message]):
         return taken
 
     def _next(self, period: int) -> int:
-        """First period after `period` at which the role acts: the next multiple of its stride."""
-        return (period // self.stride + 1) * self.stride
+        """First period after `period` at which the role acts: the end of a leap, or the next multiple of its stride."""
+        landing = self.leaps.after(period)
+        return landing if landing > period + 1 else (period // self.stride + 1) * self.stride

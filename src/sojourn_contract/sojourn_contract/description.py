@@ -10,11 +10,14 @@ from typing import Any
 from sojourn_contract import qos
 from sojourn_contract.delivery import Delivery, Loss
 from sojourn_contract.stamps import CONTROL_PERIOD_S
+from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import INFINITY, FieldRule, Reliability, Topic
 from sojourn_contract.topics import TOPICS
 
 CONTRACT_VERSION = 1
 """Raised by hand when what nodes must do changes in a way that the table does not show."""
+LEAP = "longest_leap_periods"
+"""Key of the control periods by which the clock of a run may leap, where it does."""
 _INTERFACE = ("type", "publisher", "subscribers", "rate_hz", "lag_periods", "recorded", "qos", "frames", "child_frame")
 """What two sides must agree on, with the units of the fields. Ranges, ages and tolerances may be tuned."""
 
@@ -22,7 +25,8 @@ _INTERFACE = ("type", "publisher", "subscribers", "rate_hz", "lag_periods", "rec
 def contract_data(rows: Iterable[Topic] = TOPICS) -> dict[str, Any]:
     """The contract of a table in JSON values."""
     topics = {row.name: _topic(row) for row in rows}
-    return {
+    leaps = {LEAP: rows.longest_leap} if isinstance(rows, TopicTable) and rows.longest_leap else {}
+    return leaps | {
         "version": CONTRACT_VERSION,
         "digest": _digest(topics),
         "control_period_s": CONTROL_PERIOD_S,

@@ -64,6 +64,18 @@ class SensorRowError(ContractError):
         super().__init__(f"topic {name!r} of a sensor: allowed is {allowed}")
 
 
+class LeapError(ContractError):
+    """Something because of which the clock of a run cannot leap.
+
+    Args:
+        what: it is, in words. allowed: what is allowed, in words.
+    """
+
+    def __init__(self, what: str, allowed: str) -> None:
+        super().__init__(f"leaps: {what}: allowed is {allowed}")
+        self.what, self.allowed = what, allowed
+
+
 LONGEST_REASON = 120
 
 

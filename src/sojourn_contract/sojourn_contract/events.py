@@ -82,10 +82,23 @@ def _in_order(entries: tuple[Any, ...]) -> tuple[Any, ...]:
     return tuple(sorted(entries, key=lambda entry: entry[:2]))
 
 
-def format_tick(counts: dict[str, int], end: bool) -> str:
-    """Text of /operator/tick: how many goals have been sent on each topic, and whether the run ends."""
+RESTS = "rests_until"
+"""In the text of a tick: until when the operator wants nothing."""
+
+
+def format_tick(counts: dict[str, int], end: bool, rests_until: int = 0) -> str:
+    """Text of /operator/tick: how many goals have been sent on each topic, whether the run ends, and the whole second
+    of simulation time until which no goal is on its way and none will be sent; 0 where that cannot be said.
+    """
     parts = [f"{name}={count}" for name, count in sorted(counts.items())]
-    return ";".join((["end"] if end else []) + parts)
+    rests = [f"{RESTS}={rests_until}"] if rests_until else []
+    return ";".join((["end"] if end else []) + rests + parts)
+
+
+def rests_until(text: str) -> int:
+    """From a tick's text: the second until which the operator wants nothing, 0 where it does not say so."""
+    found = [part.partition("=")[2] for part in text.split(";") if part.startswith(f"{RESTS}=")]
+    return int(found[0]) if found and is_count(found[0]) else 0
 
 
 def parse_tick(text: str) -> tuple[dict[str, int], bool]:
@@ -96,6 +109,8 @@ def parse_tick(text: str) -> tuple[dict[str, int], bool]:
         name, equals, count = part.partition("=")
         if part == "end":
             end = True
+        elif name == RESTS and is_count(count):
+            continue
         elif equals and is_count(count):
             counts[name] = int(count)
         else:

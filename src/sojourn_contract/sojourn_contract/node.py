@@ -110,7 +110,9 @@ class ContractNode(Node):
         self.now = 0
         """Stamp [ns] of the last period acted on; zero before the run."""
         self.awaited = awaited_inputs(role, self.participants, self.table)
-        self.barrier: Barrier[Any] = Barrier(self.awaited, every_period)
+        self.barrier: Barrier[Any] = Barrier(
+            self.awaited, every_period, self.table.longest_leap if self.lockstep else 0
+        )
         self._awaited_by_name = {row.name: row for row in self.awaited}
         self._trigger = trigger_of(self.awaited)
         self._last_progress = self._heard_trigger = time.monotonic()

@@ -8,10 +8,13 @@ from dataclasses import replace
 from functools import cache
 from math import gcd
 
+from sojourn_config.flight import FlightScenario
 from sojourn_config.known_machine import KnownMachine
+from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.delivery import Delivery, Loss
-from sojourn_contract.errors import SensorRowError
-from sojourn_contract.stamps import NANOSECONDS
+from sojourn_contract.errors import LeapError, SensorRowError
+from sojourn_contract.leaps import landing_grid
+from sojourn_contract.stamps import CONTROL_PERIOD_NS, CONTROL_PERIOD_S, NANOSECONDS
 from sojourn_contract.stereo_pair import heard_by_drive
 from sojourn_contract.topic_table import TopicTable, of_thing
 from sojourn_contract.topic_types import Topic
@@ -31,12 +34,24 @@ RECORDED_BESIDES = ("/tf",)
 
 
 def table_of(scenario: KnownMachine) -> TopicTable:
-    """The topics of a run of a scenario, whoever takes part. Raises TopicNameError, SensorRowError."""
+    """The topics of a run of a scenario, whoever takes part. Raises TopicNameError, SensorRowError, LeapError."""
     sensors = scenario.sensors.sensors.items()
     rows = {row.name: row for name, params in sensors for row in (*rows_of(params, name), *params.heard_rows)}
     brought = heard_by_drive(scenario, [row for name, row in rows.items() if name not in STANDARD])
     table = STANDARD.joined_with(brought).for_things(things_of(scenario)).heard_by(TICK, scenario.fault_roles)
-    return table.delivered(_delivered(scenario, table))
+    table = table.delivered(_delivered(scenario, table))
+    leaps = scenario.leaps if isinstance(scenario, LoadedScenario | FlightScenario) else None
+    return table if leaps is None else TopicTable(table, _longest_leap(leaps.longest_s, table))
+
+
+def _longest_leap(longest_s: float, table: TopicTable) -> int:
+    """Control periods; a multiple of those at which leaps land."""
+    grid = landing_grid(table)
+    longest = round(longest_s / CONTROL_PERIOD_S) // grid * grid
+    if not longest:
+        least = grid * CONTROL_PERIOD_NS // NANOSECONDS
+        raise LeapError(f"longest_s = {longest_s:g}", f"{least} or more, after which every topic of the run is due")
+    return longest
 
 
 def rows_of_sensor(scenario: KnownMachine, table: TopicTable, name: str) -> Iterator[Topic]:

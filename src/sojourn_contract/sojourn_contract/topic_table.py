@@ -18,13 +18,15 @@ class TopicTable:
 
     Args:
         rows: each with a name of its own.
+        longest_leap: control periods by which the clock may leap at most, see `leaps`; 0: it tells each of them.
 
     Raises:
         TopicNameError: two rows of one name, or a name that ROS does not allow.
     """
 
-    def __init__(self, rows: Iterable[Topic]) -> None:
+    def __init__(self, rows: Iterable[Topic], longest_leap: int = 0) -> None:
         self.rows = tuple(rows)
+        self.longest_leap = longest_leap
         self._by_name = {row.name: row for row in self.rows}
         if len(self._by_name) < len(self.rows):
             names = [row.name for row in self.rows]

@@ -31,6 +31,7 @@ from sojourn_drive.restart import LOST, kept_odometry, less_sure, lost, odometry
 from sojourn_drive.stereo import StereoInput
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.mobility.twist import PlanarTwist
+from sojourn_flight.odometry.odometry import stood
 from sojourn_flight.odometry.visual_state import StereoImages
 from sojourn_flight.supervision.arbiter import why_pre_empted
 from sojourn_flight.supervision.drive import LONGEST_PERIOD, DriveModel
@@ -262,7 +263,11 @@ class DriveApp(FlightApp[DriveAppState]):
             measured, heard = self._measured(state, period, views)
             if state.stepped_at is None and stamp > stamps.CONTROL_PERIOD_NS:
                 drive = self.model.in_motion(drive)
-            drive, output = self.model.step(drive, measured, _since(state.stepped_at, stamp))
+            since = _since(state.stepped_at, stamp)
+            if since > LONGEST_PERIOD:
+                odometry = stood(self.model.params.odometry, drive.odometry, since - LONGEST_PERIOD)
+                drive = replace(drive, odometry=odometry)
+            drive, output = self.model.step(drive, measured, min(since, LONGEST_PERIOD))
         except (MachineError, RefusedMessageError) as error:
             refusals.append(("/joint_states", error))
             return None
@@ -327,8 +332,8 @@ def _stopped(output: DriveOutput) -> DriveOutput:
 
 
 def _since(before: int | None, stamp: int) -> float:
-    """Time since the last period with measurements [s]: of a drive that has just started one, of a gap its end."""
-    return stamps.CONTROL_PERIOD_S if before is None else min((stamp - before) * 1e-9, LONGEST_PERIOD)
+    """Time since the last period with measurements [s]: of a drive that has just started one."""
+    return stamps.CONTROL_PERIOD_S if before is None else (stamp - before) * 1e-9
 
 
 def _planar(message: TwistStamped) -> PlanarTwist:

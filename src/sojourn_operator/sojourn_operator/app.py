@@ -55,6 +55,7 @@ class OperatorApp(App[OperatorState]):
         steps = script_steps(scenario)
         terrain = scenario.height_field() if any(step.looks_at_ground for step, _ in steps) else None
         around = RunFacts(scenario.arm_joints, terrain)
+        self._leaps = scenario.leaps is not None
         self._faults = FaultSchedule(scenario.config.faults, scenario.config.seed)
         self.script = OperatorScript(steps, scenario.config.duration_limit_s, around)
 
@@ -88,7 +89,11 @@ class OperatorApp(App[OperatorState]):
         if said:
             messages += [(FAULTS_TOPIC, message) for message in said]
             sent[FAULTS_TOPIC] = sent.get(FAULTS_TOPIC, 0) + len(said)
-        tick = format_tick(sent, script.finished)
+        rests = 0
+        if self._leaps and not said:
+            until = self.script.rests_until(script, stamp, state.reports)
+            rests = int(max(0, min(until, self._faults.quiet_until(faults))))
+        tick = format_tick(sent, script.finished, rests)
         messages.append((TICK, Header(stamp, tick)))
         after = replace(state, script=script, sent=sent, has_said_end=script.finished, faults=faults)
         return after, Answer(messages)

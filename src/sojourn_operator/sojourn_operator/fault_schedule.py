@@ -84,6 +84,25 @@ class FaultSchedule:
                 state = replace(state, over=state.over | {place})
         return state, said
 
+    def quiet_until(self, state: ScheduleState) -> float:
+        """Until when nothing comes or goes by the clock [s], with a second to say so before; infinity for ever. What an
+        event brings comes while the machine does something.
+        """
+        coming = [self._comes(state, place, fault) for place, fault in enumerate(self.faults)]
+        times = [time for time in coming if time is not None]
+        return min(times) // NANOSECONDS - 1 if times else math.inf
+
+    def _comes(self, state: ScheduleState, place: int, fault: FaultChoice) -> int | None:
+        """When the next of a fault is due, its beginning or its end, as far as the clock tells [ns]."""
+        if place in state.over:
+            return None
+        if place in state.begun:
+            return self._ends(fault, state.begun[place])
+        time, met = self._times[place], state.met.get(place)
+        if time is None and met is not None and fault.when is not None:
+            return met + _period_at(fault.when.later)
+        return None if time is None else _period_at(time)
+
     def _due(
         self, state: ScheduleState, place: int, fault: FaultChoice, seen: SeenRun
     ) -> tuple[ScheduleState, int | None]:

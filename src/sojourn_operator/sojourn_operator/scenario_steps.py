@@ -4,10 +4,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from sojourn_config.errors import ConfigError, Problem
+from sojourn_config.errors import MISSING, ConfigError, Problem, single
 from sojourn_config.paths import available, resolve
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.yaml_file import KeyPath
+from sojourn_contract.errors import LeapError
 from sojourn_contract.run_table import table_of
 from sojourn_machine.names import names_text
 from sojourn_operator.steps.step import OperatorStep
@@ -34,6 +35,11 @@ class PreparedScenario:
 def prepare_scenario(name: str, overrides: Sequence[str] = ()) -> PreparedScenario:
     """Load and check everything that a scenario names. Raises ConfigError with every problem found."""
     loaded = load_scenario(name, overrides)
+    try:
+        table_of(loaded)
+    except LeapError as error:
+        file = next(iter(loaded.files))
+        raise single(file, f"leaps: {error.what}", MISSING, f"allowed is {error.allowed}") from error
     problems = list(_expectation_problems(loaded))
     if problems:
         raise ConfigError(problems)

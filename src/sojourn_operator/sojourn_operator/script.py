@@ -4,14 +4,17 @@ At each look it is given the simulation time and what drive and arm report; it a
 What is sent and when a step is over are the words of its kind (`steps`); the first step that fails ends the script.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.values import Message, Odometry
-from sojourn_operator.steps.step import GOOD_OUTCOMES, GoalReport, OperatorStep, RunFacts, View
+from sojourn_operator.steps.step import FINAL_STATES, GOOD_OUTCOMES, GoalReport, OperatorStep, RunFacts, View
 
 TIMED_OUT = "timed out"
+AT_REST = ("idle", *FINAL_STATES)
+"""States of a drive or an arm that has nothing to do."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +102,19 @@ class OperatorScript:
         if now >= self.limit_s * NANOSECONDS:
             return self._record(state, now, TIMED_OUT, self._limit_text()), None
         return replace(state, since=now), self._said(state, replace(view, since=now))
+
+    def rests_until(self, state: ScriptState, now: int, reports: Mapping[str, GoalReport]) -> int:
+        """Whole second of simulation time until which nothing is on its way and nothing will be sent; 0 where that
+        cannot be told. Arguments as of `look`, after it.
+        """
+        if state.finished or state.since is None or any(one.state not in AT_REST for one in reports.values()):
+            return 0
+        step, limit = self.steps[len(state.results)]
+        until = step.rests_until(View(state.since, now, reports, self.around))
+        if until is None:
+            return 0
+        ends = [until / NANOSECONDS, self.limit_s, *([] if limit is None else [state.since / NANOSECONDS + limit])]
+        return math.floor(min(ends))
 
     def _said(self, state: ScriptState, view: View) -> GoalToSend | None:
         """What the present step says."""

@@ -19,12 +19,15 @@ from sojourn_contract.topic_types import Topic
 from sojourn_machine.evolution import replace
 from sojourn_physics.faults.acting import Acting
 from sojourn_physics.plant.flight import LONG
-from sojourn_physics.plant.state import PlantState
+from sojourn_physics.plant.model import PlantModel
+from sojourn_physics.plant.rest import leap
+from sojourn_physics.plant.state import PlantCommand, PlantOutput, PlantState
 from sojourn_physics.plant.step import step
 from sojourn_physics.terrain import earthwork
 from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_plant.commands import COMMANDS, Commands, HeldCommands
 from sojourn_plant.faults import PlantFaults
+from sojourn_plant.leaping import Leaping, LeapState
 from sojourn_plant.motor_truth import MotorTruth
 from sojourn_plant.pointing import TOPIC as POINTED
 from sojourn_plant.pointing import Pointing, Targets
@@ -51,6 +54,8 @@ class PlantAppState:
     faults: Acting = ()
     targets: Targets = field(default_factory=dict)
     """Where the joints are to be that an operator points."""
+    leaps: LeapState = field(default_factory=LeapState)
+    """Where the clock may leap."""
 
 
 class PlantApp(App[PlantAppState]):
@@ -66,6 +71,7 @@ class PlantApp(App[PlantAppState]):
         self._truth = TruthMessages(self.model)
         table = table_of(scenario)
         self._tells_ground = GROUND.name in table
+        self._leaping = Leaping(table) if table.longest_leap else None
         self._motors = MotorTruth(self.model) if MOTORS.name in table else None
 
     def warm_up(self) -> None:
@@ -105,15 +111,37 @@ class PlantApp(App[PlantAppState]):
         if targets:
             self._pointing.moved(targets, *commands.reference[:2])
         model, command = self._faults.on(faults, self._commands.at(commands, stamp))
-        machine, output = step(model, before, command)
+        machine, output, leaps = self._moved(state, model, command, period)
         new = [text for happened, text in _EVENTS if happened(machine) and not happened(before)]
-        following = stamp + stamps.CONTROL_PERIOD_NS
+        passed = machine.tick - before.tick
+        following = stamp + passed * stamps.CONTROL_PERIOD_NS
         ground = self._ground(following, state.told, machine)
         motors = [] if self._motors is None else self._motors.messages(following, machine, output.currents)
         messages = chain(ground, motors, self._truth.messages(following, machine, output))
         told = machine.ground if ground else state.told
-        after = replace(state, machine=machine, commands=commands, told=told, faults=faults, targets=targets)
-        return after, Answer(messages, errors=new)
+        asked = replace(state, commands=commands, faults=faults, targets=targets)
+        after = replace(asked, machine=machine, told=told, leaps=leaps)
+        return after, Answer(messages, errors=new, landing=following if passed > 1 else 0)
+
+    def _moved(
+        self, state: PlantAppState, model: PlantModel, command: PlantCommand, period: Period
+    ) -> tuple[PlantState, PlantOutput, LeapState]:
+        """The machine after the period, or where the clock leaps after all periods that it passes over.
+
+        Args:
+            model: with the faults that are there now.
+        """
+        before, leaps, leaping = state.machine, state.leaps, self._leaping
+        if leaping is None:
+            return *step(model, before, command), leaps
+        if period.goals:  # a fault has come or gone, or a joint is pointed: rest is to be seen anew
+            leaps = LeapState()
+        steps = leaping.steps(model, leaps, command, period.stamp, period.inputs)
+        if steps:
+            machine, output = leap(model, before, leaps.rest, command, steps)
+            return machine, output, leaping.after_leap(leaps, command, output)
+        machine, output = step(model, before, command)
+        return machine, output, leaping.after_step(model, leaps, machine, command, output)
 
     def _ground(self, stamp: int, told: GroundMemory, machine: PlantState) -> list[tuple[str, Any]]:
         """What is new of the ground, where a sensor looks at it and it is time."""

@@ -8,6 +8,7 @@ from sojourn_bags.onset import Onset
 from sojourn_bags.recorded_run import ROLE, RecordedRun
 from sojourn_contract.codecs import encode
 from sojourn_contract.heartbeat import HEARTBEAT_PERIODS, RUNNING, Counters, beats, heartbeat_message
+from sojourn_contract.leaps import NO_LEAPS, Leaps
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
@@ -18,9 +19,9 @@ TICK, HEARTBEATS = "/recorder/tick", "/diagnostics"
 TICK_PERIODS = topic(TICK).every
 
 
-def counted_by(period: int) -> Counters:
+def counted_by(period: int, leaps: Leaps = NO_LEAPS) -> Counters:
     """What the recorder of a run has said of its own by the end of a control period."""
-    said = {HEARTBEATS: period // HEARTBEAT_PERIODS, TICK: period // TICK_PERIODS}
+    said = {HEARTBEATS: leaps.count(period, HEARTBEAT_PERIODS), TICK: leaps.count(period, TICK_PERIODS)}
     return Counters({name: count for name, count in said.items() if count})
 
 
@@ -28,10 +29,12 @@ def onset_of(state: StackState, table: TopicTable) -> Onset:
     """Of a record that begins where a run stands."""
     before: dict[str, int] = {}
     ahead = [name for name, _ in state.ahead]
-    for published in (counted_by(state.period - 1).published, *(one.published for one in state.roles.values())):
+    own = counted_by(state.leaps.before(state.period), state.leaps).published
+    for published in (own, *(one.published for one in state.roles.values())):
         for name, count in published.items():
             before[name] = before.get(name, 0) + count
-    return Onset(state.period, {row.name: before.get(row.name, 0) - ahead.count(row.name) for row in table})
+    counts = {row.name: before.get(row.name, 0) - ahead.count(row.name) for row in table}
+    return Onset(state.period, counts, state.leaps)
 
 
 class DirectRecorder:
@@ -48,7 +51,7 @@ class DirectRecorder:
 
     def __init__(self, folder: Path, run: RecordedRun) -> None:
         self._run = run
-        self._counters = counted_by(run.onset.period - 1)
+        self._counters = counted_by(run.onset.last, run.onset.leaps)
         self._recording = run.open(folder, self._refuse)
         self._now = run.onset.resumed_at
 

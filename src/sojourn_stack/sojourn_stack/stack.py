@@ -17,6 +17,7 @@ from sojourn_contract.barrier import Barrier, awaited_inputs, is_due, oldest_age
 from sojourn_contract.errors import RefusedMessageError, unreadable
 from sojourn_contract.events import EventQueue
 from sojourn_contract.heartbeat import ENDED, RUNNING, Counters, beats, heartbeat_message
+from sojourn_contract.leaps import NO_LEAPS, Leaps
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import STANDARD, topic
@@ -72,11 +73,13 @@ class StackState:
     finished: bool = False
     ahead: tuple[tuple[str, Message], ...] = ()
     """What has been said and belongs to a period to come, by topic: the plant tells the truth of the next one."""
+    leaps: Leaps = NO_LEAPS
+    """Of the clock, so far."""
 
     @property
     def now(self) -> int:
         """Stamp of the last period that is over [ns]."""
-        return (self.period - 1) * stamps.CONTROL_PERIOD_NS
+        return self.leaps.before(self.period) * stamps.CONTROL_PERIOD_NS
 
 
 class Stack:
@@ -140,7 +143,7 @@ class Stack:
             WaitingError: a role waits for what nobody sends.
         """
         period = _Period(self, state)
-        waiting = dict(self.agenda(state.period))
+        waiting = dict(self.agenda(state.period, state.leaps))
         while waiting:
             ready = next((role for role, due in waiting.items() if period.missing(due) is None), None)
             if ready is None:
@@ -148,20 +151,23 @@ class Stack:
                 row, behind = period.missing(due) or due[0]
                 raise WaitingError(role, row.name, stamps.seconds(period.stamp - behind))
             period.act(ready, waiting.pop(ready))
-        return period.state(state.period + 1), period.said
+        return period.state(period.landing or state.period + 1), period.said
 
     def farewells(self, state: StackState) -> list[Said]:
         """Last heartbeats, with what each role has said in all."""
         return [(topic(HEARTBEATS), self.heartbeat(role, ENDED, one)) for role, one in state.roles.items() if one.now]
 
-    def agenda(self, period: int) -> Mapping[str, Sequence[Due]]:
-        """Roles that act in a period, and what each waits for. It repeats, once all is waited for that ever is."""
-        if period <= self._latest or not self._repeats:
-            return self._agenda(period)
+    def agenda(self, period: int, leaps: Leaps = NO_LEAPS) -> Mapping[str, Sequence[Due]]:
+        """Roles that act in a period, and what each waits for. It repeats, once all is waited for that ever is and
+        where the clock has not leapt just now.
+        """
+        after_leap = leaps.gaps and period < leaps.gaps[-1][1] + self._latest
+        if period <= self._latest or not self._repeats or after_leap:
+            return self._agenda(period, leaps)
         place = period % self._cycle
         agenda = self._agendas.get(place)
         if agenda is None:
-            agenda = self._agendas[place] = self._agenda(period)
+            agenda = self._agendas[place] = self._agenda(period, NO_LEAPS)
         return agenda
 
     def heartbeat(self, role: str, kind: str, one: RoleState) -> DiagnosticArray:
@@ -169,10 +175,10 @@ class Stack:
         values = self.apps[role].heartbeat_values(one.app, one.now)
         return heartbeat_message(role, kind, one.now, one.counters, "", values)
 
-    def _agenda(self, period: int) -> Mapping[str, Sequence[Due]]:
+    def _agenda(self, period: int, leaps: Leaps) -> Mapping[str, Sequence[Due]]:
         now = period * stamps.CONTROL_PERIOD_NS
         return {
-            role: [(row, now - stamp_due(row, period)) for row in self._awaited[role] if is_due(row, period)]
+            role: [(row, now - stamp_due(row, period, leaps)) for row in self._awaited[role] if is_due(row, period)]
             for role, stride in self._strides.items()
             if period % stride == 0
         }
@@ -193,13 +199,16 @@ class _Period:
         self._messages = dict(state.messages)
         self._finished = state.finished
         self._ahead = state.ahead
+        self._leaps = state.leaps
+        self.landing = 0
+        """The period that comes next, where the clock leaps; else 0."""
 
     def state(self, period: int) -> StackState:
         """At the end, with the number of the next one."""
         now = (period - 1) * stamps.CONTROL_PERIOD_NS
         ahead = [one for one in self._ahead if self._stack.rows[one[0]].heard_at(one[1].stamp) > now]
         ahead += [(row.name, message) for row, message in self.said if row.heard_at(message.stamp) > now]
-        return StackState(period, self._roles, self._messages, self._finished, tuple(ahead))
+        return StackState(period, self._roles, self._messages, self._finished, tuple(ahead), self._leaps)
 
     def missing(self, due: Sequence[Due]) -> Due | None:
         """The first that has not been said yet."""
@@ -229,12 +238,18 @@ class _Period:
             one = one.refusing(name, str(refused))
         self._roles[role] = one
         self._finished = self._finished or answer.finished
+        if answer.landing:
+            self._leap(answer.landing // stamps.CONTROL_PERIOD_NS)
         self._say(said)
         if beats(before, self.stamp):
             heartbeat = topic(HEARTBEATS)
             one = self._roles[role]
             self._roles[role] = one = replace(one, published=_counted(one.published, [(heartbeat, None)]))
             self.said.append((heartbeat, self._stack.heartbeat(role, RUNNING, one)))
+
+    def _leap(self, landing: int) -> None:
+        self.landing = landing
+        self._leaps = self._leaps.with_leap(self.stamp // stamps.CONTROL_PERIOD_NS, landing)
 
     def begin(self, role: str, messages: Iterable[tuple[str, Message]]) -> None:
         """What a role says before its first period."""
@@ -260,8 +275,11 @@ class _Period:
             stamp = message.stamp
             heard: dict[int, Heard] = {}
             if kept_for:
-                earlier = self._messages.get(row.name, {})
-                heard = {at: older for at, older in earlier.items() if at >= stamp - kept_for}
+                earlier, oldest = self._messages.get(row.name, {}), stamp - kept_for
+                if self._leaps.gaps:
+                    period = oldest // stamps.CONTROL_PERIOD_NS
+                    oldest = self._leaps.newest(period, row.every) * stamps.CONTROL_PERIOD_NS
+                heard = {at: older for at, older in earlier.items() if at >= oldest}
             heard[stamp] = (message, _refusal(check_input, row, message))
             self._messages[row.name] = heard
         self.said += said

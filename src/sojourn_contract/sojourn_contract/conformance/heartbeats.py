@@ -7,6 +7,7 @@ from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.observation import Observation
 from sojourn_contract.conformance.ros_reading import diagnostics_of
 from sojourn_contract.heartbeat import ENDED, READY, RUNNING, STALLED, WAITING_TO_MATCH, Heartbeat, read_heartbeats
+from sojourn_contract.leaps import NO_LEAPS, Leaps
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS, seconds
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, topic
@@ -35,14 +36,14 @@ class HeartbeatRule:
 
 
 def schedule_findings(
-    role: str, beats: Sequence[Heartbeat], lockstep: bool, begin: int, end: int
+    role: str, beats: Sequence[Heartbeat], lockstep: bool, begin: int, end: int, leaps: Leaps = NO_LEAPS
 ) -> Iterator[tuple[int, Finding]]:
     """Heartbeats that are missing with begin < stamp <= end [ns]: stamp and finding."""
     stamps = [beat.stamp for beat in beats if begin < beat.stamp <= end]
     field, allowed = f"{STAMP} of {role}", "one heartbeat each second of simulation"
     if lockstep:
         here = frozenset(stamps)
-        for stamp in range((begin // BEAT_NS + 1) * BEAT_NS, end + 1, BEAT_NS):
+        for stamp in leaps.stamps(_ROW.every, begin, end):
             if stamp not in here:
                 yield stamp, Finding(field, "missing", allowed)
         return
@@ -59,6 +60,7 @@ def counter_findings(
     stamps: Mapping[str, Sequence[int]],
     from_start: bool,
     uncounted: Collection[str] = (),
+    leaps: Leaps = NO_LEAPS,
 ) -> Iterator[tuple[int, Finding]]:
     """Counters `published /topic` against the messages that have come: stamp and finding.
 
@@ -67,7 +69,7 @@ def counter_findings(
     Args:
         outputs: topics of the role. beats: its running heartbeats, in order.
         stamps: of all messages, by topic, sorted.
-        uncounted: topics whose messages may be lost on the way.
+        uncounted: topics whose messages may be lost on the way. leaps: of the clock.
     """
     rows = [
         row for row in outputs if row.name in stamps and row.name not in uncounted and (from_start or not row.is_event)
@@ -77,13 +79,15 @@ def counter_findings(
     for beat in beats:
         if previous is not None:
             for row in rows:
-                found = _counter(row, previous, beat, stamps)
+                found = _counter(row, previous, beat, stamps, leaps)
                 if found is not None:
                     yield beat.stamp, found
         previous = beat
 
 
-def _counter(row: Topic, previous: Heartbeat, beat: Heartbeat, stamps: Mapping[str, Sequence[int]]) -> Finding | None:
+def _counter(
+    row: Topic, previous: Heartbeat, beat: Heartbeat, stamps: Mapping[str, Sequence[int]], leaps: Leaps
+) -> Finding | None:
     field = f"status.values.published {row.name} of {beat.role}"
     before, now = previous.published.get(row.name, 0), beat.published.get(row.name, 0)
     if now < before:
@@ -93,9 +97,10 @@ def _counter(row: Topic, previous: Heartbeat, beat: Heartbeat, stamps: Mapping[s
         return Finding(field, now, f"{total} at most: there are no more", now - total) if now > total else None
     here = stamps[row.name]
     # the plant's truth of the next period is out when its heartbeat is sent
-    ahead = CONTROL_PERIOD_NS if row.publisher == "plant" else 0
-    begin = previous.stamp + ahead if previous.stamp >= 0 else -1
-    count = bisect_right(here, beat.stamp + ahead) - bisect_right(here, begin)
+    until, begin = beat.stamp, previous.stamp
+    if row.publisher == "plant":
+        until, begin = (CONTROL_PERIOD_NS * leaps.after(stamp // CONTROL_PERIOD_NS) for stamp in (until, begin))
+    count = bisect_right(here, until) - bisect_right(here, begin if previous.stamp >= 0 else -1)
     if row.name == HEARTBEATS:
         count = 1
     if now - before == count:

@@ -32,6 +32,7 @@ from sojourn_contract.conformance.ros_reading import diagnostics_of, stamp_of
 from sojourn_contract.conformance.stamp_rules import StampRule
 from sojourn_contract.conformance.texts import GoalStatusRule, LoadRule, RequestRule, SwitchRule, TickRule
 from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
+from sojourn_contract.leaps import NO_LEAPS, Leaps, leaps_of
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES
 
@@ -39,7 +40,7 @@ CLOCK = "/clock"
 PLACE, ODOMETRY = "/initialpose", "/odom"
 """After an operator's word where the rover is, the drive's estimate is there at once."""
 LONGEST_JUMP_NS = 60 * stamps.NANOSECONDS
-"""Of /clock from one message to the next that is believed at once."""
+"""Of /clock from one message to the next that is believed at once, where it does not leap farther."""
 _STAMP, _JOINT_STATE = "stamp", "sensor_msgs/JointState"
 
 
@@ -78,6 +79,7 @@ class Judge:
         self._beats: dict[str, list[Heartbeat]] = {role: [] for role in self._participants}
         self._mistyped: set[str] = set()
         self._clock = self._first_clock = self._doubted = 0
+        self._longest_jump = max(LONGEST_JUMP_NS, self._table.longest_leap * stamps.CONTROL_PERIOD_NS)
 
     def endpoint(self, topic: str, endpoint: Endpoint) -> None:
         """Judge the type and quality of service of a publisher or a subscription of a judged role."""
@@ -148,7 +150,7 @@ class Judge:
         ]
         if self._lockstep:
             inputs = {role: awaited_inputs(role, self._participants, self._table) for role in self._participants}
-            missing = missing_answers(rows, self._stamps, inputs, begin, until)
+            missing = missing_answers(rows, self._stamps, inputs, begin, until, self._leaps())
             for row, stamp, found in missing:
                 self.report.add("answer", row.name, stamp, [found])
         else:
@@ -157,6 +159,10 @@ class Judge:
         self._finish_heartbeats(begin, until)
         return self.report
 
+    def _leaps(self) -> Leaps:
+        """Of a clock that may leap, as it has told them."""
+        return leaps_of(sorted(self._stamps.get(CLOCK, ()))) if self._table.longest_leap else NO_LEAPS
+
     @property
     def simulated_s(self) -> float:
         """Simulation time from the first message of /clock to the last [s]."""
@@ -164,7 +170,8 @@ class Judge:
 
     def _hear_clock(self, stamp: int) -> None:
         """Follow /clock; a jump far ahead counts when the next message is there, too."""
-        if not self._clock or stamp <= self._clock + LONGEST_JUMP_NS or abs(stamp - self._doubted) <= LONGEST_JUMP_NS:
+        longest = self._longest_jump
+        if not self._clock or stamp <= self._clock + longest or abs(stamp - self._doubted) <= longest:
             self._clock = max(self._clock, stamp)
             self._first_clock = self._first_clock or stamp
         self._doubted = stamp
@@ -193,20 +200,22 @@ class Judge:
     def _finish_heartbeats(self, begin: int, until: int) -> None:
         name = heartbeats.HEARTBEATS
         ordered = {topic: sorted(map(self._rows[topic].heard_at, found)) for topic, found in self._stamps.items()}
-        uncounted = () if self._lockstep else (CLOCK,)
+        uncounted, leaps = () if self._lockstep else (CLOCK,), self._leaps()
         for role in self._judged:
             outputs = self._table.outputs_of(role)
             beats = sorted(self._beats[role], key=lambda beat: beat.stamp)
-            for stamp, found in heartbeats.schedule_findings(role, beats, self._lockstep, begin, until):
+            for stamp, found in heartbeats.schedule_findings(role, beats, self._lockstep, begin, until, leaps):
                 self.report.add("heartbeat", name, stamp, [found])
             beats = [beat for beat in beats if beat.stamp <= until]
-            for stamp, found in heartbeats.counter_findings(outputs, beats, ordered, self._from_start, uncounted):
+            for stamp, found in heartbeats.counter_findings(
+                outputs, beats, ordered, self._from_start, uncounted, leaps
+            ):
                 self.report.add("counter", name, stamp, [found])
 
 
 def rules_of(row: Topic, machine: JudgedMachine, lockstep: bool) -> list[Rule]:
     """The rules for messages of a row."""
-    rules: list[Rule] = [StampRule(row, lockstep), NumberRule(row)]
+    rules: list[Rule] = [StampRule(row, lockstep, machine.table.longest_leap), NumberRule(row)]
     if row.frames or row.child_frame:
         rules.append(FrameRule(row))
     if OrientationRule.applies(row):

@@ -15,12 +15,13 @@ class StampRule:
     """Stamps of one topic.
 
     Args:
-        row: the topic. lockstep: mode of time.
+        row: the topic. lockstep: mode of time. longest_leap: control periods by which the clock may leap.
     """
 
     name = "stamp"
 
-    def __init__(self, row: Topic, lockstep: bool) -> None:
+    def __init__(self, row: Topic, lockstep: bool, longest_leap: int = 0) -> None:
+        self._ahead = max(AHEAD_PERIODS, longest_leap) * CONTROL_PERIOD_NS
         self._row = row
         self._lockstep = lockstep
         # in real time a node that lost a message may skip to its next one, and stays on the control period
@@ -47,7 +48,7 @@ class StampRule:
 
     def _against_time(self, seen: Observation) -> list[Finding]:
         """Too old where it was filed, or by the clock; or ahead of it."""
-        latest = seen.clock + AHEAD_PERIODS * CONTROL_PERIOD_NS
+        latest = seen.clock + self._ahead
         if seen.clock and seen.stamp > latest:
             return [_finding(seen.stamp, f"{seconds(latest):.2f} s at most, by /clock", seen.stamp - latest)]
         limit_s = self._late(seen.stamp) if self._lockstep else self._row.max_age_s

@@ -304,6 +304,15 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
     )
 
 
+def stood(params: OdometryParams, state: OdometryState, time: float) -> OdometryState:
+    """After a time [s] of which nothing has been measured; of a rover that stands: its gyro's bias has walked on."""
+    if state.standing_for < params.standing_time:
+        return state
+    covariance = state.covariance.copy()
+    covariance[5, 5] += params.gyro_bias_walk**2 * time
+    return replace(state, covariance=covariance, standing_for=state.standing_for + time)
+
+
 def corrected(odometry: OdometryState, change: FloatArray, covariance: FloatArray) -> OdometryState:
     """The state after a measurement that has changed all that the covariance is of, shapes (n,) and (n, n)."""
     mounting, keys, rest = odometry.mounting, odometry.keys, len(change)

@@ -118,6 +118,12 @@ class OperatorStep(Step):
         """What goes out on its topic at a look; None: nothing."""
         return self.goal(view) if view.begins else None
 
+    def rests_until(self, view: View) -> int | None:
+        """Simulation time until which it says nothing and looks at nothing [ns], so that the clock may leap; None where
+        that cannot be told.
+        """
+        return None
+
     def end(self, view: View) -> tuple[str, str] | None:
         """Outcome and reason at a look after the first one, None while it goes on.
 

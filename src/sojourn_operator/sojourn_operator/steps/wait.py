@@ -3,6 +3,7 @@
 from pydantic import ConfigDict, Field, RootModel
 
 from sojourn_config.steps import LONGEST
+from sojourn_contract.stamps import NANOSECONDS
 from sojourn_operator.steps.step import WAITED, OperatorStep, View
 
 
@@ -15,6 +16,10 @@ class WaitStep(RootModel[float], OperatorStep):
     def describe(self) -> str:
         """See OperatorStep."""
         return f"wait {self.root:g} s"
+
+    def rests_until(self, view: View) -> int:
+        """See OperatorStep."""
+        return view.since + round(self.root * NANOSECONDS)
 
     def end(self, view: View) -> tuple[str, str] | None:
         """See OperatorStep."""

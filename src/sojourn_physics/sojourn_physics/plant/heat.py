@@ -71,28 +71,31 @@ class PlantHeat:
         temperatures = state.nodes.thermal.temperatures
         return [None if node is None else float(temperatures[node]) for node in nodes]
 
-    def warming(self, power: FloatArray, moved: Moved) -> FloatArray:
+    def warming(self, power: FloatArray, moved: Moved, periods: int = 1) -> FloatArray:
         """Of the power that loads take (loads,) [W], what is heat in the machine: of those that move it their part of
-        the motors' heat, by the energy that each took or gave back; the rest is work on the ground.
+        the motors' heat, by the energy that each took or gave back in so many periods; the rest is work on the ground.
         """
         turned = np.abs(moved.energy)
         total = float(turned.sum())
         share = moved.heat / total if total > 0.0 else 0.0
-        return np.where(self._moves, share * turned / self._period, power)
+        return np.where(self._moves, share * turned / (periods * self._period), power)
 
-    def is_due(self, state: PlantHeatState) -> bool:
-        """Whether the period that begins ends with a step of the thermal network, which needs the light."""
-        return state.periods + 1 >= self._every
+    def is_due(self, state: PlantHeatState, periods: int = 1) -> bool:
+        """Whether the periods that begin end with a step of the thermal network, which needs the light."""
+        return state.periods + periods >= self._every
 
-    def after(self, state: PlantHeatState, supplied: Supplied, time: float, light: Sunlight | None) -> PlantHeatState:
-        """After a control period.
+    def after(
+        self, state: PlantHeatState, supplied: Supplied, time: float, light: Sunlight | None, passed: int = 1
+    ) -> PlantHeatState:
+        """After so many control periods.
 
         Args:
-            supplied: what the power network did in it. time: of its end after the start of the run [s].
+            supplied: what the power network did in them. time: of their end after the start of the run [s].
             light: on the machine, where `is_due`.
         """
-        energy, switched = state.energy + supplied.power * self._period, state.switched + supplied.fractions
-        periods = state.periods + 1
+        energy = state.energy + supplied.power * (passed * self._period)
+        switched = state.switched + passed * supplied.fractions
+        periods = state.periods + passed
         if light is None:
             return replace(state, energy=energy, switched=switched, periods=periods)
         dt = periods * self._period

@@ -8,6 +8,12 @@ from sojourn_machine.params import Params
 from sojourn_machine.timing import CONTROL_PERIOD_S
 
 
+class LeapParams(Params):
+    """How the clock leaps while the machine rests and its operator waits."""
+
+    longest_s: float = Field(gt=0.0, le=86400.0, description="longest leap [s]")
+
+
 class SimulationParams(Params):
     """How the plant is integrated."""
 

@@ -11,12 +11,12 @@ from sojourn_physics.plant.state import PlantState
 
 
 def powered(
-    model: PlantModel, state: PlantState, fractions: FloatArray, moved: Moved
+    model: PlantModel, state: PlantState, fractions: FloatArray, moved: Moved, periods: int = 1
 ) -> tuple[NetworkState, NetworkOutput, PlantHeatState | None]:
-    """Power network and heat after the period that has passed, its loads switched by fractions (loads,) [1], with what
-    moves the machine.
+    """Power network and heat after the control periods that have passed, in one step, its loads switched by fractions
+    (loads,) [1], with what moves the machine; the light is that of the state.
     """
-    period, before, heat = model.simulation.control_period, state.power, state.heat
+    period, before, heat = periods * model.simulation.control_period, state.power, state.heat
     demand = moved.energy / period
     surroundings = surroundings_of(model, state) if model.power.takes_light else DARK
     if model.heat is None or heat is None:
@@ -24,7 +24,8 @@ def powered(
     surroundings = surroundings._replace(round_stores=model.heat.machine.store_surroundings(heat.nodes))
     switches = model.heat.machine.through_thermostats(heat.nodes, fractions)
     network, supply = model.power.step(before, switches, demand, period, surroundings)
-    light = sunlight_on(model, state) if model.heat.is_due(heat) else None
-    warming = model.heat.warming(supply.load_power, moved)
+    light = sunlight_on(model, state) if model.heat.is_due(heat, periods) else None
+    warming = model.heat.warming(supply.load_power, moved, periods)
     supplied = Supplied(before, network, fractions, warming)
-    return network, supply, model.heat.after(heat, supplied, (state.tick + 1) * period, light)
+    time = (state.tick + periods) * model.simulation.control_period
+    return network, supply, model.heat.after(heat, supplied, time, light, periods)

@@ -251,7 +251,7 @@ def step(
             mean = levelling_force(state.axes, memory, truth, warmer, averaged, noise)
         orientation = attitude_from_specific_force(mean, state.heading)
     else:
-        gain, gate = _gain(params, state.elapsed), params.attitude_gate
+        gain, gate = min(_gain(params, state.elapsed), 1.0 / dt), params.attitude_gate
         orientation = attitude_step(state.orientation, rate, force, dt, gain, gate, state.gravity)
     elapsed, heat = state.elapsed + dt, state.heat + warmer * dt
     after = replace(state, memory=memory, stream=stream, orientation=orientation, elapsed=elapsed, heat=heat)

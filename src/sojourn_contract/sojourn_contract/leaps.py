@@ -1,0 +1,111 @@
+"""Leaps of the clock: while nothing moves and nobody wants anything, the plant passes over control periods.
+
+A run whose scenario asks for it has only the control periods that its clock tells. A leap begins at a whole second and
+lands at a multiple of all periods of the table, so that every role acts in the period before it and in the one at its
+end, and every row is due there. Nothing is said between.
+
+Who waits for a message that lags waits for the newest that the run has, `Leaps.newest`. Where the clock leaps nobody
+has to be told: messages of a topic come in their order and none is lost, so that a stamp beyond the next one of a row
+that comes at the pace of its listener tells him that all between are not in the run. In a run that does not ask for
+leaps the same gap is a fault, as ever.
+"""
+
+from bisect import bisect_left
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import lcm
+
+from sojourn_contract.errors import LeapError
+from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
+from sojourn_contract.topic_types import Topic
+
+BEGIN = 50
+"""A leap begins at a multiple of so many control periods."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leaps:
+    """Those of a run so far. A value: each change is a new one."""
+
+    gaps: tuple[tuple[int, int], ...] = ()
+    """Control period before each of them and the one in which it lands, in their order."""
+
+    def with_leap(self, begin: int, end: int) -> "Leaps":
+        """With another, after all that are known."""
+        return replace(self, gaps=(*self.gaps, (begin, end)))
+
+    def newest(self, period: int, every: int = 1) -> int:
+        """The newest control period, no later than this one, that the run has and that is a multiple of `every`; 0
+        where there is none.
+        """
+        found = period - period % every
+        while True:
+            number = bisect_left(self.gaps, (found, 0))
+            if not number:
+                return max(found, 0)
+            begin, end = self.gaps[number - 1]
+            if found >= end:
+                return found
+            found = begin - begin % every
+
+    def has(self, period: int) -> bool:
+        """Whether the run has a control period."""
+        return self.newest(period) == period
+
+    def after(self, period: int) -> int:
+        """The control period after one that the run has."""
+        number = bisect_left(self.gaps, (period, 0))
+        if number < len(self.gaps) and self.gaps[number][0] == period:
+            return self.gaps[number][1]
+        return period + 1
+
+    def before(self, period: int) -> int:
+        """The control period before one that the run has."""
+        return self.newest(period - 1)
+
+    def lagging(self, stamp: int, lag: int) -> int:
+        """The stamp that is so many control periods before another [ns], or the newest before it that the run has."""
+        return self.newest(stamp // CONTROL_PERIOD_NS - lag) * CONTROL_PERIOD_NS
+
+    def stamps(self, every: int, begin: int, end: int) -> Iterator[int]:
+        """Those of the run with begin < stamp <= end [ns] that are multiples of so many control periods."""
+        grid = every * CONTROL_PERIOD_NS
+        wanted = (begin // grid + 1) * grid
+        for before, after in self.gaps:
+            if after * CONTROL_PERIOD_NS > wanted:
+                yield from range(wanted, min(before * CONTROL_PERIOD_NS, end) + 1, grid)
+                wanted = -(-after * CONTROL_PERIOD_NS // grid) * grid
+        yield from range(wanted, end + 1, grid)
+
+    def count(self, last: int, every: int = 1) -> int:
+        """How many control periods, 1 to `last`, the run has that are multiples of `every`."""
+        last = self.newest(last)
+        missed = sum((end - 1) // every - begin // every for begin, end in self.gaps if end <= last)
+        return last // every - missed
+
+
+NO_LEAPS = Leaps()
+"""Of a run whose clock tells every period."""
+
+
+def leaps_of(clock: Iterable[int]) -> Leaps:
+    """Of a run, by the stamps of its clock [ns] in their order."""
+    periods = [stamp // CONTROL_PERIOD_NS for stamp in clock]
+    return Leaps(tuple((begin, end) for begin, end in pairwise(periods) if end > begin + 1))
+
+
+def landing_grid(rows: Iterable[Topic]) -> int:
+    """Control periods of which a landing is a multiple, in a run with these rows.
+
+    Raises:
+        LeapError: a row that does not let the clock leap.
+    """
+    periodic = [row for row in rows if not row.is_event]
+    for row in periodic:
+        period = f"{seconds(row.every * CONTROL_PERIOD_NS):g} s"
+        if row.delivery is not None:
+            raise LeapError(f"{row.name} is heard later than it is measured", "a sensor without timing and dropouts")
+        if BEGIN % row.every and row.every % BEGIN:
+            raise LeapError(f"{row.name} comes each {period}", "a divisor or a multiple of 1 s")
+    return lcm(BEGIN, *(row.every for row in periodic))

@@ -1,0 +1,119 @@
+"""Leaps of the clock: which periods a run has, and that whoever waits acts on these, in whatever order he hears."""
+
+import itertools
+from bisect import bisect
+from dataclasses import replace
+from random import Random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sojourn_contract.barrier import Barrier, awaited_inputs, is_due, stamp_due
+from sojourn_contract.conformance.answers import missing_answers
+from sojourn_contract.delivery import Delivery
+from sojourn_contract.errors import LeapError
+from sojourn_contract.events import format_tick, parse_tick, rests_until
+from sojourn_contract.leaps import BEGIN, NO_LEAPS, Leaps, landing_grid, leaps_of
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topics import ROLES, STANDARD, topic
+
+GRID = landing_grid(STANDARD)
+LEAPS = Leaps(((2 * BEGIN, GRID), (GRID, 3 * GRID), (3 * GRID + BEGIN, 4 * GRID)))
+LAST = 4 * GRID + 60
+APART = 40
+"""Periods that one publisher is ahead of a role at most."""
+PERIODS = [period for period in range(1, LAST + 1) if not any(a < period < b for a, b in LEAPS.gaps)]
+"""Those that the run has, one by one."""
+
+
+@st.composite
+def some_leaps(draw: st.DrawFn) -> tuple[Leaps, list[int]]:
+    """Leaps, and the periods of a short run with them."""
+    edges = sorted(draw(st.sets(st.integers(1, 120), max_size=8)))
+    gaps = tuple((a, b) for a, b in zip(edges[::2], edges[1::2], strict=False) if b > a + 1)
+    return Leaps(gaps), [period for period in range(1, 131) if not any(a < period < b for a, b in gaps)]
+
+
+@given(some_leaps(), st.integers(1, 7), st.integers(-3, 130))
+def test_what_is_asked_of_leaps_is_what_the_list_of_periods_says(
+    run: tuple[Leaps, list[int]], every: int, period: int
+) -> None:
+    leaps, periods = run
+    on_grid = [each for each in periods if each % every == 0]
+    assert leaps.newest(period, every) == max((each for each in on_grid if each <= period), default=0)
+    assert leaps.count(period, every) == sum(each <= period for each in on_grid)
+    assert leaps.has(period) == (period in periods or period == 0)
+    for before, after in itertools.pairwise(periods):
+        assert leaps.after(before) == after and leaps.before(after) == before
+    ns = CONTROL_PERIOD_NS
+    assert [each // ns for each in leaps.stamps(every, 17 * ns, 99 * ns)] == [
+        each for each in on_grid if 17 < each < 100
+    ]
+    assert leaps_of(each * ns for each in periods) == leaps
+
+
+@pytest.mark.parametrize("role", ["sensors", "drive", "arm", "power", "operator"])
+@settings(max_examples=10, deadline=None)
+@given(seed=st.integers(0, 2**32))
+def test_a_role_finds_the_leaps_by_what_it_hears(role: str, seed: int) -> None:
+    """Messages of a topic come in their order, those of different topics in any, as far apart as nodes may be."""
+    chance, awaited = Random(seed), awaited_inputs(role, ROLES)
+    barrier: Barrier[str] = Barrier(awaited, longest_leap=4 * GRID)
+    waiting = {row: [period for period in PERIODS if period % row.every == 0] for row in awaited}
+    acted = [0]
+    while any(waiting.values()):
+        horizon = PERIODS[min(bisect(PERIODS, acted[-1]) + APART, len(PERIODS) - 1)]
+        row = chance.choice([row for row, left in waiting.items() if left and left[0] <= horizon])
+        stamp = waiting[row].pop(0) * CONTROL_PERIOD_NS
+        assert barrier.refusal(row, stamp) is None
+        barrier.offer(row, stamp, f"{row.name}@{stamp}")
+        while barrier.is_complete():
+            acted.append(barrier.period)
+            due = {each.name: stamp_due(each, acted[-1], LEAPS) for each in awaited if is_due(each, acted[-1])}
+            assert barrier.take() == {name: f"{name}@{at}" for name, at in due.items()}
+    assert acted[1:] == [period for period in PERIODS if period % barrier.stride == 0]
+    assert barrier.leaps == LEAPS
+
+
+def test_what_lags_is_the_newest_of_before_the_leap() -> None:
+    tick = topic("/recorder/tick")
+    assert stamp_due(tick, GRID, LEAPS) == 2 * BEGIN * CONTROL_PERIOD_NS
+    assert stamp_due(tick, 3 * GRID + 5, LEAPS) == GRID * CONTROL_PERIOD_NS
+    assert stamp_due(tick, 3 * GRID + tick.lag, LEAPS) == 3 * GRID * CONTROL_PERIOD_NS
+    assert stamp_due(tick, 2 * BEGIN, LEAPS) == stamp_due(tick, 2 * BEGIN) == (2 * BEGIN - tick.lag) * CONTROL_PERIOD_NS
+
+
+def test_who_would_not_hear_of_a_leap_is_named() -> None:
+    late = tuple(row for row in awaited_inputs("power", ROLES) if row.lag)
+    with pytest.raises(LeapError, match="would not be told by /operator/tick"):
+        Barrier(late, longest_leap=GRID)
+
+
+def test_a_gap_is_an_answer_that_is_missing_unless_the_clock_leaps() -> None:
+    row, ns = topic("/truth/odom"), CONTROL_PERIOD_NS
+    stamps, end = {row.name: [period * ns for period in PERIODS]}, LAST * ns
+    assert not list(missing_answers([row], stamps, {"plant": ()}, 0, end, LEAPS))
+    assert len(list(missing_answers([row], stamps, {"plant": ()}, 0, end))) == LAST - len(PERIODS)
+    lost = {row.name: [stamp for stamp in stamps[row.name] if stamp != GRID * ns]}
+    assert [stamp for _, stamp, _ in missing_answers([row], lost, {"plant": ()}, 0, end, LEAPS)] == [GRID * ns]
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [({"every": 7}, "comes each 0.14 s"), ({"delivery": Delivery(5, latency=1)}, "is heard later than it is measured")],
+)
+def test_a_row_that_lets_no_clock_leap_is_named(change: dict[str, object], what: str) -> None:
+    with pytest.raises(LeapError, match=f"/imu/data {what}"):
+        landing_grid([replace(topic("/imu/data"), **change)])  # type: ignore[arg-type]
+
+
+@given(st.integers(0, 10**9), st.booleans())
+def test_the_operators_rest_is_in_its_tick(until: int, end: bool) -> None:
+    text = format_tick({"/goal_pose": 3}, end, until)
+    assert parse_tick(text) == ({"/goal_pose": 3}, end) and rests_until(text) == until
+    assert rests_until(format_tick({}, end)) == rests_until("rests_until=soon") == 0
+
+
+def test_a_run_without_leaps_has_every_period() -> None:
+    assert NO_LEAPS.newest(17) == NO_LEAPS.before(18) == 17 and NO_LEAPS.count(17, 5) == 3
