@@ -15,7 +15,7 @@ from sojourn_physics.plant.rest import (
     REST_PERIODS,
     RESTLESS,
     Rest,
-    Seen,
+    Noticed,
     _parts_after,
     is_told_the_same,
     leap,
@@ -102,7 +102,7 @@ def test_a_leap_ends_where_the_charge_has_moved(rested: Rested) -> None:
     assert moved[0] <= CHARGE_STEP < moved[1]
 
 
-SEEN = Seen(np.array([0.5]), np.array([290.0]), 40.0, 80.0, (False,), True)
+SEEN = Noticed(np.array([0.5]), np.array([290.0]), 40.0, 80.0, (False,), True)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ beginning, a thermostat's duty is that of the step before. A step is as short as
 for: halved while one of them changes by more than `HEATED_FAST` in it, doubled while none does by a quarter of that.
 
 A leap of such steps ends early where the plant is no longer what it was at its beginning and somebody might act on it
-(`Seen.differs`), so that decisions are as late as one step at most.
+(`Noticed.differs`), so that decisions are as late as one step at most.
 
 Source of the scheme: multirate integration of a system whose fast part is at its fixed point (Gear and Wells 1984, BIT
 24, 484); bounds on charge, temperature and light are what adapts. Range: rest on ground, in calm air or steady wind.
@@ -94,7 +94,7 @@ def is_told_the_same(model: PlantModel, one: PlantCommand, other: PlantCommand) 
     return bool((on[0] == on[1]).all() and (well[0] == well[1]).all())
 
 
-class Seen(NamedTuple):
+class Noticed(NamedTuple):
     """Of the plant what somebody may act on."""
 
     charges: FloatArray
@@ -110,7 +110,7 @@ class Seen(NamedTuple):
     lit: bool
     """Whether the Sun is up."""
 
-    def differs(self, now: "Seen") -> bool:
+    def differs(self, now: "Noticed") -> bool:
         """Whether it is no longer what it was."""
         most = POWER_STEP * max(self.given, self.taken, now.taken)
         return bool(
@@ -122,10 +122,10 @@ class Seen(NamedTuple):
         )
 
 
-def _seen(model: PlantModel, state: PlantState, output: NetworkOutput) -> Seen:
+def _seen(model: PlantModel, state: PlantState, output: NetworkOutput) -> Noticed:
     stores, fuses = state.power.stores, state.power.fuses
     blown = () if fuses is None else tuple(bool(each) for each in fuses.blown)
-    return Seen(
+    return Noticed(
         np.array([store.soc for store in stores]),
         np.array([store.temperature for store in stores]),
         float(sum(output.source_powers)),
