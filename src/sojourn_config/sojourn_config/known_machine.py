@@ -13,6 +13,7 @@ from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams, st
 from sojourn_flight.power_manager.params import PowerManagerParams
 from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.body import MachineBody
+from sojourn_machine.disturbance import Disturbance
 from sojourn_machine.power.power_params import PowerParams
 from sojourn_machine.thermal.thermal_params import ThermalParams
 from sojourn_machine.tools import ToolParams
@@ -41,6 +42,7 @@ class KnownMachine:
         tool: at the end of the arm, None where there is none.
         driving: set of the drive node; None for a machine that stands fast or floats.
         thermal: nodes of its heat; None for a machine whose heat is not looked at.
+        disturbances: what happens to messages between the nodes, for those who carry them.
     """
 
     machine: MachineConfig
@@ -54,6 +56,7 @@ class KnownMachine:
     tool: ToolParams | None
     driving: DriveParams | None
     thermal: ThermalParams | None
+    disturbances: tuple[Disturbance, ...] = dataclasses.field(default=(), kw_only=True)
 
     @property
     def fault_roles(self) -> frozenset[str]:

@@ -144,7 +144,7 @@ class LoadedScenario(Bundle):
     @property
     def fault_roles(self) -> frozenset[str]:
         """Roles to which something happens by the schedule of faults."""
-        return frozenset(fault.role for fault in self.config.faults)
+        return frozenset(fault.role for fault in self.config.faults if fault.role)
 
     @property
     def start(self) -> StartConfig:
@@ -301,15 +301,18 @@ def _belief_problems(bundle: Bundle | None, belief: Bundle | None, document: Yam
 
 
 def _with_losses(bundle: Known, config: ScenarioConfig) -> Known:
-    """The same, with the faults of a schedule that lose messages in the tables of their sensors: whoever waits for the
-    messages knows of them.
+    """The same, with the faults of a schedule by which messages are not heard as they were said: those of sensors in
+    their tables. Whoever waits for the messages knows of them.
     """
     sensors = bundle.sensors
     for fault in config.faults:
         lost = fault.lost(config.seed)
         if lost is not None:
             sensors = sensors.with_fault(*lost)
-    return bundle if sensors is bundle.sensors else replace(bundle, sensors=sensors)
+    found = tuple(each for fault in config.faults if (each := fault.disturbance(config.seed)) is not None)
+    if sensors is bundle.sensors and not found:
+        return bundle
+    return replace(bundle, sensors=sensors, disturbances=found)
 
 
 def _blind(bundle: Known) -> Known:

@@ -8,13 +8,11 @@ from rclpy.context import Context
 
 from sojourn_config.known_machine import KnownMachine
 from sojourn_contract.app import App, Period
-from sojourn_contract.kept_data import Kept, KeptData, KeptDataError
+from sojourn_contract.disturbed_app import disturbed
+from sojourn_contract.kept_data import KEEP_EVERY_NS, Kept, KeptData, KeptDataError
 from sojourn_contract.node import ContractNode
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
-
-KEEP_EVERY_NS = 200_000_000
-"""Simulation time from keeping to keeping [ns]."""
 
 
 class AppNode(ContractNode):
@@ -49,7 +47,7 @@ class AppNode(ContractNode):
             every_period=every_period,
         )
         self.acts_in_silence = kind.acts_in_silence
-        self.app = kind(self.scenario)
+        self.app: App[Any] = disturbed(kind(self.scenario), self.table, self.scenario.disturbances)
         self.app.warm_up()
         self.state = self.app.initial_state()
         kept = self.declare_parameter("kept", "").value

@@ -76,6 +76,18 @@ class LeapError(ContractError):
         self.what, self.allowed = what, allowed
 
 
+class DisturbanceError(ContractError):
+    """A fault between the nodes of a run of what it does not have.
+
+    Args:
+        what: it is of, in words. allowed: what is allowed, in words.
+    """
+
+    def __init__(self, what: str, allowed: str) -> None:
+        super().__init__(f"faults: {what}: allowed is {allowed}")
+        self.what, self.allowed = what, allowed
+
+
 LONGEST_REASON = 120
 
 

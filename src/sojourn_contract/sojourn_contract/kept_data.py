@@ -12,6 +12,9 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+KEEP_EVERY_NS = 200_000_000
+"""Simulation time from keeping to keeping [ns]."""
+
 
 class KeptDataError(Exception):
     """A file that holds no kept data, with why."""

@@ -12,6 +12,7 @@ from sojourn_config.flight import FlightScenario
 from sojourn_config.known_machine import KnownMachine
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.delivery import Delivery, Loss
+from sojourn_contract.disturbances import check_disturbances
 from sojourn_contract.errors import LeapError, SensorRowError
 from sojourn_contract.leaps import landing_grid
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, CONTROL_PERIOD_S, NANOSECONDS
@@ -34,12 +35,15 @@ RECORDED_BESIDES = ("/tf",)
 
 
 def table_of(scenario: KnownMachine) -> TopicTable:
-    """The topics of a run of a scenario, whoever takes part. Raises TopicNameError, SensorRowError, LeapError."""
+    """The topics of a run of a scenario, whoever takes part. Raises TopicNameError, SensorRowError, LeapError,
+    DisturbanceError.
+    """
     sensors = scenario.sensors.sensors.items()
     rows = {row.name: row for name, params in sensors for row in (*rows_of(params, name), *params.heard_rows)}
     brought = heard_by_drive(scenario, [row for name, row in rows.items() if name not in STANDARD])
     table = STANDARD.joined_with(brought).for_things(things_of(scenario)).heard_by(TICK, scenario.fault_roles)
     table = table.delivered(_delivered(scenario, table))
+    check_disturbances(scenario.disturbances, table)
     leaps = scenario.leaps if isinstance(scenario, LoadedScenario | FlightScenario) else None
     return table if leaps is None else TopicTable(table, _longest_leap(leaps.longest_s, table))
 

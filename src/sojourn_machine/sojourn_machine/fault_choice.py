@@ -11,6 +11,7 @@ from pydantic import Field, SerializeAsAny, ValidationError, model_validator
 
 from sojourn_machine.chance import chance, stream_of
 from sojourn_machine.choice import kinds_of
+from sojourn_machine.disturbance import Disturbance
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.fault_names import FAULTS
 from sojourn_machine.machine import MachineParams
@@ -121,6 +122,15 @@ class FaultChoice(Params):
     def problems(self, machine: FaultableMachine) -> Iterable[FaultProblem]:
         """What of it does not fit a machine."""
         return ()
+
+    @property
+    def in_scenario_alone(self) -> bool:
+        """Whether nobody can bring it to a running stack: whoever waits for messages has to know of it."""
+        return False
+
+    def disturbance(self, seed: int) -> Disturbance | None:
+        """What it does to messages between nodes, None for all others: known from the beginning, see `lost`."""
+        return None
 
     def lost(self, seed: int) -> tuple[str, str, SensorFaultParams] | None:
         """Name of a sensor that loses messages by it, and by which fault of which name: whoever waits for them has to

@@ -31,6 +31,11 @@ class SensorFault(FaultChoice, SensorFaultParams):
         time = self.time(seed)
         return (self.sensor, self.called, self.as_params(time)) if self.loses and time is not None else None
 
+    @property
+    def in_scenario_alone(self) -> bool:
+        """See FaultChoice."""
+        return self.loses > 0.0
+
     def problems(self, machine: FaultableMachine) -> Iterable[FaultProblem]:
         """See FaultChoice."""
         return unknown("sensor", self.sensor, machine.sensors, "is no sensor of the machine")

@@ -8,7 +8,6 @@ from sojourn_contract.errors import ContractError
 from sojourn_contract.fault_messages import TOPIC, FaultEvent, fault_message, read_fault
 from sojourn_contract.heartbeat import Heartbeat, status_message
 from sojourn_contract.values import DiagnosticArray
-from sojourn_machine.sensor_fault import SensorFault
 
 CAME, WENT, REFUSED = "it has come", "it has gone", "refused"
 
@@ -19,8 +18,10 @@ def fault_event(given: argparse.Namespace, words: Iterable[tuple[str, str]]) -> 
         event = read_fault(status_message(0, given.name, {"kind": given.kind, **_with_lists(words)}))
     except ContractError as error:
         raise CommandError(str(error).removeprefix(f"{TOPIC}.")) from None
-    if isinstance(event.fault, SensorFault) and event.fault.loses:
-        raise CommandError("messages are lost: allowed in a scenario alone, where whoever waits for them knows it")
+    if event.fault.in_scenario_alone:
+        raise CommandError(
+            "allowed in a scenario alone, where whoever waits for messages that are lost or late knows it"
+        )
     return event._replace(comes=not given.gone)
 
 

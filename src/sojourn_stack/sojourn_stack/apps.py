@@ -6,6 +6,8 @@ from typing import Any
 from sojourn_arm.app import ArmApp
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.app import App
+from sojourn_contract.disturbed_app import disturbed
+from sojourn_contract.run_table import table_of
 from sojourn_drive.app import DriveApp
 from sojourn_operator.app import OperatorApp
 from sojourn_plant.app import PlantApp
@@ -19,5 +21,6 @@ APPS: dict[str, type[App[Any]]] = {kind.role: kind for kind in _KINDS}
 
 def make_apps(scenario: LoadedScenario, roles: Iterable[str]) -> dict[str, App[Any]]:
     """The apps of these roles, the recorder left out, in the order of the contract."""
-    wanted = set(roles)
-    return {role: kind.of(scenario) for role, kind in APPS.items() if role in wanted}
+    wanted, table = set(roles), table_of(scenario)
+    made = {role: kind.of(scenario) for role, kind in APPS.items() if role in wanted}
+    return {role: disturbed(app, table, scenario.disturbances) for role, app in made.items()}

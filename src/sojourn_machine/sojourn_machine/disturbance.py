@@ -1,0 +1,39 @@
+"""What happens to messages on their way between the nodes of a run, and to the nodes themselves, from when to when.
+
+Whoever waits for messages in lock-step has to know it beforehand, so that it is a plain value of the run and not news:
+which messages it meets, what becomes of them, from which stamp on.
+"""
+
+from typing import Literal, NamedTuple, TypeAlias
+
+from sojourn_machine.chance import chance
+
+Effect: TypeAlias = Literal["lost", "late", "twice", "corrupted", "restarted"]
+FOR_EVER = 2**62
+"""End of what stays [ns]."""
+
+
+class Disturbance(NamedTuple):
+    """One of them."""
+
+    effect: Effect
+    topic: str
+    """Whose messages; empty: all of the role."""
+    role: str
+    """Whose messages, or the one that is restarted; empty: that of the topic."""
+    begin: int
+    """Stamp of the first message that it may meet [ns]."""
+    end: int = FOR_EVER
+    """Stamp of the first one after it [ns]."""
+    probability: float = 1.0
+    """That it meets a message."""
+    delay: int = 0
+    """Of late ones [ns]."""
+    stream: int = 0
+    """Of its random numbers."""
+
+    def meets(self, stamp: int, period: int) -> bool:
+        """Whether it meets the message of a stamp [ns] in a control period."""
+        if not self.begin <= stamp < self.end:
+            return False
+        return self.probability >= 1.0 or chance(self.stream, 0, period) < self.probability

@@ -1,0 +1,26 @@
+"""Messages lost, late and corrupted, a node restarted: the same without middleware and in many processes."""
+
+from pathlib import Path
+
+from programs import PATIENT
+from test_same_everywhere import records, same
+
+FAULTS = """[
+  {kind: message_lost, topic: /imu/data, probability: 0.3, at: 1},
+  {kind: message_late, topic: /drive_command, delay: 0.05, at: 2, lasts: 4},
+  {kind: message_corrupted, topic: /joint_states, probability: 0.05, at: 1},
+  {kind: message_repeated, topic: /goal_pose, at: 0},
+  {kind: node_slow, node: power, delay: 0.1, at: 1},
+  {kind: node_restarted, node: drive, at: 6}]"""
+STEPS = "steps=[{drive_to: {x: 1.0, y: 0.0}, timeout_s: 20.0}]"
+DISTURBED = ("flat_drive", *PATIENT, "--set", f"faults={FAULTS}", "--set", STEPS)
+
+
+def test_disturbances_are_the_same_over_topics(tmp_path: Path) -> None:
+    runs = {"direct": "--direct", "processes": ""}
+    bags = records(tmp_path, {name: ((*DISTURBED, *option.split()), {}) for name, option in runs.items()}, 1)
+    assert same(bags["direct"], bags["processes"])
+    refused = [status for status in bags["direct"].topics["/diagnostics"].data if b"refused" in status]
+    assert refused  # corrupted and repeated messages are told
+    states = b"".join(bags["direct"].topics["/drive/status"].data)
+    assert b"goal lost: the drive was restarted" in states
