@@ -3,6 +3,7 @@
 If a change is meant to alter them: scripts/record_reference renews the bags, and git shows in digest.txt what is new.
 """
 
+import json
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -14,6 +15,7 @@ import pytest
 from sojourn_bags.candidate import NodeCandidate
 from sojourn_bags.comparison_result import Comparison, FieldDifference, Verdict
 from sojourn_bags.comparison_words import comparison_lines
+from sojourn_bags.description import CONFIGURATION_NAME
 from sojourn_bags.digest import digest
 from sojourn_bags.errors import OtherContractError
 from sojourn_bags.provenance import run_of
@@ -225,6 +227,18 @@ def test_all_that_is_said_is_handed_out(domain: int) -> None:
     for name, messages in result.answers.items():
         assert [data for topic, stamp, data in ear.messages if topic == name and stamp] == messages.data
     assert any(topic == "/diagnostics" and stamp == 0 for topic, stamp, _ in ear.messages), "also from before the run"
+
+
+def test_a_key_that_the_run_did_not_know_makes_no_other_values() -> None:
+    """Where it says nothing; one that says something does."""
+    bag = reference("short_goals")
+    document = json.loads(bag.attachments[CONFIGURATION_NAME])
+    for key, otherwise in (("leaps", ()), ("battery_soc", ("scenario",))):
+        resolved = {name: values for name, values in document["resolved"]["scenario"].items() if name != key}
+        older = json.dumps({**document, "resolved": {**document["resolved"], "scenario": resolved}}).encode()
+        attachments = {**bag.attachments, CONFIGURATION_NAME: older}
+        with run_configuration(Bag(bag.path, True, bag.topics, attachments, bag.records)) as found:
+            assert found.resolved_otherwise == otherwise
 
 
 def test_configuration_is_that_of_the_run_and_what_differs_is_said(monkeypatch: pytest.MonkeyPatch) -> None:

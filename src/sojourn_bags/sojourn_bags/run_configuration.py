@@ -94,7 +94,8 @@ def run_configuration(bag: Bag) -> Iterator[RunConfiguration]:
                 now = Run.of_scenario(load_scenario(scenario, overrides)).resolved
             except ConfigError as error:
                 raise IncompleteConfigError(f"the configuration of {bag.path} is refused today: {error}") from error
-            otherwise = tuple(name for name in resolved if resolved[name] != _as_json(now).get(name))
+            today = _as_json(now)
+            otherwise = tuple(name for name in resolved if _said(resolved[name]) != _said(today.get(name)))
             yield RunConfiguration(scenario, overrides, folder, changed, otherwise)
 
 
@@ -116,6 +117,16 @@ def _as_json(values: Mapping[str, Any]) -> dict[str, Any]:
     """As values look once they have been through JSON."""
     found: dict[str, Any] = json.loads(json.dumps(values))
     return found
+
+
+def _said(values: Any) -> Any:
+    """Values without those that say nothing: a key that there was not yet at the time of a run is none in its files."""
+    if isinstance(values, list):
+        return [_said(value) for value in values]
+    if not isinstance(values, dict):
+        return values
+    said = {key: _said(value) for key, value in values.items()}
+    return {key: value for key, value in said.items() if value not in (None, {}, [])}
 
 
 @contextmanager
