@@ -11,7 +11,8 @@ from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
 from sojourn_console.model import BasePose
 from sojourn_console.panels.goals import rehearsal_rows
-from sojourn_console.rehearsal import RehearsedDrive, after, believed, rehearse
+from sojourn_console.rehearsal import after, believed, rehearse
+from sojourn_console.rehearsed import RehearsedDrive
 from sojourn_console.rehearser import Rehearser
 from sojourn_contract.messages import contact_cloud
 from sojourn_contract.topics import topic

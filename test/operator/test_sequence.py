@@ -192,3 +192,13 @@ def test_the_terminal_checks_and_says_what_is_missing(tmp_path: Path, capsys: py
     file.write_text("steps:\n  - {wait_s: 1.0, hold: true}\n", encoding="utf-8")
     assert main([str(file), "--check", "--scenario", "flat_drive"]) == 0
     assert "1 steps, nothing wrong" in capsys.readouterr().out
+
+
+def test_time_that_stands_still_sends_a_goal_once() -> None:
+    """A run that waits for a node tells the same time again and again: the goal went out at each look."""
+    one = runner(DRIVE)
+    state, goals = one.look(one.initial_state(), NANOSECONDS, SequenceInput())
+    assert [goal.topic for goal in goals] == ["/goal_pose"]
+    for now in (NANOSECONDS, NANOSECONDS, 2 * NANOSECONDS):
+        state, goals = one.look(state, now, SequenceInput())
+        assert not goals

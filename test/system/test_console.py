@@ -71,6 +71,12 @@ def press(page: Page, name: str) -> None:
     page.get_by_role("button", name=name, exact=True).dispatch_event("click")
 
 
+def open_tab(page: Page, name: str) -> None:
+    """By the keyboard: a tab takes no click that was not pressed before."""
+    page.get_by_role("tab", name=name).focus()
+    page.keyboard.press("Enter")
+
+
 def choose(page: Page, box: str, option: str) -> None:
     page.get_by_role("combobox", name=box).dispatch_event("click")
     page.get_by_role("option", name=option, exact=True).dispatch_event("click")
@@ -107,7 +113,7 @@ def test_a_bag_is_played_in_the_browser(start: Callable[..., Program], browser_p
     choose(page, "Speed", "1/4×")
     page.get_by_text("▶ / ❚❚").dispatch_event("click")  # at its end: from the beginning
     wait_for(lambda: bool((np.abs(scenery(page) - before).max(axis=2) > 30.0).mean() > 0.002), "nothing moves")
-    page.get_by_role("tab", name="Telemetry").dispatch_event("click")
+    open_tab(page, "Telemetry")
     expect(page.get_by_role("combobox", name="Field")).to_have_value("pose.pose.position.x")
     page.get_by_text("Plot", exact=True).first.dispatch_event("click")
     expect(page.locator("canvas").nth(1)).to_be_attached()
@@ -143,3 +149,39 @@ def test_a_goal_is_clicked_foreseen_sent_and_reached(
     assert not run.leaves_processes()
     goals = read_bag(tmp_path / "run")["/goal_pose"]
     assert len(goals) == 2
+
+
+@in_a_browser
+def test_a_sequence_runs_and_an_alarm_is_acknowledged(
+    tmp_path: Path, start: Callable[..., Program], domain: int, browser_page: Page
+) -> None:
+    page = browser_page
+    limits = tmp_path / "limits.yaml"
+    limits.write_text("alarms:\n  under_way: {field: /drive/status.state, critical: {equals: moving}}\n")
+    waiting = ("--set", "steps=[]", "--set", "duration_limit_s=3600", "--realtime", "--composed")
+    run = start("start", SHORT_RUN, *PATIENT, *waiting, "--domain", domain, "--run-dir", tmp_path / "run")
+    console = start("console", SHORT_RUN, "--domain", domain, "--limits", limits, "--who", "Ada")
+    page.goto(told(console, "the console is at"))
+    told(console, "the run is heard")
+    open_tab(page, "Sequence")
+    steps = page.locator("textarea").first
+    steps.fill("steps:\n  - drive_to: {x: 0.15, speed: 3}\n")
+    press(page, "Run")
+    expect(page.get_by_text(re.compile(r"sequence:2: steps\[0\].drive_to.speed")).first).to_be_attached()
+    file = tmp_path / "two.yaml"
+    file.write_text(
+        "steps:\n  - wait_s: 0.2\n  - drive_to: {x: 0.12, y: 0.0}\n    when: /battery_state.percentage > 0.4\n"
+    )
+    page.locator("input[type=file]").first.set_input_files(file)
+    expect(page.get_by_text("2 steps, nothing wrong").first).to_be_attached()
+    press(page, "Run")
+    expect(page.get_by_text(re.compile(r"✓ sequence: drive to \(0.12, 0.00\): reached"))).to_be_attached()
+    expect(page.get_by_text("CRITICAL").first).to_be_visible()  # the band, whatever tab is open
+    open_tab(page, "Alarms")
+    expect(page.get_by_text(re.compile("over, not acknowledged")).first).to_be_attached()
+    press(page, "Acknowledge")
+    expect(page.get_by_text("acknowledged critical under_way")).to_be_attached()
+    expect(page.locator("b", has_text=re.compile("^under_way$"))).to_have_count(0)
+    run.send(signal.SIGINT)
+    assert run.wait() == 0
+    assert len(read_bag(tmp_path / "run")["/goal_pose"]) == 1

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from sojourn_config.known_machine import KnownMachine
+from sojourn_flight.hazards.zone_params import KeepOutZone
 from sojourn_flight.power_manager.activities import ActivityParams
 from sojourn_physics.environment.sun.over import SunOver
 from sojourn_physics.environment.sun.path import SunParams
@@ -27,12 +28,14 @@ class FlightScenario(KnownMachine):
         sun: the date, or the Sun's place then: an ephemeris.
         activities: what is planned for the hours and days ahead.
         leaps: how the clock of the run leaps; None where it does not.
+        keep_out: zones into which the drive must not go.
     """
 
     start: "StartConfig"
     sun: SunParams
     activities: tuple[ActivityParams, ...]
     leaps: LeapParams | None = None
+    keep_out: tuple[KeepOutZone, ...] = ()
 
     def sun_over(self, terrain: Callable[[], HeightField] | None = None) -> SunOver:
         """The Sun over the site, by the ephemeris. terrain: makes ground that may hide it, where any is known."""

@@ -20,6 +20,7 @@ from sojourn_config.paths import resolve
 from sojourn_config.scenario_checks import scenario_problems
 from sojourn_config.steps import FARTHEST, LONGEST, StepConfig
 from sojourn_config.yaml_file import YamlDocument
+from sojourn_flight.hazards.zone_params import KeepOutZone
 from sojourn_flight.power_manager.activities import ActivityParams
 from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.fault_choice import Fault
@@ -63,6 +64,13 @@ class StartConfig(Params):
     )
 
 
+class WaypointConfig(Params):
+    """A place to which operators may want to drive."""
+
+    x: float = Field(ge=-FARTHEST, le=FARTHEST, description="position in map [m]")
+    y: float = Field(ge=-FARTHEST, le=FARTHEST, description="position in map [m]")
+
+
 class AcceptanceConfig(Params):
     """How near counts as met, by the truth of the plant."""
 
@@ -100,6 +108,8 @@ class ScenarioConfig(Params):
     blind_drive: bool = Field(
         default=False, description="the drive uses no camera: it avoids no obstacle and matches no ground"
     )
+    keep_out: tuple[KeepOutZone, ...] = Field(default=(), description="zones into which the drive must not go")
+    waypoints: dict[str, WaypointConfig] = Field(default_factory=dict, description="places with names, for operators")
     faults: tuple[Fault, ...] = Field(default=(), description="what fails during the run, and when")
     objects: tuple[ObjectParams, ...] = Field(default=(), description="what lies on the ground and may be picked")
     steps: tuple[StepConfig, ...] = Field(default=(), description="what the operator sends, in order")
@@ -278,8 +288,9 @@ def _known_overrides(overrides: Sequence[str]) -> list[str]:
 
 def _flight(config: ScenarioConfig, known: KnownMachine) -> FlightScenario:
     return FlightScenario(
-        **known.known_fields(), start=config.start, sun=config.sun, activities=config.activities, leaps=config.leaps
-    )
+        **known.known_fields(), start=config.start, sun=config.sun, activities=config.activities, leaps=config.leaps,
+        keep_out=config.keep_out,
+    )  # fmt: skip
 
 
 def _belief_problems(bundle: Bundle | None, belief: Bundle | None, document: YamlDocument) -> Iterator[Problem]:

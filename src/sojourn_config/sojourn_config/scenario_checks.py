@@ -9,6 +9,7 @@ from sojourn_config.bundle import Bundle
 from sojourn_config.errors import Problem
 from sojourn_config.steps import Step
 from sojourn_config.yaml_file import KeyPath, YamlDocument
+from sojourn_config.zone_checks import zone_place_problems, zone_problems
 from sojourn_flight.power_manager.activities import activity_problems
 from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.fault_choice import FaultableMachine
@@ -37,9 +38,14 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
         if lacking:
             yield document.problem(path, step.kind, f"the machine {config.machine} {lacking}")
             continue
-        places += [((*path, *at), x, y) for at, x, y in action.places()]
+        asked = [((*path, *at), x, y) for at, x, y in action.places()]
+        places += asked
+        if action.role == "drive":
+            yield from zone_place_problems(config, asked, document)
         for at, value, allowed in () if bundle is None else action.problems(bundle):
             yield document.problem((*path, *at), value, allowed)
+    yield from zone_problems(config, document)
+    places += [(("waypoints", name), place.x, place.y) for name, place in config.waypoints.items()]
     if bundle is not None and bundle.body.free_fall and bundle.machine.stands_on:
         allowed = f"is in free fall, where {config.machine} does not press on the ground: allowed is a planet, "
         yield document.problem(("body",), config.body, allowed + "a moon or an asteroid")

@@ -27,6 +27,8 @@ def parser() -> command_line.Parser:
     result.add_argument(
         "--set", action="append", default=[], dest="overrides", metavar="KEY=VALUE", help="as the run was started with"
     )
+    result.add_argument("--limits", type=Path, metavar="FILE", help="alarms over those of the machine (YAML)")
+    result.add_argument("--who", metavar="NAME", help="who commands and acknowledges (default: the login name)")
     command_line.add_place(result)
     result.add_argument(
         "--port",

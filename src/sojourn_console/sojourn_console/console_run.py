@@ -1,6 +1,7 @@
 """Serves the page until it is told to stop: the work of scripts/console."""
 
 import argparse
+import getpass
 from pathlib import Path
 
 import rich
@@ -8,6 +9,7 @@ import rich
 from sojourn_bags.errors import BagsError
 from sojourn_bags.reading import read_bag
 from sojourn_config.command_line import say
+from sojourn_config.errors import ConfigError
 from sojourn_console.bag_feed import BagFeed
 from sojourn_console.console import LATEST
 from sojourn_console.errors import ConsoleError
@@ -16,6 +18,7 @@ from sojourn_console.gate import GuardedServer
 from sojourn_console.live_feed import LiveFeed
 from sojourn_console.page import Page
 from sojourn_console.world import World, world_named, world_of_bag, world_of_run
+from sojourn_contract.errors import UnknownFieldNameError
 from sojourn_contract.stop_flag import StopFlag
 
 ADDRESS = "the console is at"
@@ -30,7 +33,12 @@ def run(given: argparse.Namespace) -> int:
     rich.get_console().quiet = True  # viser would print its address, without the token
     world, feed = _bag(given.bag) if given.bag is not None else _live(given)
     server = GuardedServer("Sojourn", given.port)
-    page = Page(server, world, feed)
+    try:
+        page = Page(server, world, feed, given.limits, given.who or getpass.getuser())
+    except (ConfigError, UnknownFieldNameError) as error:
+        server.stop()
+        feed.close()
+        raise ConsoleError(str(error)) from error
     say(f"{ADDRESS} {server.address}")
     told = False
 

@@ -2,13 +2,17 @@
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
+import numpy as np
+
+from sojourn_config.yaml_file import plain_scalar
 from sojourn_console.errors import GoalError
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.values import UPRIGHT, Message, Path, PoseStamped
+from sojourn_flight.hazards.zone_params import KeepOutZone, first_in
 from sojourn_operator.goal_messages import drive_goal, pose_message, question_message, route_goal
 from sojourn_physics.terrain.height_field import HeightField
 
@@ -54,8 +58,8 @@ class Draft:
         """Between its points [m]."""
         return sum(math.dist(one[:2], other[:2]) for one, other in itertools.pairwise(self.points))
 
-    def check(self, ground: HeightField) -> None:
-        """Raise GoalError for what cannot be sent."""
+    def check(self, ground: HeightField, zones: Sequence[KeepOutZone] = ()) -> None:
+        """Raise GoalError for what cannot be sent. zones: into which the drive must not go."""
         if self.kind == "task":
             if not self.task:
                 raise GoalError("task", "none is chosen")
@@ -69,6 +73,10 @@ class Draft:
             if not (x_min <= x <= x_max and y_min <= y <= y_max):
                 allowed = f"allowed is x from {x_min:g} to {x_max:g} m and y from {y_min:g} to {y_max:g} m"
                 raise GoalError(f"({x:.2f}, {y:.2f})", f"it is off the map: {allowed}")
+        inside = first_in(zones, np.array(self.points)[:, :2])
+        if inside is not None:
+            x, y, _ = self.points[inside[0]]
+            raise GoalError(f"({x:.2f}, {y:.2f})", f"it lies in the keep-out zone {inside[1].name}")
 
     def message(self, stamp: int, start_height: float = 0.0) -> tuple[str, Message]:
         """Topic and message of it. start_height: of the ground at the start of the run [m]."""
@@ -85,8 +93,27 @@ class Draft:
             raise GoalError(self.kind, "the drive can be asked about ways alone")
         return question_message(self._way(stamp, start_height))
 
+    def step(self) -> dict[str, Any]:
+        """As a step of a scenario or a sequence."""
+        yaw = {} if self.yaw is None else {"yaw": round(self.yaw, 4)}
+        places = [{"x": round(x, 3), "y": round(y, 3)} for x, y, _ in self.points]
+        if self.kind == "task":
+            values = {key: _number(text) for key, text in self.values.items()}
+            return {"arm_task": {"name": self.task, "values": values}}
+        if self.kind == "arm":
+            return {"arm_to": {**places[0], "z": round(self.points[0][2], 3)}}
+        return (
+            {"drive_to": {**places[0], **yaw}} if self.kind == "drive" else {"drive_route": {"points": places, **yaw}}
+        )
+
     def _way(self, stamp: int, start_height: float) -> PoseStamped | Path:
         if self.kind == "drive":
             x, y, z = self.points[0]
             return drive_goal(stamp, (x, y), self.yaw, "map", z - start_height)
         return route_goal(stamp, [(x, y) for x, y, _ in self.points], self.yaw, "map")
+
+
+def _number(text: str) -> Any:
+    """A value of a task as a file has it: a number, several, true, false; else the text, which is refused there."""
+    parts = [plain_scalar(part) for part in text.split(",")]
+    return parts[0] if len(parts) == 1 else parts

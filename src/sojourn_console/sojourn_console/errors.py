@@ -50,3 +50,26 @@ class LayoutError(ConsoleError):
     def __init__(self, name: str, reason: str) -> None:
         super().__init__(f"layout {name!r}: {reason}")
         self.name, self.reason = name, reason
+
+
+class AlarmError(ConsoleError):
+    """An alarm that cannot be acknowledged.
+
+    Args:
+        what: was asked. reason: why not, and what is allowed.
+    """
+
+    def __init__(self, what: str, reason: str) -> None:
+        super().__init__(f"{what}: {reason}")
+        self.what, self.reason = what, reason
+
+
+class SequenceError(ConsoleError):
+    """A sequence that cannot be carried out.
+
+    Args:
+        reason: everything that is wrong with it, a line each.
+    """
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason)

@@ -17,7 +17,7 @@ from sojourn_contract.decoding import refusing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.ground import NAMES as GROUND_NAMES
 from sojourn_contract.heartbeat import read_heartbeats, status_values
-from sojourn_contract.values import Image, Message
+from sojourn_contract.values import Image, Message, OccupancyGrid
 from sojourn_machine.params import FloatArray
 
 TRACK = 4000
@@ -58,6 +58,7 @@ class RunScene:
         cloud: newest points of the hazard camera in base_link, (n, 3), and from which pose.
         contacts: with the ground; passed: all that have come since the scene was shown last.
         lowered: newest nodes of /truth/ground, columns x, y, and by how much [m].
+        costmap: what the drive takes for closed round it, None where it has not told.
         images: newest by topic. statuses: newest keys and values by topic. charge: by the power manager, 0 to 1.
         states: of the nodes by role, as their heartbeats tell.
         refused: messages that could not be read, by topic.
@@ -77,6 +78,7 @@ class RunScene:
     contacts: Contacts | None = None
     passed: tuple[Contacts, ...] = ()
     lowered: FloatArray = field(default_factory=lambda: NOTHING)
+    costmap: OccupancyGrid | None = None
     images: Mapping[str, Image] = field(default_factory=dict)
     statuses: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     charge: float | None = None
@@ -145,6 +147,10 @@ def _ground(scene: RunScene, name: str, message: Message) -> RunScene:
     return replace(scene, lowered=np.stack([columns[one] for one in GROUND_NAMES], axis=1).astype(np.float64))
 
 
+def _costmap(scene: RunScene, _: str, message: Message) -> RunScene:
+    return replace(scene, costmap=message if message.width * message.height else None)
+
+
 def _image(scene: RunScene, name: str, message: Message) -> RunScene:
     return replace(scene, images={**scene.images, name: message})
 
@@ -170,6 +176,7 @@ _TAKES: Mapping[str, Take] = {
     "/joint_states": _joints,
     "/plan": _plan,
     "/hazcam/points": _cloud,
+    "/local_costmap/costmap": _costmap,
     "/truth/contacts": _contacts,
     "/truth/ground": _ground,
     "/battery_state": _battery,

@@ -6,10 +6,12 @@ A further panel is one more row of `PANELS`: a class with a title that is made f
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import viser
 
+from sojourn_console.alarm_board import AlarmBoard
 from sojourn_console.bag_feed import BagFeed
 from sojourn_console.desk import CommandDesk
 from sojourn_console.feed import Feed
@@ -17,15 +19,19 @@ from sojourn_console.gate import GuardedServer
 from sojourn_console.ground_tiles import heights_of
 from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import STATUSES, RunScene, after
+from sojourn_console.panels.alarms import AlarmsPanel
 from sojourn_console.panels.goals import GoalsPanel
 from sojourn_console.panels.head import HeadPanel
 from sojourn_console.panels.panel import Panel, Workbench
 from sojourn_console.panels.scene_panel import ScenePanel
+from sojourn_console.panels.sequence import SequencePanel
 from sojourn_console.panels.telemetry_panel import TelemetryPanel
 from sojourn_console.panels.time_line import TimeLinePanel
+from sojourn_console.sequence_board import SequenceBoard
 from sojourn_console.views.all_views import VIEWS
 from sojourn_console.views.ground_view import GroundView
 from sojourn_console.world import World
+from sojourn_operator.alarms.watch import Watch, limits_of
 
 FRAMES = 30.0
 """Scenes a second."""
@@ -33,8 +39,8 @@ SLOW = 6
 """Of so many scenes one is shown to the panels: text need not flicker."""
 ALWAYS = ("/odom", "/joint_states", "/battery_state", "/diagnostics", *STATUSES)
 """Topics that are heard whatever is shown."""
-PANELS: tuple[type[Panel], ...] = (GoalsPanel, TelemetryPanel)
-"""Tabs besides that of the scene, in their order. Alarms, command stacks and zones are to enter here."""
+PANELS: tuple[type[Panel], ...] = (GoalsPanel, SequencePanel, AlarmsPanel, TelemetryPanel)
+"""Tabs besides that of the scene, in their order."""
 IN_FULL_OF_A_BAG = ("/odom", "/truth/contacts")
 """Of what leaves traces every message counts where time may jump."""
 
@@ -44,13 +50,21 @@ class Page:
 
     Args:
         server: where it is served. world: of the run. feed: to it; closed with the page.
+        limits: of alarms over those of the machine, a file. who: commands and acknowledges.
+
+    Raises:
+        ConfigError, UnknownFieldNameError: the limits are wrong.
     """
 
-    def __init__(self, server: GuardedServer, world: World, feed: Feed) -> None:
+    def __init__(
+        self, server: GuardedServer, world: World, feed: Feed, limits: Path | None = None, who: str = "operator"
+    ) -> None:
         start = np.array([[world.scenario.start.x], [world.scenario.start.y]])
         height = float(heights_of(world.ground, *start)[0])
         self._first = RunScene(odom_height=height + MachineShape(world.scenario.urdf_xml).standing())
-        self.bench = Workbench(server, world, feed, CommandDesk(feed, height), scene=self._first)
+        alarms = AlarmBoard(Watch(limits_of(world.scenario, limits), world.table), who)
+        sequences = SequenceBoard(world, feed, who)
+        self.bench = Workbench(server, world, feed, CommandDesk(feed, height), alarms, sequences, scene=self._first)
         server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="medium")
         self._views = tuple(view(server, world) for view in VIEWS)
         self._head: list[Panel] = [HeadPanel(self.bench)]

@@ -12,7 +12,7 @@ import math
 import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from sojourn_config.scenario import HEADS, TRUTH_ALONE, load_scenario
 from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
 from sojourn_console.model import BasePose
+from sojourn_console.rehearsed import RehearsedDrive
 from sojourn_contract.clouds import columns_of
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.messages import yaw_of
@@ -42,28 +43,6 @@ TRUTHS_ALONE = ("faults", "soil", "rock_soil", *TRUTH_ALONE)
 """First words of what no machine believes."""
 
 
-@dataclass(frozen=True)
-class RehearsedDrive:
-    """What a rehearsal has found so far.
-
-    Args:
-        state, reason: of the drive's goal. time_s: since it began. length_m: driven. energy_wh: that the drive counts.
-        charge: by the power manager, 0 to 1. tilt_deg: the steepest. slip: the worst of a wheel that bears, 0 to 1.
-        mode: of the power manager. is_over: nothing more comes.
-    """
-
-    state: str = "begins"
-    reason: str = ""
-    time_s: float = 0.0
-    length_m: float = 0.0
-    energy_wh: float = 0.0
-    charge: float = math.nan
-    tilt_deg: float = 0.0
-    slip: float = 0.0
-    mode: str = ""
-    is_over: bool = False
-
-
 def believed(overrides: Sequence[str], pose: BasePose, charge: float, draft: Draft) -> list[str]:
     """What goes over the files of a run's scenario for a rehearsal of a goal. Raises GoalError for one of the arm."""
     if not draft.is_way or not draft.points:
@@ -71,15 +50,12 @@ def believed(overrides: Sequence[str], pose: BasePose, charge: float, draft: Dra
     told, beliefs = split_beliefs(overrides, HEADS)
     known = [text for text in told if text.partition("=")[0].partition(".")[0].partition("[")[0] not in TRUTHS_ALONE]
     x, y = (float(one) for one in pose.position[:2])
-    yaw = {} if draft.yaw is None else {"yaw": draft.yaw}
-    places = [{"x": place[0], "y": place[1]} for place in draft.points]
-    step = {"drive_to": {**places[0], **yaw}} if draft.kind == "drive" else {"drive_route": {"points": places, **yaw}}
     return [
         *known,
         *beliefs,
         f"start={json.dumps({'x': x, 'y': y, 'yaw': yaw_of(pose.orientation) or 0.0})}",
         f"battery_soc={min(max(charge, 0.0), 1.0)}",
-        f"steps={json.dumps([{**step, 'timeout_s': LONGEST_S}])}",
+        f"steps={json.dumps([{**draft.step(), 'timeout_s': LONGEST_S}])}",
         f"duration_limit_s={LONGEST_S}",
         "faults=[]",
     ]

@@ -7,7 +7,7 @@ import sys
 import threading
 from collections.abc import Sequence
 
-from sojourn_console.rehearsal import RehearsedDrive
+from sojourn_console.rehearsed import RehearsedDrive
 
 MODULE = "sojourn_console.rehearsal"
 _NICE = 10

@@ -30,6 +30,7 @@ from sojourn_drive.reports import costmap, drive_report, odometry_report, plan
 from sojourn_drive.restart import LOST, kept_odometry, less_sure, lost, odometry_of, unseen
 from sojourn_drive.stereo import StereoInput
 from sojourn_drive.sun import SunSightings
+from sojourn_flight.hazards.keep_out import KeepOut
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.odometry import stood
 from sojourn_flight.odometry.visual_state import StereoImages
@@ -54,7 +55,8 @@ class DriveApp(FlightApp[DriveAppState]):
     def __init__(self, known: FlightScenario) -> None:
         self._charges = tuple(row.name for row in table_of(known).each("/battery_state"))
         self._start = known.start
-        self.model = DriveModel(known.drive, known.mobility(), hazard_camera_of(known), pair_place_of(known))
+        camera, pair, zones = hazard_camera_of(known), pair_place_of(known), KeepOut(known.keep_out)
+        self.model = DriveModel(known.drive, known.mobility(), camera, pair, zones)
         self._body = own_body_of(known)
         self._measurements = JointMeasurements(known.machine, self.model.mobility.joints, known.urdf_xml)
         self._sun = SunSightings(known)

@@ -23,6 +23,8 @@ from sojourn_operator.foresight_words import foresight_lines
 LOOK, DRIVE, ROUTE, ARM, TASK = "look round", "drive to a place", "drive a route", "place the arm's tip", "arm task"
 KINDS: Mapping[str, Kind] = {DRIVE: "drive", ROUTE: "route", ARM: "arm", TASK: "task"}
 TIP = "arm_tip_link"
+HERE = "…"
+"""No waypoint is chosen."""
 HANDLE = "/draft/handle_"
 
 
@@ -37,6 +39,8 @@ class GoalsPanel(QuietPanel):
         gui = bench.server.gui
         has_arm = bench.world.scenario.arm is not None
         self._mode = gui.add_dropdown("A click is", (LOOK, DRIVE, ROUTE, *((ARM, TASK) if has_arm else ())))
+        names = tuple(bench.world.scenario.config.waypoints)
+        self._waypoint: Any = gui.add_dropdown("Waypoint", (HERE, *names), visible=False)
         self._hint = gui.add_html("")
         self._heading = gui.add_checkbox("With heading", False, visible=False)
         self._yaw = gui.add_slider("Heading [°]", -180.0, 180.0, 1.0, 0.0, visible=False)
@@ -81,6 +85,7 @@ class GoalsPanel(QuietPanel):
         scene = bench.server.scene
         scene.on_click()(self._clicked)
         self._mode.on_update(lambda _: self._chosen())
+        self._waypoint.on_update(lambda _: self._named())
         self._heading.on_update(lambda _: self._turned())
         self._yaw.on_update(lambda _: self._turned())
         self._task.on_update(lambda _: self._tasked())
@@ -97,6 +102,14 @@ class GoalsPanel(QuietPanel):
                 draft = draft.with_point(_point(tip[0])) if tip is not None else draft
             self._bench.draft = draft
         self._tasked()
+
+    def _named(self) -> None:
+        """A waypoint of the scenario as the place, or as the next point of a route."""
+        place = self._bench.world.scenario.config.waypoints.get(self._waypoint.value)
+        if place is not None:
+            point = on_ground(self._bench.world, np.array([[place.x, place.y, 0.0]]))[0]
+            self._change(self._bench.draft.with_point(_point(point)))
+            self._waypoint.value = HERE
 
     def _turned(self) -> None:
         yaw = math.radians(self._yaw.value) if self._heading.value else None
@@ -142,8 +155,7 @@ class GoalsPanel(QuietPanel):
         self._tasked()
 
     def _ask(self) -> str:
-        draft = self._bench.draft
-        draft.check(self._bench.world.ground)
+        draft = self._bench.checked_draft()
         self._asked, self._sent = self._bench.desk.ask(draft), None
         self._foreseen = [("rehearsal", "asked, waits for the drive …")]
         scene, world = self._bench.scene, self._bench.world
@@ -152,8 +164,7 @@ class GoalsPanel(QuietPanel):
         return ""
 
     def _sending(self) -> str:
-        draft = self._bench.draft
-        draft.check(self._bench.world.ground)
+        draft = self._bench.checked_draft()
         stamp = self._bench.desk.send(draft)
         self._sent = ("/drive/status" if draft.is_way else "/arm/status", stamp)
         self._asked, self._foreseen = None, []
@@ -169,6 +180,7 @@ class GoalsPanel(QuietPanel):
         mode, draft = self._mode.value, self._bench.draft
         is_goal, is_way = mode != LOOK, mode in (DRIVE, ROUTE)
         for handle, is_there in (
+            (self._waypoint, is_way and len(self._waypoint.options) > 1),
             (self._heading, is_way), (self._yaw, is_way and self._heading.value), (self._rehearse, is_way),
             (self._undo, mode == ROUTE and bool(draft.points)), (self._send, is_goal),
             (self._task, mode == TASK), (self._values, mode == TASK),

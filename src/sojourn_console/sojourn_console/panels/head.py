@@ -8,7 +8,8 @@ import viser
 
 from sojourn_console.bag_feed import BagFeed
 from sojourn_console.model import RunScene
-from sojourn_console.panels.panel import QuietPanel, Workbench
+from sojourn_console.panels.alarms import band_html
+from sojourn_console.panels.panel import QuietPanel, Workbench, put
 from sojourn_contract.heartbeat import RUNNING
 
 COLORS = {"moving": "#409cff", "reached": "#30d158", "idle": "#8e8e93", "refused": "#ff453a", "failed": "#ff453a"}
@@ -23,6 +24,7 @@ class HeadPanel(QuietPanel):
     def __init__(self, bench: Workbench) -> None:
         self._bench = bench
         gui = bench.server.gui
+        self._band = gui.add_html("")
         self._words = gui.add_html("")
         self._told = ("", "")
         self._note = gui.add_html("")
@@ -38,6 +40,7 @@ class HeadPanel(QuietPanel):
         pages = len(self._bench.server.get_clients())
         note = refusal or (f"page {holder} has the control" if holder is not None and pages > 1 else "")
         self._take.visible = holder is not None and pages > 1
+        put(self._band, band_html(self._bench.alarms.open))
         if (words, note) != self._told:
             self._told = (words, note)
             self._words.content = words
@@ -54,7 +57,10 @@ class HeadPanel(QuietPanel):
 
     def _stop(self) -> str:
         self._bench.desk.stop()
-        return "stop sent to drive and arm"
+        if not self._bench.sequences.is_under_way:
+            return "stop sent to drive and arm"
+        self._bench.sequences.hold()
+        return "stop sent to drive and arm, the sequence is held"
 
     def _taken(self, client: viser.ClientHandle | None) -> str:
         if client is not None:

@@ -9,11 +9,13 @@ from typing import Any, ClassVar, Protocol
 import viser
 
 from sojourn_config.command_errors import CommandError
+from sojourn_console.alarm_board import AlarmBoard
 from sojourn_console.control import Control
 from sojourn_console.desk import CommandDesk
 from sojourn_console.draft import Draft
 from sojourn_console.feed import Feed, FeedMessage
 from sojourn_console.model import RunScene
+from sojourn_console.sequence_board import SequenceBoard
 from sojourn_console.world import World
 
 
@@ -23,9 +25,11 @@ class Workbench:
 
     Args:
         server: of the page. world: of the run. feed: to it. desk: its commands.
-        lock: held while anything here changes; viser calls from threads of its own.
+
+        alarms: of the run. sequences: carried out from here.
 
     Attributes:
+        lock: held while anything here changes; viser calls from threads of its own.
         scene: newest. control: who may command. draft: the goal that is on the table.
     """
 
@@ -33,10 +37,17 @@ class Workbench:
     world: World
     feed: Feed
     desk: CommandDesk
+    alarms: AlarmBoard
+    sequences: SequenceBoard
     lock: threading.RLock = field(default_factory=threading.RLock)
     scene: RunScene = field(default_factory=RunScene)
     control: Control = field(default_factory=Control)
     draft: Draft = field(default_factory=Draft)
+
+    def checked_draft(self) -> Draft:
+        """The goal that is on the table. Raises GoalError where it cannot be sent."""
+        self.draft.check(self.world.ground, self.world.scenario.config.keep_out)
+        return self.draft
 
     def commanding(self, client: Any, act: Callable[[], str], needs_control: bool = True) -> None:
         """Do what an operator asks for, and tell the page that asked how it went."""
@@ -111,3 +122,9 @@ def table_html(rows: list[tuple[str, str]]) -> str:
         for name, value in rows
     )
     return f'<table style="font-size:.82em;margin:2px 14px;border-collapse:collapse">{lines}</table>'
+
+
+def put(handle: Any, words: str) -> None:
+    """Content of an element of the page, sent where it is another one."""
+    if handle.content != words:
+        handle.content = words

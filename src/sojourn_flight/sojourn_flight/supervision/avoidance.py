@@ -29,7 +29,7 @@ import numpy as np
 
 from sojourn_flight.hazards.clearance import AHEAD, clearance_in, clearance_of_motion
 from sojourn_flight.hazards.obstacle_map import empty_map, with_cloud, with_slip
-from sojourn_flight.hazards.traversability import HIDDEN_GROUND, Obstacle, judged, obstacle_at
+from sojourn_flight.hazards.traversability import HIDDEN_GROUND, Obstacle, judged
 from sojourn_flight.hazards.wide_map import JudgedCells, empty_wide_map, remembered
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.attitude import rotation_of
@@ -42,7 +42,7 @@ from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState, 
 from sojourn_flight.planning.route import advanced, route_of
 from sojourn_flight.planning.way_back import driven_on, go_back, way_back
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, ClosedPlace, Guidance
-from sojourn_flight.supervision.path_check import closed_ahead, nearest_obstacle, slope_at, tilts_of
+from sojourn_flight.supervision.path_check import closed_ahead, nearest_obstacle, obstacle_in, slope_at, tilts_of
 from sojourn_flight.supervision.slip_policy import SlipPolicyParams
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
@@ -79,8 +79,8 @@ it is not driven on for 0.25 m; the rover stands within 0.02 m."""
 def initial_avoidance(avoidance: Avoidance, x: float, y: float) -> AvoidanceState:
     """Nothing seen yet, at a place in odom [m]."""
     map_ = empty_map(avoidance.params, x, y)
-    ground = judged(avoidance.params, map_)
-    wide = empty_wide_map(avoidance.params.map, x, y)
+    ground = avoidance.keep_out.closing(judged(avoidance.params, map_), map_.cell)
+    wide = avoidance.keep_out.closing_wide(empty_wide_map(avoidance.params.map, x, y), avoidance.straight)
     return AvoidanceState(map_, ground, clearance_in(map_, ground.kinds), wide)
 
 
@@ -110,7 +110,7 @@ def see(
 def judged_anew(avoidance: Avoidance, state: AvoidanceState, odometry: OdometryState) -> AvoidanceState:
     """The state with all that follows from its map."""
     map_ = state.map
-    ground = judged(avoidance.params, map_, state.ground)
+    ground = avoidance.keep_out.closing(judged(avoidance.params, map_, state.ground), map_.cell)
     clearance = clearance_in(map_, ground.kinds)
     wide = remembered(
         avoidance.params.map,
@@ -123,6 +123,7 @@ def judged_anew(avoidance: Avoidance, state: AvoidanceState, odometry: OdometryS
         ),
         (odometry.x, odometry.y, odometry.distance),
     )
+    wide = avoidance.keep_out.closing_wide(wide, avoidance.straight)
     return replace(state, ground=ground, clearance=clearance, wide=wide)
 
 
@@ -136,7 +137,7 @@ def refusal(avoidance: Avoidance, state: AvoidanceState, goal: Goal) -> str | No
     cell = state.clearance.nearest_to(*place)
     if cell is None or state.ground.kinds[cell] == HIDDEN_GROUND:
         return None
-    obstacle = obstacle_at(avoidance.params, state.map, state.ground, *cell, state.level)
+    obstacle = obstacle_in(avoidance, state, *cell)
     return f"the goal ({place[0]:.2f}, {place[1]:.2f}) lies in an obstacle: {obstacle}"
 
 
@@ -193,7 +194,7 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
     if state.attempts > ATTEMPTS:
         return _given_up(state, way, f"{state.obstacle}: no room to move beside it")
     narrow = state.clearance.at(*position) < params.outline.turn_radius + params.guard_margin
-    answer = _detour(avoidance, state, Pose(*position, odometry.yaw), way.drift)
+    answer = detour(avoidance, state, Pose(*position, odometry.yaw), way.drift)
     if answer is None:
         if reach > LAST_STRETCH:
             return Guidance(state, way)
@@ -212,9 +213,7 @@ def guide(avoidance: Avoidance, state: AvoidanceState, way: FollowerState, odome
     return _go_round(state, way, answer, odometry)
 
 
-def _detour(
-    avoidance: Avoidance, state: AvoidanceState, here: Pose, drift: float
-) -> FollowerState | GoalOutcome | None:
+def detour(avoidance: Avoidance, state: AvoidanceState, here: Pose, drift: float) -> FollowerState | GoalOutcome | None:
     """The detour from a pose, or why the follower refuses it; None where the maps know none.
 
     Args:

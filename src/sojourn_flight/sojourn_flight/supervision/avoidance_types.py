@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from sojourn_flight.hazards.clearance import Circles, ClearanceMap, circles_of
+from sojourn_flight.hazards.keep_out import NO_ZONES, KeepOut
 from sojourn_flight.hazards.obstacle_map import ObstacleMap
 from sojourn_flight.hazards.obstacle_params import ObstacleParams
 from sojourn_flight.hazards.stereo_camera import StereoCamera
@@ -33,6 +34,8 @@ class Avoidance:
     camera: StereoCamera
     supports: FloatArray
     """Their places in base_link, shape (supports, 2) [m]."""
+    keep_out: KeepOut = NO_ZONES
+    """Where it must not go, whatever is seen there."""
     circles: Circles = field(init=False)
     """The circles that cover the outline, see `clearance`."""
 

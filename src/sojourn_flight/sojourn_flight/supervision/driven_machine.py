@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from sojourn_flight.hazards.keep_out import NO_ZONES, KeepOut
 from sojourn_flight.hazards.stereo_camera import StereoCamera
 from sojourn_flight.mobility.mobility import Mobility
 from sojourn_flight.odometry.key_frames import TerrainMatcher
@@ -25,6 +26,8 @@ class DrivenMachine:
     """The hazard camera; without one there is no obstacle handling."""
     stereo: CameraPlace | None = None
     """Of the pair whose images visual odometry goes by."""
+    keep_out: KeepOut = NO_ZONES
+    """Where its operators let it not go."""
     avoidance: Avoidance | None = field(init=False)
     """Obstacle handling, where it is asked for and there is a camera."""
     terrain: TerrainMatcher | None = field(init=False)
@@ -37,7 +40,9 @@ class DrivenMachine:
         avoidance = terrain = None
         if obstacles is not None and camera is not None:
             ability = self.mobility.ability
-            avoidance = Avoidance(obstacles, self.params.follower, ability.turning, camera, ability.supports)
+            avoidance = Avoidance(
+                obstacles, self.params.follower, ability.turning, camera, ability.supports, self.keep_out
+            )
         if matched is not None and camera is not None:
             terrain = TerrainMatcher(matched, camera)
         object.__setattr__(self, "avoidance", avoidance)

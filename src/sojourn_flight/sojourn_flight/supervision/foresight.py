@@ -1,8 +1,8 @@
 """What a goal comes to, before it starts: whether it is accepted, along which way, what that takes of time, energy and
 charge, and how near it brings the machine to tipping over or sliding, on the ground that has been seen.
 
-The way is the one that was asked for: ways round obstacles that are seen later are not in it. The charge at the end
-lies on the straight line between the charge now and the reserve, over the energy between them.
+The way is the one that was asked for, round keep-out zones; ways round obstacles that are seen later are not in it. The
+charge at the end lies on the straight line between the charge now and the reserve, over the energy between them.
 """
 
 import math
@@ -21,6 +21,7 @@ from sojourn_flight.supervision.avoidance import accepted
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState
 from sojourn_flight.supervision.driven_machine import DrivenMachine
 from sojourn_flight.supervision.path_check import slope_at, tilts_of
+from sojourn_flight.supervision.zone_check import clear_of_zones
 from sojourn_machine.params import FloatArray
 
 EVERY = 0.1
@@ -50,6 +51,7 @@ def foresee(
     """Answer a goal, and change nothing. supply: None as long as nothing is known of the battery."""
     params, path, forecast = model.params, None, None
     answer = accept(params.follower, model.mobility.ability.turning, goal, Pose(here.x, here.y, here.yaw))
+    answer = clear_of_zones(model.keep_out, model.avoidance, avoidance, goal, answer, here)
     if isinstance(answer, FollowerState):
         path = answer.path
         if params.energy is not None:

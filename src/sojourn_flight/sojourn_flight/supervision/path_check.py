@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from sojourn_flight.hazards.clearance import ClearanceMap, clearance_along
+from sojourn_flight.hazards.keep_out import KEEP_OUT
 from sojourn_flight.hazards.settling import settled, tilts_along
 from sojourn_flight.hazards.traversability import SLOPES, Obstacle, obstacle_at
 from sojourn_flight.planning.clothoid import Pose
@@ -22,7 +23,14 @@ ESCAPE = 0.8
 def nearest_obstacle(avoidance: Avoidance, state: AvoidanceState, place: Point) -> Obstacle | None:
     """The obstacle of the map that is nearest to a place [m], if it knows any."""
     cell = state.clearance.nearest_to(*place)
-    return None if cell is None else obstacle_at(avoidance.params, state.map, state.ground, *cell, state.level)
+    return None if cell is None else obstacle_in(avoidance, state, *cell)
+
+
+def obstacle_in(avoidance: Avoidance, state: AvoidanceState, row: int, column: int) -> Obstacle:
+    """What is in a cell of the map that is not free."""
+    if state.ground.kinds[row, column] == KEEP_OUT:
+        return avoidance.keep_out.obstacle_at(*state.map.centre(row, column), state.map.cell)
+    return obstacle_at(avoidance.params, state.map, state.ground, row, column, state.level)
 
 
 def slope_at(avoidance: Avoidance, state: AvoidanceState, pose: Pose) -> Obstacle:

@@ -66,7 +66,11 @@ def read_sequence(file: Path, scenario: LoadedScenario, table: TopicTable) -> Se
     Raises:
         ConfigError: with every problem of it: words, roles, places, fields.
     """
-    document = read_document(file, "scenarios")
+    return checked_sequence(read_document(file, "scenarios"), scenario, table)
+
+
+def checked_sequence(document: YamlDocument, scenario: LoadedScenario, table: TopicTable) -> SequenceConfig:
+    """As `read_sequence`, of a document that has been read."""
     config = validate(document, SequenceConfig)
     as_scenario = scenario.config.model_copy(update={"steps": config.steps})
     problems = [*_condition_problems(config, table, document), *scenario_problems(as_scenario, scenario, document)]

@@ -131,8 +131,8 @@ class SequenceRunner:
             return state, []
         if state.since is None:
             state = replace(state, since=now)
-        if state.phase == RUNNING:
-            return self._look_at_running(state, now, heard)
+        if state.phase == RUNNING:  # a second look at the time at which a step began would send its goal again
+            return self._look_at_running(state, now, heard) if now > _since(state) else (state, [])
         why = self.waits_for(state, now, heard)
         limit = self.config.steps[state.index].within_s
         if why and limit is not None and now - _since(state) >= round(limit * NANOSECONDS) and not state.held:
