@@ -11,6 +11,7 @@ from sojourn_config.known_machine import KnownMachine
 from sojourn_flight.power_manager.activities import ActivityParams
 from sojourn_physics.environment.sun.over import SunOver
 from sojourn_physics.environment.sun.path import SunParams
+from sojourn_physics.link.params import LinkParams
 from sojourn_physics.plant.params import LeapParams
 from sojourn_physics.terrain.height_field import HeightField
 
@@ -27,12 +28,14 @@ class FlightScenario(KnownMachine):
         sun: the date, or the Sun's place then: an ephemeris.
         activities: what is planned for the hours and days ahead.
         leaps: how the clock of the run leaps; None where it does not.
+        link: to Earth, for the topics that it brings; None where there is none.
     """
 
     start: "StartConfig"
     sun: SunParams
     activities: tuple[ActivityParams, ...]
     leaps: LeapParams | None = None
+    link: LinkParams | None = None
 
     def sun_over(self, terrain: Callable[[], HeightField] | None = None) -> SunOver:
         """The Sun over the site, by the ephemeris. terrain: makes ground that may hide it, where any is known."""
