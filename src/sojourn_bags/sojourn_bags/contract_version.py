@@ -19,6 +19,7 @@ from sojourn_contract.description import (
 )
 from sojourn_contract.errors import TopicNameError
 from sojourn_contract.fault_messages import TOPIC as FAULTS
+from sojourn_contract.link_topics import LINK_STATUS, OPERATOR
 from sojourn_contract.run_table import TICK, row_named
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topics import STANDARD
@@ -87,9 +88,20 @@ def table_of_bag(bag: Bag) -> TopicTable:
         roles = () if waits is None else STANDARD.topic(FAULTS).subscribers
         hearing = [role for role in roles if waits is not None and role in waits["subscribers"]]
         leap = 0 if theirs is None else int(theirs.get(LEAP, 0))
-        return TopicTable(STANDARD.joined_with(rows).heard_by(TICK, hearing).delivered(delivered), leap)
+        table = STANDARD.joined_with(rows).heard_by(TICK, hearing)
+        if LINK_STATUS.name in described:
+            table = _with_telemetry(table, described)
+        return TopicTable(table.delivered(delivered), leap)
     except (TopicNameError, *_UNREADABLE) as error:
         raise OtherContractError(bag.path, f"its {CONTRACT_NAME} cannot be read: {error}") from error
+
+
+def _with_telemetry(table: TopicTable, described: Mapping[str, Any]) -> TopicTable:
+    """The table in which the operator hears what a link takes to the Earth."""
+    for name, data in described.items():
+        if data is not None and OPERATOR in data["subscribers"] and name in table:
+            table = table.heard_by(name, (OPERATOR,))
+    return table
 
 
 def _own_contract(bag: Bag) -> dict[str, Any] | None:

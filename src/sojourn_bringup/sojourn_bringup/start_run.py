@@ -152,12 +152,14 @@ def _participants(given: argparse.Namespace, scenario: LoadedScenario, screen: S
     if "operator" not in without:
         needed = needed_roles(scenario)
         lacking = [role for role in needed if role in without]
-        if not scenario.config.steps:
+        if not scenario.config.steps and scenario.link is None:
             screen.say("the scenario has no steps: send goals with scripts/goal, end with Ctrl-C")
             without.add("operator")
         elif lacking:
             screen.say(f"the operator is left out too: its steps need {' and '.join(lacking)}")
             without.add("operator")
+    if "operator" in without and scenario.link is not None:
+        raise UsageError("the link to Earth is carried by the role operator, left out here: put link=null over it")
     return tuple(role for role in ROLE_NAMES if role not in without)
 
 

@@ -12,6 +12,7 @@ from sojourn_flight.hazards.zone_params import KeepOutZone
 from sojourn_flight.power_manager.activities import ActivityParams
 from sojourn_physics.environment.sun.over import SunOver
 from sojourn_physics.environment.sun.path import SunParams
+from sojourn_physics.link.params import LinkParams
 from sojourn_physics.plant.params import LeapParams
 from sojourn_physics.terrain.height_field import HeightField
 
@@ -29,6 +30,7 @@ class FlightScenario(KnownMachine):
         activities: what is planned for the hours and days ahead.
         leaps: how the clock of the run leaps; None where it does not.
         keep_out: zones into which the drive must not go.
+        link: to Earth, for the topics that it brings; None where there is none.
     """
 
     start: "StartConfig"
@@ -36,6 +38,7 @@ class FlightScenario(KnownMachine):
     activities: tuple[ActivityParams, ...]
     leaps: LeapParams | None = None
     keep_out: tuple[KeepOutZone, ...] = ()
+    link: LinkParams | None = None
 
     def sun_over(self, terrain: Callable[[], HeightField] | None = None) -> SunOver:
         """The Sun over the site, by the ephemeris. terrain: makes ground that may hide it, where any is known."""

@@ -31,6 +31,8 @@ from sojourn_physics.environment.air.wind import MovingAir, WindParams
 from sojourn_physics.environment.site import SiteParams
 from sojourn_physics.environment.sun.over import SunOver
 from sojourn_physics.environment.sun.path import SunParams
+from sojourn_physics.link.params import LinkParams
+from sojourn_physics.link.window import Sky
 from sojourn_physics.plant.params import LeapParams, SimulationParams
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.params import TerrainParams
@@ -104,6 +106,9 @@ class ScenarioConfig(Params):
         default=None,
         description="the clock leaps while nothing moves and the operator waits; none: it tells every control period",
     )
+    link: LinkParams | None = Field(
+        default=None, description="between the operator, on Earth then, and the machine; none: he stands beside it"
+    )
     accept: AcceptanceConfig = Field(default_factory=AcceptanceConfig, description="how near counts as met")
     blind_drive: bool = Field(
         default=False, description="the drive uses no camera: it avoids no obstacle and matches no ground"
@@ -175,6 +180,20 @@ class LoadedScenario(Bundle):
     def leaps(self) -> LeapParams | None:
         """How the clock of the run leaps; None where it does not."""
         return self.config.leaps
+
+    @property
+    def link(self) -> LinkParams | None:
+        """What stands between the operator and the machine; None: nothing."""
+        return self.config.link
+
+    @property
+    def link_sky(self) -> Sky:
+        """What is over the site that a link goes by. Raises InvalidValueError where there is none."""
+        link = self.config.link
+        if link is None:
+            raise InvalidValueError("link", None, "a table: without one nothing goes by the sky")
+        over = self.sun_over(self.height_field) if self.site is not None and link.windows else None
+        return link.sky(self.body, self.site, self.config.sun, over)
 
     @property
     def soil_names(self) -> tuple[str, str]:
@@ -290,6 +309,7 @@ def _flight(config: ScenarioConfig, known: KnownMachine) -> FlightScenario:
     return FlightScenario(
         **known.known_fields(), start=config.start, sun=config.sun, activities=config.activities, leaps=config.leaps,
         keep_out=config.keep_out,
+        link=config.link,
     )  # fmt: skip
 
 

@@ -63,6 +63,7 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
     if bundle is not None:
         yield from _fault_problems(config, bundle, document)
         yield from _sun_problems(config, bundle, document)
+        yield from _link_problems(config, bundle, document)
         yield from _air_problems(config, bundle, document)
         yield from _soil_problems(bundle, document)
         if bundle.thermal is not None and bundle.body.regolith is None:
@@ -105,6 +106,18 @@ def _sun_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocume
     except InvalidValueError as error:
         key = "body" if error.name == "body" else error.name.removeprefix("sun.")
         yield document.problem(("body",) if key == "body" else ("sun", key), error.value, "allowed is " + error.allowed)
+
+
+def _link_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
+    """A link that goes by the sky has a site and a date to go by."""
+    if config.link is None:
+        return
+    try:
+        config.link.check(config.link.sky(bundle.body, bundle.site, config.sun))
+    except InvalidValueError as error:
+        path = [int(part) if part.isdigit() else part for part in error.name.split(".")]
+        at: KeyPath = ("body",) if error.name == "body" else ("link", *path)
+        yield document.problem(at, error.value, "allowed is " + error.allowed)
 
 
 def _air_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:

@@ -88,6 +88,18 @@ class DisturbanceError(ContractError):
         self.what, self.allowed = what, allowed
 
 
+class LinkError(ContractError):
+    """Something that a link to Earth cannot do in a run.
+
+    Args:
+        key: in the table `link` of the scenario. value: what stands there. allowed: what is allowed, in words.
+    """
+
+    def __init__(self, key: tuple[str | int, ...], value: object, allowed: str) -> None:
+        super().__init__(f"link.{'.'.join(map(str, key))} = {value}: {allowed}")
+        self.key, self.value, self.allowed = key, value, allowed
+
+
 LONGEST_REASON = 120
 
 

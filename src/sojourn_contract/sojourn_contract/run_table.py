@@ -15,6 +15,7 @@ from sojourn_contract.delivery import Delivery, Loss
 from sojourn_contract.disturbances import check_disturbances
 from sojourn_contract.errors import LeapError, SensorRowError
 from sojourn_contract.leaps import landing_grid
+from sojourn_contract.link_topics import CANCEL, EARTH, LINK_STATUS, linked, on_earth
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, CONTROL_PERIOD_S, NANOSECONDS
 from sojourn_contract.stereo_pair import heard_by_drive
 from sojourn_contract.topic_table import TopicTable, of_thing
@@ -30,13 +31,15 @@ OWN = "{name}"
 """In a row of a kind of sensor: every sensor of the kind has that row alone, under its own name."""
 TICK = "/operator/tick"
 """For which waits whoever acts on what an operator says, so that it takes effect at the same period in every run."""
+_LINK = {row.name: row for row in (LINK_STATUS, CANCEL)}
 RECORDED_BESIDES = ("/tf",)
 """Topics that the recorder adds; no row is about them."""
 
 
 def table_of(scenario: KnownMachine) -> TopicTable:
-    """The topics of a run of a scenario, whoever takes part. Raises TopicNameError, SensorRowError, LeapError,
-    DisturbanceError.
+    """The topics of a run of a scenario, whoever takes part.
+
+    Raises TopicNameError, SensorRowError, LeapError, DisturbanceError, LinkError.
     """
     sensors = scenario.sensors.sensors.items()
     rows = {row.name: row for name, params in sensors for row in (*rows_of(params, name), *params.heard_rows)}
@@ -44,7 +47,9 @@ def table_of(scenario: KnownMachine) -> TopicTable:
     table = STANDARD.joined_with(brought).for_things(things_of(scenario)).heard_by(TICK, scenario.fault_roles)
     table = table.delivered(_delivered(scenario, table))
     check_disturbances(scenario.disturbances, table)
-    leaps = scenario.leaps if isinstance(scenario, LoadedScenario | FlightScenario) else None
+    if not isinstance(scenario, LoadedScenario | FlightScenario):
+        return table
+    table, leaps = table if scenario.link is None else linked(table, scenario.link), scenario.leaps
     return table if leaps is None else TopicTable(table, _longest_leap(leaps.longest_s, table))
 
 
@@ -108,6 +113,9 @@ def row_named(name: str) -> Topic | None:
     known = STANDARD.get(name) or _of_further(STANDARD.get(first), thing)
     if known is not None or name in RECORDED_BESIDES:
         return known
+    if name in _LINK or name.startswith(f"{EARTH}/"):
+        on_machine = _LINK.get(name) or row_named(name.removeprefix(EARTH))
+        return on_machine if on_machine is None or name in _LINK else on_earth(on_machine)
     brought = _brought()
     return brought.get(name) or _of_further(brought.get(first), thing) or _own(name)
 

@@ -12,15 +12,20 @@ from sojourn_contract import stamps
 from sojourn_contract.app import NOTHING, Answer, App, Period
 from sojourn_contract.events import format_tick
 from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
-from sojourn_contract.heartbeat import status_values
+from sojourn_contract.heartbeat import beats, status_values
+from sojourn_contract.link_topics import COMMANDS, LINK_STATUS
 from sojourn_contract.topics import topic
-from sojourn_contract.values import Header, Message, Odometry
+from sojourn_contract.values import Header, Odometry
 from sojourn_machine.evolution import replace
 from sojourn_operator.fault_schedule import FaultSchedule, ScheduleState, SeenRun
 from sojourn_operator.goal_messages import report_of
+from sojourn_operator.link.commands import reports_on_earth
+from sojourn_operator.link.earth_link import EarthLink, LinkState, Said
+from sojourn_operator.link.report import link_status, tally_values
 from sojourn_operator.scenario_steps import script_steps
 from sojourn_operator.script import OperatorScript, ScriptState
 from sojourn_operator.steps.step import GoalReport, RunFacts
+from sojourn_operator.steps.wait import WaitStep
 
 TRUTH, TICK = "/truth/odom", "/operator/tick"
 _STATUSES = {"/drive/status": "drive", "/arm/status": "arm"}
@@ -44,6 +49,8 @@ class OperatorState:
     drive_status: Mapping[str, str] = field(default_factory=dict)
     """Latest status of the drive, for whoever shows the progress."""
     faults: ScheduleState = field(default_factory=ScheduleState)
+    link: LinkState | None = None
+    """Between it and the machine, if the scenario has one."""
 
 
 class OperatorApp(App[OperatorState]):
@@ -52,16 +59,19 @@ class OperatorApp(App[OperatorState]):
     role = "operator"
 
     def __init__(self, scenario: LoadedScenario) -> None:
-        steps = script_steps(scenario)
+        limit_s = scenario.config.duration_limit_s
+        # with a link people may be the only operators: the role carries it until the run is over
+        steps = script_steps(scenario) or [(WaitStep(max(limit_s - 1.0, 0.0)), None)]
         terrain = scenario.height_field() if any(step.looks_at_ground for step, _ in steps) else None
         around = RunFacts(scenario.arm_joints, terrain)
         self._leaps = scenario.leaps is not None
         self._faults = FaultSchedule(scenario.config.faults, scenario.config.seed)
-        self.script = OperatorScript(steps, scenario.config.duration_limit_s, around)
+        self._link = None if scenario.link is None else EarthLink(scenario, scenario.link)
+        self.script = OperatorScript(steps, limit_s, around)
 
     def initial_state(self) -> OperatorState:
         """Before the first step."""
-        return OperatorState(self.script.begin())
+        return OperatorState(self.script.begin(), link=None if self._link is None else LinkState())
 
     def step(self, state: OperatorState, period: Period) -> tuple[OperatorState, Answer]:
         """Keep the latest reports; at every fifth period let the script look at them."""
@@ -74,31 +84,58 @@ class OperatorApp(App[OperatorState]):
                     state = replace(state, drive_status=status_values(status))
         truth = inputs.get(TRUTH) or state.truth
         state = replace(state, truth=truth)
+        if self._link is not None and state.link is not None:
+            state = replace(state, link=self._link.heard(state.link, period))
         if truth is None or stamp // _LOOK_NS == state.looked // _LOOK_NS:
             return state, NOTHING
-        state = replace(state, looked=stamp)
+        before, state = state.looked, replace(state, looked=stamp)
         if state.has_said_end:
-            return state, NOTHING
-        script, goal = self.script.look(state.script, stamp, state.reports, truth)
-        sent, messages = dict(state.sent), list[tuple[str, Message]]()
-        if goal is not None:
-            messages.append((goal.topic, goal.message))
-            sent[goal.topic] = sent.get(goal.topic, 0) + 1
+            return state, Answer(self._of_link(state.link, before, stamp, truth))
+        script, link, messages = self._look(state, stamp, truth)
+        sent = _counted(state.sent, messages)
         seen = SeenRun(stamp, len(script.results), state.reports, truth)
         faults, said = self._faults.look(state.faults, seen)
         if said:
             messages += [(FAULTS_TOPIC, message) for message in said]
             sent[FAULTS_TOPIC] = sent.get(FAULTS_TOPIC, 0) + len(said)
         rests = 0
-        if self._leaps and not said:
+        if self._leaps and not said and (link is None or link.up.is_idle):
             until = self.script.rests_until(script, stamp, state.reports)
             rests = int(max(0, min(until, self._faults.quiet_until(faults))))
         tick = format_tick(sent, script.finished, rests)
         messages.append((TICK, Header(stamp, tick)))
-        after = replace(state, script=script, sent=sent, has_said_end=script.finished, faults=faults)
+        messages += self._of_link(link, before, stamp, truth)
+        after = replace(state, script=script, sent=sent, has_said_end=script.finished, faults=faults, link=link)
         return after, Answer(messages)
+
+    def _look(self, state: OperatorState, now: int, truth: Odometry) -> tuple[ScriptState, LinkState | None, Said]:
+        """What the script says at a look, or what of it and of others comes out of a link."""
+        if self._link is None or state.link is None:
+            script, goal = self.script.look(state.script, now, state.reports, truth)
+            return script, None, [] if goal is None else [(goal.topic, goal.message)]
+        link, said = self._link.turned(state.link, now, truth)
+        script, goal = self.script.look(state.script, now, reports_on_earth(link.reports, link.log), truth)
+        link = self._link.sent(link, now, [] if goal is None else [(goal.topic, goal.message)])
+        link, more = self._link.turned(link, now, truth)
+        return script, link, said + more
+
+    def _of_link(self, state: LinkState | None, before: int, now: int, truth: Odometry) -> Said:
+        """What is told of a link, once a second. before: the look before this one [ns]."""
+        if self._link is None or state is None or not beats(before, now):
+            return []
+        return [(LINK_STATUS.name, link_status(self._link, state, now, truth))]
 
     def heartbeat_values(self, state: OperatorState, stamp: int) -> dict[str, str]:
         """Where in the script it is."""
         done = f"{len(state.script.results)} of {len(self.script.steps)}"
-        return {"step": self.script.position(state.script), "steps done": done}
+        of_link = {} if state.link is None else tally_values(state.link)
+        return {"step": self.script.position(state.script), "steps done": done, **of_link}
+
+
+def _counted(sent: Mapping[str, int], messages: Said) -> dict[str, int]:
+    """Goals sent on each topic, with those among these messages."""
+    counts = dict(sent)
+    for name, _ in messages:
+        if name in COMMANDS:
+            counts[name] = counts.get(name, 0) + 1
+    return counts

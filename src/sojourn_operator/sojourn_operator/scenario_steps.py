@@ -8,7 +8,7 @@ from sojourn_config.errors import MISSING, ConfigError, Problem, single
 from sojourn_config.paths import available, resolve
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.yaml_file import KeyPath
-from sojourn_contract.errors import DisturbanceError, LeapError
+from sojourn_contract.errors import DisturbanceError, LeapError, LinkError
 from sojourn_contract.run_table import table_of
 from sojourn_machine.names import names_text
 from sojourn_operator.steps.step import OperatorStep
@@ -40,6 +40,9 @@ def prepare_scenario(name: str, overrides: Sequence[str] = ()) -> PreparedScenar
     except (LeapError, DisturbanceError) as error:
         file, key = next(iter(loaded.files)), "leaps" if isinstance(error, LeapError) else "faults"
         raise single(file, f"{key}: {error.what}", MISSING, f"allowed is {error.allowed}") from error
+    except LinkError as error:
+        at: KeyPath = ("link", *error.key)
+        raise ConfigError([loaded.documents["scenario"].problem(at, error.value, error.allowed)]) from error
     problems = list(_expectation_problems(loaded))
     if problems:
         raise ConfigError(problems)

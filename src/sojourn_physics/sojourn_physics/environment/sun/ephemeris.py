@@ -1,14 +1,16 @@
-"""Where the Sun stands in the sky of a body, as seen from its centre: direction in the body's own axes, and distance.
+"""Where Sun and Earth stand in the sky of a body, as seen from its centre: direction in the body's own axes, distance.
 
-    s = -r(t - |r|/c) / |r|, turned into the body's axes at t
+    s = (r_0 - r)(t - |r_0 - r|/c) / |r_0 - r|, turned into the body's axes at t
 
-r is the body's position from the Sun; taking it one light time earlier gives the aberration by the body's motion (20"
-at the Earth). The point under the Sun has the latitude asin s_z (planetocentric) and east longitude atan2(s_y, s_x).
+r is the body's position from the Sun and r_0 that of what is seen, nothing for the Sun; taking both one light time
+earlier gives light time and the aberration by the body's motion (20" at the Earth) together. The point under it has the
+latitude asin s_z (planetocentric) and east longitude atan2(s_y, s_x).
 
-Sources: `orbits`, `lunar_orbit`, `orientation`; aberration: Meeus (1998), ch. 25. Accuracy: 0.02 deg for Earth, Moon,
-Mercury, Venus and Mars, 0.2 deg for Jupiter, Saturn and their moons (which are taken to be where their planet is:
-another 0.15 deg for Callisto and Iapetus), 0.1 deg farther out; see `orbits` for small bodies. Range: 1972 to 2100, in
-the last half century of it a few times less accurate.
+Sources: `orbits`, `lunar_orbit`, `orientation`; aberration: Meeus (1998), ch. 25 and 33. Accuracy of the Sun: 0.02 deg
+for Earth, Moon, Mercury, Venus and Mars, 0.2 deg for Jupiter, Saturn and their moons (which are taken to be where their
+planet is: another 0.15 deg for Callisto and Iapetus), 0.1 deg farther out; see `orbits` for small bodies. Of the Earth:
+0.02 deg from the Moon, 0.1 deg and 4e-4 au from Mars. Range: 1972 to 2100, in the last half century of it a few times
+less accurate.
 """
 
 import math
@@ -32,26 +34,26 @@ BODIES = ("earth", *_ORIENTATIONS)
 """Names of the bodies that have an ephemeris."""
 
 
-class SunSeen(NamedTuple):
-    """The Sun from the centre of a body."""
+class Seen(NamedTuple):
+    """Sun or Earth from the centre of a body."""
 
     direction: Vector
-    """Unit vector to the Sun in the axes of the body: x through latitude and longitude 0, z through the pole."""
+    """Unit vector to it in the axes of the body: x through latitude and longitude 0, z through the pole."""
     distance: float
     """[au]"""
 
     @property
     def latitude(self) -> float:
-        """Planetocentric latitude of the point under the Sun, its declination in the body's sky [rad]."""
+        """Planetocentric latitude of the point under it, its declination in the body's sky [rad]."""
         return math.asin(max(-1.0, min(1.0, self.direction[2])))
 
     @property
     def longitude(self) -> float:
-        """East longitude of the point under the Sun, -pi to pi [rad]."""
+        """East longitude of the point under it, -pi to pi [rad]."""
         return math.atan2(self.direction[1], self.direction[0])
 
 
-def sun_from(body: str, at: Instant) -> SunSeen:
+def sun_from(body: str, at: Instant) -> Seen:
     """The Sun as seen from the centre of a body.
 
     Raises:
@@ -62,9 +64,34 @@ def sun_from(body: str, at: Instant) -> SunSeen:
     days = at.terrestrial
     rough_distance = math.hypot(*heliocentric(ORBITS[_centre(body)], days))
     x, y, z = _position(body, days - rough_distance * _LIGHT_DAYS)
+    return _seen(body, (-x, -y, -z), at)
+
+
+def earth_from(body: str, at: Instant) -> Seen:
+    """The centre of the Earth as seen from that of a body.
+
+    Raises:
+        InvalidValueError: the body has no ephemeris, or is the Earth.
+    """
+    others = [name for name in sorted(BODIES) if name != "earth"]
+    if body not in others:
+        raise InvalidValueError("body", body, f"one with an ephemeris, not the Earth: {', '.join(others)}")
+    days = at.terrestrial
+    rough_distance = math.hypot(*_towards_earth(body, days))
+    return _seen(body, _towards_earth(body, days - rough_distance * _LIGHT_DAYS), at)
+
+
+def _seen(body: str, towards: Vector, at: Instant) -> Seen:
+    """What is at a place from the centre of a body, in the axes of the equator of J2000 [au]."""
+    x, y, z = towards
     distance = math.hypot(x, y, z)
-    towards = (-x / distance, -y / distance, -z / distance)
-    return SunSeen(body_axes(body, towards, at), distance)
+    return Seen(body_axes(body, (x / distance, y / distance, z / distance), at), distance)
+
+
+def _towards_earth(body: str, days: float) -> Vector:
+    """From the centre of a body, in the axes of the equator of J2000 [au]."""
+    (x, y, z), (a, b, c) = _position("earth", days), _position(body, days)
+    return x - a, y - b, z - c
 
 
 def body_axes(body: str, vector: Vector, at: Instant) -> Vector:

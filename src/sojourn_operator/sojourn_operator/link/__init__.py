@@ -1,0 +1,1 @@
+"""What stands between operators on Earth and the machine."""
