@@ -5,14 +5,19 @@ from pathlib import Path
 
 import pytest
 
+from sojourn_bags.comparison_result import Verdict
+from sojourn_bags.errors import ReplayError
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import read_bag
+from sojourn_bags.replay_choices import ROLES_TO_REPLAY
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.leaps import BEGIN, landing_grid
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_operator.scenario_steps import prepare_scenario
+from sojourn_stack.apps import APPS
+from sojourn_stack.replay import replay
 from sojourn_stack.run import Result, RunSpec, run
 from sojourn_stack.stack import StackState
 
@@ -74,6 +79,25 @@ def replace_without(messages, place):  # type: ignore[no-untyped-def]
     for values in fields.values():
         del values[place]
     return replace(messages, **fields)
+
+
+@pytest.mark.parametrize("role", ROLES_TO_REPLAY)
+def test_its_bag_is_replayed_through_each_role(role: str, whole: tuple[Result, Path, list[StackState]]) -> None:
+    """Played are the periods that the run had, and the answers are those of the run."""
+    result, folder, _ = whole
+    replayed = replay(read_bag(folder), role, APPS[role].of(load_scenario(SCENARIO)))
+    assert replayed.comparison.verdict is Verdict.IDENTICAL
+    assert len(replayed.script.steps) < 0.2 * result.state.period
+    assert replayed.comparison.matched == sum(len(messages) for messages in replayed.script.recorded.values()) > 100
+
+
+def test_a_bag_that_does_not_tell_where_its_clock_leapt_is_not_replayed(
+    whole: tuple[Result, Path, list[StackState]],
+) -> None:
+    bag = read_bag(whole[1])
+    without = replace(bag, topics={name: each for name, each in bag.topics.items() if name != "/clock"})
+    with pytest.raises(ReplayError, match="lacks /clock, which tells where the clock of this run leapt"):
+        replay(without, "power", APPS["power"].of(load_scenario(SCENARIO)))
 
 
 @pytest.mark.parametrize("number", [2])

@@ -19,6 +19,7 @@ from sojourn_bags.reading import Bag, Messages
 from sojourn_bags.replay_choices import ROLES_TO_REPLAY
 from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.events import parse_tick
+from sojourn_contract.leaps import NO_LEAPS, Leaps, leaps_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
@@ -71,7 +72,7 @@ class ReplayScript:
         role: who is replayed. participants: roles of the run. table: topics of the run.
         steps: by period, from the first. inputs: rows that the role hears; those after the first `awaited` are
             goals and others that it does not wait for.
-        recorded: what the role answered in the run, by topic. cut_off: whether the bag is.
+        recorded: what the role answered in the run, by topic. cut_off: whether the bag is. leaps: of the run's clock.
     """
 
     role: str
@@ -81,6 +82,7 @@ class ReplayScript:
     inputs: tuple[Topic, ...]
     recorded: Mapping[str, Messages]
     cut_off: bool = False
+    leaps: Leaps = NO_LEAPS
 
     @property
     def lead(self) -> int:
@@ -128,8 +130,10 @@ def script_of(bag: Bag, role: str) -> ReplayScript:
     inputs = _inputs(role, awaited, table, topics)
     recorded = {name: messages for name, messages in _answers(role, outputs, topics).items() if len(messages)}
     _check_topics(bag, role, (awaited, outputs), topics, recorded)
-    end = max(stamps_of(messages)[-1] for messages in recorded.values())
-    return ReplayScript(role, participants, table, _steps(role, inputs, topics, end), inputs, recorded, not bag.whole)
+    leaps = _leaps(bag, table, topics)
+    periods = _periods(role, topics, recorded, leaps)
+    steps = _steps(role, inputs, topics, periods)
+    return ReplayScript(role, participants, table, steps, inputs, recorded, not bag.whole, leaps)
 
 
 def own_heartbeats(messages: Messages, role: str) -> Messages:
@@ -187,12 +191,32 @@ def _check_topics(
             raise ReplayError(f"{bag.path} lacks {row.name} of {role}: there is nothing to compare its answers with")
 
 
-def _steps(role: str, inputs: Sequence[Topic], topics: Mapping[str, Messages], end: int) -> tuple[ReplayPeriod, ...]:
+def _leaps(bag: Bag, table: TopicTable, topics: Mapping[str, Messages]) -> Leaps:
+    """Of the clock of the run."""
+    if not table.longest_leap:
+        return NO_LEAPS
+    if CLOCK not in topics:
+        raise ReplayError(f"{bag.path} lacks {CLOCK}, which tells where the clock of this run leapt")
+    return leaps_of(stamps_of(topics[CLOCK]))
+
+
+def _periods(
+    role: str, topics: Mapping[str, Messages], recorded: Mapping[str, Messages], leaps: Leaps
+) -> tuple[int, ...]:
+    """Control periods of the run in which the role is played to."""
+    last = max(stamps_of(messages)[-1] for messages in recorded.values()) // CONTROL_PERIOD_NS
+    ends = any(ends and period + OPERATOR_LAG <= last for period, (_, ends) in ticks_of(topics).items())
+    if role == "plant" and not ends:
+        last = leaps.before(last)  # it would answer what the run did not ask for
+    stamps = leaps.stamps(1, 0, last * CONTROL_PERIOD_NS)
+    return tuple(stamp // CONTROL_PERIOD_NS for stamp in stamps)
+
+
+def _steps(
+    role: str, inputs: Sequence[Topic], topics: Mapping[str, Messages], periods: Sequence[int]
+) -> tuple[ReplayPeriod, ...]:
     ticks = ticks_of(topics)
-    last = end // CONTROL_PERIOD_NS
-    if role == "plant" and not any(ends and period + OPERATOR_LAG <= last for period, (_, ends) in ticks.items()):
-        last -= 1  # it would answer what the run did not ask for
-    steps = {period: ReplayPeriod(period) for period in range(1, last + 1)}
+    steps = {period: ReplayPeriod(period) for period in periods}
     entries = []
     for row in inputs:
         if row.name == "/recorder/tick" or row.name not in topics:

@@ -11,6 +11,7 @@ from sojourn_bags.replay_script import announced_in, ticks_of
 from sojourn_contract.app import Answer, App, Period
 from sojourn_contract.codecs import decode
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.leaps import NO_LEAPS, Leaps
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
 
@@ -23,11 +24,12 @@ class RecordedRole(App[None]):
     """Its state is none: what it says follows from the stamp alone.
 
     Args:
-        sayings: by the control period in which it says them; those of period zero begin the run.
+        sayings: by the control period in which it says them; those of period zero begin the run. leaps: of the clock,
+            of the plant alone.
     """
 
-    def __init__(self, sayings: Mapping[int, Sequence[Saying]]) -> None:
-        self._sayings = sayings
+    def __init__(self, sayings: Mapping[int, Sequence[Saying]], leaps: Leaps = NO_LEAPS) -> None:
+        self._sayings, self._landings = sayings, dict(leaps.gaps)
 
     def initial_state(self) -> None:
         """Nothing."""
@@ -38,28 +40,33 @@ class RecordedRole(App[None]):
 
     def step(self, state: None, period: Period) -> tuple[None, Answer]:
         """What it said in the run."""
-        return None, Answer(self._sayings.get(period.stamp // CONTROL_PERIOD_NS, ()))
+        now = period.stamp // CONTROL_PERIOD_NS
+        return None, Answer(self._sayings.get(now, ()), landing=self._landings.get(now, 0) * CONTROL_PERIOD_NS)
 
 
-def recorded_role(role: str, rows: Iterable[Topic], topics: Mapping[str, Messages]) -> RecordedRole:
+def recorded_role(
+    role: str, rows: Iterable[Topic], topics: Mapping[str, Messages], leaps: Leaps = NO_LEAPS
+) -> RecordedRole:
     """A role of a bag.
 
     Args:
-        rows: what it says in such a run; heartbeats are the run's own. topics: of the bag.
+        rows: what it says in such a run; heartbeats are the run's own. topics: of the bag. leaps: of the run's clock.
 
     Raises:
         ReplayError: bytes that hold no message of their type, or a goal of which no tick tells: who hears it when
             is settled by the middleware.
     """
-    ticks, lead = ticks_of(topics), 1 if role == PLANT else 0
+    ticks, tells_the_next = ticks_of(topics), role == PLANT
     entries = []
     for row in rows:
         messages = topics.get(row.name)
         if messages is None or row.publisher == "all":
             continue
         for index, stamp in enumerate(stamps_of(messages)):
-            period = announced_in(row, stamp, ticks) if row.is_event else stamp // CONTROL_PERIOD_NS - lead
-            if row.is_event and not period:
+            period = announced_in(row, stamp, ticks) if row.is_event else stamp // CONTROL_PERIOD_NS
+            if tells_the_next and not row.is_event:
+                period = leaps.before(period)
+            elif row.is_event and not period:
                 raise ReplayError(f"a goal on {row.name} was sent by hand: its bag is replayed over topics alone")
             try:
                 said = decode(row, messages.data[index])
@@ -69,4 +76,4 @@ def recorded_role(role: str, rows: Iterable[Topic], topics: Mapping[str, Message
     sayings: dict[int, list[Saying]] = defaultdict(list)
     for period, _, name, said in sorted(entries, key=lambda entry: entry[:2]):
         sayings[period].append((name, said))
-    return RecordedRole(sayings)
+    return RecordedRole(sayings, leaps if tells_the_next else NO_LEAPS)

@@ -64,7 +64,7 @@ def _stack(script: ReplayScript, topics: Mapping[str, Messages], app: App[Any]) 
     """The role's app among the others of the run, who say what they said."""
     roles = [role for role in APPS if role in script.participants]
     apps: dict[str, App[Any]] = {
-        role: recorded_role(role, script.table.outputs_of(role, {*script.participants, role}), topics)
+        role: recorded_role(role, script.table.outputs_of(role, {*script.participants, role}), topics, script.leaps)
         for role in roles
         if role != script.role
     }
