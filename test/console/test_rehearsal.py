@@ -7,12 +7,13 @@ import time
 import numpy as np
 import pytest
 
+from sojourn_config.scenario import load_scenario
 from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
 from sojourn_console.model import BasePose
 from sojourn_console.panels.goals import rehearsal_rows
 from sojourn_console.rehearsal import after, believed, rehearse
-from sojourn_console.rehearsed import RehearsedDrive
+from sojourn_console.rehearsed import RECKONED, SIMULATED, RehearsedDrive
 from sojourn_console.rehearser import Rehearser
 from sojourn_contract.messages import contact_cloud
 from sojourn_contract.topics import topic
@@ -47,7 +48,7 @@ def test_the_world_of_a_rehearsal_is_what_is_believed() -> None:
 
 
 def test_a_short_drive_is_rehearsed_to_its_end() -> None:
-    *_, before, last = rehearse("flat_drive", believed([], HERE, 0.8, GOAL))
+    *_, before, last = rehearse(load_scenario("flat_drive", believed([], HERE, 0.8, GOAL)))
     assert last.is_over and not before.is_over and last.state == "reached"
     apart = math.dist(GOAL.points[0][:2], HERE.position[:2])
     assert 0.5 * apart < last.length_m < 1.5 * apart
@@ -68,6 +69,23 @@ def test_the_worst_is_kept() -> None:
         found, place = after(found, place, said)
     assert found.tilt_deg == pytest.approx(math.degrees(0.2)) and found.length_m == pytest.approx(0.4)
     assert found.slip == pytest.approx(0.3)
+
+
+def test_a_program_that_waits_reckons_first() -> None:
+    rehearser = Rehearser()
+    rehearser.prepare()
+    ready = rehearser._ready
+    rehearser.prepare()
+    assert rehearser._ready is ready  # one is enough
+    rehearser.begin("flat_drive", believed([], HERE, 0.8, GOAL))
+    while not (RECKONED in rehearser.found and rehearser.found[RECKONED].is_over):
+        assert SIMULATED not in rehearser.found and not rehearser.problem
+        time.sleep(0.02)
+    rows = rehearsal_rows(rehearser)
+    assert rows[0][0] == RECKONED and rows[0][1].startswith("reached")
+    rehearser.prepare()
+    rehearser.close()
+    assert not rehearser.is_under_way and ready is not None and ready.poll() is not None
 
 
 def test_one_that_fails_says_why() -> None:

@@ -126,7 +126,7 @@ class Page:
     def close(self) -> None:
         """End it, and the feed."""
         for panel in self._tabs:
-            panel.clear()
+            panel.close()
         self.bench.feed.close()
         self.bench.server.stop()
 

@@ -4,9 +4,12 @@ The world of a rehearsal is what is believed: the scenario's files with `belief.
 map for the ground, no faults. So what a run has been given as truth alone, another soil say, is not in it. It begins
 at rest, at the pose and the charge that drive and power manager tell, with the arm stowed.
 
-It is a program of its own, for it keeps a core busy; it prints what it has found so far, a line of JSON a time.
+It is a program of its own, for it keeps a core busy; it prints what it has found so far, a line of JSON a time: first
+what is reckoned (`reckoning`), within seconds, then what all apps together find. Started without arguments it loads
+what it needs and waits for them, a list in JSON on its standard input: so it is there when it is wanted.
 """
 
+import itertools
 import json
 import math
 import sys
@@ -18,10 +21,11 @@ import numpy as np
 
 from sojourn_config import command_line
 from sojourn_config.overrides import split_beliefs
-from sojourn_config.scenario import HEADS, TRUTH_ALONE, load_scenario
+from sojourn_config.scenario import HEADS, TRUTH_ALONE, LoadedScenario, load_scenario
 from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
 from sojourn_console.model import BasePose
+from sojourn_console.reckoning import reckon
 from sojourn_console.rehearsed import RehearsedDrive
 from sojourn_contract.clouds import columns_of
 from sojourn_contract.heartbeat import status_values
@@ -61,9 +65,8 @@ def believed(overrides: Sequence[str], pose: BasePose, charge: float, draft: Dra
     ]
 
 
-def rehearse(scenario: str, overrides: Sequence[str]) -> Iterator[RehearsedDrive]:
-    """Run a rehearsal, and tell after each control period what has been found. Raises ConfigError, StackError."""
-    loaded = load_scenario(scenario, overrides)
+def rehearse(loaded: LoadedScenario) -> Iterator[RehearsedDrive]:
+    """Run a rehearsal, and tell after each control period what has been found. Raises StackError."""
     roles = [role for role in ROLES if role != "arm" or loaded.arm is not None]
     stack = Stack(make_apps(loaded, roles), roles, table_of(loaded))
     state, said = stack.begin()
@@ -107,10 +110,16 @@ def after(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Rehearse: SCENARIO OVERRIDE ..., and print a line of JSON from time to time and at the end."""
-    scenario, *overrides = sys.argv[1:] if arguments is None else arguments
-    told = 0.0
-    for found in rehearse(scenario, overrides):
+    """Rehearse: SCENARIO OVERRIDE ..., and print a line of JSON from time to time and at the end of each way of it."""
+    given = sys.argv[1:] if arguments is None else arguments
+    if not given:
+        line = sys.stdin.readline()
+        if not line:  # whoever might have asked has gone
+            return 0
+        given = json.loads(line)
+    scenario, *overrides = given
+    loaded, told = load_scenario(scenario, overrides), 0.0
+    for found in itertools.chain(reckon(loaded), rehearse(loaded)):
         if found.is_over or time.monotonic() - told > TELL_S:
             told = time.monotonic()
             print(json.dumps(asdict(found)), flush=True)

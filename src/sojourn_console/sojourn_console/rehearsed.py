@@ -3,17 +3,22 @@
 import math
 from dataclasses import dataclass
 
+RECKONED, SIMULATED = "reckoned", "simulated"
+"""By the drive's laws on the map and measured costs; by all apps."""
+
 
 @dataclass(frozen=True)
 class RehearsedDrive:
     """What a rehearsal has found so far.
 
     Args:
-        state, reason: of the drive's goal. time_s: since it began. length_m: driven. energy_wh: that the drive counts.
-        charge: by the power manager, 0 to 1. tilt_deg: the steepest. slip: the worst of a wheel that bears, 0 to 1.
-        mode: of the power manager. is_over: nothing more comes.
+        means: how it was found: RECKONED or SIMULATED. state, reason: of the drive's goal. time_s: since it began.
+        length_m: driven. energy_wh: as the drive counts it. tilt_deg: the steepest. is_over: nothing more comes.
+        charge: by the power manager, 0 to 1; mode: of it; slip: the worst of a wheel that bears, 0 to 1. What is
+            reckoned does not know these.
     """
 
+    means: str = SIMULATED
     state: str = "begins"
     reason: str = ""
     time_s: float = 0.0

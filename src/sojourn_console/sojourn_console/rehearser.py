@@ -1,5 +1,6 @@
 """Has a drive rehearsed beside the page, by a program that yields to whatever else runs."""
 
+import contextlib
 import json
 import os
 import subprocess
@@ -19,26 +20,39 @@ class Rehearser:
     """One rehearsal at a time; a new one ends the one before.
 
     Attributes:
-        forecast: what has been found so far, None as long as nothing has. problem: why there is none.
+        found: newest of each means. problem: why there is none.
     """
 
     def __init__(self) -> None:
-        self.forecast: RehearsedDrive | None = None
+        self.found: dict[str, RehearsedDrive] = {}
         self.problem = ""
         self._child: subprocess.Popen[str] | None = None
+        self._ready: subprocess.Popen[str] | None = None
+
+    def prepare(self) -> None:
+        """Have a program ready that has loaded what it needs; it ends with whoever has it."""
+        if self._ready is None or self._ready.poll() is not None:
+            self._ready = subprocess.Popen(
+                ["nice", "-n", str(_NICE), sys.executable, "-m", MODULE],
+                env=dict(os.environ),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
 
     def begin(self, scenario: str, overrides: Sequence[str]) -> None:
         """Rehearse from a scenario with what goes over its files."""
         self.end()
-        self.forecast, self.problem = None, ""
-        child = self._child = subprocess.Popen(
-            ["nice", "-n", str(_NICE), sys.executable, "-m", MODULE, scenario, *overrides],
-            env=dict(os.environ),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+        self.found, self.problem = {}, ""
+        self.prepare()
+        child, self._ready = self._ready, None
+        if child is None or child.stdin is None:
+            return
+        self._child = child
+        with contextlib.suppress(BrokenPipeError):  # what it has said before it ended is told
+            child.stdin.write(json.dumps([scenario, *overrides]) + "\n")
+            child.stdin.close()
         threading.Thread(target=self._listen, args=(child,), name="rehearsal", daemon=True).start()
 
     @property
@@ -53,10 +67,17 @@ class Rehearser:
             child.kill()
             child.wait()
 
+    def close(self) -> None:
+        """End everything."""
+        self.end()
+        self._child, self._ready = self._ready, None
+        self.end()
+
     def _listen(self, child: "subprocess.Popen[str]") -> None:
         for line in child.stdout or ():
             if self._child is child:
-                self.forecast = RehearsedDrive(**json.loads(line))
+                found = RehearsedDrive(**json.loads(line))
+                self.found = {**self.found, found.means: found}
         errors = child.stderr.read() if child.stderr is not None else ""
         if self._child is child:
             if child.wait():

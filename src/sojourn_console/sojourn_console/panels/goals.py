@@ -14,6 +14,7 @@ from sojourn_console.model import RunScene
 from sojourn_console.panels.panel import QuietPanel, Workbench, table_html
 from sojourn_console.picking import met_by
 from sojourn_console.rehearsal import believed
+from sojourn_console.rehearsed import RECKONED, SIMULATED, RehearsedDrive
 from sojourn_console.rehearser import Rehearser
 from sojourn_console.views.view import GREEN, Shown, segments
 from sojourn_console.views.way_view import on_ground
@@ -80,6 +81,9 @@ class GoalsPanel(QuietPanel):
         self._rehearser.end()
         self._say("")
 
+    def close(self) -> None:
+        self._rehearser.close()
+
     def _connect(self) -> None:
         bench = self._bench
         scene = bench.server.scene
@@ -95,6 +99,8 @@ class GoalsPanel(QuietPanel):
         self._send.on_click(lambda event: bench.commanding(event.client, self._sending))
 
     def _chosen(self) -> None:
+        if self._bench.world.source and self._mode.value in (DRIVE, ROUTE):
+            self._rehearser.prepare()
         with self._bench.lock:
             draft = Draft(KINDS.get(self._mode.value, "drive"))
             if draft.kind == "arm":
@@ -247,17 +253,25 @@ def foresight_rows(status: Mapping[str, str]) -> list[tuple[str, str]]:
 
 def rehearsal_rows(rehearser: Rehearser) -> list[tuple[str, str]]:
     """What a rehearsal has found so far, as names and values."""
+    rows = [row for means in (RECKONED, SIMULATED) for row in _found_rows(rehearser.found.get(means))]
     if rehearser.problem:
-        return [("simulated", rehearser.problem)]
-    found = rehearser.forecast
+        return [*rows, (SIMULATED, rehearser.problem)]
+    if rehearser.is_under_way and SIMULATED not in rehearser.found:
+        rows.append((SIMULATED, "begins …"))
+    return rows
+
+
+def _found_rows(found: RehearsedDrive | None) -> list[tuple[str, str]]:
     if found is None:
-        return [("simulated", "begins …")] if rehearser.is_under_way else []
+        return []
     state = found.state if found.is_over else f"{found.time_s:.0f} s so far"
+    charge = f", charge {found.charge:.1%}, {found.mode.lower()}" if math.isfinite(found.charge) else ""
+    slip = f", slip {found.slip:.0%}" if found.means == SIMULATED else ""
     return [
-        ("simulated", f"{state}: {found.reason}" if found.reason else state),
+        (found.means, f"{state}: {found.reason}" if found.reason else state),
         ("driven", f"{found.length_m:.2f} m in {found.time_s:.0f} s"),
-        ("energy", f"{found.energy_wh:.2f} Wh, charge {found.charge:.1%}, {found.mode.lower()}"),
-        ("worst", f"tilt {found.tilt_deg:.1f}°, slip {found.slip:.0%}"),
+        ("energy", f"{found.energy_wh:.2f} Wh{charge}"),
+        ("worst", f"tilt {found.tilt_deg:.1f}°{slip}"),
     ]
 
 

@@ -92,6 +92,10 @@ class Panel(Protocol):
         """Forget what was: time has jumped."""
         ...
 
+    def close(self) -> None:
+        """End what it has begun."""
+        ...
+
 
 class QuietPanel:
     """A panel that looks at nothing but the scene."""
@@ -111,6 +115,9 @@ class QuietPanel:
         return
 
     def clear(self) -> None:
+        return
+
+    def close(self) -> None:
         return
 
 

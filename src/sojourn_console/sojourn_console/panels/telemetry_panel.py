@@ -68,6 +68,9 @@ class TelemetryPanel:
     def clear(self) -> None:
         self.telemetry.clear()
 
+    def close(self) -> None:
+        self.telemetry.clear()
+
     def show(self, scene: RunScene) -> None:
         self._count += 1
         if self._count % EVERY or self._freeze.value:
