@@ -14,12 +14,16 @@ from domains import domain_to_keep
 from sojourn_bags.candidate import NodeCandidate
 from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.comparison_words import comparison_lines
+from sojourn_bags.errors import ReplayError
 from sojourn_bags.reading import read_bag
 from sojourn_bags.replay import replay
 from sojourn_bags.replay_choices import ROLES_TO_REPLAY
 from sojourn_bags.replay_harness import ReplaySettings
+from sojourn_bags.replay_script import script_of
 from sojourn_bags.run_configuration import run_configuration
 from sojourn_bringup.process_table import process
+from sojourn_stack.replay import app_of
+from sojourn_stack.replay import replay as replay_app
 
 BAG = Path(__file__).parents[1] / "replay" / "short_goals"
 FLIGHT_DRIVE = Path(__file__).parent / "flight_drive.py"
@@ -106,6 +110,22 @@ def test_our_node_as_a_process_reproduces_it_too(run_here: Path, start: Start, d
     bag = read_bag(both)
     assert bag["/replay/odom"].data == bag["/odom"].data == read_bag(run_here)["/odom"].data
     assert bag["/replay/odom"].log_times == bag["/odom"].log_times
+
+
+def test_a_run_in_real_time_is_replayed_by_what_its_nodes_heard(start: Start, domain: int, tmp_path: Path) -> None:
+    """Whatever the machine has lost or delayed: each node tells on what it acted."""
+    scenario = BAG.parent / "themes" / "skid.yaml"
+    options = ("--realtime", "--composed", "--domain", domain, "--run-dir", tmp_path / "run")
+    run = start("start", scenario, *PATIENT, *options, "--set", "duration_limit_s=3.0")
+    assert run.wait() == 1, "the steps take longer"
+    bag = read_bag(tmp_path / "run")
+    with run_configuration(bag) as configuration:
+        for role, topic in (("drive", "/odom"), ("power", "/power/switches")):
+            result = replay_app(bag, role, app_of(role, configuration))
+            assert result.comparison.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result.comparison))
+            assert len(result.answers[topic]) > 10
+    with pytest.raises(ReplayError, match="recorded in real time: it is replayed without middleware, --direct"):
+        script_of(bag, "drive")
 
 
 def test_a_program_that_drives_in_another_way_is_told_apart(start: Start, domain: int) -> None:

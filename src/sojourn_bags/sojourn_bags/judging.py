@@ -12,6 +12,7 @@ from sojourn_bags.description import Run
 from sojourn_bags.errors import BagsError, IncompleteConfigError, UnreadableMessageError
 from sojourn_bags.onset import RESUMED
 from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.thinning import THINNED_RECORD, roles_of
 from sojourn_bags.transforms import TOPIC as TRANSFORMS
 from sojourn_config.errors import ConfigError
 from sojourn_config.urdf import parse_urdf
@@ -51,7 +52,7 @@ class Recorded:
 def judge_bag(
     bag: Bag, roles: Collection[str] | None = None, machine: JudgedMachine | None = None
 ) -> tuple[Report, Recorded]:
-    """Judge the messages of these roles, None for all.
+    """Judge the messages of these roles, None for all whose topics the bag has.
 
     Args:
         machine: the rover, None for the one that the bag describes.
@@ -61,6 +62,9 @@ def judge_bag(
         UnjudgeableBagError: no message of the contract, a role that took no part.
     """
     run = recorded_as(bag)
+    if roles is None and THINNED_RECORD in bag.records:
+        roles = roles_of(bag)
+        run.notes.append(f"the bag is thinned to the topics of {', '.join(roles)}: the others were not judged")
     for role in roles or ():
         if role not in run.participants:
             took_part = ", ".join(run.participants)

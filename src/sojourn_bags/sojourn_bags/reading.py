@@ -17,7 +17,7 @@ import numpy as np
 from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from numpy.typing import NDArray
 
-from sojourn_bags.definitions import RUN_RECORD, deserialized, learn
+from sojourn_bags.definitions import RUN_RECORD, deserialized, learn, typestore
 from sojourn_bags.errors import UnknownTopicInBagError, UnreadableBagError, UnreadableMessageError
 from sojourn_bags.layout import MessageLayout, layout_of
 from sojourn_bags.salvage import Salvage
@@ -325,10 +325,14 @@ class Bag:
 
 
 def stamped_elsewhere(messages: Messages) -> dict[int, str]:
-    """Messages of a periodic topic that no clock of the run has stamped. Bags of ours are filed by period."""
+    """Messages of a periodic topic that no clock of the run has stamped, or that have no stamp that anybody could read.
+    Bags of ours are filed by period.
+    """
     row = row_named(messages.topic)
     if row is None or row.is_event or not len(messages):
         return {}
+    if messages.type not in typestore().fielddefs:  # its schema is damaged
+        return dict.fromkeys(range(len(messages)), f"its type is {messages.type!r}, which is not known")
     apart = messages.times - np.array(messages.log_times) * 1e-9
     return {
         int(index): f"stamped {messages.times[index]:.3f} s, and written at {messages.log_times[index] / 1e9:.3f} s"

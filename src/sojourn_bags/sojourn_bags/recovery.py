@@ -7,18 +7,15 @@ in the bag: by then the nodes had published so many messages of each topic. What
 
 import json
 import shutil
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
-import yaml
-from mcap.records import Attachment, Channel, McapRecord, Message, Metadata, Schema
-from mcap.writer import CompressionType, Writer
+from mcap.records import Channel, Message, Metadata
 
+from sojourn_bags.bag_copy import BagCopy
 from sojourn_bags.completeness import HEARTBEATS, RECORD, Completeness, Count, PublishedCounts
 from sojourn_bags.errors import BagExistsError, NothingToRecoverError, UnwritableBagError
-from sojourn_bags.metadata_file import METADATA_FILE, TopicEntry, bag_information, write_metadata_file
+from sojourn_bags.metadata_file import METADATA_FILE
 from sojourn_bags.reading import bag_file
 from sojourn_bags.salvage import Salvage
 from sojourn_contract.codecs import decode
@@ -146,69 +143,13 @@ def _hear(data: bytes, counts: PublishedCounts, found: Findings) -> None:
             found.heartbeat = max(found.heartbeat or 0, heartbeat.stamp)
 
 
-class _Copy:
-    """A new MCAP file in the making, with numbers of schemas and channels of its own."""
-
-    def __init__(self, writer: Writer) -> None:
-        self.writer = writer
-        self.channels: dict[int, tuple[int, Channel]] = {}
-        self.schemas: dict[int, tuple[int, Schema]] = {0: (0, Schema(0, b"", "", ""))}
-        self.texts: dict[str, str] = {}
-
-    def take(self, record: McapRecord) -> None:
-        """Copy a record."""
-        writer = self.writer
-        if isinstance(record, Message):
-            number = self.channels[record.channel_id][0]
-            writer.add_message(number, record.log_time, record.data, record.publish_time, record.sequence)
-        elif isinstance(record, Schema) and record.id not in self.schemas:
-            number = writer.register_schema(record.name, record.encoding, record.data)
-            self.schemas[record.id] = (number, record)
-        elif isinstance(record, Channel) and record.id not in self.channels:
-            schema = self.schemas.get(record.schema_id, self.schemas[0])[0]
-            number = writer.register_channel(record.topic, record.message_encoding, schema, record.metadata)
-            self.channels[record.id] = (number, record)
-        elif isinstance(record, Attachment):
-            writer.add_attachment(record.create_time, record.log_time, record.name, record.media_type, record.data)
-        elif isinstance(record, Metadata) and record.name != "rosbag2":  # which holds the counts of the old file
-            self.add_metadata(record.name, record.metadata)
-
-    def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
-        """A metadata record, in the file and for metadata.yaml."""
-        self.writer.add_metadata(name, dict(values))
-        self.texts[name] = json.dumps(dict(values))
-
-    def topics(self, counts: Mapping[str, int]) -> list[TopicEntry]:
-        """Entries for metadata.yaml; a topic of several channels is one."""
-        entries: dict[str, TopicEntry] = {}
-        for _, channel in self.channels.values():
-            qos = _qos(channel)
-            if channel.topic in entries:
-                entries[channel.topic].qos.extend(qos)
-                continue
-            type_name = self.schemas.get(channel.schema_id, self.schemas[0])[1].name
-            hash_text = channel.metadata.get("topic_type_hash", "")
-            entries[channel.topic] = TopicEntry(channel.topic, type_name, qos, hash_text, counts.get(channel.topic, 0))
-        return list(entries.values())
-
-
 def _write(found: Findings, file: Path) -> None:
-    with file.open("xb") as stream:
-        writer = Writer(stream, compression=CompressionType.ZSTD)
-        writer.start(profile="ros2", library="sojourn_bags")
-        copy = _Copy(writer)
+    with BagCopy(file) as copy:
         for record in Salvage(found.path).records:
             copy.take(record)
         copy.add_metadata(RECOVERY_RECORD, _recovery_record(found))
         if RECORD not in found.names and found.published:
             copy.add_metadata(RECORD, _account(found).as_record() | {"complete": "false"})
-        information = bag_information(
-            file.name, copy.topics(found.counts), min(found.first.values()), max(found.last.values()), copy.texts
-        )
-        text = yaml.safe_dump(information["rosbag2_bagfile_information"], sort_keys=False)
-        writer.add_metadata("rosbag2", {"serialized_metadata": text})
-        writer.finish()
-    write_metadata_file(file.parent, information)
 
 
 def _recovery_record(found: Findings) -> dict[str, str]:
@@ -228,14 +169,3 @@ def _account(found: Findings) -> Completeness:
     names = dict.fromkeys([*found.counts, *found.lost])
     counts = {name: Count(found.published.get(name), found.counts.get(name, 0)) for name in names}
     return Completeness(counts)
-
-
-def _qos(channel: Channel) -> list[dict[str, Any]]:
-    """Offered quality of service of a channel, [] where it says none that can be read."""
-    try:
-        profiles = yaml.safe_load(channel.metadata.get("offered_qos_profiles", "")) or []
-    except yaml.YAMLError:
-        return []
-    if not isinstance(profiles, list):
-        return []
-    return [profile for profile in profiles if isinstance(profile, dict)]

@@ -2,7 +2,8 @@
 
 A step is a control period. In it stand the messages stamped with it, in the order of the file. A goal of the
 scripted operator stands in the step of the tick that announces it, some periods before it takes effect; a goal
-sent by hand in the step under which the recorder has filed it.
+sent by hand in the step in which it took effect, as the role's heartbeat tells, or else in that under which the
+recorder has filed it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,7 +19,9 @@ from sojourn_bags.provenance import run_of
 from sojourn_bags.reading import Bag, Messages
 from sojourn_bags.replay_choices import ROLES_TO_REPLAY
 from sojourn_contract.barrier import awaited_inputs
+from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.events import parse_tick
+from sojourn_contract.heard import took_in
 from sojourn_contract.leaps import NO_LEAPS, Leaps, leaps_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_table import TopicTable
@@ -35,12 +38,23 @@ class ReplayPeriod:
     Args:
         period: number. goals: (topic, CDR), to be there before the inputs. inputs: (topic, CDR) in the order of the
             file. unannounced: topics of goals of which no tick tells, so that nobody will wait for them.
+        by_hand: of these goals those that took effect in this period; untold: topics of the others.
     """
 
     period: int
     goals: list[tuple[str, bytes]] = field(default_factory=list)
     inputs: list[tuple[str, bytes]] = field(default_factory=list)
     unannounced: set[str] = field(default_factory=set)
+    by_hand: list[tuple[str, bytes]] = field(default_factory=list)
+    untold: set[str] = field(default_factory=set)
+
+    def add_by_hand(self, name: str, data: bytes, told: bool) -> None:
+        """A goal of which no tick tells; `told`: but the role tells that it took effect now."""
+        self.unannounced.add(name)
+        if told:
+            self.by_hand.append((name, data))
+        else:
+            self.untold.add(name)
 
 
 class Script(Protocol):
@@ -115,7 +129,7 @@ def script_of(bag: Bag, role: str) -> ReplayScript:
     if role not in participants:
         raise ReplayError(f"{bag.path} is of a run without {role}: there were {', '.join(participants)}")
     if run["lockstep"] != "true":
-        reason = "was recorded in real time, where a node's inputs depend on when they come: replay needs lock-step"
+        reason = "was recorded in real time: it is replayed without middleware, --direct, by what its nodes heard"
         raise ReplayError(f"{bag.path} {reason}")
     if run.get(RESUMED):
         reason = "begins at a checkpoint, and a replay at the start of a run: replay the run that it went on from"
@@ -215,7 +229,7 @@ def _periods(
 def _steps(
     role: str, inputs: Sequence[Topic], topics: Mapping[str, Messages], periods: Sequence[int]
 ) -> tuple[ReplayPeriod, ...]:
-    ticks = ticks_of(topics)
+    ticks, took = ticks_of(topics), _took(role, topics)
     steps = {period: ReplayPeriod(period) for period in periods}
     entries = []
     for row in inputs:
@@ -228,14 +242,33 @@ def _steps(
             entries.append((messages.places[index], row, stamp, messages.log_times[index], messages.data[index]))
     for _, row, stamp, log_time, data in sorted(entries, key=lambda entry: entry[0]):
         if row.is_event:
-            announced = announced_in(row, stamp, ticks)
-            period = announced or max(1, log_time // CONTROL_PERIOD_NS)
+            announced, told = announced_in(row, stamp, ticks), took.get((row.name, stamp))
+            at = told.pop(0) // CONTROL_PERIOD_NS if told and not announced else 0
+            period = announced or at or max(1, log_time // CONTROL_PERIOD_NS)
             if period in steps:
                 steps[period].goals.append((row.name, data))
-                steps[period].unannounced |= set() if announced else {row.name}
+                if not announced:
+                    steps[period].add_by_hand(row.name, data, bool(at))
         elif (period := row.heard_at(stamp) // CONTROL_PERIOD_NS) in steps:
             steps[period].inputs.append((row.name, data))
     return tuple(steps.values())
+
+
+def _took(role: str, topics: Mapping[str, Messages]) -> dict[tuple[str, int], list[int]]:
+    """When goals took effect of which their stamp does not say it [ns], by topic and stamp, as the role tells."""
+    found: dict[tuple[str, int], list[int]] = {}
+    if HEARTBEATS not in topics:
+        return found
+    told = own_heartbeats(topics[HEARTBEATS], role)
+    for index in range(len(told)):
+        values = {pair.key: pair.value for pair in told.decode(index).status[0].values}
+        try:
+            goals = took_in(values)
+        except RefusedMessageError:  # a word of somebody else's
+            continue
+        for goal in goals:
+            found.setdefault((goal.topic, goal.stamp), []).append(goal.at)
+    return found
 
 
 def ticks_of(topics: Mapping[str, Messages]) -> dict[int, tuple[dict[str, int], bool]]:

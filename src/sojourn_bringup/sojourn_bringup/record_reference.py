@@ -15,12 +15,13 @@ DIGEST = "digest.txt"
 def parser() -> argparse.ArgumentParser:
     """Options of scripts/record_reference."""
     result = command_line.Parser(prog="record_reference", description="Record the bags in test/replay again.")
+    result.add_argument("name", nargs="*", metavar="NAME", help="of a scenario in test/replay (default: all)")
     command_line.add_place(result)
     return result
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Renew every reference bag and tell what has changed."""
+    """Renew reference bags and tell what has changed."""
     given = parser().parse_args(arguments)
     from sojourn_bringup.reference_recording import run  # not above: --help needs none of it
 

@@ -16,22 +16,27 @@ from sojourn_bags.description import Run
 from sojourn_bags.digest import digest
 from sojourn_bags.errors import BagsError, OtherContractError
 from sojourn_bags.reading import Bag, read_bag
+from sojourn_bags.thinning import thinned
 from sojourn_bringup import start, start_run
 from sojourn_bringup.record_reference import DIGEST
-from sojourn_bringup.references import REFERENCES, ReferenceBag, references_folder
+from sojourn_bringup.references import REFERENCES, THEMES, ReferenceBag, references_folder
 from sojourn_bringup.screen import Screen
-from sojourn_config.command_errors import CommandError
+from sojourn_config.command_errors import CommandError, UsageError
 
 
 def record(reference: ReferenceBag, folder: Path, domain: int) -> Bag:
-    """Run the scenario and return its bag, which is in `folder`. Raises CommandError if it went otherwise."""
-    arguments = [str(references_folder() / f"{reference.name}.yaml"), "--composed", "--run-dir", str(folder)]
+    """Run the scenario and return its bag, which is in `folder`. Raises CommandError if it went otherwise.
+
+    What is replayed without middleware is recorded without it: the values are the same.
+    """
+    layout: start_run.Layout = "direct" if reference.roles else "composed"
+    arguments = [str(references_folder() / f"{reference.name}.yaml"), f"--{layout}", "--run-dir", str(folder)]
     arguments += ["--domain", str(domain)]
     for text in reference.overrides:
         arguments += ["--set", text]
     screen = Screen()
     plan = start_run.make_plan(start.parser().parse_args(arguments), screen)
-    outcome = start_run.run_plan(plan, "composed", screen)
+    outcome = start_run.run_plan(plan, layout, screen)
     found = tuple(result.outcome for result in outcome.results)
     if found != reference.outcomes:
         raise CommandError(
@@ -41,7 +46,7 @@ def record(reference: ReferenceBag, folder: Path, domain: int) -> Bag:
     bag = read_bag(plan.bag())
     if bag.records[RECORD]["complete"] != "true":
         raise CommandError(f"{reference.name}: the bag is not complete: {bag.records[RECORD]['gaps']}")
-    return bag
+    return read_bag(thinned(bag, folder / "thinned" / "bag", reference.roles)) if reference.roles else bag
 
 
 def renew(reference: ReferenceBag, domain: int) -> list[str]:
@@ -84,7 +89,11 @@ def _change_of_contract(before: Bag) -> Iterator[str]:
 
 
 def run(given: argparse.Namespace) -> int:
-    """Renew every reference bag and tell what has changed."""
-    for reference in REFERENCES:
+    """Renew the reference bags that are asked for, all by default, and tell what has changed."""
+    known = {reference.name: reference for reference in (*REFERENCES, *THEMES)}
+    for name in given.name:
+        if name not in known:
+            raise UsageError(f"record_reference: there is no {name!r}, allowed is one of {', '.join(known)}")
+    for reference in [known[name] for name in given.name] or known.values():
         print("\n".join(renew(reference, given.domain)))
     return 0

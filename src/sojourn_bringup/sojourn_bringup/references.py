@@ -12,12 +12,31 @@ class ReferenceBag:
 
     Args:
         name: of its scenario in test/replay, and of its folder there. overrides: KEY=VALUE texts over it.
-        outcomes: how its steps must end.
+        outcomes: how its steps must end. roles: to whose topics it is thinned, () where it holds all.
     """
 
     name: str
     overrides: tuple[str, ...]
     outcomes: tuple[str, ...]
+    roles: tuple[str, ...] = ()
+
+
+UNFOLDED = "arm.named_poses={stow: [0.0, -0.95, 1.85, -0.9, 0.0], unfold: [0.0, -1.0, 1.9, -0.9, 0.0]}"
+"""The arm of the explorer stands unfolded when the run begins, so that the bag is short."""
+
+
+SMALL_IMAGES = (
+    "sensors.navcam.lens.columns=128",
+    "sensors.navcam.lens.rows=128",
+    "drive.visual_odometry.corners=60",
+    "drive.visual_odometry.window=11",
+    "drive.visual_odometry.search=10",
+    "drive.visual_odometry.least_points=8",
+)
+
+
+def _theme(name: str, roles: tuple[str, ...], outcomes: str, *overrides: str) -> ReferenceBag:
+    return ReferenceBag(f"themes/{name}", overrides, tuple(outcomes.split()), roles)
 
 
 REFERENCES = (
@@ -32,6 +51,27 @@ REFERENCES = (
         ("reached", "reached", "refused"),
     ),
 )
+"""With all topics, for every role."""
+THEMES = (
+    _theme("skid", ("drive",), "reached done done jogged"),
+    _theme("omni", ("drive",), "done jogged"),
+    _theme("articulated", ("drive",), "done done done refused"),
+    _theme("tracked", ("drive",), "done jogged"),
+    _theme("lrv", ("drive",), "done refused"),
+    _theme("by_hand", ("drive",), "done done jogged jogged done done"),
+    _theme("faults", ("drive",), "done"),
+    _theme("interlock", ("drive", "arm", "power"), "done done jogged done done done done"),
+    _theme("puma", ("arm",), "reached done done done done done jogged reached done done done done done"),
+    _theme("scara", ("arm",), "done done jogged done"),
+    _theme("arm_tasks", ("arm",), "reached " * 9 + "done reached", UNFOLDED),
+    _theme("servicer", ("arm",), "reached done done done jogged done"),
+    _theme("low_charge", ("power",), "done done done done waited"),
+    _theme("solar", ("power",), "waited done done done waited done waited"),
+    _theme("night", ("power",), "waited done waited"),
+    _theme("detour", ("drive",), "done"),
+    _theme("sight", ("drive",), "done", *SMALL_IMAGES),
+)
+"""Of what one bag cannot show: a kind of mobility, a limit, a refusal, a task."""
 
 
 def references_folder() -> Path:

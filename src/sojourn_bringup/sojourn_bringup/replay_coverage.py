@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sojourn_bringup.bench_options import check_role
-from sojourn_bringup.references import REFERENCES, references_folder
+from sojourn_bringup.references import REFERENCES, THEMES, references_folder
 from sojourn_config.command_errors import UsageError
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def run_coverage(given: argparse.Namespace) -> int:
     from sojourn_stack.exercise import FLIGHT_ROLES, folders_of  # not above: after the variable
 
     roles = (given.node,) if given.node else FLIGHT_ROLES
-    bags = given.bag or [references_folder() / reference.name for reference in REFERENCES]
+    bags = given.bag or [references_folder() / reference.name for reference in (*REFERENCES, *THEMES)]
     found, differs = measure(bags, roles)
     folders = [folder for role in roles for folder in folders_of(role)]
     print("\n".join(lines_of_table(found, folders)))
@@ -50,22 +50,22 @@ def measure(bags: Sequence[Path], roles: Sequence[str]) -> tuple[list["Exercise"
 
     Returns:
         What they go through, by file; and of which bags a role gave other answers, in words. A role that did not take
-        part is passed over.
+        part, or whose topics the bag does not have, is passed over.
 
     Raises:
         UsageError: a bag cannot be replayed.
     """
     from sojourn_bags.compare_runs import read_runs
     from sojourn_bags.comparison_result import Verdict
-    from sojourn_bags.provenance import run_of
+    from sojourn_bags.thinning import roles_of
     from sojourn_bringup.replay_run import replay_directly
-    from sojourn_stack.exercise import exercised, folders_of
+    from sojourn_stack.exercise import exercised, folders_of, functions_of_apps
 
     differs: list[str] = []
 
     def work() -> None:
         for bag in read_runs(bags):
-            present = run_of(bag)["participants"].split(",")
+            present = roles_of(bag)
             for role in roles:
                 if role not in present:
                     continue
@@ -75,7 +75,7 @@ def measure(bags: Sequence[Path], roles: Sequence[str]) -> tuple[list["Exercise"
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of infinities, which compiled kernels pass over in silence
-        found = exercised(work, [folder for role in roles for folder in folders_of(role)])
+        found = exercised(work, [folder for role in roles for folder in folders_of(role)], functions_of_apps())
     return list(found.values()), differs
 
 

@@ -23,6 +23,7 @@ from sojourn_contract.decoding import refusing, stamp_of
 from sojourn_contract.endpoints import Endpoints
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.events import EventQueue, parse_tick
+from sojourn_contract.heard import Acted, Hearing, late
 from sojourn_contract.heartbeat import (
     ENDED,
     READY,
@@ -124,6 +125,7 @@ class ContractNode(Node):
         periodic = [row for row in self.endpoints.inputs if not row.is_event and row.publisher != "all"]
         self.latest = LatestInputs(periodic)
         """What real time acts on."""
+        self.hearing = Hearing()
 
     acts_in_silence = False
     """Whether it acts once a second where its trigger stays away in real time, to say so in its status."""
@@ -369,14 +371,25 @@ class ContractNode(Node):
         if not previous:
             self.endpoints.look()  # who listens from the beginning misses nothing
         self.events, goals = self.events.taken(stamp)
+        self._note(previous, stamp, inputs, goals)
         self.endpoints.bundles.hold()
         self.on_period(stamp, inputs, goals)
         if beats(previous, stamp):
             self._send_heartbeat(RUNNING, stamp)
         self.endpoints.bundles.release()
 
+    def _note(self, previous: int, stamp: int, inputs: Mapping[str, Any], goals: Sequence[tuple[str, Any]]) -> None:
+        """What no stamp says: of real time all that it acts on."""
+        stamped = [(name, goal.stamp) for name, goal in goals]
+        self.hearing.took += late(stamped, previous if self.lockstep else stamp, stamp)
+        if not self.lockstep:
+            heard = {name: None if kept is None else self.latest.stamp_of(name) for name, kept in inputs.items()}
+            self.hearing.acted.append(Acted(stamp, heard))
+
     def _send_heartbeat(self, state: str, stamp: int, detail: str = "", extra: dict[str, str] | None = None) -> None:
         values = self.heartbeat_values() | (extra or {})
+        if state in (RUNNING, ENDED):
+            values |= self.hearing.tell()
         if state == RUNNING:  # the others depend on wall time, and are no part of the record
             self.counters.count_published("/diagnostics")
         message = heartbeat_message(self.role, state, stamp, self.counters, detail, values)

@@ -1,21 +1,26 @@
 """Which lines of apps and flight laws a piece of work goes through: what a set of replays says anything about.
 
-Only statements inside functions count, for all others run when a module is imported. Kernels count where the process
-was started with NUMBA_DISABLE_JIT=1, so that they run as Python; else files of kernels cannot be told and are left
-out, as the shells of nodes always are. The measurement is coverage.py's (Batchelder), in the process itself.
+Only statements inside functions count, for all others run when a module is imported; of apps and flight laws only
+functions that the apps can come to (`reachable`): what stands beside them for the tools of analysis is none of a
+replay's business. Kernels count where the process was started with NUMBA_DISABLE_JIT=1, so that they run as Python;
+else files of kernels cannot be told and are left out, as the shells of nodes always are. The measurement is
+coverage.py's (Batchelder), in the process itself.
 """
 
 import ast
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import coverage
 import numba
 
 import sojourn_flight
+from sojourn_contract.app import App
 from sojourn_stack.apps import APPS
+from sojourn_stack.reachable import reachable
 
 _FLIGHT = Path(sojourn_flight.__file__).parent
 _LAWS = {
@@ -26,6 +31,8 @@ _LAWS = {
 FLIGHT_ROLES = tuple(_LAWS)
 _SHELLS = ("node.py", "__main__.py", "setup.py")
 _KERNELS = "kernels import "
+_LOADING = "load_scenario"
+"""By which a node reads what its app is made of."""
 
 
 def folders_of(role: str) -> tuple[Path, ...]:
@@ -58,8 +65,14 @@ class Exercise:
         return Exercise(self.path, self.lines, self.run | other.run, self.refusals)
 
 
-def exercised(work: Callable[[], object], folders: Sequence[Path]) -> dict[Path, Exercise]:
-    """Do a piece of work and see what of the Python files in these folders it goes through."""
+def exercised(
+    work: Callable[[], object], folders: Sequence[Path], counted: Mapping[Path, frozenset[int]] | None = None
+) -> dict[Path, Exercise]:
+    """Do a piece of work and see what of the Python files in these folders it goes through.
+
+    Args:
+        counted: first lines of the functions that count, by file; None: all do.
+    """
     measured = coverage.Coverage(data_file=None, config_file=False, source=[str(folder) for folder in folders])
     measured.start()
     try:
@@ -72,7 +85,7 @@ def exercised(work: Callable[[], object], folders: Sequence[Path]) -> dict[Path,
         for path in sorted(folder.rglob("*.py")):
             if path.name in _SHELLS or (compiled and _KERNELS in path.read_text(encoding="utf-8")):
                 continue
-            statements, refusals = _in_functions(path)
+            statements, refusals = _in_functions(path, None if counted is None else counted.get(path, frozenset()))
             _, known, _, missing, _ = measured.analysis2(str(path))
             lines = statements.intersection(known)
             if lines:
@@ -92,11 +105,19 @@ def share(found: Sequence[Exercise]) -> float:
     return sum(len(each.run) for each in found) / lines if lines else 1.0
 
 
-def _in_functions(path: Path) -> tuple[frozenset[int], frozenset[int]]:
-    """First lines of the statements inside functions, and of those that raise."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+@cache
+def functions_of_apps() -> Mapping[Path, frozenset[int]]:
+    """Functions that the apps can come to, by file: their first lines."""
+    interface = {name for name in vars(App) if not name.startswith("_")}
+    modules = [kind.__module__ for kind in APPS.values()]
+    return reachable(modules, interface | {kind.__name__ for kind in APPS.values()} | {_LOADING})
+
+
+def _in_functions(path: Path, counted: Collection[int] | None) -> tuple[frozenset[int], frozenset[int]]:
+    """First lines of the statements inside functions that count, and of those that raise."""
+    functions = (node for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.FunctionDef))
     statements, refusals = set(), set()
-    for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
+    for function in (node for node in functions if counted is None or node.lineno in counted):
         for node in _below(function.body):
             statements.add(node.lineno)
             if isinstance(node, ast.Raise):

@@ -53,8 +53,7 @@ def recorded_role(
         rows: what it says in such a run; heartbeats are the run's own. topics: of the bag. leaps: of the run's clock.
 
     Raises:
-        ReplayError: bytes that hold no message of their type, or a goal of which no tick tells: who hears it when
-            is settled by the middleware.
+        ReplayError: bytes that hold no message of their type.
     """
     ticks, tells_the_next = ticks_of(topics), role == PLANT
     entries = []
@@ -64,10 +63,10 @@ def recorded_role(
             continue
         for index, stamp in enumerate(stamps_of(messages)):
             period = announced_in(row, stamp, ticks) if row.is_event else stamp // CONTROL_PERIOD_NS
+            if row.is_event and not period:
+                continue  # sent by hand: the script says when it took effect
             if tells_the_next and not row.is_event:
                 period = leaps.before(period)
-            elif row.is_event and not period:
-                raise ReplayError(f"a goal on {row.name} was sent by hand: its bag is replayed over topics alone")
             try:
                 said = decode(row, messages.data[index])
             except RefusedMessageError as error:

@@ -9,22 +9,25 @@ middleware can tell, endpoints and their quality of service, it cannot.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from sojourn_bags.comparison import compare
-from sojourn_bags.definitions import full_type
 from sojourn_bags.errors import ReplayError
+from sojourn_bags.heard_script import heard_script_of, is_in_real_time
 from sojourn_bags.reading import Bag, Messages
 from sojourn_bags.replay import Replay
-from sojourn_bags.replay_script import HEARTBEATS, ReplayScript, script_of
+from sojourn_bags.replay_script import ReplayScript, script_of
 from sojourn_bags.run_configuration import RunConfiguration
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.app import App
-from sojourn_contract.codecs import encode
-from sojourn_contract.topic_types import Topic
-from sojourn_contract.values import Message
+from sojourn_contract.codecs import decode
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.topic_table import TopicTable
+from sojourn_stack.answers import Answers
 from sojourn_stack.apps import APPS
 from sojourn_stack.errors import WaitingError
+from sojourn_stack.heard_replay import replay_as_heard
 from sojourn_stack.recorded_role import recorded_role
 from sojourn_stack.stack import Said, Stack
 
@@ -37,27 +40,37 @@ def app_of(role: str, configuration: RunConfiguration) -> App[Any]:
 
 
 def replay(bag: Bag, role: str, app: App[Any]) -> Replay:
-    """Replay a bag through the app of a role.
+    """Replay a bag through the app of a role: one of lock-step by what was due, one of real time by what was heard.
 
     Raises:
         ReplayError: the bag cannot be replayed through this role, or not without middleware.
         OtherContractError, IncompleteConfigError: of the bag.
     """
+    if is_in_real_time(bag):
+        return replay_as_heard(heard_script_of(bag, role), app)
     script = script_of(bag, role)
-    answers = _Answers(script)
+    answers = Answers(script)
     stack = _stack(script, bag.topics, app)
     state, said = stack.begin()
     answers.take(said)
     for step in script.steps:
-        if step.unannounced:
-            name = min(step.unannounced)
-            raise ReplayError(f"a goal on {name} was sent by hand: its bag is replayed over topics alone")
+        if step.untold:
+            name = min(step.untold)
+            raise ReplayError(
+                f"a goal on {name} was sent by hand, and nothing tells when {role} took it: replay it over topics"
+            )
         try:
+            if step.by_hand:
+                state = stack.hearing(state, role, _messages(script, step.by_hand))
             state, said = stack.step(state)
-        except WaitingError as error:
+        except (WaitingError, RefusedMessageError) as error:
             raise ReplayError(f"{bag.path}: {error}") from error
         answers.take(said)
     return Replay(script, answers.by_topic, compare(script.recorded, answers.by_topic))
+
+
+def _messages(script: ReplayScript, goals: Sequence[tuple[str, bytes]]) -> list[Said]:
+    return [(row, decode(row, data)) for row, data in ((script.table.topic(name), data) for name, data in goals)]
 
 
 def _stack(script: ReplayScript, topics: Mapping[str, Messages], app: App[Any]) -> Stack:
@@ -68,24 +81,12 @@ def _stack(script: ReplayScript, topics: Mapping[str, Messages], app: App[Any]) 
         for role in roles
         if role != script.role
     }
-    return Stack({role: apps.get(role, app) for role in roles}, script.participants, script.table)
+    return Stack({role: apps.get(role, app) for role in roles}, script.participants, _heard_by(script))
 
 
-class _Answers:
-    """What a role says, as its bag would have it."""
-
-    def __init__(self, script: ReplayScript) -> None:
-        self._role = script.role
-        self._rows = {row.name for row in script.table.outputs_of(script.role, script.participants) if row.logged}
-        self.by_topic: dict[str, Messages] = {}
-
-    def take(self, said: Sequence[Said]) -> None:
-        """Of all that is said in a period, the role's own."""
-        for row, message in said:
-            if row.name in self._rows and (row.name != HEARTBEATS or message.status[0].name == self._role):
-                self._keep(row, message)
-
-    def _keep(self, row: Topic, message: Message) -> None:
-        messages = self.by_topic.setdefault(row.name, Messages(row.name, full_type(row.type)))
-        messages.log_times.append(message.stamp)
-        messages.data.append(encode(row, message))
+def _heard_by(script: ReplayScript) -> TopicTable:
+    """The topics of the run, of which the role alone hears any: the others say what they said, whatever there is to
+    hear, so that a bag need not hold it.
+    """
+    rows = (replace(row, subscribers=(script.role,) if script.role in row.subscribers else ()) for row in script.table)
+    return TopicTable(rows, script.table.longest_leap)

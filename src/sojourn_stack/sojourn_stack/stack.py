@@ -16,6 +16,7 @@ from sojourn_contract.arrival import check_input
 from sojourn_contract.barrier import Barrier, awaited_inputs, is_due, oldest_age, stamp_due
 from sojourn_contract.errors import RefusedMessageError, unreadable
 from sojourn_contract.events import EventQueue
+from sojourn_contract.heard import Took, late, took_values
 from sojourn_contract.heartbeat import ENDED, RUNNING, Counters, beats, heartbeat_message
 from sojourn_contract.leaps import NO_LEAPS, Leaps
 from sojourn_contract.topic_table import TopicTable
@@ -48,6 +49,8 @@ class RoleState:
     last_refusal: str = ""
     now: int = 0
     """Stamp of the last period that it acted on [ns]."""
+    took: tuple[Took, ...] = ()
+    """Goals whose stamp does not say when they took effect, since its last heartbeat."""
 
     @property
     def counters(self) -> Counters:
@@ -153,6 +156,13 @@ class Stack:
             period.act(ready, waiting.pop(ready))
         return period.state(period.landing or state.period + 1), period.said
 
+    def hearing(self, state: StackState, role: str, goals: Iterable[tuple[Topic, Message]]) -> StackState:
+        """The state in which a role has also got goals that none of the others says, before the period to come."""
+        period = _Period(self, state)
+        for row, message in goals:
+            period.offer(role, row, message)
+        return period.state(state.period)
+
     def farewells(self, state: StackState) -> list[Said]:
         """Last heartbeats, with what each role has said in all."""
         return [(topic(HEARTBEATS), self.heartbeat(role, ENDED, one)) for role, one in state.roles.items() if one.now]
@@ -172,7 +182,7 @@ class Stack:
 
     def heartbeat(self, role: str, kind: str, one: RoleState) -> DiagnosticArray:
         """What a role says of itself."""
-        values = self.apps[role].heartbeat_values(one.app, one.now)
+        values = self.apps[role].heartbeat_values(one.app, one.now) | took_values(one.took)
         return heartbeat_message(role, kind, one.now, one.counters, "", values)
 
     def _agenda(self, period: int, leaps: Leaps) -> Mapping[str, Sequence[Due]]:
@@ -233,7 +243,8 @@ class _Period:
         memory, answer = app.step(one.app, Period(self.stamp, inputs, taken, one.last_refusal))
         said = self._of(role, answer.messages)
         before, published = one.now, _counted(one.published, said)
-        one = replace(one, app=memory, goals=goals, now=self.stamp, published=published)
+        took = one.took + late([(name, goal.stamp) for name, goal in taken], before, self.stamp)
+        one = replace(one, app=memory, goals=goals, now=self.stamp, published=published, took=took)
         for name, refused in answer.refusals:
             one = one.refusing(name, str(refused))
         self._roles[role] = one
@@ -246,6 +257,7 @@ class _Period:
             one = self._roles[role]
             self._roles[role] = one = replace(one, published=_counted(one.published, [(heartbeat, None)]))
             self.said.append((heartbeat, self._stack.heartbeat(role, RUNNING, one)))
+            self._roles[role] = replace(one, took=()) if one.took else one
 
     def _leap(self, landing: int) -> None:
         self.landing = landing
@@ -267,7 +279,7 @@ class _Period:
         for row, message in said:
             if row.is_event:
                 for taker in self._stack.takers[row.name]:
-                    self._offer(taker, row, message)
+                    self.offer(taker, row, message)
                 continue
             kept_for = self._stack.kept_for.get(row.name)
             if kept_for is None:
@@ -284,7 +296,8 @@ class _Period:
             self._messages[row.name] = heard
         self.said += said
 
-    def _offer(self, role: str, row: Topic, message: Message) -> None:
+    def offer(self, role: str, row: Topic, message: Message) -> None:
+        """Give a role a goal; one that is refused is counted."""
         one = self._roles[role]
         one = replace(one, goals=one.goals.counted(row))
         refusal = _refusal(check_input, row, message) or _refusal(self._stack.apps[role].check, row, message)
