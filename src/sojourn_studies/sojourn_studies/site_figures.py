@@ -121,8 +121,8 @@ def air(place: SheetPlace) -> Iterator[SheetRow]:
     yield SheetRow("pressure", found.pressure, "Pa")
     yield SheetRow("density", found.density, "kg/m3")
     yield SheetRow("speed of sound", found.speed_of_sound, "m/s")
-    if found.zonal_wind:
-        yield SheetRow("mean wind towards the east", found.zonal_wind, "m/s")
+    wind = "not known" if found.zonal_wind is None else found.zonal_wind
+    yield SheetRow("mean wind towards the east", wind, "" if found.zonal_wind is None else "m/s")
 
 
 def temperatures(place: SheetPlace) -> Iterator[SheetRow]:
