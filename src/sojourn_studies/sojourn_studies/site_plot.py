@@ -1,4 +1,4 @@
-"""Picture of a place: the Sun and its light over a day, gravity by latitude, the air over it."""
+"""Picture of a place: the Sun, its light and the ground's warmth over a day, gravity by latitude, the air over it."""
 
 import math
 from pathlib import Path
@@ -22,12 +22,14 @@ def draw(path: Path, place: SheetPlace) -> None:
     Raises:
         UsageError: the file cannot be written.
     """
-    figure = Figure(figsize=(11.0, 7.5), layout="constrained")
+    figure = Figure(figsize=(15.0, 7.5), layout="constrained")
     FigureCanvasAgg(figure)
-    (sun, light), (weight, air) = figure.subplots(2, 2)
+    (sun, light, warmth), (weight, air, unused) = figure.subplots(2, 3)
+    unused.set_axis_off()
     site = place.site
     figure.suptitle(f"{place.body.name}, {site.latitude_deg:g}° N, {site.longitude_deg:g}° E, {site.altitude_m:g} m")
     _sun(sun, light, place)
+    _warmth(warmth, place)
     _weight(weight, place)
     _air(air, place)
     try:
@@ -52,6 +54,16 @@ def _sun(sun: Axes, light: Axes, place: SheetPlace) -> None:
     light.legend(fontsize=8)
     for axis in (sun, light):
         axis.set_xlim(0.0, float(hours[-1]))
+
+
+def _warmth(axis: Axes, place: SheetPlace) -> None:
+    axis.set(title="the ground's surface", xlabel="hours from the date", ylabel="temperature [K]")
+    if place.ground is None:
+        why = "with --time" if place.body.regolith is not None else "not known"
+        axis.text(0.5, 0.5, why, transform=axis.transAxes, ha="center", color="0.5")
+        return
+    axis.plot(place.hours, place.ground, color="tab:red")
+    axis.set_xlim(0.0, float(place.hours[-1]))
 
 
 def _weight(axis: Axes, place: SheetPlace) -> None:
