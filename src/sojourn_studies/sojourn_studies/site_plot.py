@@ -1,6 +1,7 @@
 """Picture of a place: the Sun, its light and the ground's warmth over a day, gravity by latitude, the air over it."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from sojourn_config.command_errors import UsageError
+from sojourn_physics.environment.site import site_frame
 from sojourn_studies.site_figures import SheetPlace, on_level
 
 LATITUDES = np.linspace(-90.0, 90.0, 73)
@@ -69,7 +71,8 @@ def _warmth(axis: Axes, place: SheetPlace) -> None:
 def _weight(axis: Axes, place: SheetPlace) -> None:
     axis.set(title="gravity along the meridian", xlabel="latitude [deg]", ylabel="m/s²", xlim=(-90.0, 90.0))
     sites = [place.site.model_copy(update={"latitude_deg": float(latitude)}) for latitude in LATITUDES]
-    axis.plot(LATITUDES, [place.body.gravity_over(site).gravity for site in sites], color="tab:green")
+    fields = [replace(place.field, frame=site_frame(site, place.body.semi_axes)) for site in sites]
+    axis.plot(LATITUDES, [field.gravity for field in fields], color="tab:green")
     axis.axhline(place.body.surface_gravity, color="0.6", linestyle=":", label="mean of the body, GM/R²")
     axis.plot([place.site.latitude_deg], [place.field.gravity], "o", color="tab:red", label="here")
     axis.legend(fontsize=8)
