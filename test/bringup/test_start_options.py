@@ -46,6 +46,14 @@ def test_everything_takes_part_unless_told_otherwise(tmp_path: Path) -> None:
     assert not said and not plan.realtime and plan.run_dir.is_dir()
 
 
+def test_a_machine_that_the_sun_never_reaches_is_told_of_before_the_run(tmp_path: Path) -> None:
+    _, said = plan_of(tmp_path, "--set", "site.latitude_deg=85.0", scenario="mars_sol")
+    assert said == [
+        "note: in the solar day from its start on the Sun does not rise at the site on mars: explorer_solar has what "
+        "is in its stores"
+    ]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -38,6 +38,39 @@ def test_the_lunar_pole_and_a_level_of_venus(capsys: pytest.CaptureFixture[str])
     assert mild["gravity"]["gravity"] < mild["gravity"]["mean of the body, GM/R2"]
 
 
+def test_the_ground_of_a_place_over_a_day(capsys: pytest.CaptureFixture[str]) -> None:
+    """The Moon's equator: 385 to 395 K and 90 to 100 K (Hayne et al. 2017), coldest at sunrise. At 60 deg
+    of latitude colder at noon by the fourth root of the cosine and of the part of slant light that it takes in."""
+    found = {
+        latitude: sheet(capsys, "moon", "--lat", latitude, "--time", "2028-03-01T00:00:00Z")["temperature"]
+        for latitude in ("0", "60")
+    }
+    warmest, coldest = "over a day: warmest ground here", "over a day: coldest ground here"
+    assert 380.0 < found["0"][warmest] < 397.0 and 90.0 < found["0"][coldest] < 100.0
+    absorbed = (1.0 - 0.12 - 0.06 * (60.0 / 45.0) ** 3 - 0.25 * (60.0 / 90.0) ** 8) / (1.0 - 0.12)
+    assert found["60"][warmest] / found["0"][warmest] == pytest.approx((0.5 * absorbed) ** 0.25, rel=0.02)
+    assert found["0"][coldest] <= found["0"]["at the date: ground here"] <= found["0"][warmest]
+    undated = sheet(capsys, "moon")["temperature"]
+    assert undated["over a day: ground here"] == "with a date"
+    assert (
+        "not known"
+        in sheet(capsys, "europa", "--time", "2028-03-01T00:00:00Z")["temperature"]["over a day: ground here"]
+    )
+
+
+def test_soils_of_a_body_are_those_that_were_found_there(capsys: pytest.CaptureFixture[str]) -> None:
+    soil = "soil: density, cohesion and angle of friction"
+    assert sheet(capsys, "moon")[soil]["lunar_nominal"].startswith("1521 kg/m3, 170 Pa, 35 deg")
+    assert set(sheet(capsys, "mars")[soil]) == {"mars", "viking_drift", "viking_blocky"}
+    assert sheet(capsys, "io")[soil] == {"soil": "no figure"}
+    assert "no ground" in sheet(capsys, "saturn")[soil]["soil"]
+
+
+def test_what_has_no_source_has_no_empty_brackets(capsys: pytest.CaptureFixture[str]) -> None:
+    for body in ("venus", "mars", "pluto"):
+        assert not any("()" in str(value) for value in sheet(capsys, body)["stay"].values())
+
+
 @pytest.mark.parametrize("name", [name for name in available("bodies") if name != "low_earth_orbit"])
 def test_every_body_has_a_sheet(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     found = sheet(capsys, name, "--lat", "30", "--lon", "40", "--time", "2027-01-01T00:00:00Z")

@@ -16,6 +16,7 @@ from sojourn_bringup.run_folder import ONLY_OWNER, make_run_folder
 from sojourn_bringup.screen import Screen, default_screen
 from sojourn_bringup.secure import check_secure, make_keystore
 from sojourn_config.command_errors import UsageError
+from sojourn_config.expected_light import lies_in_the_dark
 from sojourn_config.resolved import resolved_text
 from sojourn_config.ros_environment import what_the_network_opens
 from sojourn_config.scenario import LoadedScenario, load_scenario
@@ -46,6 +47,10 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     if resumed is None:
         scenario = prepare_scenario(given.scenario, overrides_of(given))
         participants = _participants(given, scenario.loaded, screen)
+        if lies_in_the_dark(scenario.loaded):
+            config = scenario.loaded.config
+            day = f"in the solar day from its start on the Sun does not rise at the site on {config.body}"
+            screen.say(f"note: {day}: {config.machine} has what is in its stores")
     else:
         scenario, participants = resumed.scenario, resumed.participants
     started = tuple(role for role in participants if not given.only or role in given.only)

@@ -46,6 +46,22 @@ def light_on_machine(scenario: Sited, light: LightAtStart) -> Around:
     return around
 
 
+MOMENTS = 96
+"""Of a solar day that are looked at for light."""
+
+
+def lies_in_the_dark(scenario: LoadedScenario) -> bool:
+    """Whether all sources of a machine go by light, and none comes to its site in the solar day from the start of the
+    run on. Of the ground about it nothing is asked.
+    """
+    sources = scenario.power.sources.values()
+    if not sources or not all(source.takes_light for source in sources):
+        return False
+    light, step = light_at_start(scenario), scenario.body.solar_day / MOMENTS
+    lights = (light(place * step) for place in range(MOMENTS))
+    return all(one.direct <= 0.0 and one.diffuse <= 0.0 for one in lights)
+
+
 def expected_light(scenario: FlightScenario) -> Around:
     """As the machine's computer expects it: of the ground about it nothing is known before it has been seen."""
     return light_on_machine(scenario, light_at_start(scenario))

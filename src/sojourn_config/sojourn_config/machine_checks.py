@@ -14,6 +14,7 @@ from sojourn_config.support_checks import joint_problem, support_problems
 from sojourn_config.urdf import UrdfSummary
 from sojourn_config.yaml_file import KeyPath, YamlDocument
 from sojourn_flight.arm.params import ArmParams
+from sojourn_flight.power_manager.modes import SLEEP
 from sojourn_flight.power_manager.params import PowerLawParams
 from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.actuator_choice import ActuatorParams
@@ -169,6 +170,14 @@ def _power_problems(
         if load not in loads:
             path = ("power_manager", "load_limits", load)
             yield documents["flight"].problem(path, limit, "is no load of the bus: " + names_text(load, loads))
+    essential = [load.name for load in power.loads if load.essential]
+    for place, load in enumerate(() if law.sleep is None else law.sleep.loads):
+        if load not in essential:
+            allowed = "is no essential load of the bus: " + names_text(load, essential)
+            yield documents["flight"].problem(("power_manager", "sleep", "loads", place), load, allowed)
+    if SLEEP in loads:
+        allowed = "allowed is another name of a load: operators ask by it for the sleep of the machine"
+        yield documents["power"].problem(("bus", "loads"), SLEEP, allowed)
 
 
 def _arm_problems(

@@ -2,12 +2,13 @@
 
     scripts/lib/python -m sojourn_studies.measure_energy --machine explorer
 
-Plant, sensors and drive run in one loop without ROS (closed_loop). The machine goes straight to a goal on planes of the
-scenario's soil, up and down; energy and time for each metre of way are those between the first 1.5 m, after which rear
-wheels run in the ruts of the front ones, and the last half metre. Energy is that of the loads that feed drive
-and steering, at the bus: motors, gears, soil and grade together. The cost of a stop is what the whole drive takes more
-than its metres. A turn on the spot is measured twice: what a larger angle takes more is the cost of a radian, the rest
-that of a turn; a machine that does not turn on the spot has none. A fast one needs more way to speed up and to brake.
+Plant, sensors and drive run in one loop without ROS (closed_loop). The machine goes straight to a goal on planes of
+the scenario's soil, up and down; energy and time for each metre of way are those between the first 1.5 m, after which
+rear wheels run in the ruts of the front ones, and the last half metre, or where it speeds up and slows down. Energy is
+that of the loads that feed drive and steering, at the bus: motors, gears, soil and grade together. The cost of a stop
+is what the whole drive takes more than its metres. A turn on the spot is measured twice: what a larger angle takes
+more is the cost of a radian, the rest that of a turn; a machine that does not turn on the spot has none. A fast one
+needs more way to speed up and to brake.
 """
 
 import math
@@ -19,11 +20,16 @@ from sojourn_config.command_errors import CommandError
 from sojourn_config.scenario import LoadedScenario
 from sojourn_flight.planning.goal import Goal
 from sojourn_flight.supervision.drive_types import DriveOutput
+from sojourn_flight.supervision.params import DriveParams
 from sojourn_studies.closed_loop import ClosedLoop
 from sojourn_studies.measure_slip import on_plane
 
 GRADES_DEG = (-8.0, -4.0, 0.0, 4.0, 8.0)
 FIRST, MEASURED, LAST = 1.5, 4.0, 0.5
+SETTLES = 3.0
+"""Ways of speeding up until it goes evenly: a fast one overshoots its speed first, and lives on that [1]."""
+SLOWS_BY = 0.15
+"""At the least, towards a goal: a fast machine is shaped to a stop more gently than its wheels could [m/s^2]."""
 TURNS = (0.25 * math.pi, 0.75 * math.pi)
 
 
@@ -74,11 +80,17 @@ class MeteredLoop(ClosedLoop):
             raise CommandError(f"{self.scenario.name}: {outcome.kind}, {outcome.reason}")
 
 
+def ends_of_way(drive: DriveParams) -> tuple[float, float]:
+    """In which it is not at full speed yet, and not any more [m]."""
+    speed = drive.limits.max_speed
+    slowing = max(speed / drive.follower.distance_gain, speed**2 / (2.0 * SLOWS_BY))
+    return max(FIRST, SETTLES * speed**2 / drive.limits.max_acceleration), max(LAST, slowing)
+
+
 def on_grade(scenario: str, overrides: Sequence[str], grade_deg: float) -> tuple[Spent, Spent]:
     """For a metre of way on a grade, and for starting and stopping once."""
     loop = MeteredLoop(on_plane(scenario, overrides, abs(grade_deg), 0.0 if grade_deg > 0.0 else 180.0))
-    limits = loop.scenario.drive.limits
-    first, last = max(FIRST, limits.max_speed**2 / limits.max_acceleration), max(LAST, limits.max_speed**2)
+    first, last = ends_of_way(loop.scenario.drive)
     output, origin = loop.tick(Goal.at(first + MEASURED + last, 0.0)), loop.truth.configuration[:3]
     while loop.to_go() > MEASURED + last:
         output = loop.tick()

@@ -34,7 +34,7 @@ def on_plane(scenario: str, overrides: Sequence[str], slope_deg: float, uphill_d
     if slope_deg:
         plane = ["terrain.kind=slope", f"terrain.slope_deg={slope_deg}", f"terrain.slope_direction_deg={uphill_deg}"]
     start = ["start.x=0.0", "start.y=0.0", "start.yaw=0.0", "steps=[]"]
-    return load_scenario(scenario, [*overrides, "terrain.size_x=80.0", "terrain.size_y=20.0", *plane, *start])
+    return load_scenario(scenario, [*overrides, "terrain.size_x=160.0", "terrain.size_y=20.0", *plane, *start])
 
 
 def drive(scenario: LoadedScenario) -> tuple[float, float]:

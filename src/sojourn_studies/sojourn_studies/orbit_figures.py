@@ -11,7 +11,7 @@ from sojourn_machine.errors import MachineError
 from sojourn_physics.environment.body import BodyParams
 from sojourn_physics.environment.gravity.oblate import OblateParams
 from sojourn_physics.environment.hazards.meteoroids import FARTHEST, NEAREST, flux_at
-from sojourn_physics.environment.hazards.orbital_debris import LAST_YEAR, debris_flux, known_for
+from sojourn_physics.environment.hazards.orbital_debris import LAST_YEAR, UNCHECKED_BELOW, debris_flux, known_for
 from sojourn_physics.environment.orbit.circular import CircularOrbit, Flattening, TurnedOrbit
 from sojourn_physics.environment.orbit.eccentric import EccentricOrbit
 from sojourn_physics.environment.orbit.relative_motion import transition
@@ -117,7 +117,8 @@ def rows_of_hits(body: BodyParams, orbit: CircularOrbit, inclination: float) -> 
             yield SheetRow(f"meteoroids of {name} or more", met, "1/(m2 year)")
         if body.name == EARTH and known_for(altitude, inclination):
             found = debris_flux(diameter, altitude, inclination)
-            yield SheetRow(f"debris of {name} or more, of {LAST_YEAR:g}", found, "1/(m2 year)")
+            unchecked = ", by a factor of inclination that wants a check" if inclination < UNCHECKED_BELOW else ""
+            yield SheetRow(f"debris of {name} or more, of {LAST_YEAR:g}", found, f"1/(m2 year){unchecked}")
 
 
 def run(given: argparse.Namespace) -> int:

@@ -25,6 +25,8 @@ from sojourn_physics.environment.hazards.stay import Stay, rows_of_stay
 from sojourn_physics.environment.site import SiteParams
 from sojourn_physics.environment.sun.over import SunOver
 from sojourn_physics.environment.sun.path import SunParams
+from sojourn_physics.soil.params import SoilParams
+from sojourn_physics.thermal.site_ground import SiteGround
 
 MOMENTS = 145
 """Of a solar day that are looked at."""
@@ -62,6 +64,15 @@ class SheetPlace:
     def lights(self) -> list[Sunlight]:
         """Light at these hours; none without a date."""
         return [] if self.sun is None else [self.sun.light(3600.0 * hour, 0.0, 0.0) for hour in self.hours.tolist()]
+
+    @cached_property
+    def ground(self) -> FloatArray | None:
+        """Temperature of the surface at these hours, (MOMENTS,) [K]; None without a date, or of ground not known."""
+        if self.sun is None or self.body.regolith is None:
+            return None
+        sun = self.sun
+        ground = SiteGround(self.body, lambda time: sun.light(time, 0.0, 0.0))
+        return np.array([ground.temperature(3600.0 * hour) for hour in self.hours.tolist()])
 
 
 def gravity(place: SheetPlace) -> Iterator[SheetRow]:
@@ -121,20 +132,39 @@ def air(place: SheetPlace) -> Iterator[SheetRow]:
     yield SheetRow("pressure", found.pressure, "Pa")
     yield SheetRow("density", found.density, "kg/m3")
     yield SheetRow("speed of sound", found.speed_of_sound, "m/s")
-    if found.zonal_wind:
-        yield SheetRow("mean wind towards the east", found.zonal_wind, "m/s")
+    wind = "not known" if found.zonal_wind is None else found.zonal_wind
+    yield SheetRow("mean wind towards the east", wind, "" if found.zonal_wind is None else "m/s")
 
 
 def temperatures(place: SheetPlace) -> Iterator[SheetRow]:
-    """Of the surface, anywhere on the body."""
+    """Of the surface: anywhere on the body, and at the place over a day from the date on."""
     yield SheetRow("coldest on the body", place.body.temperature_min, "K")
     yield SheetRow("hottest on the body", place.body.temperature_max, "K")
+    if place.ground is None:
+        why = "with a date" if place.body.regolith is not None else "not known: no table regolith"
+        yield SheetRow("over a day: ground here", why)
+        return
+    ground = place.ground
+    yield SheetRow("at the date: ground here", float(ground[0]), "K")
+    for name, which in (("coldest", int(np.argmin(ground))), ("warmest", int(np.argmax(ground)))):
+        after = f"{place.hours[which]:.2f} h after the date"
+        yield SheetRow(f"over a day: {name} ground here", float(ground[which]), f"K, {after}")
+
+
+def soils(place: SheetPlace) -> Iterator[SheetRow]:
+    """Soils that have been found on the body."""
+    if not place.body.soils:
+        yield SheetRow("soil", "no figure" if place.body.ground else "none: it has no ground")
+    for name in place.body.soils:
+        soil = load_params("soils", name, SoilParams)
+        strength = f"{soil.cohesion:g} Pa, {soil.friction_angle_deg:g} deg"
+        yield SheetRow(name, f"{soil.density:.4g} kg/m3, {strength}, sinkage exponent {soil.n:g} ({soil.citation})")
 
 
 def stay(place: SheetPlace) -> Iterator[SheetRow]:
     """Dose, upsets, hits and dust of a stay, with the source of each."""
     for row in rows_of_stay(place.body, Stay(place.days)):
-        yield SheetRow(row.what, f"{row.value} ({row.source})")
+        yield SheetRow(row.what, f"{row.value} ({row.source})" if row.source else row.value)
 
 
 SECTIONS: dict[str, Callable[[SheetPlace], Iterator[SheetRow]]] = {
@@ -143,6 +173,7 @@ SECTIONS: dict[str, Callable[[SheetPlace], Iterator[SheetRow]]] = {
     "sun": sunlight,
     "air": air,
     "temperature": temperatures,
+    "soil: density, cohesion and angle of friction": soils,
     "stay": stay,
 }
 """The sheet, in its order."""

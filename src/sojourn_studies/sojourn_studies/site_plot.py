@@ -1,6 +1,7 @@
-"""Picture of a place: the Sun and its light over a day, gravity by latitude, the air over it."""
+"""Picture of a place: the Sun, its light and the ground's warmth over a day, gravity by latitude, the air over it."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from sojourn_config.command_errors import UsageError
+from sojourn_physics.environment.site import site_frame
 from sojourn_studies.site_figures import SheetPlace, on_level
 
 LATITUDES = np.linspace(-90.0, 90.0, 73)
@@ -22,12 +24,14 @@ def draw(path: Path, place: SheetPlace) -> None:
     Raises:
         UsageError: the file cannot be written.
     """
-    figure = Figure(figsize=(11.0, 7.5), layout="constrained")
+    figure = Figure(figsize=(15.0, 7.5), layout="constrained")
     FigureCanvasAgg(figure)
-    (sun, light), (weight, air) = figure.subplots(2, 2)
+    (sun, light, warmth), (weight, air, unused) = figure.subplots(2, 3)
+    unused.set_axis_off()
     site = place.site
     figure.suptitle(f"{place.body.name}, {site.latitude_deg:g}° N, {site.longitude_deg:g}° E, {site.altitude_m:g} m")
     _sun(sun, light, place)
+    _warmth(warmth, place)
     _weight(weight, place)
     _air(air, place)
     try:
@@ -54,10 +58,21 @@ def _sun(sun: Axes, light: Axes, place: SheetPlace) -> None:
         axis.set_xlim(0.0, float(hours[-1]))
 
 
+def _warmth(axis: Axes, place: SheetPlace) -> None:
+    axis.set(title="the ground's surface", xlabel="hours from the date", ylabel="temperature [K]")
+    if place.ground is None:
+        why = "with --time" if place.body.regolith is not None else "not known"
+        axis.text(0.5, 0.5, why, transform=axis.transAxes, ha="center", color="0.5")
+        return
+    axis.plot(place.hours, place.ground, color="tab:red")
+    axis.set_xlim(0.0, float(place.hours[-1]))
+
+
 def _weight(axis: Axes, place: SheetPlace) -> None:
     axis.set(title="gravity along the meridian", xlabel="latitude [deg]", ylabel="m/s²", xlim=(-90.0, 90.0))
     sites = [place.site.model_copy(update={"latitude_deg": float(latitude)}) for latitude in LATITUDES]
-    axis.plot(LATITUDES, [place.body.gravity_over(site).gravity for site in sites], color="tab:green")
+    fields = [replace(place.field, frame=site_frame(site, place.body.semi_axes)) for site in sites]
+    axis.plot(LATITUDES, [field.gravity for field in fields], color="tab:green")
     axis.axhline(place.body.surface_gravity, color="0.6", linestyle=":", label="mean of the body, GM/R²")
     axis.plot([place.site.latitude_deg], [place.field.gravity], "o", color="tab:red", label="here")
     axis.legend(fontsize=8)

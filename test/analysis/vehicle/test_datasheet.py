@@ -17,7 +17,7 @@ from sojourn_analysis.datasheet.subject import Subject
 from sojourn_analysis.datasheet.suspending import differential
 from sojourn_analysis.datasheet.turning import steering
 from sojourn_analysis.vehicle.from_machine import BusSupply, vehicle_of
-from sojourn_analysis.vehicle.longitudinal import loads
+from sojourn_analysis.vehicle.longitudinal import loads, steady_state
 from sojourn_analysis.vehicle.params import PublishedFigure
 from sojourn_analysis.vehicle.travel_steer import contact_shift, suspension_joints
 from sojourn_analysis.vehicle.wheel_loads import StandingMachine
@@ -68,10 +68,29 @@ def test_every_figure_has_its_own_key(sheet: Datasheet) -> None:
                 assert x.shape == y.shape and np.isfinite(x).all() and np.isfinite(y).any()
 
 
+TRAVERSES = {f"Charge of the traverses of Apollo {number}" for number in (15, 16, 17)}
+
+
 def test_published_figures_of_the_lunar_rover(sheet: Datasheet) -> None:
-    """All but the range, for which the design value holds a reserve, agree."""
+    """All but the range, for which the design value holds a reserve, and the charge of traverses agree."""
     assert len(sheet.comparisons) >= 6
-    assert {entry.label for entry in sheet.comparisons if not entry.inside} == {"Range at cruise, level"}
+    beside = {entry.label for entry in sheet.comparisons if not entry.inside}
+    assert "Range at cruise, level" in beside and beside <= {"Range at cruise, level"} | TRAVERSES
+
+
+def test_charge_of_the_traverses_is_that_of_their_mean_speed(sheet: Datasheet, rover: Subject) -> None:
+    """Bekker's and Janosi's formulas are 6 to 35 % above the 52, 56 and 59 Ah that were used; the same soil for all
+    three, so that what differs between the missions is not told."""
+    found = {entry.label: entry for entry in sheet.comparisons if entry.label in TRAVERSES}
+    assert set(found) == TRAVERSES
+    for entry in found.values():
+        assert entry.own is not None and 1.0 < entry.own / entry.published[0] < 1.4
+    for drive in rover.vehicle.traverses:
+        state = steady_state(rover.course(), drive.distance_km / drive.hours / 3.6)
+        assert state is not None
+        joules = 1000.0 * drive.distance_km * state.energy_per_metre
+        value = values(*sheet.sections)[f"charge_{drive.name}"]
+        assert value == pytest.approx(joules / 3600.0 / rover.vehicle.bus_voltage)
 
 
 def test_range_is_battery_over_energy(sheet: Datasheet, rover: Subject) -> None:

@@ -1,6 +1,7 @@
 """A fuel cell with its tanks against the published curve, Faraday's law by another route, and its own account."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
@@ -94,3 +95,44 @@ def test_an_electrolyser_takes_more_than_the_reaction_needs() -> None:
 def test_what_cannot_be_stepped_is_refused(power: float, dt: float) -> None:
     with pytest.raises(InvalidValueError):
         STACK.step(STACK.initial_state(), power, dt)
+
+
+def run(stack: FuelCellParams, state: FuelCellState, power: float, seconds: float) -> FuelCellState:
+    for _ in range(round(seconds / 10.0)):
+        state = stack.step(state, power, 10.0)
+    return state
+
+
+def test_a_cold_stack_allows_a_part_of_its_power_and_all_when_warm() -> None:
+    cold = STACK.initial_state()
+    assert STACK.point(cold).power == pytest.approx(0.3 * STACK.most_power)
+    half = run(STACK, cold, 200.0, 60.0)
+    assert STACK.point(half).power == pytest.approx(0.65 * STACK.most_power, rel=1e-3)
+    warm = run(STACK, half, 200.0, 60.0)
+    assert warm.warmth == 1.0 and STACK.point(warm).power == pytest.approx(STACK.most_power, rel=1e-3)
+    resting = run(STACK, warm, 0.0, 1800.0)
+    assert resting.warmth == pytest.approx(0.5) and resting.hydrogen == warm.hydrogen
+    assert run(STACK, resting, 0.0, 1900.0).warmth == 0.0
+    always = STACK.model_copy(update={"warm_up_s": 0.0})
+    assert always.point(always.initial_state()).power == pytest.approx(always.most_power)
+
+
+def test_cells_lose_voltage_by_the_hours_and_starts() -> None:
+    """5000 h at 5 uV/h are 25 mV, and ten starts 0.2 mV; by as much does the voltage at a current sink."""
+    state = STACK.initial_state()
+    for _ in range(10):
+        state = run(STACK, run(STACK, state, 200.0, 120.0), 0.0, 3610.0)
+    assert state.worn == pytest.approx(10 * (2e-5 + 5e-6 * 120.0 / 3600.0), rel=1e-9)
+    old = FuelCellState(1.0, 8.0, warmth=1.0, worn=0.025)
+    curve, best = STACK.worn_curve(0.025)
+    assert curve.voltage(300.0) == pytest.approx(STACK.curve.voltage(300.0) - 0.025, abs=1e-9)
+    assert STACK.point(old).power == pytest.approx(STACK.most_power - STACK.passed * STACK.milliwatts * best * 0.025)
+    used = [before.hydrogen - STACK.step(before, 500.0, 60.0).hydrogen for before in (replace(old, worn=0.0), old)]
+    assert 1.02 < used[1] / used[0] < 1.06  # of 0.8 V at 500 W, and more current for it
+
+
+def test_the_account_of_worn_cells_is_exact() -> None:
+    first = FuelCellState(1.0, 8.0, warmth=0.4, worn=0.05)
+    state = run(STACK, first, 400.0, 600.0)
+    used = first.hydrogen - state.hydrogen
+    assert state.energy + state.energy_heat == pytest.approx(used / 2.01588e-3 * 285.8e3, rel=1e-3)

@@ -135,6 +135,20 @@ def test_rows_that_do_not_go_up_are_refused() -> None:
 # --- wind ---
 
 
+def test_wind_that_no_source_tells_of_is_not_called_calm() -> None:
+    """Over 70 km of Venus, where the table of winds ends and the air goes on at some 90 m/s, and on Saturn."""
+    venus = load_params("bodies", "venus", BodyParams)
+    known = [venus.air_at(SiteParams(latitude_deg=0.0, altitude_m=h)).zonal_wind for h in (50e3, 67.5e3, 70e3)]
+    assert known == pytest.approx([-60.0, -92.5, -90.0])
+    for height in (72e3, 75e3, 99e3):
+        assert venus.air_at(SiteParams(latitude_deg=0.0, altitude_m=height)).zonal_wind is None
+    assert load_params("bodies", "saturn", BodyParams).air_at(None).zonal_wind is None
+    assert (
+        load_params("bodies", "titan", BodyParams).air_at(SiteParams(latitude_deg=0.0, altitude_m=5e3)).zonal_wind
+        == 1.0
+    )
+
+
 @given(speed=st.floats(0.1, 50.0), roughness=st.floats(1e-4, 0.1), height=st.floats(0.2, 100.0))
 def test_the_wind_grows_by_the_same_amount_with_each_doubling(speed: float, roughness: float, height: float) -> None:
     wind = WindParams(speed=speed, towards_deg=0.0, drag_area=1.0, height=2.0, roughness=roughness)

@@ -136,6 +136,21 @@ def energy(subject: Subject) -> Section:
     return Section("Energy", tuple(figures), (curve,), text)
 
 
+def traverses(subject: Subject) -> Section | None:
+    """Charge that drives take, at their mean speed on level ground; halts are left out."""
+    vehicle, figures = subject.vehicle, []
+    for drive in vehicle.traverses:
+        speed = drive.distance_km / drive.hours / 3.6
+        charge, note = None, "its mean speed is not reached on this ground"
+        state = steady_state(subject.course(), speed)
+        if state is not None and state.feasible:
+            charge = state.bus_power * drive.hours / vehicle.bus_voltage
+            note = f"{drive.distance_km:g} km at {3.6 * speed:.3g} km/h, {charge / drive.distance_km:.3g} Ah/km"
+        figures.append(Figure(f"charge_{drive.name}", f"Charge of {drive.label}", charge, "Ah", note))
+    text = f"Mean speed, level ground, {vehicle.bus_voltage:g} V; no grades, obstacles, starts and halts."
+    return Section("Traverses", tuple(figures), (), text) if figures else None
+
+
 def ruts(subject: Subject) -> Section:
     """What rear wheels spare in the ruts of the front ones."""
     try:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from sojourn_analysis.datasheet.cornering import cornering
-from sojourn_analysis.datasheet.driving import energy, performance, ruts, traction
+from sojourn_analysis.datasheet.driving import energy, performance, ruts, traction, traverses
 from sojourn_analysis.datasheet.figures import Section
 from sojourn_analysis.datasheet.ground import footing
 from sojourn_analysis.datasheet.motors import motors
@@ -52,6 +52,7 @@ MAKERS: tuple[Callable[[Subject], Section | None], ...] = (
     stopping,
     motors,
     energy,
+    traverses,
     ruts,
     steering,
     slip_steering,

@@ -94,6 +94,15 @@ class PublishedFigure(Params):
     source: str = Field(min_length=1, description="where it is published")
 
 
+class Traverse(Params):
+    """A drive that has been done, for the data sheet to tell what it takes."""
+
+    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$", description="key of its figures in the data sheet")
+    label: str = Field(min_length=1, description="what it is called")
+    distance_km: float = Field(gt=0.0, le=1e4, description="driven [km]")
+    hours: float = Field(gt=0.0, le=1e4, description="that it was driven for, without halts [h]")
+
+
 class VehicleParams(Params):
     """A vehicle. `equalising` is true where the suspension gives every axle its static load on any ground."""
 
@@ -118,6 +127,7 @@ class VehicleParams(Params):
     rolling_loss: float = Field(default=0.0, ge=0.0, le=1.0, description="f_0 of the wheel itself [-]")
     rolling_loss_quadratic: float = Field(default=0.0, ge=0.0, le=1.0, description="K_v [s^2/m^2]")
     published: tuple[PublishedFigure, ...] = Field(default=(), description="figures to compare with")
+    traverses: tuple[Traverse, ...] = Field(default=(), description="drives to tell the charge of")
 
     published_on: tuple[str, str] | None = Field(
         default=None, description="body and soil that the published figures are for; none: any"

@@ -33,7 +33,7 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import require_rising
@@ -92,6 +92,15 @@ class BatteryParams(StoreParams):
     imbalance: float = Field(default=0.0, ge=0.0, lt=0.5, description="between the cells, of their capacity [1]")
     age: LithiumAge | None = Field(default=None, description="of its cells; left out: new")
     temperature_max: float = Field(gt=20.0, lt=1000.0, description="hottest temperature to operate at [K]")
+
+    @field_validator("kind")
+    @classmethod
+    def _is_this_kind(cls, kind: str) -> str:
+        """The table `battery` of a machine has no other kind: it would be read as this one."""
+        own = cls.model_fields["kind"].default
+        if kind != own:
+            raise ValueError(f"allowed is {own}; a store of another kind stands in the table stores")
+        return kind
 
     @model_validator(mode="after")
     def _check_tables(self) -> Self:

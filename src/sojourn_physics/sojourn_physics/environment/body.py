@@ -57,6 +57,9 @@ class BodyParams(Params):
     rotation: RotationParams | None = Field(default=None, description="against the stars; none: it does not turn")
     attraction: Attracting | None = Field(default=None, description="how its mass draws; none: as a point does")
     regolith: RegolithParams | None = Field(default=None, description="the ground to heat; none: not known")
+    soils: tuple[str, ...] = Field(
+        default=(), description="soils of config/soils that are found on it; none: no figure"
+    )
     sky_temperature: float = Field(
         default=2.7, gt=0.0, le=2000.0, description="as which the sky radiates in the infrared [K]"
     )

@@ -30,8 +30,8 @@ class Air(NamedTuple):
     """[kg/m^3]"""
     speed_of_sound: float
     """[m/s]"""
-    zonal_wind: float = 0.0
-    """Towards the east, in the mean [m/s]."""
+    zonal_wind: float | None = None
+    """Towards the east, in the mean [m/s]; None: not known."""
 
 
 class AtmosphereParams(Params):
@@ -60,7 +60,7 @@ class AtmosphereParams(Params):
             raise InvalidValueError("altitude [m]", altitude, f"{low:g} to {high:g}, for which the air is known")
         return altitude
 
-    def _of(self, temperature: float, pressure: float, zonal_wind: float = 0.0) -> Air:
+    def _of(self, temperature: float, pressure: float, zonal_wind: float | None = None) -> Air:
         """A perfect gas."""
         density = pressure / (self.gas_constant * temperature)
         sound = math.sqrt(self.heat_ratio * self.gas_constant * temperature)

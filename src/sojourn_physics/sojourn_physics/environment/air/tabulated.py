@@ -28,7 +28,9 @@ class AirRow(Params):
     altitude: float = Field(ge=-1e6, le=1e6, description="over the reference ellipsoid, or geopotential [m]")
     temperature: float = Field(gt=0.0, le=5000.0, description="[K]")
     pressure: float = Field(gt=0.0, le=1e9, description="[Pa]")
-    zonal_wind: float = Field(default=0.0, ge=-1000.0, le=1000.0, description="mean wind towards the east [m/s]")
+    zonal_wind: float | None = Field(
+        default=None, ge=-1000.0, le=1000.0, description="mean wind towards the east; none: not known [m/s]"
+    )
 
 
 class TabulatedParams(AtmosphereParams):
@@ -67,11 +69,17 @@ class TabulatedParams(AtmosphereParams):
             part_of_fall = math.log(temperature / low.temperature) / math.log(high.temperature / low.temperature)
         else:
             part_of_fall = part
-        wind = low.zonal_wind + part * (high.zonal_wind - low.zonal_wind)
-        return self._of(temperature, low.pressure * math.exp(fall * part_of_fall), wind)
+        return self._of(temperature, low.pressure * math.exp(fall * part_of_fall), _between(low, high, part))
 
     def _height(self, altitude: float) -> float:
         """Over the ellipsoid, of an altitude in the table [m]."""
         if self.geopotential_radius is None:
             return altitude
         return self.geopotential_radius * altitude / (self.geopotential_radius - altitude)
+
+
+def _between(low: AirRow, high: AirRow, part: float) -> float | None:
+    """Wind at a part of the way from one row to the next [m/s]; None where either has none, but in a row itself."""
+    if low.zonal_wind is None or high.zonal_wind is None:
+        return low.zonal_wind if part == 0.0 else high.zonal_wind if part == 1.0 else None
+    return low.zonal_wind + part * (high.zonal_wind - low.zonal_wind)

@@ -22,6 +22,8 @@ from sojourn_machine.errors import InvalidValueError
 
 INCLINATIONS = ((28.5, 0.9135), (30.0, 0.920), (35.0, 0.940), (40.0, 0.960), (45.0, 0.990), (52.0, 1.030))
 """[deg] and psi."""
+UNCHECKED_BELOW = 45.0
+"""Factors of smaller inclinations [deg] were not held against the report itself."""
 MEAN_SOLAR_FLUX = 130.0
 """Of a cycle, at 10.7 cm [1e-22 W/(m2 Hz)]."""
 LAST_YEAR = 2010.0
