@@ -188,3 +188,40 @@ def test_a_timing_that_cannot_be_is_refused_in_words(timing: str, words: str) ->
             continue
         with pytest.raises((ConfigError, MachineError), match=words):
             load_scenario("flat_drive", [f"sensors.{sensor}={timing}"])
+
+
+@given(deliveries(), st.integers(0, 60))
+def test_a_clock_that_stops_takes_no_message_away_and_no_stamp_goes_on(delivery: Delivery, stops: int) -> None:
+    begin = stops * CONTROL_PERIOD_NS
+    stopped = replace(delivery, losses=(*delivery.losses, Loss(begin, 1.0, frozen=True)))
+    measured = delivery.samples(0, PERIODS)
+    assert [stopped.comes(each) for each in measured] == [delivery.leaves(each) for each in measured]
+    told = [each for each in measured if stopped.comes(each)]
+    before = [each for each in told if each * CONTROL_PERIOD_NS < begin]
+    good = before or told[:1]
+    if not good:  # nothing is heard of it
+        return
+    assert stopped.stands_at == good[-1]
+    assert [stopped.stamped(each) for each in told] == good + (len(told) - len(good)) * good[-1:]
+    assert [each for each in measured if stopped.leaves(each)] == good
+    row = replace(topic("/imu/data"), delivery=stopped)
+    stamps = [stopped.stamped(each) * CONTROL_PERIOD_NS for each in told]
+    assert list(row.all_heard_at(stamps)) == [stopped.comes(each) * CONTROL_PERIOD_NS for each in told]
+
+
+def test_a_barrier_waits_for_no_message_of_a_clock_that_has_stopped_and_takes_none() -> None:
+    faults = [Loss(10 * CONTROL_PERIOD_NS, 1.0, frozen=True)]
+    row = delivered(topic("/imu/data"), "imu", SensorTimingParams(), faults)
+    barrier: Barrier[str] = Barrier((topic("/clock"), row))
+    heard = []
+    for period in range(1, 40):
+        barrier.offer(topic("/clock"), period * CONTROL_PERIOD_NS, "")
+        stamp = min(period, 9) * CONTROL_PERIOD_NS
+        if not barrier.repeats(row, stamp):
+            assert barrier.refusal(row, stamp) is None
+            barrier.offer(row, stamp, f"of {period}")
+        assert barrier.is_complete()
+        heard.append(barrier.take().get(row.name))
+    assert heard[:9] == [f"of {period}" for period in range(1, 10)]
+    last = 9 + oldest_age(row)  # it counts until it is too old
+    assert set(heard[9:last]) == {"of 9"} and set(heard[last:]) == {None}

@@ -62,7 +62,14 @@ class PeriodOrder:
         self._awaited = tuple((channel, row) for channel, row in awaited if row.delivery is None)
         self._delivered = {channel: row for channel, row in awaited if row.delivery is not None}
         self._here: set[tuple[int, int]] = set()
-        """Channel and stamp of messages of rows with a delivery, until the period in which they leave is collected."""
+        """Channel and stamp of the measurement of messages of rows with a delivery, until the period in which they
+        leave is collected."""
+        self._repeated = {
+            channel: max(each for each in delivery.samples(0, begun[0]) if 0 < delivery.comes(each) <= begun[0])
+            for channel, row in self._delivered.items()
+            if (delivery := row.delivery) is not None and 0 < delivery.comes(delivery.stands_at) <= begun[0]
+        }
+        """By channel of senders whose clock has stopped: period of the last measurement that came."""
         self._bits = {channel: 1 << number for number, (channel, _) in enumerate(self._awaited)}
         self._cycle = lcm(*(row.every for _, row in self._awaited))
         self._masks: dict[int, int] = {}
@@ -79,8 +86,9 @@ class PeriodOrder:
         """Take a message of an awaited row."""
         delivered = self._delivered.get(channel)
         if delivered is not None:
-            self._here.add((channel, stamp))
-            period = self._period_of(delivered.heard_at(stamp))
+            measured = self._measured(channel, delivered, stamp)
+            self._here.add((channel, measured))
+            period = self._period_of(delivered.comes_at(measured))
             self._keep(period, channel, 0, stamp, data, period * CONTROL_PERIOD_NS)
             return
         period = self._period_of(stamp)
@@ -158,6 +166,15 @@ class PeriodOrder:
     def last_begun(self) -> int:
         """Last period of which something has come on two topics: one message with a stamp of its own begins none."""
         return max((period for period, bits in self._arrived.items() if bits & (bits - 1)), default=self.collected)
+
+    def _measured(self, channel: int, row: Topic, stamp: int) -> int:
+        """When that was measured [ns] whose message has a stamp: later, where the sender's clock has stopped."""
+        delivery = row.delivery
+        if delivery is None or stamp != delivery.stands_at * CONTROL_PERIOD_NS:
+            return stamp
+        last = self._repeated.get(channel)
+        self._repeated[channel] = delivery.stands_at if last is None else delivery.following(last)
+        return self._repeated[channel] * CONTROL_PERIOD_NS
 
     def _leaving(self, period: int) -> list[tuple[int, int]]:
         """Channel and stamp of messages that leave in a period, of rows with a delivery."""

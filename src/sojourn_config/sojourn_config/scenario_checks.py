@@ -65,6 +65,7 @@ def scenario_problems(config: "ScenarioConfig", bundle: Bundle | None, document:
         yield from _sun_problems(config, bundle, document)
         yield from _link_problems(config, bundle, document)
         yield from _air_problems(config, bundle, document)
+        yield from _magnetic_problems(bundle, document)
         yield from _soil_problems(bundle, document)
         if bundle.thermal is not None and bundle.body.regolith is None:
             allowed = f"has no table regolith, which the heat of {config.machine} goes by"
@@ -127,6 +128,18 @@ def _air_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocume
             if params.needs_air:
                 allowed = f"has no air, which the sensor {name} of {config.machine} needs: allowed is a body with air"
                 yield document.problem(("body",), config.body, allowed)
+
+
+def _magnetic_problems(bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
+    """A magnetometer on a body with a field is at a place of which that is known."""
+    try:
+        bundle.body.magnetic_field_over(bundle.site)
+    except InvalidValueError as error:
+        for name, params in bundle.sensors.named.items():
+            if params.needs_magnetic_site:
+                yield document.problem(
+                    (error.name,), error.value, f"is asked for by the sensor {name}: allowed is {error.allowed}"
+                )
 
 
 def _soil_problems(bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:

@@ -128,6 +128,12 @@ class Barrier(Generic[Message]):
             return "newer than those that have been taken, once a stamp"
         return None
 
+    def repeats(self, row: Topic, stamp: int) -> bool:
+        """Whether a message is no news: that of a sender whose clock has stopped, which the run's table knows of."""
+        delivery = row.delivery
+        stopped = delivery is not None and delivery.stands_at * CONTROL_PERIOD_NS == stamp
+        return stopped and stamp in self._messages[row.name]
+
     def offer(self, row: Topic, stamp: int, message: Message) -> None:
         """Keep a message until its period, None for one that is refused. Ask `refusal` first."""
         self._messages[row.name][stamp] = message

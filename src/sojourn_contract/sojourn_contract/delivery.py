@@ -8,6 +8,9 @@ nobody for one that is lost; a run is the same in every layout.
 Chance is a function of the sample's number (`sojourn_machine.chance`), and so no state that anybody keeps, and no
 number of another sensor.
 
+Messages whose sender's clock has stopped (`Loss.frozen`) are lost to everybody who goes by stamps, though they come:
+they bear the stamp of the last sample before. Who records them knows by their number when they came.
+
 A sample of control period p leaves in the first period at or after p T + latency + j, j even between zero and the
 jitter, but not before an earlier sample: messages of a topic do not overtake each other.
 """
@@ -19,6 +22,8 @@ from functools import lru_cache
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_machine.chance import chance
 
+LONGEST_SILENCE = 10_000
+"""Messages of which one at least is not lost, or all are [-]."""
 _JITTER = 0
 """Salt of the jitter; those of the losses follow."""
 
@@ -29,10 +34,12 @@ class Loss:
 
     Args:
         begin: stamp from which on [ns]. probability: of each message.
+        frozen: they come, with the stamp of the last one before.
     """
 
     begin: int
     probability: float
+    frozen: bool = False
 
 
 @dataclass(frozen=True)
@@ -64,19 +71,50 @@ class Delivery:
         return period > 0 and period % self.every == self.phase
 
     def is_lost(self, period: int) -> bool:
-        """Whether the message of what is measured in a period does not arrive."""
+        """Whether no message with the stamp of what is measured in a period arrives."""
+        return self._is_frozen(period) or self.is_silent(period)
+
+    def is_silent(self, period: int) -> bool:
+        """Whether no message at all arrives of what is measured in a period."""
         return any(
-            period * CONTROL_PERIOD_NS >= loss.begin and chance(self.stream, salt, period) < loss.probability
+            not loss.frozen
+            and period * CONTROL_PERIOD_NS >= loss.begin
+            and chance(self.stream, salt, period) < loss.probability
             for salt, loss in enumerate(self.losses, _JITTER + 1)
         )
 
     def leaves(self, period: int) -> int:
-        """Control period in which the message leaves of what is measured in a period; 0 where there is none."""
-        return _leaves(self, period) if self.measures(period) and not self.is_lost(period) else 0
+        """Control period in which the message leaves of what is measured in a period; 0 where there is none with that
+        stamp.
+        """
+        return 0 if self._is_frozen(period) else self.comes(period)
+
+    def comes(self, period: int) -> int:
+        """Likewise, with whatever stamp."""
+        return _leaves(self, period) if self.measures(period) and not self.is_silent(period) else 0
+
+    @property
+    def stands_at(self) -> int:
+        """Control period whose stamp is borne by all messages of a clock that stops, its own first; 0 of one that
+        runs.
+        """
+        return _stands_at(self) if any(loss.frozen for loss in self.losses) else 0
+
+    def stamped(self, period: int) -> int:
+        """Control period whose stamp the message of what is measured in a period bears."""
+        return self.stands_at if self._is_frozen(period) else period
+
+    def following(self, period: int) -> int:
+        """Period of the first measurement after a period of which a message comes; 0 where none does for very long."""
+        later = self.samples(period, period + LONGEST_SILENCE * self.every)
+        return next((each for each in later if not self.is_silent(each)), 0)
+
+    def _is_frozen(self, period: int) -> bool:
+        return 0 < self.stands_at < period
 
     def left_at(self, period: int) -> list[int]:
-        """Periods of the measurements whose messages leave in a control period, in their order."""
-        return [each for each in self.samples(period - self.longest - 1, period) if self.leaves(each) == period]
+        """Periods of the measurements whose messages leave in a control period, with whatever stamp, in their order."""
+        return [each for each in self.samples(period - self.longest - 1, period) if self.comes(each) == period]
 
     def newest(self, period: int, age: int) -> int:
         """Period of the newest measurement whose message has left by a control period; 0 where none has, or none that
@@ -110,7 +148,7 @@ def _leaves(delivery: Delivery, period: int) -> int:
     """No earlier than those that were measured before."""
     earlier = delivery.samples(period - _periods(delivery.jitter) - 1, period - 1)
     return max(
-        [delivery.departure(period)] + [delivery.departure(each) for each in earlier if not delivery.is_lost(each)]
+        [delivery.departure(period)] + [delivery.departure(each) for each in earlier if not delivery.is_silent(each)]
     )
 
 
@@ -121,3 +159,11 @@ def _newest(delivery: Delivery, period: int, age: int) -> int:
         if 0 < delivery.leaves(each) <= period:
             return each
     return 0
+
+
+@lru_cache(maxsize=1 << 8)
+def _stands_at(delivery: Delivery) -> int:
+    """The last before the clock stops of which a message comes; where there is none the first that has one."""
+    begin = min(loss.begin for loss in delivery.losses if loss.frozen)
+    before = delivery.samples(0, -(-begin // CONTROL_PERIOD_NS) - 1)
+    return next((each for each in reversed(before) if not delivery.is_silent(each)), 0) or delivery.following(0)

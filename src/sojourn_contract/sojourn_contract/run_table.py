@@ -125,7 +125,7 @@ def _delivered(scenario: KnownMachine, table: TopicTable) -> Iterator[Topic]:
     for name, params in scenario.sensors.sensors.items():
         timing, faults = params.heard
         if params.timing is not None or faults:
-            lost = [Loss(round(after * NANOSECONDS), probability) for after, probability in faults]
+            lost = [Loss(round(after * NANOSECONDS), part, frozen) for after, part, frozen in faults]
             yield from (delivered(row, name, timing, lost) for row in rows_of_sensor(scenario, table, name))
 
 

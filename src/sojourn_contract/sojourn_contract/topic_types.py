@@ -1,6 +1,6 @@
 """What a row of the topic table consists of: a topic, the rules of its fields, its quality of service."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -129,6 +129,23 @@ class Topic:
         """When a message with a stamp is there, in lock-step [ns]; with its stamp where the row says nothing else."""
         leaves = 0 if self.delivery is None else self.delivery.leaves(stamp // CONTROL_PERIOD_NS)
         return leaves * CONTROL_PERIOD_NS or stamp
+
+    def all_heard_at(self, stamps: Iterable[int]) -> Iterator[int]:
+        """When messages are there with these stamps, in their order [ns]; of a clock that has stopped
+        by their number.
+        """
+        stands_at, measured = 0 if self.delivery is None else self.delivery.stands_at, 0
+        for stamp in stamps:
+            if self.delivery is None or not stands_at or stamp != stands_at * CONTROL_PERIOD_NS:
+                yield self.heard_at(stamp)
+                continue
+            measured = self.delivery.following(measured) if measured else stands_at
+            yield self.comes_at(measured * CONTROL_PERIOD_NS)
+
+    def comes_at(self, measured: int) -> int:
+        """When the message is there of what was measured at a time [ns], whatever stamp it bears [ns]."""
+        comes = 0 if self.delivery is None else self.delivery.comes(measured // CONTROL_PERIOD_NS)
+        return comes * CONTROL_PERIOD_NS or measured
 
     @property
     def is_event(self) -> bool:

@@ -76,9 +76,11 @@ class SensorParams(Params):
         return self.speaks_on
 
     @property
-    def heard(self) -> tuple[SensorTimingParams, tuple[tuple[float, float], ...]]:
-        """When it is heard: its timing, and from when on [s] how many of its messages are lost [-] by its faults."""
-        lost = tuple((fault.after, fault.loses) for fault in self.faults.values() if fault.loses)
+    def heard(self) -> tuple[SensorTimingParams, tuple[tuple[float, float, bool], ...]]:
+        """When it is heard: its timing, and from when on [s] how many of its messages are lost [-] by its faults, and
+        whether they come with a stamp that stays.
+        """
+        lost = tuple((fault.after, fault.loses, fault.frozen_stamp) for fault in self.faults.values() if fault.loses)
         return self.timing or SensorTimingParams(), lost
 
     @property
@@ -95,6 +97,11 @@ class SensorParams(Params):
     @property
     def needs_air(self) -> bool:
         """Whether it works in air alone."""
+        return False
+
+    @property
+    def needs_magnetic_site(self) -> bool:
+        """Whether, on a body with a magnetic field, it has to know where on it."""
         return False
 
     @property

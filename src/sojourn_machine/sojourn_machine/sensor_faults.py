@@ -5,7 +5,9 @@ A fault works on what the sensor would say (x), from `after` on, t seconds later
     x' = scale x + bias + drift t + spike    a spike of +-`spike_size` with `spike_probability`, each number for itself
 
 so a swapped sign is a scale of -1. `stuck` repeats the last reading of before; of a sensor that is `dead` nothing is
-heard any more, and of one with `dropout` not all. `dust` is for kinds that have a lens.
+heard any more, and of one with `dropout` not all. One with a `frozen_stamp` goes on, but its clock does not: its
+messages bear the stamp of the last one before, so that nobody who goes by stamps takes them for news. `dust` is for
+kinds that have a lens.
 """
 
 from typing import Self
@@ -32,11 +34,12 @@ class SensorFaultParams(Params):
     stuck: bool = Field(default=False, description="whether it repeats its last reading [-]")
     dead: bool = Field(default=False, description="whether nothing is heard of it any more [-]")
     dropout: float = Field(default=0.0, ge=0.0, le=1.0, description="probability that a message is lost [-]")
+    frozen_stamp: bool = Field(default=False, description="whether its values go on and its stamp stays [-]")
 
     @property
     def loses(self) -> float:
-        """Probability that a message is not heard."""
-        return 1.0 if self.dead else self.dropout
+        """Probability that a message is not heard, or is none of its stamp."""
+        return 1.0 if self.dead or self.frozen_stamp else self.dropout
 
     @property
     def is_numerical(self) -> bool:
@@ -50,12 +53,14 @@ class SensorFaultParams(Params):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if not (self.is_numerical or self.stuck or self.loses):
-            keys = "scale, bias, drift, spike_probability, dust, stuck, dead, dropout"
+            keys = "scale, bias, drift, spike_probability, dust, stuck, dead, dropout, frozen_stamp"
             raise ValueError(f"nothing is wrong by it: allowed is at least one of {keys}")
         if (self.spike_probability > 0.0) != (self.spike_size > 0.0):
             raise ValueError("spikes: allowed are spike_probability and spike_size together")
         if self.dust > 0.0 and self._is_shifted:
             raise ValueError("dust: allowed is a fault of its own, without scale, bias, drift or spikes")
+        if self.frozen_stamp and (self.dead or self.dropout):
+            raise ValueError("frozen_stamp: allowed is a fault of its own beside dead and dropout")
         if self.of and not self.is_numerical:
             raise ValueError(f"of {self.of}: allowed with scale, bias, drift or spikes")
         return self

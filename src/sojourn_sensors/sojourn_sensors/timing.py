@@ -18,7 +18,7 @@ class LateReading:
     leaves: int
     """Control period in which it is told."""
     measured: int
-    """Control period in which it was measured."""
+    """Control period whose stamp it bears: that in which it was measured, of a sensor whose clock runs."""
     topics: tuple[str, ...]
     """On which it is told."""
     reading: Any
@@ -41,12 +41,12 @@ class Timing:
 
     def with_reading(self, waiting: Sequence[LateReading], period: int, reading: Any) -> list[LateReading]:
         """What waits with that which was measured in a control period, in the order of the measurements."""
-        topics: dict[int, list[str]] = {}
+        topics: dict[tuple[int, int], list[str]] = {}
         for name, delivery in self._rows:
-            leaves = delivery.leaves(period)
+            leaves = delivery.comes(period)
             if leaves:
-                topics.setdefault(leaves, []).append(name)
-        return [*waiting, *(LateReading(leaves, period, tuple(names), reading) for leaves, names in topics.items())]
+                topics.setdefault((leaves, delivery.stamped(period)), []).append(name)
+        return [*waiting, *(LateReading(*when, tuple(names), reading) for when, names in topics.items())]
 
 
 def timing_of(rows: Sequence[Topic], every: int) -> Timing | None:

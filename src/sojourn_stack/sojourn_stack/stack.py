@@ -285,6 +285,8 @@ class _Period:
             if kept_for is None:
                 continue
             stamp = message.stamp
+            if _repeats(row, stamp) and stamp in self._messages.get(row.name, ()):
+                continue
             heard: dict[int, Heard] = {}
             if kept_for:
                 earlier, oldest = self._messages.get(row.name, {}), stamp - kept_for
@@ -312,6 +314,11 @@ class _Period:
 def _kept_for(row: Topic) -> int:
     """How long a message of a row is waited for after its stamp [ns]."""
     return (row.lag if row.delivery is None else oldest_age(row) + row.pace) * stamps.CONTROL_PERIOD_NS
+
+
+def _repeats(row: Topic, stamp: int) -> bool:
+    """Whether messages of a row bear a stamp [ns] again and again, for their sender's clock has stopped."""
+    return row.delivery is not None and row.delivery.stands_at * stamps.CONTROL_PERIOD_NS == stamp
 
 
 def _is_none(check: Callable[[Topic, Message], None]) -> bool:

@@ -199,7 +199,7 @@ class Judge:
 
     def _finish_heartbeats(self, begin: int, until: int) -> None:
         name = heartbeats.HEARTBEATS
-        ordered = {topic: sorted(map(self._rows[topic].heard_at, found)) for topic, found in self._stamps.items()}
+        ordered = {topic: sorted(self._rows[topic].all_heard_at(found)) for topic, found in self._stamps.items()}
         uncounted, leaps = () if self._lockstep else (CLOCK,), self._leaps()
         for role in self._judged:
             outputs = self._table.outputs_of(role)

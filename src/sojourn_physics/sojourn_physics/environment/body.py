@@ -14,15 +14,17 @@ orbit of eccentricity e it goes from S / (1 + e)^2 to S / (1 - e)^2.
 import math
 from typing import Annotated, Self
 
+import numpy as np
 from pydantic import Field, SerializeAsAny, model_validator
 
 from sojourn_machine.choice import kinds_of
 from sojourn_machine.errors import InvalidValueError
-from sojourn_machine.params import Params
+from sojourn_machine.params import FloatArray, Params
 from sojourn_physics.environment.air.atmosphere import ATMOSPHERES, Air, AtmosphereParams
 from sojourn_physics.environment.gravity.attraction import ATTRACTIONS, AttractionParams
 from sojourn_physics.environment.gravity.field import BodyField, GravityField, UniformField
 from sojourn_physics.environment.gravity.tide import TidalField
+from sojourn_physics.environment.magnetic_field import MagneticDipoleParams
 from sojourn_physics.environment.rotation import RotationParams
 from sojourn_physics.environment.shape import ShapeParams
 from sojourn_physics.environment.site import SiteParams, site_frame
@@ -62,6 +64,9 @@ class BodyParams(Params):
     )
     sky_temperature: float = Field(
         default=2.7, gt=0.0, le=2000.0, description="as which the sky radiates in the infrared [K]"
+    )
+    magnetic_dipole: MagneticDipoleParams | None = Field(
+        default=None, description="its own magnetic field; none: it has none of a dipole, or none that is known"
     )
     atmosphere: Atmosphere | None = Field(default=None, description="its air by altitude; none: it has no air")
 
@@ -121,6 +126,20 @@ class BodyParams(Params):
         if self.atmosphere is None:
             raise InvalidValueError("air", self.name, "a body whose file has a table `atmosphere`")
         return self.atmosphere.at(0.0 if site is None else site.altitude_m)
+
+    def magnetic_field_over(self, site: SiteParams | None) -> FloatArray:
+        """Its own magnetic field in map over a site, east, north, up, shape (3,) [T]; zero of a body without.
+
+        Raises:
+            InvalidValueError: no site on a body with a field, or one in its dipole.
+        """
+        if self.magnetic_dipole is None:
+            return np.zeros(3)
+        if site is None:
+            raise InvalidValueError(
+                "site", None, f"one, as the magnetic field of {self.name} differs from place to place"
+            )
+        return self.magnetic_dipole.field_over(site_frame(site, self.semi_axes))
 
     @property
     def solar_flux(self) -> float:
