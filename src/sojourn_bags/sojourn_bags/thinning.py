@@ -15,6 +15,7 @@ from sojourn_bags.errors import BagExistsError
 from sojourn_bags.provenance import run_of
 from sojourn_bags.reading import Bag
 from sojourn_bags.salvage import Salvage
+from sojourn_contract.topic_table import CLOCK
 
 THINNED_RECORD = "sojourn_thinned"
 """Name of the metadata record that says to whose topics a bag is thinned."""
@@ -33,7 +34,8 @@ def topics_of(bag: Bag, roles: Sequence[str]) -> set[str]:
     table, participants = table_of_bag(bag), run_of(bag)["participants"].split(",")
     present = [role for role in roles if role in participants]
     rows = [row for role in present for each in (table.inputs_of, table.outputs_of) for row in each(role, participants)]
-    return {row.name for row in rows} & bag.topics.keys()
+    clock = {CLOCK} if table.longest_leap else set()  # nothing else tells where it leapt
+    return ({row.name for row in rows} | clock) & bag.topics.keys()
 
 
 def thinned(bag: Bag, folder: Path, roles: Sequence[str]) -> Path:
