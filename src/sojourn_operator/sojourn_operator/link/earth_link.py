@@ -204,7 +204,7 @@ def _after_uplink(state: LinkState, news: News, now: int) -> tuple[LinkState, li
             place = places[packet.number]
             log[place] = log[place]._replace(given=message.stamp)
         if name not in VELOCITIES:
-            words.append(Word(packet.number, RECEIVED, time))
+            words.append(Word(packet.number, RECEIVED, time, given=message.stamp))
     return replace(state, log=tuple(log)), words, said
 
 
