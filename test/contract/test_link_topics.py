@@ -46,7 +46,7 @@ def test_every_row_of_a_run_with_a_link_is_known_by_its_name() -> None:
     assert row_named("/earth/nothing") is None
 
 
-@pytest.mark.parametrize("topic", ["/no/such", "/goal_pose", "/diagnostics", "/clock"])
+@pytest.mark.parametrize("topic", ["/no/such", "/goal_pose", "/diagnostics", "/clock", "/truth/odom"])
 def test_telemetry_that_no_run_can_carry_is_told_with_what_it_can(topic: str) -> None:
     overrides = [f"link={{light_time_s: 0, telemetry: [{{topic: /odom}}, {{topic: {topic}}}]}}"]
     with pytest.raises(LinkError, match=r"link\.telemetry\.1\.topic"):

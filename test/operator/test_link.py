@@ -132,6 +132,13 @@ def test_one_of_several_is_cancelled_by_its_number() -> None:
     assert states == ["superseded", "cancelled", "executed"]
 
 
+def test_a_goal_for_later_does_not_keep_others_back() -> None:
+    bench = Bench("{light_time_s: 1.0}")
+    later = drive_goal(1000 * NANOSECONDS, (2.0, 0.0), None)
+    bench.run(3.0, [("/earth/goal_pose", later), ("/earth/goal_pose", GOAL)])
+    assert [goal.stamp / NANOSECONDS for _, goal in bench.of("/goal_pose")] == [1000.0, pytest.approx(1.2)]
+
+
 def test_a_stop_goes_before_what_waits() -> None:
     bench = Bench("{light_time_s: 1.0, up: {bit_s: 200.0}}")
     route = route_goal(0, [(float(x), 0.0) for x in range(1, 20)], None)

@@ -8,10 +8,12 @@ from sojourn_bags.comparison import compare
 from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag, read_bag
+from sojourn_bags.run_configuration import run_configuration
 from sojourn_contract.codecs import decode
 from sojourn_contract.link_topics import LINK_STATUS
 from sojourn_contract.topics import TOPICS
 from sojourn_stack.checkpoint import load, save
+from sojourn_stack.replay import app_of, replay
 from sojourn_stack.run import Result, RunSpec, run
 from sojourn_stack.stack import StackState
 
@@ -87,6 +89,13 @@ def test_no_telemetry_is_earlier_than_light_or_more_than_the_bandwidth(narrow: t
     down = result.state.roles["operator"].app.link.down
     end = result.state.now / 1e9
     assert 0.8 * 20000.0 * (end - 6.0) < down.bits_sent <= 20000.0 * (end - 5.0)
+
+
+def test_the_drive_of_such_a_bag_is_replayed(narrow: tuple[Result, Bag, Path]) -> None:
+    _, bag, _ = narrow
+    with run_configuration(bag) as configuration:
+        result = replay(bag, "drive", app_of("drive", configuration))
+    assert result.comparison.verdict is Verdict.IDENTICAL
 
 
 def test_a_run_goes_on_from_a_checkpoint_with_a_goal_on_the_way(

@@ -41,6 +41,8 @@ CANCEL = Topic(
     "commands that have not been sent yet are not: the number in frame_id, or all where it is empty",
     needs_listener=False,
 )
+ON_BOARD = ("sensors", "drive", "arm", "power")
+"""Roles of whose topics the Earth may hear."""
 COMMANDS = {row.name: row for row in GOAL_TOPICS if row.name != FAULTS}
 """Rows of what goes to the machine, by topic."""
 
@@ -72,8 +74,8 @@ def telemetry(table: TopicTable, link: LinkParams) -> Iterator[tuple[Topic, Tele
             for row in table.each(name):
                 yield row, TelemetryParams(topic=row.name, priority=priority)
         return
-    able = [row.name for row in table if not row.is_event and row.publisher not in ("all", OPERATOR, "recorder")]
-    able.remove("/clock")
+    # what the plant says is the truth, which no machine knows, and heartbeats are of the run
+    able = [row.name for row in table if not row.is_event and row.publisher in ON_BOARD]
     for place, one in enumerate(link.telemetry):
         if one.topic not in able:
             raise LinkError(("telemetry", place, "topic"), one.topic, names_text(one.topic, able))

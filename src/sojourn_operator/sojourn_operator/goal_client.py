@@ -8,7 +8,7 @@ from sojourn_config import command_line
 from sojourn_flight.arm.tasks.names import TASKS
 from sojourn_machine.fault_names import FAULTS
 
-VERBS = ("drive", "route", "arm", "task", "power", "here", "fault", "stop")
+VERBS = ("drive", "route", "arm", "task", "power", "here", "fault", "cancel", "stop")
 WITH_VALUE = ("--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z", "--within", "--name")
 """Options before whose value no verb stands."""
 
@@ -64,8 +64,10 @@ def parser() -> argparse.ArgumentParser:
     fault.add_argument("values", nargs="*", metavar="KEY=VALUE", help="words of its kind; a vector as 0,0,1")
     fault.add_argument("--name", default="", help="of the fault (default: its kind and what it is of)")
     fault.add_argument("--gone", action="store_true", help="it goes again")
+    cancel = commands.add_parser("cancel", help="take back commands that wait for a link to Earth")
+    cancel.add_argument("number", nargs="?", default="", help="of the command, as it is shown; all if left out")
     stop = commands.add_parser("stop", help="stop drive and arm")
-    for command in (drive, route, arm, task, power, here, fault, stop):
+    for command in (drive, route, arm, task, power, here, fault, cancel, stop):
         command_line.add_place(command)
         command.add_argument(
             "--timeout",

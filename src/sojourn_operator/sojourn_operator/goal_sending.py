@@ -11,9 +11,11 @@ from sojourn_contract.codecs import encode
 from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
 from sojourn_contract.fault_messages import FaultEvent
 from sojourn_contract.heartbeat import Heartbeat, read_heartbeats, status_message, status_values
-from sojourn_contract.stamps import seconds
+from sojourn_contract.link_topics import CANCEL, COMMANDS, on_earth
+from sojourn_contract.stamps import NANOSECONDS, seconds
+from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, topic
-from sojourn_contract.values import UPRIGHT, Clock, DiagnosticArray, Message, Path, PoseStamped
+from sojourn_contract.values import UPRIGHT, Clock, DiagnosticArray, Header, Message, Path, PoseStamped
 from sojourn_operator.desk import Desk
 from sojourn_operator.fault_sending import CAME, WENT, answer_of, fault_event, message_of
 from sojourn_operator.foresight_words import foresight_lines
@@ -30,6 +32,8 @@ from sojourn_operator.goal_messages import (
     stamped,
     stop_messages,
 )
+from sojourn_operator.link.commands import ANSWERS, CANCELLED, OVER, RECEIVED
+from sojourn_operator.link.view import CommandLines, LinkView
 from sojourn_operator.start_watch import StartWatch
 from sojourn_operator.steps.step import FINAL_STATES, REACHED
 
@@ -77,6 +81,8 @@ class GoalClient(Desk):
         self.now = 0
         """Simulation time [ns]; zero until a stamped status has come."""
         self.statuses: dict[str, DiagnosticArray] = {}
+        self.over_link = False
+        """Whether what has just been sent goes over a link to Earth."""
         self.beats: dict[str, Heartbeat] = {}
         """Last heartbeat of each role."""
         self._start = StartWatch(self._held)
@@ -87,19 +93,46 @@ class GoalClient(Desk):
         self._clock = self.listen(topic("/clock"), self._on_clock, lockstep=False)
         self._readers = [self.listen(topic(name), self._keep(who)) for who, name in STATUS_TOPICS.items()]
         self._readers.append(self.listen(topic("/diagnostics"), self._hear))
+        self.link = LinkView(self, STATUS_TOPICS)
         return self
 
     def send(self, who: str, name: str, message: Message) -> None:
-        """Publish a goal on a topic once its role listens. Raises NoStackError if it does not within ANSWER_S."""
-        sender = self.sender_to(who, name)
-        sender.publish(encode(topic(name), stamped(message, self.now)))
+        """Publish a goal on a topic once its role listens, over the link where the run has one.
+
+        Raises NoStackError if nobody listens within ANSWER_S.
+        """
+        row, sender = topic(name), self.sender_to(who, topic(name))
+        self.over_link = self.has_link() and name in COMMANDS
+        if self.over_link:
+            row = on_earth(row)
+            sender = self.sender_to("the link to Earth", row)
+        sender.publish(encode(row, stamped(message, self.now)))
         self._last_stamp = self.now
 
-    def sender_to(self, who: str, name: str) -> Any:
-        """Publisher of a topic, once its role listens. Raises NoStackError if it does not within ANSWER_S."""
-        sender = self.sender(topic(name))
+    def cancel(self, number: str) -> list[str]:
+        """Take back a command, or all where no number is said; those that are. Raises NoStackError, CommandError."""
+        row = CANCEL
+        self.sender_to("drive", topic("/goal_pose"))
+        if not self.has_link():
+            raise CommandError("the run has no link to Earth, and a goal no way on which it could be taken back")
+        self.sender_to("the link to Earth", row).publish(encode(row, Header(self.now, number)))
+        end = time.monotonic() + STOPPED_S
+        before = self.now
+        while time.monotonic() < end and not self.stop.is_set and self.now < before + 2 * NANOSECONDS:
+            self.spin(0.05)
+        gone = [one for one, values in self.link.commands() if values.get("state") == CANCELLED]
+        return [one for one in gone if number in ("", one)]
+
+    def has_link(self) -> bool:
+        """Whether the run has a link to Earth."""
+        self.spin(STOP_SETTLE_S)  # whoever has not been found by now does not take part
+        return self.link.is_there
+
+    def sender_to(self, who: str, row: Topic) -> Any:
+        """Publisher of a row, once its role listens. Raises NoStackError if it does not within ANSWER_S."""
+        sender = self.sender(row)
         if not self._await(lambda: bool(self._is_heard(sender) and self.now)):
-            what = "its simulation time does not run" if self._is_heard(sender) else f"nobody acts on {name}"
+            what = "its simulation time does not run" if self._is_heard(sender) else f"nobody acts on {row.name}"
             raise NoStackError(self._nobody(who, what))
         return sender
 
@@ -110,10 +143,16 @@ class GoalClient(Desk):
         ANSWER_S. Returns whether they stand, and in words what they say.
         """
         messages = stop_messages(0)
-        senders = {name: self.sender(topic(name)) for name, _ in messages}
+        rows = {name: topic(name) for name, _ in messages}
+        senders = {name: self.sender(row) for name, row in rows.items()}
         if not self._await(lambda: any(self._is_heard(sender) for sender in senders.values())):
             raise NoStackError(self._nobody("drive or arm", f"nobody acts on {' or '.join(senders)}"))
-        self.spin(STOP_SETTLE_S)  # whoever has not been found by now does not take part
+        if self.has_link():
+            rows = {name: on_earth(row) for name, row in rows.items()}
+            senders = {name: self.sender_to("the link to Earth", row) for name, row in rows.items()}
+            for name, message in messages:
+                senders[name].publish(encode(rows[name], message))
+            return self._stopped_over_link()
         told = [name for name, sender in senders.items() if self._is_heard(sender)]
         for name, message in messages:
             if name in told:
@@ -128,13 +167,23 @@ class GoalClient(Desk):
         moving = " and ".join(who for who in waiting if not self._stands(who))
         return False, f"stop sent, but {moving} did not say within {STOPPED_S:g} s that it stands"
 
+    def _stopped_over_link(self) -> tuple[bool, str]:
+        """That a stop is on its way is all that can be said now: what comes of it is known two light times later."""
+        state = self.link.state
+        words = (
+            f"the stop is on its way: window {state.get('window', '?')}, light takes {state.get('light_time_s', '?')} s"
+        )
+        return True, words
+
     def _stands(self, who: str) -> bool:
         status = self.statuses.get(who)
         return status is not None and report_of(status).state != "moving"
 
     def follow(self, command: str, timeout_s: float) -> tuple[str, str]:
         """Show the progress of the goal just sent until it ends. Returns outcome and reason."""
-        who, _ = GOALS[command]
+        who, name = GOALS[command]
+        if self.over_link:
+            return self._follow_over_link(name, timeout_s)
         read = REPORTS.get(command, report_of)
         begin = shown = time.monotonic()
         while not self.stop.is_set and time.monotonic() - begin < timeout_s:
@@ -152,13 +201,31 @@ class GoalClient(Desk):
             return "interrupted", "the goal goes on: stop it with scripts/goal stop"
         return "not finished", f"within {timeout_s:g} s of wall time; the goal goes on"
 
+    def _follow_over_link(self, name: str, timeout_s: float) -> tuple[str, str]:
+        """As `follow`, by what the Earth knows."""
+        lines, end = CommandLines(), time.monotonic() + timeout_s
+        while not self.stop.is_set and time.monotonic() < end:
+            self.spin(0.05)
+            values = self.link.command(name, self._last_stamp)
+            for line in lines.new(values, self.link.state):
+                print(line, flush=True)
+            if values.get("state") in OVER or (values.get("state") == RECEIVED and name not in ANSWERS):
+                return values["outcome"] or values["state"], values["reason"]
+        if self.stop.is_set:
+            return "interrupted", "the command goes on: take it back with scripts/goal cancel, or stop it"
+        return "not finished", f"within {timeout_s:g} s of wall time; the command goes on"
+
     def answer(self, timeout_s: float) -> dict[str, str] | None:
         """The drive's answer to the question just sent, fields of its status; None if none comes in that time."""
         end = time.monotonic() + timeout_s
         while not self.stop.is_set and time.monotonic() < end:
             self.spin(0.05)
-            values = status_values(self.statuses["drive"]) if "drive" in self.statuses else {}
-            if values.get("asked_stamp") == str(self._last_stamp):
+            heard, stamp = self.statuses, str(self._last_stamp)
+            if self.over_link:
+                heard = self.link.telemetry
+                stamp = self.link.command(QUESTION, self._last_stamp).get("machine_stamp", "")
+            values = status_values(heard["drive"]) if "drive" in heard else {}
+            if values.get("asked_stamp") == stamp:
                 return values
         return None
 
@@ -289,6 +356,11 @@ def run(given: argparse.Namespace) -> int:
     """
     if given.command == "fault":
         return _fail(given)
+    if given.command == "cancel":
+        with GoalClient(given.domain, given.namespace) as client:
+            gone = client.cancel(given.number)
+        print(f"cancelled: {', '.join(gone)}" if gone else "nothing of it waits: what has begun to leave goes its way")
+        return 0 if gone else 1
     message = None if given.command == "stop" else _goal(given)
     with GoalClient(given.domain, given.namespace) as client:
         if message is None:

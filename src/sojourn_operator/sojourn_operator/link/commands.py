@@ -45,8 +45,8 @@ class Command(NamedTuple):
 
     Args:
         number: of the uplink. topic, stamp: as it was sent on Earth. queued, sent: when it came and had left.
-        given: on the machine, the stamp with which its receiver has given it out. settled: whether the machine has told
-            its end.
+        given: on the machine, the stamp with which its receiver has given it out; told: the same, once the Earth knows.
+        settled: whether the machine has told its end.
         received, executed: when, as the machine has told. state: as far as the Earth knows. known: since when it does.
         outcome, reason: of who carried it out.
     """
@@ -63,6 +63,7 @@ class Command(NamedTuple):
     outcome: str = ""
     reason: str = ""
     given: int = 0
+    told: int = 0
     settled: bool = False
 
     @property
@@ -76,6 +77,7 @@ class Command(NamedTuple):
         return {
             "topic": self.topic,
             "goal_stamp": str(self.stamp),
+            "machine_stamp": str(self.told),
             "state": self.state,
             "known_s": f"{seconds(self.known):.2f}",
             **{f"{name}_s": f"{seconds(time):.2f}" if time else "" for name, time in times.items()},
@@ -85,13 +87,16 @@ class Command(NamedTuple):
 
 
 class Word(NamedTuple):
-    """What the machine tells of a command: its state since a time [ns], and how it ended."""
+    """What the machine tells of a command: its state since a time [ns], how it ended, and with which stamp it has been
+    given out [ns].
+    """
 
     number: int
     state: str
     at: int
     outcome: str = ""
     reason: str = ""
+    given: int = 0
 
 
 class Sample(NamedTuple):
@@ -105,7 +110,8 @@ def after_word(command: Command, word: Word, now: int) -> Command:
     """A command of which the machine's word has reached the Earth at a time [ns]."""
     if command.state in OVER or (word.state == RECEIVED and command.state == RECEIVED):
         return command
-    found = command._replace(state=word.state, known=now, outcome=word.outcome, reason=word.reason)
+    told = word.given or command.told
+    found = command._replace(state=word.state, known=now, outcome=word.outcome, reason=word.reason, told=told)
     if word.state == RECEIVED:
         return found._replace(received=word.at)
     return found._replace(executed=word.at) if word.state == EXECUTED else found
@@ -120,9 +126,9 @@ def settled(command: Command, statuses: Mapping[str, DiagnosticArray]) -> Word |
     _, read, ends = answer
     report = read(status)
     if report.goal_stamp > command.given:
-        return Word(command.number, SUPERSEDED, status.stamp, "", "another goal has taken its place")
+        return Word(command.number, SUPERSEDED, status.stamp, "", "another goal has taken its place", command.given)
     if report.goal_stamp == command.given and report.state in ends:
-        return Word(command.number, EXECUTED, status.stamp, report.state, report.reason)
+        return Word(command.number, EXECUTED, status.stamp, report.state, report.reason, command.given)
     return None
 
 

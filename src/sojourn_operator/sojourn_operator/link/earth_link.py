@@ -196,16 +196,22 @@ def _after_uplink(state: LinkState, news: News, now: int) -> tuple[LinkState, li
             log = list(_marked(tuple(log), {packet.number}, EXPIRED, now, reason))
     for time, packet in news.arrived:
         name, message = packet.content
-        last = max((one.given for one in log if one.role == ROLE_OF[name]), default=0)
-        # no two goals of one role with the same stamp: by it the answers tell which they are of
-        message = stamped(message, max(message.stamp, now + LEAD_NS, last + CONTROL_PERIOD_NS))
+        message = stamped(message, _own_stamp(log, ROLE_OF[name], max(message.stamp, now + LEAD_NS)))
         said.append((name, message))
         if packet.number in places:
             place = places[packet.number]
             log[place] = log[place]._replace(given=message.stamp)
         if name not in VELOCITIES:
-            words.append(Word(packet.number, RECEIVED, time))
+            words.append(Word(packet.number, RECEIVED, time, given=message.stamp))
     return replace(state, log=tuple(log)), words, said
+
+
+def _own_stamp(log: Sequence[Command], role: str, stamp: int) -> int:
+    """The first from a stamp [ns] on that no other goal of the role has: by it the answers tell which they are of."""
+    taken = {one.given for one in log if one.role == role}
+    while stamp in taken:
+        stamp += CONTROL_PERIOD_NS
+    return stamp
 
 
 def _with_ends(state: LinkState) -> tuple[LinkState, list[Word]]:

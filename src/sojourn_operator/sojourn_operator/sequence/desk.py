@@ -62,7 +62,9 @@ class SequenceDesk(GoalClient):
         topics = {step.action.topic: step.action.role for step in self.runner.config.steps if step.action.topic}
         topics |= {STOPS[role]: role for role in self.runner.roles}
         for topic, role in topics.items():
-            self._senders[topic] = self.sender_to(role, topic)
+            self._senders[topic] = self.sender_to(role, self.table.topic(topic))
+        if self.has_link():
+            say("the run has a link to Earth: a sequence goes round it, as of somebody beside the machine")
 
     def run(self) -> bool:
         """Carry it out. Returns whether every step came to a good end, or was skipped by somebody."""
