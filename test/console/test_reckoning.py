@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sojourn_config.scenario import load_scenario
-from sojourn_console.reckoning import DT, Account, Ground, reckon
+from sojourn_console.reckoning import DT, StandingGround, TripAccount, reckon
 from sojourn_console.rehearsal import rehearse
 from sojourn_console.rehearsed import RECKONED
 from sojourn_flight.planning.energy_params import EnergyParams
@@ -36,7 +36,7 @@ def way(scenario: str, x: float, y: float, *others: str):
 def test_it_stands_on_the_plane_under_its_supports(yaw: float) -> None:
     y, x = np.mgrid[-5.0:5.01:0.1, -5.0:5.01:0.1]
     field = HeightField(1.0 + 0.2 * x - 0.1 * y, np.zeros(x.shape, dtype=np.uint8), 0.1, -5.0, -5.0, ("one",))
-    position, roll, pitch = Ground(field, SUPPORTS, 0.4).pose(1.0, 2.0, yaw)
+    position, roll, pitch = StandingGround(field, SUPPORTS, 0.4).pose(1.0, 2.0, yaw)
     assert position == pytest.approx([1.0, 2.0, 1.0 + 0.2 - 0.2 + 0.4])
     # slopes along and across its heading: of the plane's gradient (0.2, -0.1)
     assert math.tan(-pitch) == pytest.approx(0.2 * math.cos(yaw) - 0.1 * math.sin(yaw))
@@ -44,7 +44,7 @@ def test_it_stands_on_the_plane_under_its_supports(yaw: float) -> None:
 
 
 def test_what_a_way_takes_is_the_sum_of_its_costs() -> None:
-    account = Account(COSTS)
+    account = TripAccount(COSTS)
     for speed, yaw_rate, grade in ((0.1, 0.0, 0.0), (0.0, 0.2, 0.0), (0.1, 0.05, math.radians(8.0)), (0.0, 0.0, 0.0)):
         for _ in range(100):
             account.add(speed, yaw_rate, grade)

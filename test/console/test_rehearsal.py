@@ -3,6 +3,7 @@
 import json
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -86,6 +87,15 @@ def test_a_program_that_waits_reckons_first() -> None:
     rehearser.prepare()
     rehearser.close()
     assert not rehearser.is_under_way and ready is not None and ready.poll() is not None
+
+
+def test_what_depends_on_the_cameras_noise_is_told_as_a_spread() -> None:
+    rehearser = Rehearser()
+    drive = RehearsedDrive(RECKONED, "reached", time_s=100.0, energy_wh=3.0, is_over=True)
+    rehearser.found = {RECKONED: drive}
+    rehearser.others = (replace(drive, look=1, time_s=101.0, energy_wh=3.9),)
+    rows = dict(rehearsal_rows(rehearser))
+    assert rows["driven"].endswith("in 100 s") and rows["energy"] == "3.00 Wh (3.00 to 3.90)"
 
 
 def test_one_that_fails_says_why() -> None:

@@ -46,7 +46,7 @@ STILL = 1e-3
 LONGEST_S = 7200.0
 
 
-class Ground:
+class StandingGround:
     """Under a machine.
 
     Args:
@@ -66,7 +66,7 @@ class Ground:
         return np.array([x, y, height + self._ride_height]), math.atan(lean), -math.atan(rise)
 
 
-class Account:
+class TripAccount:
     """What has been taken. costs: of the machine."""
 
     def __init__(self, costs: EnergyParams) -> None:
@@ -95,8 +95,11 @@ class Account:
         self._moved, self._turned = moves, turns
 
 
-def reckon(loaded: LoadedScenario) -> Iterator[RehearsedDrive]:
+def reckon(loaded: LoadedScenario, look: int = 0) -> Iterator[RehearsedDrive]:
     """The first step of a scenario, a way for the drive, from its start; what is found, step by step.
+
+    Each look has other noise of the camera: near rocks it decides which way round is taken, and by how much the
+    drive may come to other figures.
 
     Nothing is yielded for a machine whose costs are not known.
     """
@@ -106,14 +109,14 @@ def reckon(loaded: LoadedScenario) -> Iterator[RehearsedDrive]:
     model = DriveModel(known.drive, known.mobility(), hazard_camera_of(known), keep_out=KeepOut(known.keep_out))
     obstacles = known.drive.obstacles
     ride_height = 0.0 if obstacles is None else obstacles.outline.ride_height  # a machine that sees nothing needs none
-    ground = Ground(loaded.height_field(), model.mobility.ability.supports, ride_height)
-    eyes = _Eyes(loaded, ground)
+    ground = StandingGround(loaded.height_field(), model.mobility.ability.supports, ride_height)
+    eyes = _Eyes(loaded, ground, look)
     action = loaded.config.steps[0].action
     start = known.start
     state = model.initial_state(start.x, start.y, start.yaw)
     message = action.goal(View(0, 0, {}, RunFacts()))
     goal = goal_of(action.topic, message, state.odometry, 1)
-    account, found = Account(known.drive.energy), RehearsedDrive(RECKONED, "moving")
+    account, found = TripAccount(known.drive.energy), RehearsedDrive(RECKONED, "moving", look=look)
     here = state.odometry
     position, roll, pitch = ground.pose(here.x, here.y, here.yaw)
     rolling = np.isin(model.mobility.joints, [support.joint for support in known.machine.rolling])
@@ -144,15 +147,15 @@ def reckon(loaded: LoadedScenario) -> Iterator[RehearsedDrive]:
 
 
 class _Eyes:
-    """The hazard camera on the map's ground. loaded: the scenario. ground: it."""
+    """The hazard camera on the map's ground. loaded: the scenario. ground: it. look: which noise it has."""
 
-    def __init__(self, loaded: LoadedScenario, ground: Ground) -> None:
+    def __init__(self, loaded: LoadedScenario, ground: StandingGround, look: int) -> None:
         params = loaded.sensors.first(HazcamParams)
         self._ground, self.first = ground, 0
         self._camera = None if params is None else hazcam.hazcam_on(params, loaded.urdf_xml)
         if self._camera is None:
             return
-        self._noise = hazcam.initial_state(self._camera, loaded.config.seed)
+        self._noise = hazcam.initial_state(self._camera, loaded.config.seed + look)
         row = table_of(loaded).topic(CLOUD)
         self._every = max(1, round(row.every * CONTROL_PERIOD_S / DT))
 

@@ -43,6 +43,8 @@ BEARING_N = 5.0
 ROLLING = 0.02
 """Speed below which a wheel's slip says little: it is 1 when the machine begins to move [m/s]."""
 LONGEST_S = 7200.0
+LOOKS = 3
+"""Times that a drive is reckoned, each with other noise of the camera."""
 TRUTHS_ALONE = ("faults", "soil", "rock_soil", *TRUTH_ALONE)
 """First words of what no machine believes."""
 
@@ -119,7 +121,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         given = json.loads(line)
     scenario, *overrides = given
     loaded, told = load_scenario(scenario, overrides), 0.0
-    for found in itertools.chain(reckon(loaded), rehearse(loaded)):
+    reckoned = itertools.chain.from_iterable(reckon(loaded, look) for look in range(LOOKS))
+    for found in itertools.chain(reckoned, rehearse(loaded)):
         if found.is_over or time.monotonic() - told > TELL_S:
             told = time.monotonic()
             print(json.dumps(asdict(found)), flush=True)

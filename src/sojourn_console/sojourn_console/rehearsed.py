@@ -15,7 +15,7 @@ class RehearsedDrive:
         means: how it was found: RECKONED or SIMULATED. state, reason: of the drive's goal. time_s: since it began.
         length_m: driven. energy_wh: as the drive counts it. tilt_deg: the steepest. is_over: nothing more comes.
         charge: by the power manager, 0 to 1; mode: of it; slip: the worst of a wheel that bears, 0 to 1. What is
-            reckoned does not know these.
+            reckoned does not know these. look: of what is reckoned several times, which.
     """
 
     means: str = SIMULATED
@@ -29,3 +29,4 @@ class RehearsedDrive:
     slip: float = 0.0
     mode: str = ""
     is_over: bool = False
+    look: int = 0

@@ -20,11 +20,13 @@ class Rehearser:
     """One rehearsal at a time; a new one ends the one before.
 
     Attributes:
-        found: newest of each means. problem: why there is none.
+        found: newest of each means; of what is reckoned several times the first. others: the ends of the other times.
+        problem: why there is none.
     """
 
     def __init__(self) -> None:
         self.found: dict[str, RehearsedDrive] = {}
+        self.others: tuple[RehearsedDrive, ...] = ()
         self.problem = ""
         self._child: subprocess.Popen[str] | None = None
         self._ready: subprocess.Popen[str] | None = None
@@ -44,7 +46,7 @@ class Rehearser:
     def begin(self, scenario: str, overrides: Sequence[str]) -> None:
         """Rehearse from a scenario with what goes over its files."""
         self.end()
-        self.found, self.problem = {}, ""
+        self.found, self.others, self.problem = {}, (), ""
         self.prepare()
         child, self._ready = self._ready, None
         if child is None or child.stdin is None:
@@ -77,7 +79,10 @@ class Rehearser:
         for line in child.stdout or ():
             if self._child is child:
                 found = RehearsedDrive(**json.loads(line))
-                self.found = {**self.found, found.means: found}
+                if not found.look:
+                    self.found = {**self.found, found.means: found}
+                elif found.is_over:
+                    self.others = (*self.others, found)
         errors = child.stderr.read() if child.stderr is not None else ""
         if self._child is child:
             if child.wait():

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -24,6 +24,8 @@ from sojourn_operator.foresight_words import foresight_lines
 LOOK, DRIVE, ROUTE, ARM, TASK = "look round", "drive to a place", "drive a route", "place the arm's tip", "arm task"
 KINDS: Mapping[str, Kind] = {DRIVE: "drive", ROUTE: "route", ARM: "arm", TASK: "task"}
 TIP = "arm_tip_link"
+APART = 0.02
+"""Figures of a drive that differ by less are one."""
 HERE = "…"
 """No waypoint is chosen."""
 HANDLE = "/draft/handle_"
@@ -253,7 +255,8 @@ def foresight_rows(status: Mapping[str, str]) -> list[tuple[str, str]]:
 
 def rehearsal_rows(rehearser: Rehearser) -> list[tuple[str, str]]:
     """What a rehearsal has found so far, as names and values."""
-    rows = [row for means in (RECKONED, SIMULATED) for row in _found_rows(rehearser.found.get(means))]
+    rows = _found_rows(rehearser.found.get(RECKONED), rehearser.others)
+    rows += _found_rows(rehearser.found.get(SIMULATED))
     if rehearser.problem:
         return [*rows, (SIMULATED, rehearser.problem)]
     if rehearser.is_under_way and SIMULATED not in rehearser.found:
@@ -261,7 +264,7 @@ def rehearsal_rows(rehearser: Rehearser) -> list[tuple[str, str]]:
     return rows
 
 
-def _found_rows(found: RehearsedDrive | None) -> list[tuple[str, str]]:
+def _found_rows(found: RehearsedDrive | None, others: Sequence[RehearsedDrive] = ()) -> list[tuple[str, str]]:
     if found is None:
         return []
     state = found.state if found.is_over else f"{found.time_s:.0f} s so far"
@@ -269,10 +272,17 @@ def _found_rows(found: RehearsedDrive | None) -> list[tuple[str, str]]:
     slip = f", slip {found.slip:.0%}" if found.means == SIMULATED else ""
     return [
         (found.means, f"{state}: {found.reason}" if found.reason else state),
-        ("driven", f"{found.length_m:.2f} m in {found.time_s:.0f} s"),
-        ("energy", f"{found.energy_wh:.2f} Wh{charge}"),
+        ("driven", f"{found.length_m:.2f} m in {found.time_s:.0f} s{_spread('time_s', found, others, '.0f')}"),
+        ("energy", f"{found.energy_wh:.2f} Wh{_spread('energy_wh', found, others, '.2f')}{charge}"),
         ("worst", f"tilt {found.tilt_deg:.1f}°{slip}"),
     ]
+
+
+def _spread(name: str, found: RehearsedDrive, others: Sequence[RehearsedDrive], form: str) -> str:
+    """By how much a figure differs from time to time; nothing where it hardly does."""
+    values = [getattr(one, name) for one in (found, *others)]
+    low, high = min(values), max(values)
+    return f" ({low:{form}} to {high:{form}})" if high > (1.0 + APART) * low else ""
 
 
 def _hint(mode: str, draft: Draft) -> str:

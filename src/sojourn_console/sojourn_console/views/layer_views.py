@@ -14,6 +14,8 @@ from sojourn_console.world import World
 
 MOST_POINTS = 40_000
 """Of a layer: what a laptop draws with ease."""
+BELOW_LINES = np.array([0.0, 0.0, 0.02])
+"""So that ways and zones are drawn over them [m]."""
 LIMIT_DEG, REACH = 20.0, 0.5
 """Of a machine whose drive knows no limits of slope."""
 
@@ -42,9 +44,9 @@ class SlopeView:
         self._points.put(
             self._server.scene.add_point_cloud(
                 "/layers/slope",
-                points=on_ground(self._world, np.column_stack([x, y])).astype(np.float32),
+                points=(on_ground(self._world, np.column_stack([x, y])) - BELOW_LINES).astype(np.float32),
                 colors=slope_colors(slopes[rows, columns].ravel(), limit),
-                point_size=0.6 * step * ground.resolution,
+                point_size=0.75 * step * ground.resolution,
                 point_shape="square",
             )
         )
@@ -76,7 +78,7 @@ class ClosedView:
         self._points.put(
             self._server.scene.add_point_cloud(
                 "/layers/closed",
-                points=on_ground(self._world, places).astype(np.float32),
+                points=(on_ground(self._world, places) - BELOW_LINES).astype(np.float32),
                 colors=np.tile(np.array(RED, dtype=np.uint8), (len(places), 1)),
                 point_size=0.8 * grid.resolution,
                 point_shape="square",
