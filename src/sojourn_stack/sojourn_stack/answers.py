@@ -10,7 +10,7 @@ from sojourn_contract.topic_types import Topic
 from sojourn_contract.values import Message
 
 
-class Answers:
+class OwnAnswers:
     """Takes all that is said in a replay, and keeps the role's own.
 
     Attributes:

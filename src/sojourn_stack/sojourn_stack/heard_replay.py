@@ -12,12 +12,12 @@ from sojourn_bags.replay_script import ReplayScript
 from sojourn_contract.app import App, Period
 from sojourn_contract.codecs import decode
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_stack.answers import Answers
+from sojourn_stack.answers import OwnAnswers
 
 
 def replay_as_heard(heard: HeardScript, app: App[Any]) -> Replay:
     """Replay a script through the app of its role. Raises ReplayError for bytes that hold no message of their type."""
-    script, answers = heard.script, Answers(heard.script)
+    script, answers = heard.script, OwnAnswers(heard.script)
     state, before = app.initial_state(), 0
     try:
         for period in heard.periods:

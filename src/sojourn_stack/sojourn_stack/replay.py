@@ -24,7 +24,7 @@ from sojourn_contract.app import App
 from sojourn_contract.codecs import decode
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.topic_table import TopicTable
-from sojourn_stack.answers import Answers
+from sojourn_stack.answers import OwnAnswers
 from sojourn_stack.apps import APPS
 from sojourn_stack.errors import WaitingError
 from sojourn_stack.heard_replay import replay_as_heard
@@ -49,7 +49,7 @@ def replay(bag: Bag, role: str, app: App[Any]) -> Replay:
     if is_in_real_time(bag):
         return replay_as_heard(heard_script_of(bag, role), app)
     script = script_of(bag, role)
-    answers = Answers(script)
+    answers = OwnAnswers(script)
     stack = _stack(script, bag.topics, app)
     state, said = stack.begin()
     answers.take(said)

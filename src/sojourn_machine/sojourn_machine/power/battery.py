@@ -27,7 +27,7 @@ protection switch has opened), which keeps a caller from drawing more.
 Valid for currents up to a few times the capacity per hour, steps short against a minute for the temperature.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
@@ -50,6 +50,11 @@ from sojourn_machine.power.lithium_age import LithiumAge
 from sojourn_machine.power.stores import StoreParams, StorePoint
 
 SECONDS_PER_HOUR = 3600.0
+
+
+def _check_length(name: str, values: Sequence[float], of: str, points: Sequence[float]) -> None:
+    if len(values) != len(points):
+        raise ValueError(f"{name} has {len(values)} values: allowed is {len(points)}, as many as {of}")
 
 
 class BatteryParams(StoreParams):
@@ -104,11 +109,7 @@ class BatteryParams(StoreParams):
 
     @model_validator(mode="after")
     def _check_tables(self) -> Self:
-        if len(self.ocv_points) != len(self.soc_points):
-            raise ValueError(
-                f"ocv_points has {len(self.ocv_points)} values: allowed is {len(self.soc_points)}, "
-                "as many as soc_points"
-            )
+        _check_length("ocv_points", self.ocv_points, "soc_points", self.soc_points)
         require_rising("soc_points", self.soc_points)
         require_rising("ocv_points", self.ocv_points)
         require_rising("resistance_temperatures", self.resistance_temperatures)
@@ -118,11 +119,7 @@ class BatteryParams(StoreParams):
             raise ValueError(f"ocv_points[0] = {self.ocv_points[0]}: allowed is above 0 V")
         for name in ("resistance_ohmic", "resistance_polarisation"):
             values = getattr(self, name)
-            if len(values) != len(self.resistance_temperatures):
-                raise ValueError(
-                    f"{name} has {len(values)} values: allowed is {len(self.resistance_temperatures)}, "
-                    "as many as resistance_temperatures"
-                )
+            _check_length(name, values, "resistance_temperatures", self.resistance_temperatures)
             if min(values) <= 0.0:
                 raise ValueError(f"{name}: allowed is above 0 ohm everywhere")
         colder = self.temperature_frozen <= self.temperature_discharge_min <= self.temperature_charge_min

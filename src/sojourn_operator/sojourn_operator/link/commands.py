@@ -40,7 +40,7 @@ ANSWERS: dict[str, tuple[str, Callable[[DiagnosticArray], GoalReport], tuple[str
 """Of each topic where its answer is told, how that is read, and with which states it is over."""
 
 
-class Command(NamedTuple):
+class SentCommand(NamedTuple):
     """A command. Times are simulation time [ns], 0 for what has not happened, or is not known on Earth.
 
     Args:
@@ -86,7 +86,7 @@ class Command(NamedTuple):
         }
 
 
-class Word(NamedTuple):
+class MachineWord(NamedTuple):
     """What the machine tells of a command: its state since a time [ns], how it ended, and with which stamp it has been
     given out [ns].
     """
@@ -99,14 +99,14 @@ class Word(NamedTuple):
     given: int = 0
 
 
-class Sample(NamedTuple):
+class TelemetrySample(NamedTuple):
     """A message of telemetry."""
 
     topic: str
     message: Message
 
 
-def after_word(command: Command, word: Word, now: int) -> Command:
+def after_word(command: SentCommand, word: MachineWord, now: int) -> SentCommand:
     """A command of which the machine's word has reached the Earth at a time [ns]."""
     if command.state in OVER or (word.state == RECEIVED and command.state == RECEIVED):
         return command
@@ -117,7 +117,7 @@ def after_word(command: Command, word: Word, now: int) -> Command:
     return found._replace(executed=word.at) if word.state == EXECUTED else found
 
 
-def settled(command: Command, statuses: Mapping[str, DiagnosticArray]) -> Word | None:
+def settled(command: SentCommand, statuses: Mapping[str, DiagnosticArray]) -> MachineWord | None:
     """The machine's last word on a command that it has been given, None as long as it goes on. statuses: by topic."""
     answer = ANSWERS.get(command.topic)
     status = None if answer is None else statuses.get(answer[0])
@@ -126,13 +126,15 @@ def settled(command: Command, statuses: Mapping[str, DiagnosticArray]) -> Word |
     _, read, ends = answer
     report = read(status)
     if report.goal_stamp > command.given:
-        return Word(command.number, SUPERSEDED, status.stamp, "", "another goal has taken its place", command.given)
+        return MachineWord(
+            command.number, SUPERSEDED, status.stamp, "", "another goal has taken its place", command.given
+        )
     if report.goal_stamp == command.given and report.state in ends:
-        return Word(command.number, EXECUTED, status.stamp, report.state, report.reason, command.given)
+        return MachineWord(command.number, EXECUTED, status.stamp, report.state, report.reason, command.given)
     return None
 
 
-def reports_on_earth(reports: Mapping[str, GoalReport], log: Iterable[Command]) -> dict[str, GoalReport]:
+def reports_on_earth(reports: Mapping[str, GoalReport], log: Iterable[SentCommand]) -> dict[str, GoalReport]:
     """What operators go by: the last reports of drive and arm that have been received, of each goal with the stamp that
     it had when it was sent; before them what is known of the last command of a role: its end, which is acknowledged
     before all telemetry, or that it never gets there.

@@ -29,9 +29,9 @@ from sojourn_operator.link.commands import (
     ROLE_OF,
     SENT,
     VELOCITIES,
-    Command,
-    Sample,
-    Word,
+    MachineWord,
+    SentCommand,
+    TelemetrySample,
     after_word,
     settled,
 )
@@ -54,13 +54,13 @@ class LinkState:
 
     up: ChannelState = field(default_factory=ChannelState)
     down: ChannelState = field(default_factory=ChannelState)
-    log: tuple[Command, ...] = ()
+    log: tuple[SentCommand, ...] = ()
     """The last commands, the newest last."""
     taken: Mapping[str, int] = field(default_factory=dict)
     """Stamp of the last message of telemetry that has been taken, by topic [ns]."""
-    samples: tuple[Sample, ...] = ()
+    samples: tuple[TelemetrySample, ...] = ()
     """Telemetry since the last look."""
-    by_hand: tuple[Sample, ...] = ()
+    by_hand: tuple[TelemetrySample, ...] = ()
     """What people have sent since the last look."""
     statuses: Mapping[str, DiagnosticArray] = field(default_factory=dict)
     """Last ones on the machine, by topic."""
@@ -106,14 +106,14 @@ class EarthLink:
         if statuses:
             state = replace(state, statuses={**state.statuses, **statuses})
         if period.goals:
-            state = replace(state, by_hand=(*state.by_hand, *(Sample(*goal) for goal in period.goals)))
-        fresh, taken = list[Sample](), dict(state.taken)
+            state = replace(state, by_hand=(*state.by_hand, *(TelemetrySample(*goal) for goal in period.goals)))
+        fresh, taken = list[TelemetrySample](), dict(state.taken)
         for name, how in self._telemetry.items():
             message = period.inputs.get(name)
             last = taken.get(name)
             if message is not None and (last is None or message.stamp >= last + max(1, how.every_s * NANOSECONDS)):
                 taken[name] = message.stamp
-                fresh.append(Sample(name, message))
+                fresh.append(TelemetrySample(name, message))
         return replace(state, samples=(*state.samples, *fresh), taken=taken) if fresh else state
 
     def turned(self, state: LinkState, now: int, truth: Odometry) -> tuple[LinkState, Said]:
@@ -154,11 +154,11 @@ class EarthLink:
         deadline = None if self._expires is None else now + self._expires
         message = message if message.stamp else stamped(message, now)
         keep, priority = (1 if name in VELOCITIES else KEPT), int(name not in FIRST)
-        packet = Packet(Sample(name, message), bits(message), priority, name, keep, deadline)
+        packet = Packet(TelemetrySample(name, message), bits(message), priority, name, keep, deadline)
         up, packet = self._up.offered(state.up, packet)
         gone = {one.number for one in state.up.waiting} - {one.number for one in up.waiting}
         dropped = _marked(state.log, gone, DROPPED, now, "too many of its topic were waiting")
-        log = (*dropped, Command(packet.number, name, message.stamp, now, known=now))[-KEPT:]
+        log = (*dropped, SentCommand(packet.number, name, message.stamp, now, known=now))[-KEPT:]
         return replace(state, up=up, log=log)
 
     def _cancelled(self, state: LinkState, now: int, number: str) -> LinkState:
@@ -172,17 +172,17 @@ class EarthLink:
 
 
 def _marked(
-    log: tuple[Command, ...], numbers: Collection[int], word: str, now: int, reason: str
-) -> tuple[Command, ...]:
+    log: tuple[SentCommand, ...], numbers: Collection[int], word: str, now: int, reason: str
+) -> tuple[SentCommand, ...]:
     """The log with a state of the commands of these numbers that the Earth knows by itself."""
     if not numbers:
         return log
     return tuple(one._replace(state=word, known=now, reason=reason) if one.number in numbers else one for one in log)
 
 
-def _after_uplink(state: LinkState, news: News, now: int) -> tuple[LinkState, list[Word], Said]:
+def _after_uplink(state: LinkState, news: News, now: int) -> tuple[LinkState, list[MachineWord], Said]:
     """What has happened on the way up: the machine's words on it, and what its receiver gives out."""
-    log, words, said = list(state.log), list[Word](), Said()
+    log, words, said = list(state.log), list[MachineWord](), Said()
     places = {command.number: place for place, command in enumerate(log)}
     for time, packet in news.sent:
         if packet.number in places:
@@ -191,7 +191,7 @@ def _after_uplink(state: LinkState, news: News, now: int) -> tuple[LinkState, li
     for time, packet, was_sent in news.expired:
         reason = f"not there by {seconds(packet.deadline or 0):.2f} s"
         if was_sent:
-            words.append(Word(packet.number, EXPIRED, time, reason=reason))
+            words.append(MachineWord(packet.number, EXPIRED, time, reason=reason))
         else:
             log = list(_marked(tuple(log), {packet.number}, EXPIRED, now, reason))
     for time, packet in news.arrived:
@@ -202,11 +202,11 @@ def _after_uplink(state: LinkState, news: News, now: int) -> tuple[LinkState, li
             place = places[packet.number]
             log[place] = log[place]._replace(given=message.stamp)
         if name not in VELOCITIES:
-            words.append(Word(packet.number, RECEIVED, time, given=message.stamp))
+            words.append(MachineWord(packet.number, RECEIVED, time, given=message.stamp))
     return replace(state, log=tuple(log)), words, said
 
 
-def _own_stamp(log: Sequence[Command], role: str, stamp: int) -> int:
+def _own_stamp(log: Sequence[SentCommand], role: str, stamp: int) -> int:
     """The first from a stamp [ns] on that no other goal of the role has: by it the answers tell which they are of."""
     taken = {one.given for one in log if one.role == role}
     while stamp in taken:
@@ -214,9 +214,9 @@ def _own_stamp(log: Sequence[Command], role: str, stamp: int) -> int:
     return stamp
 
 
-def _with_ends(state: LinkState) -> tuple[LinkState, list[Word]]:
+def _with_ends(state: LinkState) -> tuple[LinkState, list[MachineWord]]:
     """The machine's last words on commands that it is through with."""
-    log, words = list(state.log), list[Word]()
+    log, words = list(state.log), list[MachineWord]()
     for place, command in enumerate(log):
         word = settled(command, state.statuses) if command.given and not command.settled else None
         if word is not None:
@@ -229,7 +229,7 @@ def _after_downlink(state: LinkState, contents: Sequence[Any], now: int, said: S
     """What has reached the Earth."""
     log, reports = list(state.log), dict(state.reports)
     for content in contents:
-        if isinstance(content, Word):
+        if isinstance(content, MachineWord):
             log = [after_word(one, content, now) if one.number == content.number else one for one in log]
             continue
         said.append((EARTH + content.topic, content.message))

@@ -45,7 +45,7 @@ class Packet(NamedTuple):
     number: int = 0
 
 
-class Flight(NamedTuple):
+class InFlight(NamedTuple):
     """A packet on its way."""
 
     arrival: int
@@ -54,7 +54,7 @@ class Flight(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Tally:
+class PacketTally:
     """Packets since the start."""
 
     offered: int = 0
@@ -76,9 +76,9 @@ class ChannelState:
     sending: Packet | None = None
     left: float = 0.0
     """Bits of it that have not been sent yet."""
-    flying: tuple[Flight, ...] = ()
+    flying: tuple[InFlight, ...] = ()
     """In the order in which they arrive."""
-    tally: Tally = field(default_factory=Tally)
+    tally: PacketTally = field(default_factory=PacketTally)
     bits_sent: float = 0.0
 
     @property
@@ -195,7 +195,7 @@ class _Step:
             if self._channel.is_lost(packet.number):
                 self._lost += 1
             else:
-                self._flying.append(Flight(time + self._light_time, packet))
+                self._flying.append(InFlight(time + self._light_time, packet))
 
     def _take(self, time: int, end: int) -> bool:
         """Begin with the next; False where there is no time for any."""

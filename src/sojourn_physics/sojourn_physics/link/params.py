@@ -20,7 +20,7 @@ from sojourn_physics.link.window import LinkWindow, Sky
 LONGEST = 1e8
 
 
-class ChannelParams(Params):
+class LinkChannelParams(Params):
     """One direction."""
 
     bit_s: float | None = Field(default=None, gt=0.0, le=1e12, description="bandwidth [bit/s]; none: no limit")
@@ -50,8 +50,8 @@ class LinkParams(Params):
     light_time_s: float | None = Field(
         default=None, ge=0.0, le=LONGEST, description="one way [s]; none: by the ephemeris, with a site and a date"
     )
-    up: ChannelParams = Field(default_factory=ChannelParams, description="to the machine")
-    down: ChannelParams = Field(default_factory=ChannelParams, description="to the Earth")
+    up: LinkChannelParams = Field(default_factory=LinkChannelParams, description="to the machine")
+    down: LinkChannelParams = Field(default_factory=LinkChannelParams, description="to the Earth")
     expires_s: float | None = Field(
         default=None, gt=0.0, le=LONGEST, description="time in which a command has to arrive [s]; none: it may wait"
     )

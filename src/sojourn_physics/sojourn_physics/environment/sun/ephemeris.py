@@ -34,7 +34,7 @@ BODIES = ("earth", *_ORIENTATIONS)
 """Names of the bodies that have an ephemeris."""
 
 
-class Seen(NamedTuple):
+class FromCentre(NamedTuple):
     """Sun or Earth from the centre of a body."""
 
     direction: Vector
@@ -53,7 +53,7 @@ class Seen(NamedTuple):
         return math.atan2(self.direction[1], self.direction[0])
 
 
-def sun_from(body: str, at: Instant) -> Seen:
+def sun_from(body: str, at: Instant) -> FromCentre:
     """The Sun as seen from the centre of a body.
 
     Raises:
@@ -67,7 +67,7 @@ def sun_from(body: str, at: Instant) -> Seen:
     return _seen(body, (-x, -y, -z), at)
 
 
-def earth_from(body: str, at: Instant) -> Seen:
+def earth_from(body: str, at: Instant) -> FromCentre:
     """The centre of the Earth as seen from that of a body.
 
     Raises:
@@ -81,11 +81,11 @@ def earth_from(body: str, at: Instant) -> Seen:
     return _seen(body, _towards_earth(body, days - rough_distance * _LIGHT_DAYS), at)
 
 
-def _seen(body: str, towards: Vector, at: Instant) -> Seen:
+def _seen(body: str, towards: Vector, at: Instant) -> FromCentre:
     """What is at a place from the centre of a body, in the axes of the equator of J2000 [au]."""
     x, y, z = towards
     distance = math.hypot(x, y, z)
-    return Seen(body_axes(body, (x / distance, y / distance, z / distance), at), distance)
+    return FromCentre(body_axes(body, (x / distance, y / distance, z / distance), at), distance)
 
 
 def _towards_earth(body: str, days: float) -> Vector:
