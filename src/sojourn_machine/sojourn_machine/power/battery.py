@@ -65,12 +65,8 @@ class BatteryParams(StoreParams):
     cells_series: int = Field(ge=1, le=1000, description="cells in series [1]")
     cells_parallel: int = Field(ge=1, le=1000, description="strings in parallel [1]")
     capacity_ah: float = Field(gt=0.0, le=1000.0, description="charge of a full cell [Ah]")
-    soc_points: tuple[float, ...] = Field(
-        min_length=2, description="states of charge of the OCV table, rising from 0 to 1 [1]"
-    )
-    ocv_points: tuple[float, ...] = Field(
-        min_length=2, description="open-circuit voltage of a cell at soc_points, strictly rising [V]"
-    )
+    soc_points: tuple[float, ...] = Field(min_length=2, description="states of charge, rising from 0 to 1 [1]")
+    ocv_points: tuple[float, ...] = Field(min_length=2, description="OCV of a cell at soc_points, strictly rising [V]")
     resistance_temperatures: tuple[float, ...] = Field(
         min_length=1, description="temperatures of the resistance tables, strictly rising [K]"
     )
