@@ -142,7 +142,7 @@ def _topic(row: Topic) -> dict[str, Any]:
         "joints": row.joints,
         "meaning": row.meaning,
         "fields": [_field(rule) for rule in row.fields],
-    } | ({} if row.delivery is None else {"delivery": asdict(row.delivery)})
+    } | ({} if row.delivery is None else {"delivery": _told(row.delivery)})
 
 
 def _qos(row: Topic, lockstep: bool) -> str:
@@ -174,3 +174,10 @@ def _finite(value: float) -> float | None:
 
 def _words(value: Any) -> str:
     return json.dumps(value) if isinstance(value, dict | list) else repr(value)
+
+
+def _told(delivery: Delivery) -> dict[str, Any]:
+    """A delivery as data; losses without a word on frozen stamps where there are none, as before there could be."""
+    told = asdict(delivery)
+    losses = [{key: value for key, value in loss.items() if value or key != "frozen"} for loss in told["losses"]]
+    return {**told, "losses": losses}
