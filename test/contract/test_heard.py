@@ -30,6 +30,16 @@ def test_what_is_told_is_what_was_heard(acted: list[Acted], took: list[Took]) ->
     assert hearing.tell() == {}, "each once"
 
 
+def test_an_input_that_a_period_has_not_is_told_as_lost() -> None:
+    """A node of others may act on less: its heartbeat ended it."""
+    hearing = Hearing(acted=[Acted(20, {}), Acted(40, {"/imu/data": 40}), Acted(60, {"/odom": 50})])
+    assert [each.inputs for each in acted_in(hearing.tell())] == [
+        {"/imu/data": None, "/odom": None},
+        {"/imu/data": 40, "/odom": None},
+        {"/imu/data": None, "/odom": 50},
+    ]
+
+
 def test_a_second_of_real_time_is_a_line() -> None:
     hearing = Hearing()
     for period in range(1, 51):

@@ -56,12 +56,12 @@ def took_values(took: Iterable[Took]) -> dict[str, str]:
 
 
 def acted_values(acted: Sequence[Acted]) -> dict[str, str]:
-    """Periods of real time, all with the same inputs, as a heartbeat tells them."""
+    """Periods of real time, as a heartbeat tells them; an input that one of them has not is as one that was lost."""
     if not acted:
         return {}
-    stamps = [each.at for each in acted]
+    stamps, names = [each.at for each in acted], dict.fromkeys(name for each in acted for name in each.inputs)
     told = {ACTED: _runs(now - before for before, now in zip([0, *stamps], stamps, strict=False))}
-    return told | {HEARD + name: _runs(_age(each, name) for each in acted) for name in acted[0].inputs}
+    return told | {HEARD + name: _runs(_age(each, name) for each in acted) for name in names}
 
 
 @dataclass
@@ -112,7 +112,7 @@ def acted_in(values: Mapping[str, str]) -> list[Acted]:
 
 
 def _age(acted: Acted, name: str) -> int | None:
-    stamp = acted.inputs[name]
+    stamp = acted.inputs.get(name)
     return None if stamp is None else acted.at - stamp
 
 
