@@ -114,9 +114,9 @@ def test_what_is_heard_is_the_newest_that_has_arrived_and_is_young(
     arrived = list[tuple[int, int]]()
     for period in range(1, 101):  # in plain words: when does each arrive, if it does
         sent = period * CONTROL_PERIOD_NS
-        if lost in chosen and lost.meets(sent, period):
+        if lost in chosen and lost.meets(sent):
             continue
-        at = sent + late.delay if late in chosen and late.meets(sent, period) else sent
+        at = sent + late.delay if late in chosen and late.meets(sent) else sent
         arrived.append((max([at, *(before for before, _ in arrived)]), sent))
     for stamp, reading in readings.items():
         there = [sent for at, sent in arrived if at <= stamp]
@@ -144,7 +144,7 @@ def test_every_goal_is_given_lost_or_on_its_way(
     waiting = [each.stamp for _, each in state.ways[GOAL].coming]
     for period in goals_at:
         stamp = period * CONTROL_PERIOD_NS
-        times = 0 if lost.meets(stamp, period) else 2 if twice.meets(stamp, period) else 1
+        times = 0 if lost.meets(stamp) else 2 if twice.meets(stamp) else 1
         assert sum(sent == stamp for _, sent in given_at) + waiting.count(stamp) == times
     assert all(at == sent + late.delay for at, sent in given_at)
 

@@ -43,7 +43,7 @@ def test_what_is_asked_of_leaps_is_what_the_list_of_periods_says(
     on_grid = [each for each in periods if each % every == 0]
     assert leaps.newest(period, every) == max((each for each in on_grid if each <= period), default=0)
     assert leaps.count(period, every) == sum(each <= period for each in on_grid)
-    assert leaps.has(period) == (period in periods or period == 0)
+    assert (leaps.newest(period) == period) == (period in periods or period == 0)
     for before, after in itertools.pairwise(periods):
         assert leaps.after(before) == after and leaps.before(after) == before
     ns = CONTROL_PERIOD_NS

@@ -307,10 +307,14 @@ def _known_overrides(overrides: Sequence[str]) -> list[str]:
 
 def _flight(config: ScenarioConfig, known: KnownMachine) -> FlightScenario:
     return FlightScenario(
-        **known.known_fields(), start=config.start, sun=config.sun, activities=config.activities, leaps=config.leaps,
+        **known.known_fields(),
+        start=config.start,
+        sun=config.sun,
+        activities=config.activities,
+        leaps=config.leaps,
         keep_out=config.keep_out,
         link=config.link,
-    )  # fmt: skip
+    )
 
 
 def _belief_problems(bundle: Bundle | None, belief: Bundle | None, document: YamlDocument) -> Iterator[Problem]:

@@ -3,6 +3,7 @@
 It is carried out by the page's own process: a sequence ends with its console, and what is under way then goes on.
 """
 
+import contextlib
 import json
 from collections.abc import Mapping, Sequence
 
@@ -165,18 +166,13 @@ class SequenceBoard:
             runner = self._runner
             if runner is not None and not self.state.is_over:
                 self.state, stops = runner.abort(self.state, "console", self._feed.now, str(error))
-                self._send_if_heard(stops)
+                for stop in stops:
+                    with contextlib.suppress(GoalError):  # of a role that does not listen
+                        self._send([stop])
 
     def _send(self, goals: Sequence[GoalToSend]) -> None:
         for goal in goals:
             self._feed.send(goal.topic, goal.message)
-
-    def _send_if_heard(self, goals: Sequence[GoalToSend]) -> None:
-        for goal in goals:
-            try:
-                self._feed.send(goal.topic, goal.message)
-            except GoalError:
-                continue
 
 
 def with_step(text: str, step: Mapping[str, object]) -> str:

@@ -6,9 +6,9 @@ from sojourn_contract.errors import DisturbanceError
 from sojourn_contract.topic_types import Topic
 from sojourn_machine.disturbance import Disturbance
 from sojourn_machine.names import names_text
-from sojourn_machine.transport_fault import TIMING_TOPICS
+from sojourn_machine.transport_fault import ON_BOARD, TIMING_TOPICS
 
-ON_BOARD = ("plant", "sensors", "drive", "arm", "power")
+LISTENERS = ("plant", *ON_BOARD)
 """Roles that do not hear all that is said: an operator's script is the run's own."""
 TRUTHFUL = ("plant", "recorder")
 """Roles whose messages go over no wire of the machine."""
@@ -24,7 +24,7 @@ def concerns(disturbance: Disturbance, row: Topic) -> bool:
 def check_disturbances(disturbances: Iterable[Disturbance], rows: Iterable[Topic]) -> None:
     """Raise DisturbanceError for one of a topic or a node that a run of these rows does not have."""
     rows = tuple(rows)
-    heard = [row.name for row in rows if row.publisher not in TRUTHFUL and set(row.subscribers) & {*ON_BOARD}]
+    heard = [row.name for row in rows if row.publisher not in TRUTHFUL and set(row.subscribers) & {*LISTENERS}]
     heard = [name for name in heard if name not in TIMING_TOPICS]
     speaking = {row.publisher for row in rows}
     for each in disturbances:

@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar
 from sojourn_contract.app import Answer, App, Period, Refusal
 from sojourn_contract.arrival import check_input
 from sojourn_contract.corruption import bits_of, with_bit_flipped
-from sojourn_contract.disturbances import ON_BOARD, concerns
+from sojourn_contract.disturbances import LISTENERS, concerns
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.kept_data import KEEP_EVERY_NS, Kept
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
@@ -58,7 +58,7 @@ def disturbed(app: App[Any], table: TopicTable, disturbances: Sequence[Disturban
     """An app among the disturbances of its run; itself where none concerns it."""
     if not disturbances:
         return app
-    rows = [row for row in table if app.role in row.subscribers and app.role in ON_BOARD]
+    rows = [row for row in table if app.role in row.subscribers and app.role in LISTENERS]
     ways = {row.name: [each for each in disturbances if concerns(each, row)] for row in rows}
     restarts = [each for each in disturbances if each.effect == "restarted" and each.role == app.role]
     if not restarts and not any(ways.values()):
@@ -150,8 +150,7 @@ class DisturbedApp(App[DisturbedState[Any]]):
         stamp = getattr(message, "stamp", 0) or now
         if not row.is_event and stamp == way.heard:
             return way
-        period = stamp // CONTROL_PERIOD_NS
-        effects = [each for each in self._met[name] if each.meets(stamp, period)]
+        effects = [each for each in self._met[name] if each.meets(stamp)]
         if any(each.effect == "lost" for each in effects):
             return replace(way, heard=stamp)
         times = 1

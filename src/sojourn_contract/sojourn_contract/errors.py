@@ -1,6 +1,7 @@
 """Errors of the contract: each names the topic and the field, what came and what is allowed."""
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 
 class ContractError(Exception):
@@ -64,28 +65,31 @@ class SensorRowError(ContractError):
         super().__init__(f"topic {name!r} of a sensor: allowed is {allowed}")
 
 
-class LeapError(ContractError):
-    """Something because of which the clock of a run cannot leap.
+class UnfitRunError(ContractError):
+    """Something of a scenario that the topics of its run do not allow. Each of its parts has a subclass.
 
     Args:
         what: it is, in words. allowed: what is allowed, in words.
     """
 
+    key: ClassVar[str]
+    """Of the scenario."""
+
     def __init__(self, what: str, allowed: str) -> None:
-        super().__init__(f"leaps: {what}: allowed is {allowed}")
+        super().__init__(f"{self.key}: {what}: allowed is {allowed}")
         self.what, self.allowed = what, allowed
 
 
-class DisturbanceError(ContractError):
-    """A fault between the nodes of a run of what it does not have.
+class LeapError(UnfitRunError):
+    """Something because of which the clock of a run cannot leap."""
 
-    Args:
-        what: it is of, in words. allowed: what is allowed, in words.
-    """
+    key = "leaps"
 
-    def __init__(self, what: str, allowed: str) -> None:
-        super().__init__(f"faults: {what}: allowed is {allowed}")
-        self.what, self.allowed = what, allowed
+
+class DisturbanceError(UnfitRunError):
+    """A fault between the nodes of a run of what it does not have."""
+
+    key = "faults"
 
 
 class LinkError(ContractError):

@@ -49,10 +49,6 @@ class Leaps:
                 return found
             found = begin - begin % every
 
-    def has(self, period: int) -> bool:
-        """Whether the run has a control period."""
-        return self.newest(period) == period
-
     def after(self, period: int) -> int:
         """The control period after one that the run has."""
         number = bisect_left(self.gaps, (period, 0))

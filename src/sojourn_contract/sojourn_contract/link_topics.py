@@ -16,6 +16,7 @@ from sojourn_contract.goal_topics import GOAL_TOPICS
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import INFINITY, Topic
 from sojourn_machine.names import names_text
+from sojourn_machine.transport_fault import ON_BOARD
 from sojourn_physics.link.params import STATUSES, LinkParams, TelemetryParams
 
 EARTH = "/earth"
@@ -41,8 +42,6 @@ CANCEL = Topic(
     "commands that have not been sent yet are not: the number in frame_id, or all where it is empty",
     needs_listener=False,
 )
-ON_BOARD = ("sensors", "drive", "arm", "power")
-"""Roles of whose topics the Earth may hear."""
 COMMANDS = {row.name: row for row in GOAL_TOPICS if row.name != FAULTS}
 """Rows of what goes to the machine, by topic."""
 

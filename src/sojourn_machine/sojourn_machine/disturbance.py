@@ -7,6 +7,7 @@ which messages it meets, what becomes of them, from which stamp on.
 from typing import Literal, NamedTuple, TypeAlias
 
 from sojourn_machine.chance import chance
+from sojourn_machine.timing import CONTROL_PERIOD_NS
 
 Effect: TypeAlias = Literal["lost", "late", "twice", "corrupted", "restarted"]
 FOR_EVER = 2**62
@@ -32,8 +33,8 @@ class Disturbance(NamedTuple):
     stream: int = 0
     """Of its random numbers."""
 
-    def meets(self, stamp: int, period: int) -> bool:
-        """Whether it meets the message of a stamp [ns] in a control period."""
+    def meets(self, stamp: int) -> bool:
+        """Whether it meets the message of a stamp [ns]."""
         if not self.begin <= stamp < self.end:
             return False
-        return self.probability >= 1.0 or chance(self.stream, 0, period) < self.probability
+        return self.probability >= 1.0 or chance(self.stream, 0, stamp // CONTROL_PERIOD_NS) < self.probability

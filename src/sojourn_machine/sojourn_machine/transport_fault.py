@@ -12,10 +12,14 @@ from pydantic import Field, model_validator
 from sojourn_machine.chance import stream_of
 from sojourn_machine.disturbance import FOR_EVER, Disturbance, Effect
 from sojourn_machine.fault_choice import LATEST, FaultableMachine, FaultChoice, FaultProblem
-from sojourn_machine.timing import CONTROL_PERIOD_NS, NANOSECONDS
+from sojourn_machine.timing import period_stamp
 
 TIMING_TOPICS = ("/clock", "/operator/tick", "/faults", "/diagnostics")
 """By which a run goes on: what happens to them is the run's end and no fault of it."""
+ON_BOARD = ("sensors", "drive", "arm", "power")
+"""Roles of the machine's own nodes. They may fall silent in a run that goes on: without its plant or operator there is
+none.
+"""
 
 
 class TransportFault(FaultChoice):
@@ -39,12 +43,24 @@ class TransportFault(FaultChoice):
         time = self.time(seed)
         if time is None:
             return None
-        begin = _stamp(time)
-        end = FOR_EVER if self.until is None else _stamp(self.until)
-        return self._disturbance(begin, end if self.lasts is None else begin + _stamp(self.lasts), seed)
+        begin = period_stamp(time)
+        end = FOR_EVER if self.until is None else period_stamp(self.until)
+        return self._disturbance(begin, end if self.lasts is None else begin + period_stamp(self.lasts), seed)
 
     def _disturbance(self, begin: int, end: int, seed: int) -> Disturbance:
         raise NotImplementedError
+
+
+class LateFault(TransportFault):
+    """Mixed into kinds by which messages arrive later, none before an earlier one."""
+
+    effect: ClassVar[Effect] = "late"
+    delay: float = Field(gt=0.0, le=LATEST, description="after which a message arrives [s]")
+
+    def disturbance(self, seed: int) -> Disturbance | None:
+        """See FaultChoice."""
+        found = super().disturbance(seed)
+        return None if found is None else found._replace(delay=period_stamp(self.delay))
 
 
 class MessageFault(TransportFault):
@@ -86,15 +102,10 @@ class MessageCorrupted(MessageFault):
     kind: str = "message_corrupted"
 
 
-class MessageLate(MessageFault):
-    """They arrive later, none before an earlier one."""
+class MessageLate(LateFault, MessageFault):
+    """They arrive later."""
 
-    effect: ClassVar[Effect] = "late"
     kind: str = "message_late"
-    delay: float = Field(gt=0.0, le=LATEST, description="after which a message arrives [s]")
-
-    def _disturbance(self, begin: int, end: int, seed: int) -> Disturbance:
-        return super()._disturbance(begin, end, seed)._replace(delay=_stamp(self.delay))
 
 
 class NodeFault(TransportFault):
@@ -105,15 +116,11 @@ class NodeFault(TransportFault):
 
     def problems(self, machine: FaultableMachine) -> Iterable[FaultProblem]:
         """See FaultChoice."""
-        if self.node not in STANDING_NODES:
-            yield "node", self.node, f"cannot have it: allowed is one of {', '.join(STANDING_NODES)}"
+        if self.node not in ON_BOARD:
+            yield "node", self.node, f"cannot have it: allowed is one of {', '.join(ON_BOARD)}"
 
     def _disturbance(self, begin: int, end: int, seed: int) -> Disturbance:
         return Disturbance(self.effect, "", self.node, begin, end)
-
-
-STANDING_NODES = ("sensors", "drive", "arm", "power")
-"""Roles of nodes that may fall silent in a run that goes on: without its plant or operator there is none."""
 
 
 class NodeSilent(NodeFault):
@@ -122,15 +129,10 @@ class NodeSilent(NodeFault):
     kind: str = "node_silent"
 
 
-class NodeSlow(NodeFault):
+class NodeSlow(LateFault, NodeFault):
     """All that it says is late."""
 
-    effect: ClassVar[Effect] = "late"
     kind: str = "node_slow"
-    delay: float = Field(gt=0.0, le=LATEST, description="by which it is late [s]")
-
-    def _disturbance(self, begin: int, end: int, seed: int) -> Disturbance:
-        return super()._disturbance(begin, end, seed)._replace(delay=_stamp(self.delay))
 
 
 class NodeRestarted(NodeFault):
@@ -139,8 +141,3 @@ class NodeRestarted(NodeFault):
     effect: ClassVar[Effect] = "restarted"
     heals: ClassVar[bool] = False
     kind: str = "node_restarted"
-
-
-def _stamp(time: float) -> int:
-    """A time [s] as the stamp of the first control period at or after it [ns]."""
-    return -(-round(time * NANOSECONDS) // CONTROL_PERIOD_NS) * CONTROL_PERIOD_NS

@@ -12,8 +12,9 @@ from sojourn_contract import stamps
 from sojourn_contract.app import NOTHING, Answer, App, Period
 from sojourn_contract.events import format_tick
 from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
+from sojourn_contract.goal_topics import GOAL_TOPICS
 from sojourn_contract.heartbeat import beats, status_values
-from sojourn_contract.link_topics import COMMANDS, LINK_STATUS
+from sojourn_contract.link_topics import LINK_STATUS
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Header, Odometry
 from sojourn_machine.evolution import replace
@@ -28,6 +29,8 @@ from sojourn_operator.steps.step import GoalReport, RunFacts
 from sojourn_operator.steps.wait import WaitStep
 
 TRUTH, TICK = "/truth/odom", "/operator/tick"
+COUNTED = frozenset(row.name for row in GOAL_TOPICS)
+"""Topics of which a tick tells how many messages have been sent."""
 _STATUSES = {"/drive/status": "drive", "/arm/status": "arm"}
 _LOOK_NS = topic(TICK).every * stamps.CONTROL_PERIOD_NS
 
@@ -92,12 +95,10 @@ class OperatorApp(App[OperatorState]):
         if state.has_said_end:
             return state, Answer(self._of_link(state.link, before, stamp, truth))
         script, link, messages = self._look(state, stamp, truth)
-        sent = _counted(state.sent, messages)
         seen = SeenRun(stamp, len(script.results), state.reports, truth)
         faults, said = self._faults.look(state.faults, seen)
-        if said:
-            messages += [(FAULTS_TOPIC, message) for message in said]
-            sent[FAULTS_TOPIC] = sent.get(FAULTS_TOPIC, 0) + len(said)
+        messages += [(FAULTS_TOPIC, message) for message in said]
+        sent = _counted(state.sent, messages)
         rests = 0
         if self._leaps and not said and (link is None or link.up.is_idle):
             until = self.script.rests_until(script, stamp, state.reports)
@@ -133,9 +134,9 @@ class OperatorApp(App[OperatorState]):
 
 
 def _counted(sent: Mapping[str, int], messages: Said) -> dict[str, int]:
-    """Goals sent on each topic, with those among these messages."""
+    """Goals and faults sent on each topic, with those among these messages."""
     counts = dict(sent)
     for name, _ in messages:
-        if name in COMMANDS:
+        if name in COUNTED:
             counts[name] = counts.get(name, 0) + 1
     return counts

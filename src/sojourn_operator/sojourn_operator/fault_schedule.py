@@ -14,6 +14,7 @@ from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_contract.values import DiagnosticArray, Odometry
 from sojourn_machine.evolution import replace
 from sojourn_machine.fault_choice import FaultChoice, TriggerParams
+from sojourn_machine.timing import period_stamp
 from sojourn_operator.steps.step import LEAD_NS, GoalReport
 
 NEXT_LOOK_NS = LEAD_NS
@@ -100,8 +101,8 @@ class FaultSchedule:
             return self._ends(fault, state.begun[place])
         time, met = self._times[place], state.met.get(place)
         if time is None and met is not None and fault.when is not None:
-            return met + _period_at(fault.when.later)
-        return None if time is None else _period_at(time)
+            return met + period_stamp(fault.when.later)
+        return None if time is None else period_stamp(time)
 
     def _due(
         self, state: ScheduleState, place: int, fault: FaultChoice, seen: SeenRun
@@ -109,7 +110,7 @@ class FaultSchedule:
         """When a fault that has not come yet is due [ns], None as long as nobody knows."""
         time = self._times[place]
         if time is not None:
-            return state, _period_at(time)
+            return state, period_stamp(time)
         trigger = fault.when
         if trigger is None:
             return state, None
@@ -117,14 +118,14 @@ class FaultSchedule:
             if not _happened(trigger, state, seen):
                 return state, None
             state = replace(state, met={**state.met, place: seen.now})
-        return state, state.met[place] + _period_at(trigger.later)
+        return state, state.met[place] + period_stamp(trigger.later)
 
     @staticmethod
     def _ends(fault: FaultChoice, begun: int) -> int | None:
         """When a fault goes [ns]; None: never."""
         if fault.until is not None:
-            return _period_at(fault.until)
-        return None if fault.lasts is None else begun + _period_at(fault.lasts)
+            return period_stamp(fault.until)
+        return None if fault.lasts is None else begun + period_stamp(fault.lasts)
 
     @staticmethod
     def _moved(state: ScheduleState, seen: SeenRun) -> ScheduleState:
@@ -141,8 +142,3 @@ def _happened(trigger: TriggerParams, state: ScheduleState, seen: SeenRun) -> bo
     who, word = ("drive", trigger.drive) if trigger.drive is not None else ("arm", trigger.arm)
     report = seen.reports.get(who)
     return report is not None and report.state == word
-
-
-def _period_at(time: float) -> int:
-    """The first control period at or after a time [s], as its stamp [ns]."""
-    return math.ceil(round(time * NANOSECONDS) / CONTROL_PERIOD_NS) * CONTROL_PERIOD_NS

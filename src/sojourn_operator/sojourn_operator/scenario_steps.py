@@ -8,8 +8,9 @@ from sojourn_config.errors import MISSING, ConfigError, Problem, single
 from sojourn_config.paths import available, resolve
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.yaml_file import KeyPath
-from sojourn_contract.errors import DisturbanceError, LeapError, LinkError
+from sojourn_contract.errors import LinkError, UnfitRunError
 from sojourn_contract.run_table import table_of
+from sojourn_contract.topic_table import TopicTable
 from sojourn_machine.names import names_text
 from sojourn_operator.steps.step import OperatorStep
 
@@ -36,14 +37,14 @@ def prepare_scenario(name: str, overrides: Sequence[str] = ()) -> PreparedScenar
     """Load and check everything that a scenario names. Raises ConfigError with every problem found."""
     loaded = load_scenario(name, overrides)
     try:
-        table_of(loaded)
-    except (LeapError, DisturbanceError) as error:
-        file, key = next(iter(loaded.files)), "leaps" if isinstance(error, LeapError) else "faults"
-        raise single(file, f"{key}: {error.what}", MISSING, f"allowed is {error.allowed}") from error
+        table = table_of(loaded)
+    except UnfitRunError as error:
+        file = next(iter(loaded.files))
+        raise single(file, f"{error.key}: {error.what}", MISSING, f"allowed is {error.allowed}") from error
     except LinkError as error:
         at: KeyPath = ("link", *error.key)
         raise ConfigError([loaded.documents["scenario"].problem(at, error.value, error.allowed)]) from error
-    problems = list(_expectation_problems(loaded))
+    problems = list(_expectation_problems(loaded, table))
     if problems:
         raise ConfigError(problems)
     path = resolve("scenarios", name, ("command line", "scenario"))
@@ -51,9 +52,9 @@ def prepare_scenario(name: str, overrides: Sequence[str] = ()) -> PreparedScenar
     return PreparedScenario(known, tuple(overrides), loaded)
 
 
-def _expectation_problems(loaded: LoadedScenario) -> Iterator[Problem]:
+def _expectation_problems(loaded: LoadedScenario, table: TopicTable) -> Iterator[Problem]:
     """A fault is expected to show in a status that the run has."""
-    rows = [row for row in table_of(loaded) if row.type == STATUS and not row.is_event]
+    rows = [row for row in table if row.type == STATUS and not row.is_event]
     names = [row.name for row in rows if row.publisher not in absent_roles(loaded)]
     for index, fault in enumerate(loaded.config.faults):
         if fault.expect is not None and fault.expect.topic not in names:

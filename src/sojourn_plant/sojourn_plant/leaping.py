@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from sojourn_contract.arrival import TICK
 from sojourn_contract.events import rests_until
 from sojourn_contract.leaps import BEGIN, landing_grid
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
@@ -18,8 +19,6 @@ from sojourn_machine.params import FloatArray
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.rest import RESTLESS, Rest, is_told_the_same, rest_after
 from sojourn_physics.plant.state import PlantCommand, PlantOutput, PlantState
-
-TICK = "/operator/tick"
 
 
 @dataclass(frozen=True, eq=False, slots=True)

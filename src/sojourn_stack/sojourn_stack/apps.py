@@ -21,6 +21,9 @@ APPS: dict[str, type[App[Any]]] = {kind.role: kind for kind in _KINDS}
 
 def make_apps(scenario: LoadedScenario, roles: Iterable[str]) -> dict[str, App[Any]]:
     """The apps of these roles, the recorder left out, in the order of the contract."""
-    wanted, table = set(roles), table_of(scenario)
+    wanted = set(roles)
     made = {role: kind.of(scenario) for role, kind in APPS.items() if role in wanted}
+    if not scenario.disturbances:
+        return made
+    table = table_of(scenario)
     return {role: disturbed(app, table, scenario.disturbances) for role, app in made.items()}

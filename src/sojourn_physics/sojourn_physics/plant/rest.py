@@ -41,8 +41,6 @@ TEMPERATURE_STEP = 2.0
 """Of a store in one leap [K]."""
 POWER_STEP = 0.05
 """Of the sources in one leap, as a part of what the loads or the sources give and take, whichever is more [1]."""
-
-
 HEATED_FAST = 0.1
 """A step in which the machine is heated or cooled by more is followed by one of half its length [K]."""
 MOST_PARTS = 8
