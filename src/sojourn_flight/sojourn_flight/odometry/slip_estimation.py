@@ -32,6 +32,7 @@ from sojourn_flight.mobility.rolling_lines import rolling_line
 from sojourn_flight.mobility.wheel_twist import velocity_kernel
 from sojourn_flight.odometry.slip_params import SlipParams, TractionCurve
 from sojourn_flight.odometry.speed_filter import (
+    DRIFT,
     FACTOR,
     ROCKING_LAG,
     ROCKING_RATE,
@@ -41,6 +42,8 @@ from sojourn_flight.odometry.speed_filter import (
     carry_gravity,
     felt_rocking,
     predict,
+    rest,
+    rest_share,
     roll,
     stand,
     turn_to,
@@ -54,6 +57,8 @@ STANDING_STILL = 1e-4
 """Speed of the fastest rim below which the machine stands [m/s]."""
 SETTLED_AFTER = 0.5
 """Time for which the wheels must have stood before the machine does not rock any more [s]."""
+RESTING_AFTER = 3.0
+"""Time for which they must have stood before what gyro and accelerometer tell is no motion of the body at all [s]."""
 ROCKING, ROCKING_SIGMA = 3.0, 0.002
 """Speed of the body against its wheels: over the change of their speed in the lag [-], and at a steady pace [m/s]."""
 TURNING_SIGMA = 0.01
@@ -100,6 +105,9 @@ class SlipState(NamedTuple):
     """Shape (3, 3)."""
     gravity: FloatArray
     """In base_link, as the accelerometers feel it, shape (3,) [m/s^2]; zero before the first period."""
+    rest_rate: FloatArray
+    """What the gyros tell of a machine at rest about x and y of base_link: the planet's spin and their bias, shape (2,)
+    [rad/s]."""
     torques: FloatArray
     """Averaged torque of each wheel less that of its rotor [N m]."""
     rates: FloatArray
@@ -185,6 +193,7 @@ class SlipModel:
             states=np.array((0.0, 0.0, 1.0)),
             covariance=np.diag(np.array(variances)),
             gravity=np.zeros(3),
+            rest_rate=np.zeros(2),
             torques=zero,
             rates=zero,
             slip=zero,
@@ -279,7 +288,8 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
     inflation = 2.0 * trust.slip_noise_time / dt
     count = table.shape[0]
     states, covariance = old.states.copy(), old.covariance.copy()
-    gravity = carry_gravity(old.gravity, gyro, dt)
+    rest_rate = old.rest_rate.copy()
+    gravity = carry_gravity(old.gravity, np.array((gyro[0] - rest_rate[0], gyro[1] - rest_rate[1], gyro[2])), dt)
     felt, torques = seen.specific_force + gravity, np.empty(count)
     rocking = felt_rocking(old.felt, felt[0], dt)
     standing, fastest = np.zeros(count), 0.0
@@ -302,10 +312,13 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
     shared, sigma = 0.0, 0.0
     standing_for = old.standing_for + dt if fastest < STANDING_STILL else 0.0
     if standing_for > SETTLED_AFTER:
+        if standing_for > RESTING_AFTER:
+            rest(states, gravity, rest_rate, gyro, felt[1], rest_share(standing_for - RESTING_AFTER, dt))
+        covariance[DRIFT, DRIFT] += trust.drift_walk**2 * dt
         stand(states, covariance, rocking, felt[0], force_noise, dt)
         torques[:] = 0.0
         return SlipState(
-            states, covariance, gravity, torques, rates, slip, False, shared, sigma, ahead, rocking, old.way, pace,
+            states, covariance, gravity, rest_rate, torques, rates, slip, False, shared, sigma, ahead, rocking, old.way, pace,
             standing_for, stuck, idle, blocked,
         )  # fmt: skip
     acceleration = felt[0] * ahead_x + felt[1] * ahead_y
@@ -361,6 +374,6 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         if standing[i] > 0.5 and abs(table[i, 2] * seen.commanded_rates[i]) >= least_speed and fastest >= least_speed:
             blocked[i] = old.blocked_for[i] + dt
     return SlipState(
-        states, covariance, gravity, torques, rates, slip, observable, shared, sigma, ahead, rocking, way, pace,
+        states, covariance, gravity, rest_rate, torques, rates, slip, observable, shared, sigma, ahead, rocking, way, pace,
         standing_for, stuck, idle, blocked,
     )  # fmt: skip

@@ -5,10 +5,11 @@ x of base_link [m/s^2]; soil factor q, the slip over the one that the torques sp
 
     v' = a - d_x b + n_a,     b' = n_b,     q: 1 + (q - 1) e^(-way / length), renewed to its sigma
     moving:   v = u (1 - s_0 - q (s - s_0)) + n_s,   u speed of the wheels, s believed slip, s_0 free slip
-    standing: v = 0,  a = d_x b + n_a      what the accelerometers feel at rest is drift
+    standing: v = 0,  a = d_x b + n_a,  b' = n_b      what the accelerometers feel at rest is drift
 
 a = (f + g).d is strapdown: specific force and gravity along the motion, gravity carried in base_link by the gyros,
-g' = -w x g, from the last levelling. Its error keeps its direction on the ground, while a bias of the accelerometers
+g' = -w x g, from the last levelling. Gyros feel the planet's spin too, which on Mars is 15 deg/h: what they tell of a
+machine at rest is taken off (`rest`), or minutes of standing would tilt gravity away. Its error keeps its direction on the ground, while a bias of the accelerometers
 turns with the body: at the levelling they cancel, and after a turn by t their difference has the variance
 2 (1 - cos t) sigma^2, here 1.3 |t| sigma^2, which is more up to a half turn but for 9 % at two radians. Speed is along
 the motion of the wheels, with its sign: where that turns, as in going backwards after forwards, so does it.
@@ -45,6 +46,8 @@ ROCKING_RATE = 5.0
 """Slowest rocking of a body on its wheels, in angle [rad/s]."""
 ROCKING_LAG = 0.5
 """Time over which the acceleration that is felt is averaged [s]."""
+REST_PRIOR, REST_MEMORY = 10.0, 120.0
+"""A rest of so long counts half against what was known before, and one of more than that is forgotten [s]."""
 FACTOR_BOUND = 3.0
 """The soil's factor is held within so many standard deviations of a new soil's [-]."""
 
@@ -162,6 +165,32 @@ def stand(
     speed_variance = STANDING_SIGMA**2 + rock / ROCKING_RATE**2 * lasting
     update(states, covariance, np.array((1.0, 0.0, 0.0)), -states[SPEED], speed_variance)
     update(states, covariance, np.array((0.0, 1.0, 0.0)), acceleration - states[DRIFT], noise + rock * lasting)
+
+
+@njit(cache=True)
+def rest_share(rested: float, dt: float) -> float:
+    """Weight of one period [-] after a rest [s], in a mean that begins with REST_PRIOR of what was known before."""
+    return dt / (min(rested, REST_MEMORY) + REST_PRIOR + dt)
+
+
+@njit(cache=True)
+def rest(
+    states: FloatArray, gravity: FloatArray, rest_rate: FloatArray, rate: FloatArray, across: float, share: float
+) -> None:
+    """A machine that does not move at all: what gyros tell is no turning, and what is felt is tilt, in place.
+
+    The z axis of the gyros has its own bias, in the odometry.
+
+    Args:
+        gravity: in base_link, shape (3,) [m/s^2]. rest_rate: about x and y, shape (2,) [rad/s].
+        rate: of the gyros, shape (3,) [rad/s]. across: felt along y [m/s^2]. share: from `rest_share`.
+    """
+    for k in range(2):
+        rest_rate[k] += share * (rate[k] - rest_rate[k])
+    levelled = share * states[DRIFT]
+    states[DRIFT] -= levelled
+    gravity[0] -= levelled
+    gravity[1] -= share * across
 
 
 @njit(cache=True)
