@@ -146,10 +146,11 @@ class Shadow(ReplayHarness):
             if now - looked_at > LOOK_S:
                 looked_at = now
                 look(self._look())
-            if not over_since and ended():
-                over_since = now
             if over_since and (not worked or now - over_since > CATCH_UP_S):
                 break
+            if not over_since and ended():
+                over_since = now
+                self.tap.close()  # which frees the last periods
         self._catch_up()
         look(self._look())
         return self.comparison()

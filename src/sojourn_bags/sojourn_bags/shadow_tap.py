@@ -1,10 +1,13 @@
 """Listens to a running stack for one role: what the role hears, period by period, and what its node says.
 
-It waits for nobody and nobody waits for it: its queues are deep, so that it loses nothing while it lags behind.
+It waits for nobody and nobody waits for it: its queues are deep, so that it loses nothing while it lags behind. In
+lock-step it gives a goal that somebody sent by hand on in the period in which our node took it, as that tells in its
+next heartbeat, a second later at most.
 """
 
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from rclpy.node import Node
@@ -16,7 +19,11 @@ from sojourn_bags.reading import Messages
 from sojourn_bags.replay_script import CLOCK, HEARTBEATS, ReplayPeriod
 from sojourn_contract import qos, stamps
 from sojourn_contract.barrier import Barrier, awaited_inputs
-from sojourn_contract.decoding import STAMP_BYTES
+from sojourn_contract.codecs import decode
+from sojourn_contract.decoding import STAMP_BYTES, refusing
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.heard import took_in
+from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.types import message_class
@@ -25,6 +32,32 @@ DEPTH = 20_000
 """Messages of a topic that may wait: minutes of a run."""
 MOST_MISSED = 250
 """Periods that the stack may be ahead of one of which a message has not come: more, and it was lost."""
+BEHIND = 2
+"""Periods that the newest must be ahead: of what is younger, our node may hear a goal before the rest and we after."""
+UNTOLD_NS = 2 * stamps.NANOSECONDS
+"""After a goal came by hand, heartbeats this much younger that do not tell of it never will: it was refused, or the
+node is one that does not tell [ns]."""
+
+
+@dataclass
+class HeardGoal:
+    """A goal that has come from the stack.
+
+    Args:
+        topic, data: of the message. stamp: of the message. newest: latest stamp heard before it.
+        at: of the period in which our node took it, 0 as long as it has not told. All [ns].
+    """
+
+    topic: str
+    data: bytes
+    stamp: int
+    newest: int
+    at: int = 0
+
+    @property
+    def by_hand(self) -> bool:
+        """Whether its stamp does not say when it takes effect: it is for now."""
+        return self.stamp <= self.newest
 
 
 class Tap:
@@ -46,7 +79,8 @@ class Tap:
         awaited = awaited_inputs(role, participants, table)
         self._awaited = {row.name: row for row in awaited}
         self._barrier: Barrier[bytes] = Barrier(awaited)
-        self._goals: deque[tuple[int, str, bytes]] = deque()
+        self._goals: deque[HeardGoal] = deque()
+        self._told, self._over = 0, False
         self._waiting: deque[tuple[str, bytes]] = deque()
         heard = (row for row in table.inputs_of(role) if row.name in self._awaited or row.is_event)
         self.inputs = (table.topic(CLOCK), *heard)
@@ -56,6 +90,12 @@ class Tap:
             if row.name != HEARTBEATS:
                 self.ours[row.name] = Messages(row.name, full_type(row.type))
                 self._listen(node, row, self._hear_ours)
+            elif lockstep:
+                self._listen(node, row, self._hear_heartbeat)
+
+    def close(self) -> None:
+        """The run is over: what has come is all that there will be."""
+        self._over = True
 
     def next_step(self) -> ReplayPeriod | None:
         """The next period whose inputs are all here, with the goals that came before it; in real time what has come.
@@ -74,11 +114,25 @@ class Tap:
                     "the shadow cannot go on"
                 )
             return None
+        if not self._over and not self._settled():
+            return None
         step = ReplayPeriod(self._barrier.period)
-        while self._goals and self._goals[0][0] < self._barrier.stamp:
-            step.goals.append(self._goals.popleft()[1:])
+        for goal in list(self._goals):
+            if (goal.at or goal.newest + 1) <= self._barrier.stamp:
+                self._goals.remove(goal)
+                step.goals.append((goal.topic, goal.data))
+                if goal.by_hand:
+                    step.add_by_hand(goal.topic, goal.data, bool(goal.at))
         step.inputs = list(self._barrier.take().items())
         return step
+
+    def _settled(self) -> bool:
+        """Whether nothing more can come that belongs before the period that is due."""
+        due, period = self._barrier.stamp, stamps.CONTROL_PERIOD_NS
+        if self.newest < due + BEHIND * period:
+            return False
+        waiting = (goal for goal in self._goals if goal.by_hand and not goal.at)
+        return not any(self._told < goal.newest + UNTOLD_NS and due >= goal.newest - period for goal in waiting)
 
     def _all_that_waits(self) -> ReplayPeriod | None:
         if not self._waiting:
@@ -102,12 +156,26 @@ class Tap:
             self.newest = max(self.newest, stamp if row.name in self._awaited else 0)
             self._waiting.append((row.name, data))
         elif row.is_event:
-            # one that is stamped ahead takes effect at its stamp; one for now, after what our node has heard by now
-            self._goals.append((self.newest, row.name, data))
+            # one that is stamped ahead takes effect at its stamp; one for now, when our node tells
+            self._goals.append(HeardGoal(row.name, data, stamp, self.newest))
         elif row.name in self._awaited:
             self.newest = max(self.newest, stamp)
             if stamp + row.lag * stamps.CONTROL_PERIOD_NS >= self._barrier.stamp:  # the candidate may be far behind
                 self._barrier.offer(row, stamp, data)
+
+    def _hear_heartbeat(self, row: Topic, data: bytes) -> None:
+        """When our node has taken goals that came by hand; a heartbeat that cannot be read tells nothing."""
+        try:
+            with refusing(row.name, "heartbeats that can be read"):
+                beats = [beat for beat in read_heartbeats(decode(row, data)) if beat.role == self.role]
+            took = [told for beat in beats for told in took_in(beat.values)]
+        except RefusedMessageError:
+            return
+        for told in took:
+            same = (each for each in self._goals if (each.topic, each.stamp, each.at) == (told.topic, told.stamp, 0))
+            if (goal := next(same, None)) is not None:
+                goal.at = told.at
+        self._told = max(self._told, *(beat.stamp for beat in beats), 0)
 
     def _hear_ours(self, row: Topic, data: bytes) -> None:
         self.heard += 1
