@@ -1,5 +1,6 @@
 """Whether a fault showed as it should: detected, missed, or a false alarm; from bags made for it."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 from sojourn_bags.detection import judge_faults, sentence
+from sojourn_bags.onset import Onset, faults_before
 from sojourn_config.errors import ConfigError
 from sojourn_machine.fault_choice import FaultChoice, read_fault_words
 from sojourn_operator.scenario_steps import prepare_scenario
@@ -20,13 +22,20 @@ def fault(**more: Any) -> FaultChoice:
     return read_fault_words({**WORDS, **more})
 
 
-def bag(came: list[tuple[float, str]], said: list[tuple[float, str]], name: str = "dead") -> Any:
+class Topics(dict[str, Any]):
+    """Of a bag, and what it says of its run."""
+
+    records: Mapping[str, Mapping[str, str]] = {}
+
+
+def bag(came: list[tuple[float, str]], said: list[tuple[float, str]], name: str = "dead", **run: str) -> Any:
     """As `Bag` answers: /faults with (time, state), /drive/status with (time, failed_motors)."""
 
     def messages(rows: list[tuple[float, dict[str, str]]]) -> Any:
         return SimpleNamespace(times=np.array([at for at, _ in rows]), statuses=lambda: [values for _, values in rows])
 
-    topics = {"/drive/status": messages([(at, {"name": "drive", "failed_motors": text}) for at, text in said])}
+    topics = Topics({"/drive/status": messages([(at, {"name": "drive", "failed_motors": text}) for at, text in said])})
+    topics.records = {"sojourn_run": run}
     if came:
         topics["/faults"] = messages([(at, {"name": name, "state": state, "kind": "motor_dead"}) for at, state in came])
     return topics
@@ -69,6 +78,33 @@ def test_the_verdict_names_what_was_not_detected() -> None:
     found = judge_faults(bag([(10.0, "present")], [(11.5, "front_left")]), [fault(expect=EXPECT)])
     assert sentence(found) == "1 of 1 faults were detected."
     assert found[0].words == "detected in 1.5 s"
+
+
+@pytest.mark.parametrize(
+    ("said", "outcome", "after"),
+    [
+        ([(12.0, ""), (13.0, "front_left")], "detected", 3.0),
+        ([(12.0, "front_left")], "came before this record", None),
+        ([(12.0, ""), (19.0, "front_left")], "came before this record", None),
+        ([(12.0, "")], "came before this record", None),
+    ],
+)
+def test_a_fault_that_came_before_a_bag_began_is_told_as_such(
+    said: list[tuple[float, str]], outcome: str, after: float | None
+) -> None:
+    before = Onset(period=551, faults={"dead": (10.0, None)}).record()
+    (result,) = judge_faults(bag([], said, **before), [fault(expect=EXPECT)])
+    assert (result.outcome, result.after_s, result.begin_s, result.good) == (outcome, after, 10.0, True)
+    assert sentence([result]) == ("1 of 1 faults were detected." if outcome == "detected" else "")
+    (gone,) = judge_faults(bag([(14.0, "gone")], said, **before), [fault(expect=EXPECT)])
+    assert (gone.begin_s, gone.end_s) == (10.0, 14.0)
+    (of_another_branch,) = judge_faults(bag([], said, **before), [])
+    assert (of_another_branch.fault, of_another_branch.begin_s) == ("dead", 10.0)
+
+
+@pytest.mark.parametrize("text", ["no json", "[1]", '{"dead": 3}', '{"dead": [{}, 1]}', "[" * 10_000])
+def test_what_a_bag_says_of_earlier_faults_is_not_believed_unread(text: str) -> None:
+    assert faults_before({"faults_before": text}) == {}
 
 
 def test_a_fault_cannot_show_on_a_topic_that_is_not_there(tmp_path: Path) -> None:

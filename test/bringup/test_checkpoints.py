@@ -1,5 +1,6 @@
 """A run that is kept at even times: what goes on from a checkpoint is the unbroken run, its bag and its contract."""
 
+import math
 import shutil
 from pathlib import Path
 
@@ -7,11 +8,11 @@ import pytest
 
 from sojourn_bags.errors import ReplayError
 from sojourn_bags.judging import judge_bag
-from sojourn_bags.reading import Bag, read_bag
+from sojourn_bags.reading import Bag, bag_file, read_bag
 from sojourn_bags.replay_script import script_of
 from sojourn_bags.summary import summarise
 from sojourn_bringup import start
-from sojourn_bringup.checkpoints import resume
+from sojourn_bringup.checkpoints import last_before, resume
 from sojourn_config.command_errors import UsageError
 from sojourn_config.paths import config_folder
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
@@ -109,11 +110,48 @@ def test_only_a_run_without_middleware_is_kept(tmp_path: Path) -> None:
         start.main(["flat_drive", "--composed", "--checkpoint-every", "2", "--run-dir", str(tmp_path / "run")])
 
 
-@pytest.mark.parametrize("arguments", [[], ["flat_drive", "--resume", "some.checkpoint"]])
+def test_it_goes_on_from_the_last_checkpoint_of_a_bag_before_a_time(unbroken: Path, tmp_path: Path) -> None:
+    bag = unbroken / "bag"
+    for path, at, second in ((unbroken, 5.98, 4), (bag, 4.0, 4), (bag_file(bag), 2.02, 2), (bag, math.inf, 6)):
+        assert last_before(path, at) == kept(unbroken, second)
+    with pytest.raises(UsageError, match=r"--at 1\.98: the first checkpoint of .* is of 2 s: allowed is from there on"):
+        start.main(["--from", str(unbroken), "--at", "1.98", "--run-dir", str(tmp_path / "run")])
+    with pytest.raises(UsageError, match="--from does not go with --composed"):
+        start.main(["--from", str(unbroken), "--composed", "--run-dir", str(tmp_path / "run")])
+    shutil.copytree(bag, tmp_path / "alone" / "bag")
+    with pytest.raises(UsageError, match="its run has kept no checkpoint: allowed is one with --checkpoint-every"):
+        last_before(tmp_path / "alone", 4.0)
+    with pytest.raises(UsageError, match=r"--from .*nowhere cannot be read as a bag"):
+        last_before(tmp_path / "nowhere", 4.0)
+    start.main(["--from", str(unbroken), "--at", "4.5", "--run-dir", str(tmp_path / "run")])
+    assert after(read_bag(tmp_path / "run"), BEGUN) == after(read_bag(unbroken), BEGUN)
+
+
+def test_faults_of_before_are_told_of_and_those_of_a_branch_come(tmp_path: Path) -> None:
+    """A schedule of other faults goes on from one whose faults have come, and is not taken for it."""
+    expect = "expect: {topic: /drive/status, field: state, says: nothing of this, within: 0.5}"
+    early = f"faults=[{{joint: wheel_rear_left_joint, kind: motor_weak, part: 0.9, at: 0.5, until: 0.7, {expect}}}]"
+    short = ("--without", "arm", "--set", early, "--set", "duration_limit_s=1.5", "--checkpoint-every", "1")
+    start.main(["flat_drive", *SHORT, *short, "--run-dir", str(tmp_path / "1")])
+    start.main(["--from", str(tmp_path / "1"), "--run-dir", str(tmp_path / "same")])
+    same = summarise(read_bag(tmp_path / "same"))
+    assert [(one["outcome"], one["begin_s"], one["end_s"]) for one in same["faults"]] == [
+        ("came before this record", 0.5, 0.7)
+    ]
+    assert "did not come" not in same["verdict"] and same["faults_met"]
+    late = "faults=[{joint: wheel_rear_right_joint, kind: motor_dead, at: 1.2}]"
+    start.main(["--from", str(tmp_path / "1"), "--set", late, "--run-dir", str(tmp_path / "other")])
+    came = {one["fault"]: one["begin_s"] for one in summarise(read_bag(tmp_path / "other"))["faults"]}
+    assert came == {"motor_dead wheel_rear_right_joint": 1.2, "motor_weak wheel_rear_left_joint": 0.5}
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["flat_drive", "--resume", "some.checkpoint"], ["--resume", "one", "--from", "two"]]
+)
 def test_it_is_a_scenario_or_a_checkpoint(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         start.main(arguments)
-    assert ended.value.code == 2 and "--resume FILE, which knows its own" in capsys.readouterr().err
+    assert ended.value.code == 2 and "--resume FILE or --from BAG, which know their own" in capsys.readouterr().err
 
 
 def test_files_that_are_none_are_refused(tmp_path: Path) -> None:

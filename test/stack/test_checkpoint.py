@@ -129,7 +129,7 @@ def test_files_that_are_none_are_refused(kept: dict[int, tuple[Path, str]], tmp_
     text = tmp_path / "text"
     text.write_text("no checkpoint", encoding="utf-8")
     later = changed(kept[3][0], tmp_path / "later", lambda tree: tree | {"format": 99})
-    for file, reason in ((cut_off, "no checkpoint"), (text, "no checkpoint"), (later, "format 99: allowed is 3")):
+    for file, reason in ((cut_off, "no checkpoint"), (text, "no checkpoint"), (later, "format 99: allowed is 4")):
         with pytest.raises(CheckpointError, match=reason):
             load(file)
     with pytest.raises(OSError, match="nowhere"):

@@ -17,6 +17,7 @@ from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_operator.scenario_steps import prepare_scenario
 from sojourn_stack.apps import APPS
+from sojourn_stack.checkpoint import load, save
 from sojourn_stack.replay import replay
 from sojourn_stack.run import Result, RunSpec, run
 from sojourn_stack.stack import StackState
@@ -105,7 +106,8 @@ def test_it_is_gone_on_with_from_a_leap(
     whole: tuple[Result, Path, list[StackState]], number: int, tmp_path: Path
 ) -> None:
     result, _, states = whole
-    rest = run(RunSpec(SCENARIO, ROLES, bag=tmp_path / "rest", begin=states[number]))
+    save(states[number], tmp_path / "kept")
+    rest = run(RunSpec(SCENARIO, ROLES, bag=tmp_path / "rest", begin=load(tmp_path / "kept")))
     assert rest.state.leaps == result.state.leaps
     assert rest.completeness is not None and not rest.completeness.gaps
     unbroken, bag = read_bag(whole[1]), read_bag(tmp_path / "rest")

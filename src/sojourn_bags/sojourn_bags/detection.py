@@ -2,19 +2,24 @@
 
 A fault is detected when the text that is expected stands in its field of a status, at the stamp of that status, within
 the time that is allowed from the stamp of the fault on. It is missed if that comes later or not at all. Where the text
-stands there before its fault has come it is a false alarm, whatever follows.
+stands there before its fault has come it is a false alarm, whatever follows. A fault that had come before
+the bag began, at a checkpoint, is judged by the bag where it begins to show there in time; else by that of the run
+before alone.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from sojourn_bags.definitions import RUN_RECORD
+from sojourn_bags.onset import Span, faults_before
 from sojourn_bags.reading import Bag
 from sojourn_contract.fault_messages import GONE, TOPIC
 from sojourn_machine.fault_choice import ExpectedDetection, FaultChoice
 
 DETECTED, MISSED, FALSE_ALARM, ABSENT, UNJUDGED = "detected", "missed", "false alarm", "did not come", "not judged"
-GOOD = (DETECTED, UNJUDGED)
+EARLIER = "came before this record"
+GOOD = (DETECTED, UNJUDGED, EARLIER)
 
 
 @dataclass(frozen=True)
@@ -75,7 +80,7 @@ def judge_faults(bag: Bag, schedule: Sequence[FaultChoice]) -> list[FaultResult]
 
 def sentence(results: Sequence[FaultResult]) -> str:
     """All of them in a sentence for the verdict; "" where nothing was to be judged."""
-    judged = [result for result in results if result.outcome != UNJUDGED]
+    judged = [result for result in results if result.outcome not in (UNJUDGED, EARLIER)]
     if not judged:
         return ""
     found = sum(result.outcome == DETECTED for result in judged)
@@ -85,9 +90,10 @@ def sentence(results: Sequence[FaultResult]) -> str:
 
 def _came(bag: Bag) -> Iterator[tuple[str, tuple[str, float, float | None]]]:
     """Kind, begin and end of each fault that has come, by its name."""
+    found: dict[str, tuple[str, float, float | None]] = {name: ("", *span) for name, span in _before(bag).items()}
     if TOPIC not in bag:
+        yield from found.items()
         return
-    found: dict[str, tuple[str, float, float | None]] = {}
     for time, status in zip(bag[TOPIC].times.tolist(), bag[TOPIC].statuses(), strict=True):
         name = status.get("name", "")
         if status.get("state") != GONE and name not in found:
@@ -106,6 +112,10 @@ def _judged(
         return FaultResult(name, kind, begin, end, UNJUDGED if begin is not None else ABSENT, None, "")
     words = f"{expect.says!r} in {expect.field} of {expect.topic} within {expect.within:g} s"
     shows = _shows(bag, expect)
+    if begin is not None and name in _before(bag):
+        after = shows[0] - begin if shows and shows[0] > bag[expect.topic].times[0] else None
+        in_time = after is not None and after <= expect.within
+        return FaultResult(name, kind, begin, end, *((DETECTED, after) if in_time else (EARLIER, None)), words)
     if shows and (begin is None or shows[0] < begin):
         early = None if begin is None else begin - shows[0]
         return FaultResult(name, kind, begin, end, FALSE_ALARM, early, words)
@@ -114,6 +124,10 @@ def _judged(
     after = shows[0] - begin if shows else None
     in_time = after is not None and after <= expect.within
     return FaultResult(name, kind, begin, end, DETECTED if in_time else MISSED, after, words)
+
+
+def _before(bag: Bag) -> dict[str, Span]:
+    return faults_before(bag.records.get(RUN_RECORD, {}))
 
 
 def _shows(bag: Bag, expect: ExpectedDetection) -> list[float]:

@@ -1,5 +1,6 @@
 """Where in its run a record begins: at its start, or at a checkpoint from which it went on."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -8,6 +9,10 @@ from sojourn_contract.stamps import CONTROL_PERIOD_NS
 
 RESUMED = "resumed_at_ns"
 """In what a bag that begins at a checkpoint says of its run: stamp of the last period that is not in it [ns]."""
+FAULTS = "faults_before"
+"""The same: faults that had come by then, as JSON, see `faults_before`."""
+Span = tuple[float, float | None]
+"""When something came and went [s]; None: it has not gone."""
 
 
 @dataclass(frozen=True)
@@ -16,12 +21,13 @@ class Onset:
 
     Args:
         period: the first control period of the record. before: messages of each topic that belong to those before it.
-        leaps: of the clock before it, and the one that lands in it.
+        leaps: of the clock before it, and the one that lands in it. faults: that had come before it, by their names.
     """
 
     period: int = 1
     before: Mapping[str, int] = field(default_factory=dict)
     leaps: Leaps = NO_LEAPS
+    faults: Mapping[str, Span] = field(default_factory=dict)
 
     @property
     def last(self) -> int:
@@ -32,6 +38,23 @@ class Onset:
     def resumed_at(self) -> int:
         """Stamp of the last period that is not in the record [ns]; 0 for a whole run."""
         return self.last * CONTROL_PERIOD_NS
+
+    def record(self) -> dict[str, str]:
+        """As the bag has it; nothing for a whole run."""
+        if not self.resumed_at:
+            return {}
+        return {RESUMED: str(self.resumed_at), **({FAULTS: json.dumps(self.faults)} if self.faults else {})}
+
+
+def faults_before(record: Mapping[str, str]) -> dict[str, Span]:
+    """Faults that had come before a bag began, by their names, from what it says of its run; none where that cannot be
+    read.
+    """
+    try:
+        found = json.loads(record.get(FAULTS, "{}"))
+        return {str(name): (float(begin), None if end is None else float(end)) for name, (begin, end) in found.items()}
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        return {}
 
 
 WHOLE = Onset()

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sojourn_bags.definitions import ChannelSpec, qos_entry
-from sojourn_bags.onset import RESUMED, WHOLE, Onset
+from sojourn_bags.onset import WHOLE, Onset
 from sojourn_bags.provenance import attachments, run_attachment
 from sojourn_bags.recording import Recording
 from sojourn_bags.transforms import channel as transform_channel
@@ -42,14 +42,13 @@ class RecordedRun:
     def record(self) -> dict[str, str]:
         """As the bag has it."""
         path = Path(self.scenario)
-        resumed = {RESUMED: str(self.onset.resumed_at)} if self.onset.resumed_at else {}
         return {
             # not the place of the checkout on this machine
             "scenario": display(path) if path.is_absolute() else self.scenario,
             "lockstep": str(self.lockstep).lower(),
             "participants": ",".join(self.participants),
             "namespace": self.namespace,
-            **resumed,
+            **self.onset.record(),
         }
 
     def open(

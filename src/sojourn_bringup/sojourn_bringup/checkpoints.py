@@ -10,10 +10,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from sojourn_bags.errors import UnreadableBagError
+from sojourn_bags.reading import bag_file
 from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.run_table import table_of
-from sojourn_contract.stamps import seconds
+from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
 from sojourn_operator.scenario_steps import PreparedScenario, prepare_scenario
 from sojourn_stack.apps import make_apps
 from sojourn_stack.checkpoint import CheckpointError, Origin, read, save
@@ -21,6 +23,7 @@ from sojourn_stack.stack import RoleState, Stack, StackState
 from sojourn_stack.structure import difference
 
 FOLDER, SUFFIX = "checkpoints", ".checkpoint"
+HALF_PERIOD_S = seconds(CONTROL_PERIOD_NS) / 2
 
 
 class CheckpointKeeper:
@@ -71,6 +74,37 @@ def origin_of(scenario: str, overrides: Sequence[str], participants: Sequence[st
     return Origin(scenario, tuple(overrides), tuple(participants), _digests(loaded))
 
 
+def last_before(bag: Path, at_s: float) -> Path:
+    """The last checkpoint at or before a simulation time [s] of those that the run of a bag has kept beside it.
+
+    Args:
+        bag: of the run: its folder, that of the run, or its MCAP file. at_s: infinity for the last of all.
+
+    Raises:
+        UsageError: there is none.
+    """
+    try:
+        folder = bag_file(bag).absolute().parent.parent / FOLDER
+    except UnreadableBagError as error:
+        raise UsageError(f"--from {error}") from error
+    kept = sorted((time, file) for file in folder.glob(f"*{SUFFIX}") if (time := _time_of(file)) is not None)
+    if not kept:
+        raise UsageError(f"--from {bag}: its run has kept no checkpoint: allowed is one with --checkpoint-every")
+    found = [file for time, file in kept if time <= at_s + HALF_PERIOD_S]
+    if not found:
+        first = f"the first checkpoint of {bag} is of {kept[0][0]:g} s"
+        raise UsageError(f"--at {at_s:g}: {first}: allowed is from there on")
+    return found[-1]
+
+
+def _time_of(file: Path) -> float | None:
+    """The simulation time that a file's name says [s], None where it says none."""
+    try:
+        return float(file.name.removesuffix(SUFFIX))
+    except ValueError:
+        return None
+
+
 def resume(file: Path, overrides: Sequence[str] = ()) -> Resumption:
     """The run of a checkpoint, with further values over its files.
 
@@ -81,25 +115,25 @@ def resume(file: Path, overrides: Sequence[str] = ()) -> Resumption:
     try:
         state, origin = read(file)
     except CheckpointError as error:
-        raise UsageError(f"--resume {file}: {error}") from error
+        raise UsageError(str(error) if error.place == str(file) else f"{file}: {error}") from error
     except OSError as error:
-        raise UsageError(f"--resume {file}: it cannot be read: {error.strerror or error}") from error
+        raise UsageError(f"{file}: it cannot be read: {error.strerror or error}") from error
     if origin is None:
-        raise UsageError(f"--resume {file}: it does not say of which run it is")
+        raise UsageError(f"{file}: it does not say of which run it is")
     if state.finished:
-        raise UsageError(f"--resume {file}: the run had ended, there is nothing to go on with")
+        raise UsageError(f"{file}: the run had ended, there is nothing to go on with")
     as_it_was = prepare_scenario(origin.scenario, origin.overrides)
     now = _digests(as_it_was.loaded)
     changed = sorted(name for name in {*now, *origin.digests} if now.get(name) != origin.digests.get(name))
     if changed:
         allowed = "a run goes on with the files that it began with, and --set KEY=VALUE puts other values over them"
-        raise UsageError(f"--resume {file}: {', '.join(changed)} changed since: {allowed}")
+        raise UsageError(f"{file}: {', '.join(changed)} changed since: {allowed}")
     if not overrides:
         return Resumption(as_it_was, origin.participants, state)
     branched = prepare_scenario(origin.scenario, (*origin.overrides, *overrides))
     unlike = _unlike(as_it_was.loaded, branched.loaded, origin.participants)
     if unlike:
-        raise UsageError(f"--resume {file}: with these values the run would have another state ({unlike})")
+        raise UsageError(f"{file}: with these values the run would have another state ({unlike})")
     return Resumption(branched, origin.participants, state)
 
 

@@ -33,6 +33,19 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
         metavar="FILE",
         help="in place of a scenario: go on from this checkpoint, without middleware; with --set on another branch",
     )
+    result.add_argument(
+        "--from",
+        type=Path,
+        dest="from_bag",
+        metavar="BAG",
+        help="in place of a scenario: go on, as with --resume, from the checkpoints that the run of this bag has kept",
+    )
+    result.add_argument(
+        "--at",
+        type=command_line.number,
+        metavar="SECONDS",
+        help="with --from: the last checkpoint at or before this simulation time (default: the last of all)",
+    )
     result.add_argument("--realtime", action="store_true", help="paced by the wall clock, not in lock-step")
     result.add_argument(
         "--without", type=role_list("--without"), default=(), metavar="A,B", help="roles that take no part"
@@ -96,8 +109,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Start a run and return its status: 0 done, 1 failed, 2 bad usage or configuration, 130 interrupted."""
     options = parser()
     given = options.parse_args(arguments)
-    if (given.scenario is None) == (given.resume is None):
-        options.error("allowed is a scenario, or --resume FILE, which knows its own")
+    if sum(one is not None for one in (given.scenario, given.resume, given.from_bag)) != 1:
+        options.error("allowed is a scenario, or --resume FILE or --from BAG, which know their own")
+    if given.at is not None and given.from_bag is None:
+        options.error("--at says from when on to go on, and goes with --from BAG")
     from sojourn_bringup.start_run import run  # not above: --help needs none of it
 
     return run(given)

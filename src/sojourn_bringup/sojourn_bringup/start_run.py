@@ -1,6 +1,7 @@
 """A run checked, started and told of: the work of scripts/start.py."""
 
 import argparse
+import math
 import os
 from collections.abc import Sequence
 from contextlib import nullcontext
@@ -40,7 +41,7 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     if given.secure:
         if layout_of(given) != "processes" or given.shadow or given.only or given.console:
             reason = "each role has keys of its own: it goes with all roles as processes here"
-            others = "--composed, --direct, --resume, --shadow, --only or --console"
+            others = "--composed, --direct, --resume, --from, --shadow, --only or --console"
             raise UsageError(f"--secure does not go with {others}: {reason}")
         check_secure()
     resumed = _resumed(given)
@@ -75,7 +76,7 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
         raise UsageError(f"{option} runs every role in one process: it does not go with --replace, --shadow or --only")
     if given.console and layout_of(given) == "direct":
         raise UsageError(
-            "--console listens to topics, and a run without middleware has none: not with --direct, --resume"
+            "--console listens to topics, and a run without middleware has none: not with --direct, --resume, --from"
         )
     if given.direct and given.realtime:
         raise UsageError("--direct runs as fast as it can: it does not go with --realtime")
@@ -113,24 +114,31 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
 
 def _resumed(given: argparse.Namespace) -> "Resumption | None":
     """The run that is to go on, None where one is to begin. Raises UsageError, ConfigError."""
-    if given.resume is None:
+    if not _goes_on(given):
         return None
-    from sojourn_bringup.checkpoints import resume  # not above: it needs all roles, which start elsewhere
+    from sojourn_bringup.checkpoints import last_before, resume  # not above: it needs all roles, which start elsewhere
 
-    return resume(given.resume, overrides_of(given))
+    file = given.resume or last_before(given.from_bag, math.inf if given.at is None else given.at)
+    return resume(file, overrides_of(given))
+
+
+def _goes_on(given: argparse.Namespace) -> bool:
+    """Whether a run goes on, in place of one that begins."""
+    return given.resume is not None or given.from_bag is not None
 
 
 def _check_checkpoints(given: argparse.Namespace) -> None:
     """Raise UsageError for options that do not go together."""
     if given.checkpoint_every is not None and layout_of(given) != "direct":
         raise UsageError("--checkpoint-every keeps the state of a run without middleware: it goes with --direct")
-    if given.resume is None:
+    if not _goes_on(given):
         return
     others = ("composed", "realtime", "without", "only", "replace", "shadow", "machine")
     wrong = [f"--{name}" for name in others if getattr(given, name)]
     if wrong:
         reason = "a checkpoint goes on without middleware, with the machine and the roles that it has"
-        raise UsageError(f"--resume does not go with {' and '.join(wrong)}: {reason}")
+        option = "--resume" if given.resume is not None else "--from"
+        raise UsageError(f"{option} does not go with {' and '.join(wrong)}: {reason}")
 
 
 def overrides_of(given: argparse.Namespace) -> list[str]:
@@ -174,7 +182,7 @@ Layout = Literal["processes", "composed", "direct"]
 
 def layout_of(given: argparse.Namespace) -> Layout:
     """Which way was asked for."""
-    return "direct" if given.direct or given.resume else "composed" if given.composed else "processes"
+    return "direct" if given.direct or _goes_on(given) else "composed" if given.composed else "processes"
 
 
 def run_plan(plan: RunPlan, layout: Layout, screen: Screen, with_console: bool = False) -> Outcome:

@@ -23,14 +23,14 @@ NEXT_LOOK_NS = LEAD_NS
 
 @dataclass(frozen=True, slots=True)
 class ScheduleState:
-    """How far it is; times in the order of the schedule [ns]."""
+    """How far it is; times by the names of the faults [ns], so that a schedule with others can go on from it."""
 
-    met: Mapping[int, int] = field(default_factory=dict)
-    """When an event was seen, by its fault's place."""
-    begun: Mapping[int, int] = field(default_factory=dict)
+    met: Mapping[str, int] = field(default_factory=dict)
+    """When an event was seen."""
+    begun: Mapping[str, int] = field(default_factory=dict)
     """From when on a fault is there."""
-    over: frozenset[int] = frozenset()
-    """Faults that have gone."""
+    over: Mapping[str, int] = field(default_factory=dict)
+    """From when on it is there no more."""
     distance: float = 0.0
     """Driven so far, in truth [m]."""
     place: tuple[float, float, float] | None = None
@@ -60,7 +60,7 @@ class FaultSchedule:
 
     def __init__(self, faults: Sequence[FaultChoice], seed: int) -> None:
         self.faults = tuple(faults)
-        self._times = [fault.time(seed) for fault in faults]
+        self._times = {fault.called: fault.time(seed) for fault in faults}
 
     def look(self, state: ScheduleState, seen: SeenRun) -> tuple[ScheduleState, list[DiagnosticArray]]:
         """Look at the run; what is to be sent now."""
@@ -68,57 +68,58 @@ class FaultSchedule:
             return state, []
         state = self._moved(state, seen)
         said = []
-        for place, fault in enumerate(self.faults):
-            if place not in state.begun:
-                state, due = self._due(state, place, fault, seen)
+        for fault in self.faults:
+            name = fault.called
+            if name not in state.begun:
+                state, due = self._due(state, fault, seen)
                 if due is None or due > seen.now + LEAD_NS + NEXT_LOOK_NS:
                     continue
                 stamp = max(due, seen.now + LEAD_NS)
-                said.append(fault_message(stamp, FaultEvent(fault.called, fault, comes=True)))
-                state = replace(state, begun={**state.begun, place: stamp})
-            elif place not in state.over:
-                ends = self._ends(fault, state.begun[place])
+                said.append(fault_message(stamp, FaultEvent(name, fault, comes=True)))
+                state = replace(state, begun={**state.begun, name: stamp})
+            elif name not in state.over:
+                ends = self._ends(fault, state.begun[name])
                 if ends is None or ends > seen.now + LEAD_NS + NEXT_LOOK_NS:
                     continue
-                stamp = max(ends, seen.now + LEAD_NS, state.begun[place] + CONTROL_PERIOD_NS)
-                said.append(fault_message(stamp, FaultEvent(fault.called, fault, comes=False)))
-                state = replace(state, over=state.over | {place})
+                stamp = max(ends, seen.now + LEAD_NS, state.begun[name] + CONTROL_PERIOD_NS)
+                said.append(fault_message(stamp, FaultEvent(name, fault, comes=False)))
+                state = replace(state, over={**state.over, name: stamp})
         return state, said
 
     def quiet_until(self, state: ScheduleState) -> float:
         """Until when nothing comes or goes by the clock [s], with a second to say so before; infinity for ever. What an
         event brings comes while the machine does something.
         """
-        coming = [self._comes(state, place, fault) for place, fault in enumerate(self.faults)]
+        coming = [self._comes(state, fault) for fault in self.faults]
         times = [time for time in coming if time is not None]
         return min(times) // NANOSECONDS - 1 if times else math.inf
 
-    def _comes(self, state: ScheduleState, place: int, fault: FaultChoice) -> int | None:
+    def _comes(self, state: ScheduleState, fault: FaultChoice) -> int | None:
         """When the next of a fault is due, its beginning or its end, as far as the clock tells [ns]."""
-        if place in state.over:
+        name = fault.called
+        if name in state.over:
             return None
-        if place in state.begun:
-            return self._ends(fault, state.begun[place])
-        time, met = self._times[place], state.met.get(place)
+        if name in state.begun:
+            return self._ends(fault, state.begun[name])
+        time, met = self._times[name], state.met.get(name)
         if time is None and met is not None and fault.when is not None:
             return met + period_stamp(fault.when.later)
         return None if time is None else period_stamp(time)
 
-    def _due(
-        self, state: ScheduleState, place: int, fault: FaultChoice, seen: SeenRun
-    ) -> tuple[ScheduleState, int | None]:
+    def _due(self, state: ScheduleState, fault: FaultChoice, seen: SeenRun) -> tuple[ScheduleState, int | None]:
         """When a fault that has not come yet is due [ns], None as long as nobody knows."""
-        time = self._times[place]
+        name = fault.called
+        time = self._times[name]
         if time is not None:
             return state, period_stamp(time)
         trigger = fault.when
         if trigger is None:
             return state, None
-        if place not in state.met:
+        if name not in state.met:
             if not _happened(trigger, state, seen):
                 return state, None
-            state = replace(state, met={**state.met, place: seen.now})
-        return state, state.met[place] + period_stamp(trigger.later)
+            state = replace(state, met={**state.met, name: seen.now})
+        return state, state.met[name] + period_stamp(trigger.later)
 
     @staticmethod
     def _ends(fault: FaultChoice, begun: int) -> int | None:

@@ -22,10 +22,11 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from sojourn_contract.leaps import Leaps
 from sojourn_stack.errors import StackError
 from sojourn_stack.stack import RoleState, StackState
 
-FORMAT = 3
+FORMAT = 4
 """Of the file; another one is refused."""
 TREE = "state.json"
 OURS = "sojourn_"
@@ -79,6 +80,7 @@ def save(state: StackState, file: Path, origin: Origin | None = None) -> None:
         "roles": roles,
         "messages": messages,
         "ahead": writer.tree(state.ahead, "ahead"),
+        "leaps": writer.tree(state.leaps, "leaps"),
         "origin": writer.tree(origin, "origin"),
     }
     fresh = file.with_name(file.name + ".new")
@@ -112,11 +114,14 @@ def read(file: Path) -> tuple[StackState, Origin | None]:
                 if not isinstance(one, RoleState):
                     raise CheckpointError(role, f"a {type(one).__name__}: allowed is the state of a role")
             messages = reader.value(tree["messages"], "messages")
-            state = StackState(int(tree["period"]), roles, messages, bool(tree["finished"]))
+            ahead, leaps = (reader.value(tree[part], part) for part in ("ahead", "leaps"))
+            if not isinstance(leaps, Leaps):
+                raise CheckpointError("leaps", f"a {type(leaps).__name__}: allowed is the leaps of the clock")
+            state = StackState(int(tree["period"]), roles, messages, bool(tree["finished"]), ahead, leaps)
             origin = reader.value(tree["origin"], "origin")
             if origin is not None and not isinstance(origin, Origin):
                 raise CheckpointError("origin", f"a {type(origin).__name__}: allowed is of which run it is")
-            return dataclasses.replace(state, ahead=reader.value(tree["ahead"], "ahead")), origin
+            return state, origin
     except (zipfile.BadZipFile, KeyError, ValueError, TypeError, RecursionError, EOFError) as error:
         raise CheckpointError(str(file), f"no checkpoint ({error})") from error
 

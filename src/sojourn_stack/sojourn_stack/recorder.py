@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sojourn_bags.completeness import Completeness
-from sojourn_bags.onset import Onset
+from sojourn_bags.onset import Onset, Span
 from sojourn_bags.recorded_run import ROLE, RecordedRun
 from sojourn_contract.codecs import encode
 from sojourn_contract.heartbeat import HEARTBEAT_PERIODS, RUNNING, Counters, beats, heartbeat_message
 from sojourn_contract.leaps import NO_LEAPS, Leaps
+from sojourn_contract.stamps import seconds
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
@@ -34,7 +35,17 @@ def onset_of(state: StackState, table: TopicTable) -> Onset:
         for name, count in published.items():
             before[name] = before.get(name, 0) + count
     counts = {row.name: before.get(row.name, 0) - ahead.count(row.name) for row in table}
-    return Onset(state.period, counts, state.leaps)
+    return Onset(state.period, counts, state.leaps, _faults_before(state))
+
+
+def _faults_before(state: StackState) -> dict[str, Span]:
+    """Faults of the schedule that have come by then, with when they came and went."""
+    operator = state.roles.get("operator")
+    if operator is None:
+        return {}
+    begun, over = operator.app.faults.begun, operator.app.faults.over
+    gone = {name: seconds(stamp) for name, stamp in over.items() if stamp <= state.now}
+    return {name: (seconds(stamp), gone.get(name)) for name, stamp in begun.items() if stamp <= state.now}
 
 
 class DirectRecorder:
