@@ -13,6 +13,7 @@ from rich.text import Text
 
 from sojourn_bringup.health import DEAD, RESTARTING, SILENT, Health, Progress
 from sojourn_contract.heartbeat import READY, RUNNING, STALLED
+from sojourn_contract.shown import shown
 from sojourn_contract.stamps import seconds
 
 _COLOURS = {READY: "green", RUNNING: "green", STALLED: "red", SILENT: "red", DEAD: "red", RESTARTING: "yellow"}
@@ -36,7 +37,7 @@ class Screen:
 
     def say(self, text: str) -> None:
         """One line that stays."""
-        self.console.print(Text(text))
+        self.console.print(Text(shown(text)))
 
     def show(self, nodes: Sequence[Health], progress: Progress) -> None:
         """Called some times a second."""
@@ -114,12 +115,12 @@ def health_table(nodes: Sequence[Health]) -> Table:
         table.add_row(
             node.role,
             str(node.pid) if node.pid else "",
-            Text(node.state, style=_COLOURS.get(node.state, "")),
+            Text(shown(node.state), style=_COLOURS.get(node.state, "")),
             f"{seconds(node.stamp):.0f} s" if node.stamp else "",
             str(node.refused) if node.refused else "",
             str(node.restarts) if node.restarts else "",
             f"{node.memory_mb:.0f} MB" if node.memory_mb else "",
-            Text(node.note),
+            Text(shown(node.note)),
         )
     return table
 
@@ -133,7 +134,7 @@ def progress_line(progress: Progress) -> Text:
         parts.append(progress.step)
     if progress.to_go_m is not None:
         parts.append(f"{progress.to_go_m:.2f} m to go")
-    return Text(", ".join(parts))
+    return Text(shown(", ".join(parts)))
 
 
 def default_screen() -> Screen:

@@ -12,6 +12,7 @@ from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
 from sojourn_contract.fault_messages import FaultEvent
 from sojourn_contract.heartbeat import Heartbeat, read_heartbeats, status_message, status_values
 from sojourn_contract.link_topics import CANCEL, COMMANDS, on_earth
+from sojourn_contract.shown import shown
 from sojourn_contract.stamps import NANOSECONDS, seconds
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, topic
@@ -185,7 +186,7 @@ class GoalClient(Desk):
         if self.over_link:
             return self._follow_over_link(name, timeout_s)
         read = REPORTS.get(command, report_of)
-        begin = shown = time.monotonic()
+        begin = said_at = time.monotonic()
         while not self.stop.is_set and time.monotonic() - begin < timeout_s:
             self.spin(0.05)
             status = self.statuses.get(who)
@@ -194,9 +195,10 @@ class GoalClient(Desk):
             report = read(status)
             if report.goal_stamp == self._last_stamp and report.state in ENDS.get(command, FINAL_STATES):
                 return report.state, report.reason
-            if time.monotonic() - shown > SHOW_S and report.goal_stamp == self._last_stamp:
-                shown = time.monotonic()
-                print(f"{seconds(self.now):9.2f} s  {report.state}, {_to_go(who, status_values(status))}", flush=True)
+            if time.monotonic() - said_at > SHOW_S and report.goal_stamp == self._last_stamp:
+                said_at = time.monotonic()
+                line = f"{seconds(self.now):9.2f} s  {report.state}, {_to_go(who, status_values(status))}"
+                print(shown(line), flush=True)
         if self.stop.is_set:
             return "interrupted", "the goal goes on: stop it with scripts/goal stop"
         return "not finished", f"within {timeout_s:g} s of wall time; the goal goes on"
@@ -208,7 +210,7 @@ class GoalClient(Desk):
             self.spin(0.05)
             values = self.link.command(name, self._last_stamp)
             for line in lines.new(values, self.link.state):
-                print(line, flush=True)
+                print(shown(line), flush=True)
             if values.get("state") in OVER or (values.get("state") == RECEIVED and name not in ANSWERS):
                 return values["outcome"] or values["state"], values["reason"]
         if self.stop.is_set:
@@ -334,7 +336,7 @@ def _ask(client: GoalClient, goal: PoseStamped | Path, timeout_s: float) -> int:
     answer = client.answer(timeout_s)
     if answer is None:
         raise CommandError(f"the drive did not answer within {timeout_s:g} s of wall time")
-    print("\n".join(foresight_lines(answer)))
+    print(shown("\n".join(foresight_lines(answer))))
     return 0 if answer.get("asked_state") == "allowed" else 1
 
 
@@ -346,7 +348,7 @@ def _fail(given: argparse.Namespace) -> int:
         before = dict(client.beats)
         client.send("plant or sensors", FAULTS_TOPIC, message_of(event))
         outcome, reason = client.watch(event, before, given.timeout)
-    print(f"{outcome}: {reason}")
+    print(shown(f"{outcome}: {reason}"))
     return 0 if outcome in (CAME, WENT) else 1
 
 
@@ -365,14 +367,14 @@ def run(given: argparse.Namespace) -> int:
     with GoalClient(given.domain, given.namespace) as client:
         if message is None:
             stands, words = client.halt()
-            print(words)
+            print(shown(words))
             return 0 if stands else 1
         if isinstance(message, PoseStamped | Path) and given.command in ("drive", "route") and given.dry_run:
             return _ask(client, message, given.timeout)
         who, name = GOALS[given.command]
         client.send(who, name, message)
         outcome, reason = client.follow(given.command, given.timeout)
-    print(f"{outcome}{': ' + reason if reason else ''}")
+    print(shown(f"{outcome}{': ' + reason if reason else ''}"))
     if outcome == "interrupted":
         return INTERRUPTED
     return 0 if outcome in (REACHED, DONE) else 1
