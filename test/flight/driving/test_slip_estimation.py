@@ -349,7 +349,7 @@ def test_further_slip_is_that_of_the_shorter_way(slip: float, error: float) -> N
 
 
 def at_rest_then_driving(model: SlipModel, spin: tuple[float, float], up: FloatArray, slip: float) -> list[SlipState]:
-    """The states after 250 s at rest, where the gyros of an LN-200S feel the planet's spin, and after 20 s of driving."""
+    """The states after 250 s at rest, where gyros as an LN-200S's feel the planet's spin, and after 20 s of driving."""
     levers = model.machine.table[:, 2] * model.machine.loads[:, 0]
     random = np.random.default_rng(1)
     sigmas = np.array((2e-5, model.params.force_noise)) / math.sqrt(DT)

@@ -318,8 +318,8 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         stand(states, covariance, rocking, felt[0], force_noise, dt)
         torques[:] = 0.0
         return SlipState(
-            states, covariance, gravity, rest_rate, torques, rates, slip, False, shared, sigma, ahead, rocking, old.way, pace,
-            standing_for, stuck, idle, blocked,
+            states, covariance, gravity, rest_rate, torques, rates, slip, False, shared, sigma, ahead, rocking, old.way,
+            pace, standing_for, stuck, idle, blocked,
         )  # fmt: skip
     acceleration = felt[0] * ahead_x + felt[1] * ahead_y
     drift_variance = (trust.drift_walk**2 + TURNED_APART * abs(gyro[2]) * trust.accelerometer_bias**2) * dt
@@ -374,6 +374,6 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         if standing[i] > 0.5 and abs(table[i, 2] * seen.commanded_rates[i]) >= least_speed and fastest >= least_speed:
             blocked[i] = old.blocked_for[i] + dt
     return SlipState(
-        states, covariance, gravity, rest_rate, torques, rates, slip, observable, shared, sigma, ahead, rocking, way, pace,
-        standing_for, stuck, idle, blocked,
+        states, covariance, gravity, rest_rate, torques, rates, slip, observable, shared, sigma, ahead, rocking, way,
+        pace, standing_for, stuck, idle, blocked,
     )  # fmt: skip

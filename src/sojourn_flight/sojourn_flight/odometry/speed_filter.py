@@ -7,12 +7,13 @@ x of base_link [m/s^2]; soil factor q, the slip over the one that the torques sp
     moving:   v = u (1 - s_0 - q (s - s_0)) + n_s,   u speed of the wheels, s believed slip, s_0 free slip
     standing: v = 0,  a = d_x b + n_a,  b' = n_b      what the accelerometers feel at rest is drift
 
-a = (f + g).d is strapdown: specific force and gravity along the motion, gravity carried in base_link by the gyros,
-g' = -w x g, from the last levelling. Gyros feel the planet's spin too, which on Mars is 15 deg/h: what they tell of a
-machine at rest is taken off (`rest`), or minutes of standing would tilt gravity away. Its error keeps its direction on the ground, while a bias of the accelerometers
-turns with the body: at the levelling they cancel, and after a turn by t their difference has the variance
-2 (1 - cos t) sigma^2, here 1.3 |t| sigma^2, which is more up to a half turn but for 9 % at two radians. Speed is along
-the motion of the wheels, with its sign: where that turns, as in going backwards after forwards, so does it.
+a = (f + g).d is strapdown: specific force and gravity along the motion, gravity carried in base_link by the gyros, g' =
+-w x g, from the last levelling. Gyros feel the planet's spin too, which on Mars is 15 deg/h: what they tell of a
+machine at rest is taken off (`rest`), or minutes of standing would tilt gravity away. Its error keeps its direction on
+the ground, while a bias of the accelerometers turns with the body: at the levelling they cancel, and after a turn by t
+their difference has the variance 2 (1 - cos t) sigma^2, here 1.3 |t| sigma^2, which is more up to a half turn but for 9
+% at two radians. Speed is along the motion of the wheels, with its sign: where that turns, as in going backwards after
+forwards, so does it.
 
 A body whose wheels stand still rocks for seconds: v = 0 holds within rock / ROCKING_RATE and a = d_x b within rock,
 with rock^2 the variance of the acceleration that is felt, less that of the noise, averaged over ROCKING_LAG.
