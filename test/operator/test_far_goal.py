@@ -8,7 +8,8 @@ import pytest
 from sojourn_contract.values import Message, OccupancyGrid
 from sojourn_flight.hazards.obstacle_params import TiltLimits
 from sojourn_flight.planning.global_route import SiteMap
-from sojourn_operator.far_goal import CLOSED, drive_far, site_of
+from sojourn_machine.params import FloatArray
+from sojourn_operator.far_goal import CLOSED, FoundCells, closed_places, drive_far, site_of
 
 GOAL = (30.5, 10.5)
 STEP = "step of 0.25 m at (15.5, 10.5)"
@@ -43,8 +44,8 @@ class FakeRover:
     def stands_before(self) -> str:
         return STEP
 
-    def costmap(self) -> OccupancyGrid | None:
-        return self.costmaps[len(self.routes) - 1]
+    def found(self) -> FloatArray:
+        return closed_places(self.costmaps[len(self.routes) - 1])
 
 
 def test_a_closed_way_is_planned_again_round_what_was_found() -> None:
@@ -71,6 +72,25 @@ def test_it_ends_where_nothing_new_is_found_or_no_way_is_left() -> None:
     rover = FakeRover([wall(0, 40)], [gave_up])
     outcome, reason = drive_far(rover, site(), GOAL, None, lambda _: None)
     assert outcome == "refused" and "no route to (30.50, 10.50) m" in reason and STEP in reason
+
+
+def costmap(x: float, y: float, *rows: str) -> OccupancyGrid:
+    """A corner, and cells of half a metre: # closed, . free, ? not known; the first row is that of the least y."""
+    kinds = {"#": CLOSED, ".": 0, "?": -1}
+    cells = np.array([[kinds[one] for one in row] for row in rows], dtype=np.int8)
+    return OccupancyGrid(0, "odom", 0.5, cells.shape[1], cells.shape[0], np.array([x, y, 0.0]), cells.tobytes())
+
+
+def test_what_the_drive_forgets_is_remembered_and_what_it_corrects_is_corrected() -> None:
+    found = FoundCells()
+    found.hear(costmap(-1.0, 2.0, "#..", "..#"))
+    assert sorted(found.places.tolist()) == [[-0.75, 2.25], [0.25, 2.75]]
+    found.hear(costmap(0.0, 2.0, "..", "?#"))  # one cell beyond it, one not known to it any more, one new
+    assert sorted(found.places.tolist()) == [[-0.75, 2.25], [0.25, 2.75], [0.75, 2.75]]
+    found.hear(costmap(0.0, 2.0, "..", ".."))
+    assert found.places.tolist() == [[-0.75, 2.25]]
+    found.hear(OccupancyGrid(0, "odom", 0.0, 0, 0, np.zeros(3), b""))
+    assert found.places.tolist() == [[-0.75, 2.25]]
 
 
 def test_the_map_of_a_scenario_is_coarse_and_not_the_truth() -> None:

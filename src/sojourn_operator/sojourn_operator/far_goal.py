@@ -1,7 +1,7 @@
 """A goal beyond the camera's sight: a route over the map of the site, and another where the rover finds it closed."""
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from sojourn_operator.goal_messages import route_goal
 
 REPLANS = 8
 """So often a route is planned anew."""
-CLOSED = 100
+CLOSED, NOT_KNOWN = 100, -1
 """In a cell of /local_costmap/costmap."""
 COSTMAP = "/local_costmap/costmap"
 
@@ -36,34 +36,53 @@ class Driver(Protocol):
         """The obstacle for which the drive has stopped last, in its own words; empty for none."""
         ...
 
-    def costmap(self) -> OccupancyGrid | None:
-        """What it has found round it; None where it has not said so."""
+    def found(self) -> FloatArray:
+        """Places that it has found closed, shape (n, 2) [m]."""
         ...
+
+
+class FoundCells:
+    """What a drive has found closed on its way, of which its own map forgets the most: of each cell the last word."""
+
+    def __init__(self) -> None:
+        self._cells = np.zeros((0, 2), dtype=np.int64)
+        """Column and row, counted from the origin of odom."""
+        self._side = 0.0
+
+    @property
+    def places(self) -> FloatArray:
+        """Middles of the cells, shape (n, 2) [m]."""
+        return np.asarray(self._side * (self._cells + 0.5), dtype=np.float64)
+
+    def hear(self, grid: OccupancyGrid) -> None:
+        """What it says of the ground round it now."""
+        if not grid.width * grid.height:
+            return
+        if grid.resolution != self._side:
+            self._cells, self._side = np.zeros((0, 2), dtype=np.int64), grid.resolution
+        corner = np.rint(grid.position[:2] / grid.resolution).astype(np.int64)
+        column, row = (self._cells - corner).T
+        here = (column >= 0) & (row >= 0) & (column < grid.width) & (row < grid.height)
+        kinds = np.frombuffer(grid.data, dtype=np.int8).reshape(grid.height, grid.width)
+        here[here] = kinds[row[here], column[here]] != NOT_KNOWN
+        closed = np.argwhere(kinds == CLOSED)[:, ::-1] + corner
+        self._cells = np.concatenate([self._cells[~here], closed])
 
 
 class RoverEars:
     """Hears, at a desk, where the rover is and what it has found."""
 
     def __init__(self, desk: Desk) -> None:
-        self._heard: dict[str, Any] = {}
-        self._readers = [desk.listen(topic(name), self._keep(name), lockstep=False) for name in ("/odom", COSTMAP)]
-
-    @property
-    def place(self) -> Point | None:
+        self.place: Point | None = None
         """[m]; None before it has been heard."""
-        odometry = self._heard.get("/odom")
-        return None if odometry is None else (float(odometry.position[0]), float(odometry.position[1]))
+        self.found = FoundCells()
+        self._readers = [
+            desk.listen(topic("/odom"), self._stands, lockstep=False),
+            desk.listen(topic(COSTMAP), self.found.hear, lockstep=False),
+        ]
 
-    @property
-    def costmap(self) -> OccupancyGrid | None:
-        """Newest."""
-        return self._heard.get(COSTMAP)
-
-    def _keep(self, name: str) -> Callable[[Message], None]:
-        def keep(message: Message) -> None:
-            self._heard[name] = message
-
-        return keep
+    def _stands(self, message: Message) -> None:
+        self.place = float(message.position[0]), float(message.position[1])
 
 
 def closed_places(grid: OccupancyGrid | None) -> FloatArray:
@@ -95,7 +114,7 @@ def drive_far(
         if outcome not in ("stopped", "refused") or not (obstacle and reason.startswith(obstacle)):
             return outcome, reason
         say(f"{outcome}: {reason}")
-        found = site.with_found(closed_places(driver.costmap()))
+        found = site.with_found(driver.found())
         if site.found is not None and found.found is not None and (site.found == found.found).all():
             return outcome, f"{reason}; nothing new has been found to plan by"
         site = found

@@ -8,8 +8,9 @@ from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
 from sojourn_contract.heartbeat import status_message, status_values
 from sojourn_contract.shown import shown
 from sojourn_contract.topics import topic
-from sojourn_contract.values import UPRIGHT, Message, OccupancyGrid, Path, PoseStamped
+from sojourn_contract.values import UPRIGHT, Message, Path, PoseStamped
 from sojourn_flight.planning.global_route import NoRouteError
+from sojourn_machine.params import FloatArray
 from sojourn_operator.far_goal import RoverEars, drive_far, site_of
 from sojourn_operator.fault_sending import CAME, WENT, fault_event, message_of
 from sojourn_operator.foresight_words import foresight_lines
@@ -86,8 +87,8 @@ class _RouteClient:
     def stands_before(self) -> str:
         return status_values(self._client.statuses["drive"]).get("obstacle", "") if self._client.statuses else ""
 
-    def costmap(self) -> OccupancyGrid | None:
-        return self._ears.costmap
+    def found(self) -> FloatArray:
+        return self._ears.found.places
 
 
 def _drive_over(given: argparse.Namespace) -> int:
