@@ -109,7 +109,8 @@ def _drive_over(given: argparse.Namespace) -> int:
                 return _told("refused", str(error))
             print("over the map: " + " ".join(f"({x:.1f}, {y:.1f})" for x, y in points))
             return _ask(client, route_goal(0, points, given.yaw), given.timeout)
-        outcome, reason = drive_far(driver, site, (given.x, given.y), given.yaw, lambda words: print(shown(words), flush=True))
+        goal = given.x, given.y
+        outcome, reason = drive_far(driver, site, goal, given.yaw, lambda words: print(shown(words), flush=True))
     return _told(outcome, reason)
 
 
