@@ -18,6 +18,7 @@ from sojourn_console.panels.panel import table_html
 from sojourn_console.world import World
 from sojourn_contract.codecs import encode
 from sojourn_contract.topics import topic
+from sojourn_machine.params import FloatArray
 
 MOVING = RunScene(statuses={"/drive/status": {"state": "moving"}, "/arm/status": {"state": "moving"}})
 
@@ -53,6 +54,25 @@ def test_what_cannot_be_sent_is_told(world: World) -> None:
         Draft("task").check(world.ground)
     with pytest.raises(GoalError, match="ways alone"):
         Draft("arm", ((1.0, 0.0, 0.0),)).question(0)
+
+
+def test_a_place_far_away_becomes_a_route_over_the_map(world: World) -> None:
+    """Round a wall that the drive has found, on its ground, and nowhere where there is no way."""
+    start, draft = (0.0, 0.0, 0.3), Draft("drive", ((6.0, 0.0, 0.0),), yaw=0.5)
+    wall = np.array([(3.0, y) for y in np.arange(-2.0, 2.01, 0.2)])
+    level = replace(world.site, heights=np.zeros((10, 20)), zones=())
+
+    def heights(places: FloatArray) -> FloatArray:
+        return places[:, 0] + 1.0
+
+    routed = draft.over(level.with_found(wall), start, heights)
+    assert routed.kind == "route" and routed.yaw == 0.5 and len(routed.points) > 1
+    assert routed.points[-1] == (6.0, 0.0, 7.0) and max(abs(y) for _, y, _ in routed.points) > 2.5
+    assert draft.over(level, start, heights).points == ((6.0, 0.0, 7.0),)
+    with pytest.raises(GoalError, match="over the map: no route to"):
+        replace(draft, points=((999.0, 0.0, 0.0),)).over(level, start, heights)
+    with pytest.raises(GoalError, match="click on the ground"):
+        Draft("arm", ((1.0, 0.0, 0.0),)).over(level, start, heights)
 
 
 def test_a_stop_goes_to_both_without_a_stamp(feed: DeafFeed) -> None:

@@ -10,13 +10,14 @@ from deaf_feed import DeafFeed
 from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
 from sojourn_console.gate import GuardedServer
-from sojourn_console.ground_layers import STEEP, closed_places, slope_colors, slopes_of
+from sojourn_console.ground_layers import STEEP, slope_colors, slopes_of
 from sojourn_console.model import RunScene
 from sojourn_console.page import Page
 from sojourn_console.views.layer_views import ClosedView, SlopeView
 from sojourn_console.views.zone_view import edge_of
 from sojourn_console.world import World, world_named
 from sojourn_contract.values import OccupancyGrid
+from sojourn_operator.far_goal import closed_places
 from sojourn_physics.terrain.height_field import HeightField
 
 LANDER = {"name": "lander", "points": [[1.0, -1.0], [2.0, -1.0], [2.0, 1.0], [1.0, 1.0]]}

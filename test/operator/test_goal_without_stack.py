@@ -11,7 +11,7 @@ from sojourn_config.command_errors import CommandError
 from sojourn_contract.codecs import encode
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.topics import topic
-from sojourn_operator import goal_sending
+from sojourn_operator import goal_command
 from sojourn_operator.goal_client import main
 from sojourn_operator.goal_sending import ANSWER_S
 
@@ -111,7 +111,7 @@ class Heard:
 def test_a_place_goes_out_on_the_topic_of_its_command(
     monkeypatch: pytest.MonkeyPatch, command: str, who: str, name: str, places: list[tuple[float, ...]], frame: str
 ) -> None:
-    monkeypatch.setattr(goal_sending, "GoalClient", Heard)
+    monkeypatch.setattr(goal_command, "GoalClient", Heard)
     assert main(command.split()) == 0
     ((told, on, message),) = Heard.sent
     assert (told, on, message.frame) == (who, name, frame)
@@ -129,7 +129,7 @@ def test_a_place_goes_out_on_the_topic_of_its_command(
 def test_words_go_out_on_the_topic_of_their_command(
     monkeypatch: pytest.MonkeyPatch, command: str, who: str, name: str, words: dict[str, str]
 ) -> None:
-    monkeypatch.setattr(goal_sending, "GoalClient", Heard)
+    monkeypatch.setattr(goal_command, "GoalClient", Heard)
     assert main(command.split()) == 0
     ((told, on, message),) = Heard.sent
     assert (told, on, status_values(message)) == (who, name, words)

@@ -35,6 +35,7 @@ from sojourn_physics.link.params import LinkParams
 from sojourn_physics.link.window import Sky
 from sojourn_physics.plant.params import LeapParams, SimulationParams
 from sojourn_physics.terrain.height_field import HeightField
+from sojourn_physics.terrain.orbital_params import OrbitalMapParams
 from sojourn_physics.terrain.params import TerrainParams
 
 if TYPE_CHECKING:
@@ -94,6 +95,9 @@ class ScenarioConfig(Params):
         default=None, description="where on the body the origin of map is; none: gravity is the body's mean"
     )
     terrain: TerrainParams = Field(description="the ground")
+    orbital_map: OrbitalMapParams = Field(
+        default_factory=OrbitalMapParams, description="what operators have of the ground beforehand"
+    )
     soil: str = Field(min_length=1, description="name in config/soils")
     rock_soil: str = Field(default="rigid_rock", min_length=1, description="name in config/soils")
     wind: WindParams | None = Field(default=None, description="over the ground, where the body has air; none: calm")

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -13,6 +13,8 @@ from sojourn_console.errors import GoalError
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.values import UPRIGHT, Message, Path, PoseStamped
 from sojourn_flight.hazards.zone_params import KeepOutZone, first_in
+from sojourn_flight.planning.global_route import NoRouteError, SiteMap
+from sojourn_machine.params import FloatArray
 from sojourn_operator.goal_messages import drive_goal, pose_message, question_message, route_goal
 from sojourn_physics.terrain.height_field import HeightField
 
@@ -47,6 +49,21 @@ class Draft:
     def moved(self, number: int, point: Point) -> "Draft":
         """With one of its points elsewhere."""
         return replace(self, points=(*self.points[:number], point, *self.points[number + 1 :]))
+
+    def over(self, site: SiteMap, start: Point, heights: Callable[[FloatArray], FloatArray]) -> "Draft":
+        """A route over a map to its last point. Raises GoalError where there is none.
+
+        Args:
+            site: the map. start: where the machine is. heights: of the ground at places, shape (n, 2) [m].
+        """
+        if not (self.is_way and self.points):
+            raise GoalError(self.kind, "there is no place to which a route could lead: click on the ground")
+        try:
+            corners = np.array(site.route(start[:2], self.points[-1][:2]))
+        except NoRouteError as error:
+            raise GoalError("over the map", str(error)) from error
+        points = np.column_stack([corners, heights(corners)])
+        return replace(self, kind="route", points=tuple((float(x), float(y), float(z)) for x, y, z in points))
 
     @property
     def is_way(self) -> bool:

@@ -8,14 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import correlate1d, uniform_filter1d
 
-from sojourn_contract.values import Message
 from sojourn_machine.params import FloatArray
 from sojourn_physics.terrain.height_field import HeightField
 
 GENTLE, WARM, STEEP = np.array([40, 120, 220]), np.array([255, 214, 10]), np.array([255, 59, 48])
 """Colours of level ground, of half the limit, of the limit and beyond."""
-CLOSED = 100
-"""Of a cell of nav_msgs/OccupancyGrid."""
 
 
 def slopes_of(ground: HeightField, reach: float) -> FloatArray:
@@ -37,11 +34,3 @@ def slope_colors(slopes: FloatArray, limit: float) -> NDArray[np.uint8]:
     low = GENTLE + 2.0 * part * (WARM - GENTLE)
     high = WARM + (2.0 * part - 1.0) * (STEEP - WARM)
     return np.where(part < 0.5, low, high).astype(np.uint8)
-
-
-def closed_places(grid: Message) -> FloatArray:
-    """Middles of the cells of a map that are closed, (n, 2) in its frame [m]."""
-    cells = np.frombuffer(bytes(grid.data), dtype=np.int8).reshape(grid.height, grid.width)
-    rows, columns = np.nonzero(cells == CLOSED)
-    middles = np.stack([columns, rows], axis=1) + 0.5
-    return np.asarray(grid.position[:2] + grid.resolution * middles)

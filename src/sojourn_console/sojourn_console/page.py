@@ -22,6 +22,7 @@ from sojourn_console.model import STATUSES, RunScene, after
 from sojourn_console.panels.alarms import AlarmsPanel
 from sojourn_console.panels.goals import GoalsPanel
 from sojourn_console.panels.head import HeadPanel
+from sojourn_console.panels.link_panel import LinkPanel
 from sojourn_console.panels.panel import Panel, Workbench
 from sojourn_console.panels.scene_panel import ScenePanel
 from sojourn_console.panels.sequence import SequencePanel
@@ -39,7 +40,7 @@ SLOW = 6
 """Of so many scenes one is shown to the panels: text need not flicker."""
 ALWAYS = ("/odom", "/joint_states", "/battery_state", "/diagnostics", *STATUSES)
 """Topics that are heard whatever is shown."""
-PANELS: tuple[type[Panel], ...] = (GoalsPanel, SequencePanel, AlarmsPanel, TelemetryPanel)
+PANELS: tuple[type[Panel], ...] = (GoalsPanel, SequencePanel, AlarmsPanel, TelemetryPanel, LinkPanel)
 """Tabs besides that of the scene, in their order."""
 IN_FULL_OF_A_BAG = ("/odom", "/truth/contacts")
 """Of what leaves traces every message counts where time may jump."""

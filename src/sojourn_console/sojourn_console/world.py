@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from mcap.records import Attachment, Message
@@ -15,9 +16,11 @@ from sojourn_bags.run_configuration import run_configuration
 from sojourn_bags.salvage import Salvage
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_config.site_map import site_map
 from sojourn_console.errors import NoWorldError
 from sojourn_contract.run_table import rows_of_sensor, table_of
 from sojourn_contract.topic_table import TopicTable
+from sojourn_flight.planning.global_route import SiteMap
 from sojourn_machine.params import FloatArray
 from sojourn_physics.environment.sun.over import SunOver
 from sojourn_physics.sensors.hazcam import HazcamParams
@@ -72,6 +75,11 @@ class World:
     def supports(self) -> tuple[str, ...]:
         """Names of what meets the ground, as /truth/contacts has them."""
         return tuple(support.name for support in self.scenario.machine.supports)
+
+    @cached_property
+    def site(self) -> SiteMap:
+        """The ground as operators know it beforehand. Raises InvalidValueError where no route can be planned on it."""
+        return site_map(self.scenario, self.ground)
 
     def sun_direction(self, stamp: int) -> FloatArray:
         """Unit vector to the Sun in map, shape (3,), at a stamp [ns]."""

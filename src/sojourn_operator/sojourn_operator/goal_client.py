@@ -9,7 +9,7 @@ from sojourn_flight.arm.tasks.names import TASKS
 from sojourn_machine.fault_names import FAULTS
 
 VERBS = ("drive", "route", "arm", "task", "power", "here", "fault", "cancel", "stop")
-WITH_VALUE = ("--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z", "--within", "--name")
+WITH_VALUE = ("--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z", "--within", "--name", "--over")
 """Options before whose value no verb stands."""
 
 
@@ -28,6 +28,11 @@ def parser() -> argparse.ArgumentParser:
         help="height over the start [m], for the energy forecast; 0: not known",
     )
     drive.add_argument("--frame", default="map", help="map, odom or base_link (default: %(default)s)")
+    drive.add_argument(
+        "--over",
+        metavar="SCENARIO",
+        help="plan a route over this scenario's orbital map, and again where the drive finds it closed",
+    )
     route = commands.add_parser("route", help="drive along points")
     route.add_argument(
         "points", type=command_line.number, nargs="+", metavar="X Y", help="[m], one pair for each point"
@@ -101,7 +106,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if words and words[0].startswith("-") and not {"-h", "--help"} & set(words):
         options.error(f"what to do is missing: allowed is one of {', '.join(VERBS)}")
     given = options.parse_args(words)
-    from sojourn_operator.goal_sending import run  # not above: --help needs none of it
+    from sojourn_operator.goal_command import run  # not above: --help needs none of it
 
     return run(given)
 

@@ -1,6 +1,5 @@
-"""Sends a goal and follows it: the work of scripts/goal."""
+"""Sends a goal and follows it: for scripts/goal."""
 
-import argparse
 import time
 from collections.abc import Callable, Mapping
 from typing import Any, Self
@@ -10,33 +9,27 @@ from sojourn_config.role_holder import held_roles
 from sojourn_contract.codecs import encode
 from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
 from sojourn_contract.fault_messages import FaultEvent
-from sojourn_contract.heartbeat import Heartbeat, read_heartbeats, status_message, status_values
+from sojourn_contract.heartbeat import Heartbeat, read_heartbeats, status_values
 from sojourn_contract.link_topics import CANCEL, COMMANDS, on_earth
 from sojourn_contract.shown import shown
 from sojourn_contract.stamps import NANOSECONDS, seconds
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, topic
-from sojourn_contract.values import UPRIGHT, Clock, DiagnosticArray, Header, Message, Path, PoseStamped
+from sojourn_contract.values import Clock, DiagnosticArray, Header, Message
 from sojourn_operator.desk import Desk
-from sojourn_operator.fault_sending import CAME, WENT, answer_of, fault_event, message_of
-from sojourn_operator.foresight_words import foresight_lines
+from sojourn_operator.fault_sending import answer_of
 from sojourn_operator.goal_messages import (
     QUESTION,
-    drive_goal,
-    place_message,
     place_report_of,
-    pose_message,
-    question_message,
     report_of,
     request_report_of,
-    route_goal,
     stamped,
     stop_messages,
 )
 from sojourn_operator.link.commands import ANSWERS, CANCELLED, OVER, RECEIVED
 from sojourn_operator.link.view import CommandLines, LinkView
 from sojourn_operator.start_watch import StartWatch
-from sojourn_operator.steps.step import FINAL_STATES, REACHED
+from sojourn_operator.steps.step import FINAL_STATES
 
 ANSWER_S = 5.0
 """Wall time within which a running stack must be found."""
@@ -299,82 +292,3 @@ def _to_go(who: str, values: dict[str, str]) -> str:
     if "progress" not in values:  # of a task that has not begun yet
         return f"{values.get('task', who)} has not begun"
     return f"{100.0 * float(values['progress']):.0f} % done, {values.get('time_to_go', '?')} s to go"
-
-
-def _drive_goal(given: argparse.Namespace) -> PoseStamped | Path:
-    """Where to drive."""
-    if given.command == "drive":
-        return drive_goal(0, (given.x, given.y), given.yaw, given.frame, given.z)
-    if len(given.points) % 2:
-        raise CommandError(f"points: {len(given.points)} numbers, allowed is an even count: X Y for each point")
-    return route_goal(0, list(zip(given.points[::2], given.points[1::2], strict=True)), given.yaw, given.frame)
-
-
-def _goal(given: argparse.Namespace) -> Message:
-    """What was asked for, as a message."""
-    if given.command in ("drive", "route"):
-        return _drive_goal(given)
-    if given.command == "task":
-        return status_message(0, given.name, dict(_key_and_value(text) for text in given.values))
-    if given.command == "power":
-        return status_message(0, "request", {given.load: given.switch})
-    if given.command == "here":
-        return place_message(0, (given.x, given.y), given.yaw, given.within)
-    return pose_message(0, given.frame, (given.x, given.y, given.z), UPRIGHT)
-
-
-def _key_and_value(text: str) -> tuple[str, str]:
-    key, found, value = text.partition("=")
-    if not found or not key:
-        raise CommandError(f"{text!r}: allowed is KEY=VALUE")
-    return key, value.replace(",", " ")
-
-
-def _ask(client: GoalClient, goal: PoseStamped | Path, timeout_s: float) -> int:
-    """Ask what it would take to drive; 0 if the goal is allowed."""
-    client.send("drive", QUESTION, question_message(goal))
-    answer = client.answer(timeout_s)
-    if answer is None:
-        raise CommandError(f"the drive did not answer within {timeout_s:g} s of wall time")
-    print(shown("\n".join(foresight_lines(answer))))
-    return 0 if answer.get("asked_state") == "allowed" else 1
-
-
-def _fail(given: argparse.Namespace) -> int:
-    """Let something fail, or be well again; 0 if whose it is says so."""
-    event = fault_event(given, (_key_and_value(text) for text in given.values))
-    with GoalClient(given.domain, given.namespace) as client:
-        client.hear_from(event.fault.role)
-        before = dict(client.beats)
-        client.send("plant or sensors", FAULTS_TOPIC, message_of(event))
-        outcome, reason = client.watch(event, before, given.timeout)
-    print(shown(f"{outcome}: {reason}"))
-    return 0 if outcome in (CAME, WENT) else 1
-
-
-def run(given: argparse.Namespace) -> int:
-    """Send a goal; 0 only if it was reached (a stop: if drive and arm stand; a dry run: if it is allowed; a switch: if
-    it is done).
-    """
-    if given.command == "fault":
-        return _fail(given)
-    if given.command == "cancel":
-        with GoalClient(given.domain, given.namespace) as client:
-            gone = client.cancel(given.number)
-        print(f"cancelled: {', '.join(gone)}" if gone else "nothing of it waits: what has begun to leave goes its way")
-        return 0 if gone else 1
-    message = None if given.command == "stop" else _goal(given)
-    with GoalClient(given.domain, given.namespace) as client:
-        if message is None:
-            stands, words = client.halt()
-            print(shown(words))
-            return 0 if stands else 1
-        if isinstance(message, PoseStamped | Path) and given.command in ("drive", "route") and given.dry_run:
-            return _ask(client, message, given.timeout)
-        who, name = GOALS[given.command]
-        client.send(who, name, message)
-        outcome, reason = client.follow(given.command, given.timeout)
-    print(shown(f"{outcome}{': ' + reason if reason else ''}"))
-    if outcome == "interrupted":
-        return INTERRUPTED
-    return 0 if outcome in (REACHED, DONE) else 1

@@ -3,12 +3,15 @@
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 import viser
 
 from sojourn_console.draft import Draft, Kind, Point
+from sojourn_console.errors import GoalError
+from sojourn_console.ground_tiles import heights_of
 from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import RunScene
 from sojourn_console.panels.panel import QuietPanel, Workbench, table_html
@@ -19,6 +22,8 @@ from sojourn_console.rehearser import Rehearser
 from sojourn_console.views.view import GREEN, Shown, segments
 from sojourn_console.views.way_view import on_ground
 from sojourn_flight.arm.tasks.names import TASKS
+from sojourn_machine.errors import InvalidValueError
+from sojourn_operator.far_goal import closed_places
 from sojourn_operator.foresight_words import foresight_lines
 
 LOOK, DRIVE, ROUTE, ARM, TASK = "look round", "drive to a place", "drive a route", "place the arm's tip", "arm task"
@@ -50,6 +55,7 @@ class GoalsPanel(QuietPanel):
         self._task = gui.add_dropdown("Task", TASKS.names() or ("none",), visible=False)
         self._values: Any = gui.add_text("Numbers", "", hint="KEY=VALUE, with spaces between them", visible=False)
         self._undo = gui.add_button("Remove last point", visible=False)
+        self._over = gui.add_button("Route over the map", icon=viser.Icon.MAP, visible=False)
         self._rehearse = gui.add_button("Rehearse", icon=viser.Icon.EYE, visible=False)
         self._send = gui.add_button("Send", icon=viser.Icon.SEND, color="green", visible=False)
         self._answer = gui.add_html("")
@@ -97,6 +103,7 @@ class GoalsPanel(QuietPanel):
         self._task.on_update(lambda _: self._tasked())
         self._values.on_update(lambda _: self._tasked())
         self._undo.on_click(lambda _: self._change(bench.draft.without_last()))
+        self._over.on_click(lambda event: bench.commanding(event.client, self._routed, needs_control=False))
         self._rehearse.on_click(lambda event: bench.commanding(event.client, self._ask))
         self._send.on_click(lambda event: bench.commanding(event.client, self._sending))
 
@@ -116,7 +123,7 @@ class GoalsPanel(QuietPanel):
         place = self._bench.world.scenario.config.waypoints.get(self._waypoint.value)
         if place is not None:
             point = on_ground(self._bench.world, np.array([[place.x, place.y, 0.0]]))[0]
-            self._change(self._bench.draft.with_point(_point(point)))
+            self._put(_point(point))
             self._waypoint.value = HERE
 
     def _turned(self) -> None:
@@ -149,7 +156,25 @@ class GoalsPanel(QuietPanel):
         if self._mode.value == TASK:
             self._aim(place)
             return
-        self._change(self._bench.draft.with_point(_point(place)))
+        self._put(_point(place))
+
+    def _put(self, point: Point) -> None:
+        """A point of a route, or the place to drive to: what a map has made of that before is forgotten."""
+        self._change(replace(self._bench.draft, kind=KINDS[self._mode.value]).with_point(point))
+
+    def _routed(self) -> str:
+        """The way to the last point over the map of the site, and what the drive has found closed on it."""
+        bench, scene = self._bench, self._bench.scene
+        draft = bench.checked_draft()
+        if scene.pose is None:
+            raise GoalError("over the map", "the drive has not said yet where the machine is")
+        try:
+            site = bench.world.site.with_found(closed_places(scene.costmap))
+        except InvalidValueError as error:
+            raise GoalError("over the map", str(error)) from error
+        routed = draft.over(site, _point(scene.pose.position), lambda places: heights_of(bench.world.ground, *places.T))
+        self._change(routed)
+        return f"a route of {len(routed.points)} points: look at it, rehearse it, send it"
 
     def _aim(self, place: Any) -> None:
         """A task at a place of the ground: into its numbers, in base_link, as the arm takes them."""
@@ -189,7 +214,8 @@ class GoalsPanel(QuietPanel):
         is_goal, is_way = mode != LOOK, mode in (DRIVE, ROUTE)
         for handle, is_there in (
             (self._waypoint, is_way and len(self._waypoint.options) > 1),
-            (self._heading, is_way), (self._yaw, is_way and self._heading.value), (self._rehearse, is_way),
+            (self._heading, is_way), (self._yaw, is_way and self._heading.value),
+            (self._over, is_way and bool(draft.points)), (self._rehearse, is_way),
             (self._undo, mode == ROUTE and bool(draft.points)), (self._send, is_goal),
             (self._task, mode == TASK), (self._values, mode == TASK),
         ):  # fmt: skip
@@ -296,7 +322,11 @@ def _hint(mode: str, draft: Draft) -> str:
         words = "A click on the ground fills in its position in base_link."
     else:
         x, y, _ = draft.points[-1]
-        words = f"({x:.2f}, {y:.2f}) m" + (f", {len(draft.points)} points" if mode == ROUTE else "") + ". Drag to move."
+        words = (
+            f"({x:.2f}, {y:.2f}) m"
+            + (f", {len(draft.points)} points" if draft.kind == "route" else "")
+            + ". Drag to move."
+        )
     return f'<div style="font-size:.82em;opacity:.75;margin:0 14px">{words}</div>'
 
 

@@ -6,11 +6,12 @@ from typing import Any, ClassVar
 import numpy as np
 import viser
 
-from sojourn_console.ground_layers import closed_places, slope_colors, slopes_of
+from sojourn_console.ground_layers import slope_colors, slopes_of
 from sojourn_console.model import RunScene
 from sojourn_console.views.view import RED, Shown
 from sojourn_console.views.way_view import on_ground
 from sojourn_console.world import World
+from sojourn_operator.far_goal import closed_places
 
 MOST_POINTS = 40_000
 """Of a layer: what a laptop draws with ease."""
@@ -71,7 +72,7 @@ class ClosedView:
         if grid is self._drawn:
             return
         self._drawn = grid
-        places = closed_places(grid) if grid is not None else np.empty((0, 2))
+        places = closed_places(grid)
         if grid is None or not len(places):
             self._points.remove()
             return

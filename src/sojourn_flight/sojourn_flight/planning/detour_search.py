@@ -27,6 +27,7 @@ Lengths [m], places in odom.
 """
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -158,9 +159,9 @@ class Pairs(NamedTuple):
 
 
 @lru_cache(maxsize=4)
-def _neighbours(size: int) -> Pairs:
-    """Of a square grid, the way in cells."""
-    numbers = np.arange(size * size).reshape(size, size)
+def neighbours(rows: int, columns: int) -> Pairs:
+    """Of a grid, row by row, the way in cells."""
+    numbers = np.arange(rows * columns).reshape(rows, columns)
     pairs = [
         (numbers[:, :-1], numbers[:, 1:], (1.0, 0.0)),
         (numbers[:-1], numbers[1:], (0.0, 1.0)),
@@ -191,7 +192,7 @@ def _links(graph: Graph, places: FloatArray) -> Pairs:
     return Pairs(one, other, (places[other] - places[one]).T)
 
 
-def _slope_costs(along: FloatArray, across: FloatArray, limits: TiltLimits) -> FloatArray:
+def slope_costs(along: FloatArray, across: FloatArray, limits: TiltLimits) -> FloatArray:
     """Extra cost of a metre for a slope along and across its direction [-]; infinite where it is too steep."""
     side = np.abs(across) / limits.side
     found = CLIMB * np.maximum(along, 0.0) / limits.climb + SIDE * side
@@ -200,24 +201,39 @@ def _slope_costs(along: FloatArray, across: FloatArray, limits: TiltLimits) -> F
 
 def cheapest_ways(graph: Graph, start: int) -> tuple[FloatArray, NDArray[np.int32]]:
     """Cost of the cheapest way from a cell to each, shape (nodes,), and the cell before each on it."""
+    clearance, wide = graph.clearance, graph.wide
+    near, far = neighbours(*clearance.distances.shape), neighbours(*wide.layers.shape[1:])
+    links = _links(graph, graph.places())
+    offset = clearance.distances.size
+    pairs = Pairs(
+        np.concatenate([near.first, far.first + offset, links.first]),
+        np.concatenate([near.second, far.second + offset, links.second]),
+        np.concatenate([near.way * clearance.cell, far.way * wide.cell, links.way], axis=1),
+    )
+    return cheapest_over(pairs, graph.costs, graph.slopes, graph.limits, start)
+
+
+def cheapest_over(
+    pairs: Pairs, costs: FloatArray, slopes: FloatArray, limits: TiltLimits, start: int
+) -> tuple[FloatArray, NDArray[np.int32]]:
+    """The same over cells with their neighbours.
+
+    Args:
+        pairs: of them, the way in metres. costs: of a metre, shape (nodes,). slopes: shape (2, nodes) [-].
+    """
     from scipy.sparse import csr_matrix  # here: a drive without a camera need not wait for it to load
     from scipy.sparse.csgraph import dijkstra
 
-    clearance, wide = graph.clearance, graph.wide
-    near, far = _neighbours(len(clearance.distances)), _neighbours(wide.layers.shape[1])
-    links = _links(graph, graph.places())
-    count, offset = len(graph.costs), clearance.distances.size
-    first = np.concatenate([near.first, far.first + offset, links.first])
-    second = np.concatenate([near.second, far.second + offset, links.second])
-    ways = np.concatenate([near.way * clearance.cell, far.way * wide.cell, links.way], axis=1)
-    open_ = np.isfinite(graph.costs[first] + graph.costs[second])
+    first, second, ways = pairs
+    count = len(costs)
+    open_ = np.isfinite(costs[first] + costs[second])
     first, second, ways = first[open_], second[open_], ways[:, open_]
     lengths = np.hypot(*ways)
-    slopes = 0.5 * (graph.slopes[:, first] + graph.slopes[:, second])
-    along, across = (slopes * ways).sum(axis=0) / lengths, (slopes[1] * ways[0] - slopes[0] * ways[1]) / lengths
-    base = 0.5 * (graph.costs[first] + graph.costs[second])
-    there = lengths * (base + _slope_costs(along, across, graph.limits))
-    back = lengths * (base + _slope_costs(-along, across, graph.limits))
+    slope = 0.5 * (slopes[:, first] + slopes[:, second])
+    along, across = (slope * ways).sum(axis=0) / lengths, (slope[1] * ways[0] - slope[0] * ways[1]) / lengths
+    base = 0.5 * (costs[first] + costs[second])
+    there = lengths * (base + slope_costs(along, across, limits))
+    back = lengths * (base + slope_costs(-along, across, limits))
     weights = np.concatenate([there, back])
     passable = np.isfinite(weights)
     from_, to = np.concatenate([first, second])[passable], np.concatenate([second, first])[passable]
@@ -228,18 +244,34 @@ def cheapest_ways(graph: Graph, start: int) -> tuple[FloatArray, NDArray[np.int3
 
 def taut_path(graph: Graph, ways: FloatArray, before: NDArray[np.int32], end: int) -> list[Point]:
     """The cheapest way to a cell that can be reached as few points, without the first (the rover's own)."""
+    nodes = nodes_to(before, end)
+    return drawn_taut(graph.places()[nodes], ways[nodes], lambda one, other: straight_cost(graph, one, other))
+
+
+def nodes_to(before: NDArray[np.int32], end: int) -> list[int]:
+    """Cells of the cheapest way to one, from its start. before: of each the cell before it, negative at the start."""
     nodes = [end]
     while before[nodes[-1]] >= 0:
         nodes.append(int(before[nodes[-1]]))
     nodes.reverse()
-    places = graph.places()[nodes]
+    return nodes
+
+
+def drawn_taut(
+    places: FloatArray, ways: FloatArray, straight: Callable[[FloatArray, FloatArray], float]
+) -> list[Point]:
+    """A way as few points, without the first.
+
+    Args:
+        places: of its cells, shape (n, 2) [m]. ways: cost of the way up to each, shape (n,).
+        straight: cost of a straight line between two places.
+    """
     points: list[Point] = []
     here = 0
-    while here < len(nodes) - 1:
+    while here < len(places) - 1:
         there = here + 1
-        for far in range(len(nodes) - 1, here + 1, -1):
-            along = ways[nodes[far]] - ways[nodes[here]]
-            if straight_cost(graph, places[here], places[far]) <= TAUT * along:
+        for far in range(len(places) - 1, here + 1, -1):
+            if straight(places[here], places[far]) <= TAUT * (ways[far] - ways[here]):
                 there = far
                 break
         here = there
@@ -266,7 +298,7 @@ def line_costs(graph: Graph, places: FloatArray, ways: FloatArray) -> FloatArray
     ahead = (ways / np.maximum(np.hypot(ways[:, 0], ways[:, 1]), 1e-9)[:, np.newaxis]).T
     slopes = graph.slopes[:, nodes]
     along, across = slopes[0] * ahead[0] + slopes[1] * ahead[1], slopes[1] * ahead[0] - slopes[0] * ahead[1]
-    return np.asarray(graph.costs[nodes] + _slope_costs(along, across, graph.limits))
+    return np.asarray(graph.costs[nodes] + slope_costs(along, across, graph.limits))
 
 
 def on_maps(graph: Graph, places: FloatArray) -> NDArray[np.bool_]:

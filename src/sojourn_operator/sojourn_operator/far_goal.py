@@ -1,0 +1,133 @@
+"""A goal beyond the camera's sight: a route over the map of the site, and another where the rover finds it closed."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from sojourn_config.command_errors import CommandError
+from sojourn_contract.topics import topic
+from sojourn_contract.values import Message, OccupancyGrid
+from sojourn_flight.planning.global_route import NoRouteError, SiteMap
+from sojourn_flight.planning.goal import Point
+from sojourn_machine.params import FloatArray
+from sojourn_operator.desk import Desk
+from sojourn_operator.goal_messages import route_goal
+
+REPLANS = 8
+"""So often a route is planned anew."""
+CLOSED, NOT_KNOWN = 100, -1
+"""In a cell of /local_costmap/costmap."""
+COSTMAP = "/local_costmap/costmap"
+
+
+class Driver(Protocol):
+    """Who brings a route to the rover."""
+
+    def here(self) -> Point:
+        """Where the rover is now, by its own estimate [m]."""
+        ...
+
+    def drive(self, route: Message) -> tuple[str, str]:
+        """Send it and follow it to its end: outcome and reason."""
+        ...
+
+    def stands_before(self) -> str:
+        """The obstacle for which the drive has stopped last, in its own words; empty for none."""
+        ...
+
+    def found(self) -> FloatArray:
+        """Places that it has found closed, shape (n, 2) [m]."""
+        ...
+
+
+class FoundCells:
+    """What a drive has found closed on its way, of which its own map forgets the most: of each cell the last word."""
+
+    def __init__(self) -> None:
+        self._cells = np.zeros((0, 2), dtype=np.int64)
+        """Column and row, counted from the origin of odom."""
+        self._side = 0.0
+
+    @property
+    def places(self) -> FloatArray:
+        """Middles of the cells, shape (n, 2) [m]."""
+        return np.asarray(self._side * (self._cells + 0.5), dtype=np.float64)
+
+    def hear(self, grid: OccupancyGrid) -> None:
+        """What it says of the ground round it now."""
+        if not grid.width * grid.height:
+            return
+        if grid.resolution != self._side:
+            self._cells, self._side = np.zeros((0, 2), dtype=np.int64), grid.resolution
+        corner = np.rint(grid.position[:2] / grid.resolution).astype(np.int64)
+        column, row = (self._cells - corner).T
+        here = (column >= 0) & (row >= 0) & (column < grid.width) & (row < grid.height)
+        kinds = np.frombuffer(grid.data, dtype=np.int8).reshape(grid.height, grid.width)
+        here[here] = kinds[row[here], column[here]] != NOT_KNOWN
+        closed = np.argwhere(kinds == CLOSED)[:, ::-1] + corner
+        self._cells = np.concatenate([self._cells[~here], closed])
+
+
+class RoverEars:
+    """Hears, at a desk, where the rover is and what it has found."""
+
+    def __init__(self, desk: Desk) -> None:
+        self.place: Point | None = None
+        """[m]; None before it has been heard."""
+        self.found = FoundCells()
+        self._readers = [
+            desk.listen(topic("/odom"), self._stands, lockstep=False),
+            desk.listen(topic(COSTMAP), self.found.hear, lockstep=False),
+        ]
+
+    def _stands(self, message: Message) -> None:
+        self.place = float(message.position[0]), float(message.position[1])
+
+
+def closed_places(grid: OccupancyGrid | None) -> FloatArray:
+    """Middles of the closed cells of a costmap, shape (n, 2) [m]."""
+    if grid is None or not grid.width * grid.height:
+        return np.zeros((0, 2))
+    cells = np.frombuffer(grid.data, dtype=np.int8).reshape(grid.height, grid.width)
+    rows, columns = np.nonzero(cells == CLOSED)
+    return np.asarray(grid.position[:2] + grid.resolution * (np.stack([columns, rows], axis=1) + 0.5))
+
+
+def drive_far(
+    driver: Driver, site: SiteMap, goal: Point, yaw: float | None, say: Callable[[str], None]
+) -> tuple[str, str]:
+    """Drive to a place over the map, planned again as often as the drive finds the way closed. Outcome and reason.
+
+    Args:
+        yaw: heading at the goal [rad], None for any. say: takes what is done, in words.
+    """
+    outcome, reason = "refused", ""
+    for attempt in range(REPLANS + 1):
+        try:
+            points = site.route(driver.here(), goal)
+        except NoRouteError as error:
+            return "refused", f"{error}; {reason}" if reason else str(error)
+        say(f"{'again ' if attempt else ''}over the map: " + " ".join(f"({x:.1f}, {y:.1f})" for x, y in points))
+        outcome, reason = driver.drive(route_goal(0, points, yaw))
+        obstacle = driver.stands_before()
+        if outcome not in ("stopped", "refused") or not (obstacle and reason.startswith(obstacle)):
+            return outcome, reason
+        say(f"{outcome}: {reason}")
+        found = site.with_found(driver.found())
+        if site.found is not None and found.found is not None and (site.found == found.found).all():
+            return outcome, f"{reason}; nothing new has been found to plan by"
+        site = found
+    return outcome, f"{reason}; planned {REPLANS} times anew"
+
+
+def site_of(name: str) -> SiteMap:
+    """The map of a scenario's site. Raises ConfigError, CommandError."""
+    from sojourn_config.scenario import load_scenario
+    from sojourn_config.site_map import site_map
+    from sojourn_machine.errors import MachineError
+
+    try:
+        return site_map(load_scenario(name))
+    except MachineError as error:
+        raise CommandError(f"--over {name}: {error}") from error

@@ -1,0 +1,161 @@
+"""What scripts/goal does once its words are read."""
+
+import argparse
+import time
+
+from sojourn_config.command_errors import CommandError
+from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
+from sojourn_contract.heartbeat import status_message, status_values
+from sojourn_contract.shown import shown
+from sojourn_contract.topics import topic
+from sojourn_contract.values import UPRIGHT, Message, Path, PoseStamped
+from sojourn_flight.planning.global_route import NoRouteError
+from sojourn_machine.params import FloatArray
+from sojourn_operator.far_goal import RoverEars, drive_far, site_of
+from sojourn_operator.fault_sending import CAME, WENT, fault_event, message_of
+from sojourn_operator.foresight_words import foresight_lines
+from sojourn_operator.goal_messages import (
+    QUESTION,
+    drive_goal,
+    place_message,
+    pose_message,
+    question_message,
+    route_goal,
+)
+from sojourn_operator.goal_sending import DONE, GOALS, INTERRUPTED, STOPPED_S, GoalClient, NoStackError
+from sojourn_operator.steps.step import REACHED
+
+
+def _drive_goal(given: argparse.Namespace) -> PoseStamped | Path:
+    """Where to drive."""
+    if given.command == "drive":
+        return drive_goal(0, (given.x, given.y), given.yaw, given.frame, given.z)
+    if len(given.points) % 2:
+        raise CommandError(f"points: {len(given.points)} numbers, allowed is an even count: X Y for each point")
+    return route_goal(0, list(zip(given.points[::2], given.points[1::2], strict=True)), given.yaw, given.frame)
+
+
+def _goal(given: argparse.Namespace) -> Message:
+    """What was asked for, as a message."""
+    if given.command in ("drive", "route"):
+        return _drive_goal(given)
+    if given.command == "task":
+        return status_message(0, given.name, dict(_key_and_value(text) for text in given.values))
+    if given.command == "power":
+        return status_message(0, "request", {given.load: given.switch})
+    if given.command == "here":
+        return place_message(0, (given.x, given.y), given.yaw, given.within)
+    return pose_message(0, given.frame, (given.x, given.y, given.z), UPRIGHT)
+
+
+def _key_and_value(text: str) -> tuple[str, str]:
+    key, found, value = text.partition("=")
+    if not found or not key:
+        raise CommandError(f"{text!r}: allowed is KEY=VALUE")
+    return key, value.replace(",", " ")
+
+
+def _ask(client: GoalClient, goal: PoseStamped | Path, timeout_s: float) -> int:
+    """Ask what it would take to drive; 0 if the goal is allowed."""
+    client.send("drive", QUESTION, question_message(goal))
+    answer = client.answer(timeout_s)
+    if answer is None:
+        raise CommandError(f"the drive did not answer within {timeout_s:g} s of wall time")
+    print(shown("\n".join(foresight_lines(answer))))
+    return 0 if answer.get("asked_state") == "allowed" else 1
+
+
+class _RouteClient:
+    """Brings routes to a rover. client: that sends them. timeout_s: for each, and for the rover's first word [s]."""
+
+    def __init__(self, client: GoalClient, timeout_s: float) -> None:
+        self._client, self._timeout_s, self._ears = client, timeout_s, RoverEars(client)
+
+    def here(self) -> tuple[float, float]:
+        end = time.monotonic() + STOPPED_S
+        while self._ears.place is None and time.monotonic() < end and not self._client.stop.is_set:
+            self._client.spin(0.05)
+        if self._ears.place is None:
+            raise NoStackError(f"no running stack on {self._client.place}: nobody tells on /odom where the rover is")
+        return self._ears.place
+
+    def drive(self, route: Message) -> tuple[str, str]:
+        who, name = GOALS["route"]
+        self._client.send(who, name, route)
+        return self._client.follow("route", self._timeout_s)
+
+    def stands_before(self) -> str:
+        return status_values(self._client.statuses["drive"]).get("obstacle", "") if self._client.statuses else ""
+
+    def found(self) -> FloatArray:
+        return self._ears.found.places
+
+
+def _drive_over(given: argparse.Namespace) -> int:
+    """Drive over the map of a scenario; 0 if the goal was reached, or with --dry-run is allowed."""
+    if given.frame != "map":
+        raise CommandError(f"--over: a route over the map ends in map, not in {given.frame}")
+    site = site_of(given.over)
+    with GoalClient(given.domain, given.namespace) as client:
+        driver = _RouteClient(client, given.timeout)
+        who, name = GOALS["route"]
+        client.sender_to(who, topic(name))  # a stack that is starting is waited for
+        if client.has_link():
+            raise CommandError("--over: over a link to Earth nobody knows where the rover is now: send a route instead")
+        if given.dry_run:
+            try:
+                points = site.route(driver.here(), (given.x, given.y))
+            except NoRouteError as error:
+                return _told("refused", str(error))
+            print("over the map: " + " ".join(f"({x:.1f}, {y:.1f})" for x, y in points))
+            return _ask(client, route_goal(0, points, given.yaw), given.timeout)
+        goal = given.x, given.y
+        outcome, reason = drive_far(driver, site, goal, given.yaw, lambda words: print(shown(words), flush=True))
+    return _told(outcome, reason)
+
+
+def _told(outcome: str, reason: str) -> int:
+    """Say how a goal ended; the exit status for it."""
+    print(shown(f"{outcome}{': ' + reason if reason else ''}"))
+    if outcome == "interrupted":
+        return INTERRUPTED
+    return 0 if outcome in (REACHED, DONE) else 1
+
+
+def _fail(given: argparse.Namespace) -> int:
+    """Let something fail, or be well again; 0 if whose it is says so."""
+    event = fault_event(given, (_key_and_value(text) for text in given.values))
+    with GoalClient(given.domain, given.namespace) as client:
+        client.hear_from(event.fault.role)
+        before = dict(client.beats)
+        client.send("plant or sensors", FAULTS_TOPIC, message_of(event))
+        outcome, reason = client.watch(event, before, given.timeout)
+    print(shown(f"{outcome}: {reason}"))
+    return 0 if outcome in (CAME, WENT) else 1
+
+
+def run(given: argparse.Namespace) -> int:
+    """Send a goal; 0 only if it was reached (a stop: if drive and arm stand; a dry run: if it is allowed; a switch: if
+    it is done).
+    """
+    if given.command == "fault":
+        return _fail(given)
+    if given.command == "cancel":
+        with GoalClient(given.domain, given.namespace) as client:
+            gone = client.cancel(given.number)
+        print(f"cancelled: {', '.join(gone)}" if gone else "nothing of it waits: what has begun to leave goes its way")
+        return 0 if gone else 1
+    if given.command == "drive" and given.over is not None:
+        return _drive_over(given)
+    message = None if given.command == "stop" else _goal(given)
+    with GoalClient(given.domain, given.namespace) as client:
+        if message is None:
+            stands, words = client.halt()
+            print(shown(words))
+            return 0 if stands else 1
+        if isinstance(message, PoseStamped | Path) and given.command in ("drive", "route") and given.dry_run:
+            return _ask(client, message, given.timeout)
+        who, name = GOALS[given.command]
+        client.send(who, name, message)
+        outcome, reason = client.follow(given.command, given.timeout)
+    return _told(outcome, reason)
