@@ -58,20 +58,46 @@ def allowed_text(place: KeySchema) -> str:
     return f"{text} ({place.description})" if place.description else text
 
 
-def place_of(model: type[BaseModel], path: KeyPath) -> KeySchema | None:
-    """What the schema says about the key at `path`; None where it knows no such key."""
+def place_of(model: type[BaseModel], path: KeyPath, data: Data) -> KeySchema | None:
+    """What the schema says about the key at `path`; None where it knows no such key.
+
+    Args:
+        data: of the file. A table of it that names its kind has the keys of that kind alone.
+    """
     place: KeySchema | None = KeySchema(model)
+    here: Data = data
     for part in path:
         if place is None:
             return None
+        here = _within(here, part)
         place = _child(place, part)
+        if place is not None:
+            place = _of_told_kind(place, here)
+    return place
+
+
+def _within(table: Data, part: str | int) -> Data:
+    """What stands at a key of a table or a place of a list; None where nothing does."""
+    if isinstance(table, dict) and isinstance(part, str):
+        return table.get(part)
+    if isinstance(table, list) and isinstance(part, int) and part < len(table):
+        return table[part]
+    return None
+
+
+def _of_told_kind(place: KeySchema, table: Data) -> KeySchema:
+    """The place with the schema of the kind that its table names, where it is a choice and the table names one."""
+    for kinds in (item for item in place.metadata if isinstance(item, KindsOf)):
+        told = table.get(kinds.key) if isinstance(table, dict) else None
+        if isinstance(told, str) and told in kinds.registry.names():
+            return _kind(kinds.registry.get(told))
     return place
 
 
 def _unknown_key(detail: ErrorDetails, model: type[BaseModel], document: YamlDocument, listed: set[KeyPath]) -> Problem:
     """An unknown key. The valid keys of a table are listed once, with the first one."""
     path, value = _path_in_data(detail, document.data)
-    parent = place_of(model, path[:-1])
+    parent = place_of(model, path[:-1], document.data)
     names = _key_names(parent) if parent is not None else ()
     if path[:-1] not in listed:
         listed.add(path[:-1])
@@ -83,7 +109,7 @@ def _unknown_key(detail: ErrorDetails, model: type[BaseModel], document: YamlDoc
 def _problem(detail: ErrorDetails, model: type[BaseModel], document: YamlDocument) -> Problem:
     path, value = _path_in_data(detail, document.data)
     kind = detail["type"]
-    place = place_of(model, path)
+    place = place_of(model, path, document.data)
     if kind == "missing":
         wanted = allowed_text(place) if place is not None else "a value"
         return document.problem(path, MISSING, f"the key is missing: allowed is {wanted}")
@@ -150,8 +176,10 @@ def _child(place: KeySchema, part: str | int) -> KeySchema | None:
                 return _schema(info.annotation, list(info.metadata), info.description or "")
             others = getattr(annotation, "others", None)
             if isinstance(others, KindsOf):  # any other key names a thing, by default one of the kind of that name
-                named = part in others.registry.names()
-                return _kind(others.registry.get(part)) if named else _schema(object, [others], "")
+                if part not in others.registry.names():
+                    return _schema(object, [others], "")
+                named = _kind(others.registry.get(part))
+                return KeySchema(named.annotation, [*named.metadata, others], named.description)
             continue
         origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
         element: object | None = None
