@@ -121,6 +121,26 @@ def test_a_hole_is_seen_where_the_ground_was_dug() -> None:
     assert distances(flat(4.0), place, down, memory=memory) == pytest.approx([1.2, 1.25], abs=1e-6)
 
 
+def test_ground_that_was_left_alone_is_seen_as_it_was() -> None:
+    """Whatever has been done elsewhere, of which the same walks tell."""
+    field, rays = rough(11), directions(3000, 11)
+    place = np.array([0.3, -0.2, field.height(0.3, -0.2) + 1.4])
+    tile = np.zeros((TILE, TILE, CHANNELS), dtype=np.float32)
+    tile[..., DUG] = 0.1
+    dug_tiles = (8, 3), (3, 9)
+    before = distances(field, place, rays)
+    after = distances(field, place, rays, memory=GroundMemory(0.02, -4.0, -4.0, dict.fromkeys(dug_tiles, tile)))
+    x, y = (place + np.where(np.isfinite(before), before, 0.0)[:, np.newaxis] * rays)[:, :2].T
+    side, near = TILE * 0.02, 0.1
+    dug = np.zeros(len(rays), dtype=bool)
+    for column, row in dug_tiles:
+        across, up = x + 4.0 - column * side, y + 4.0 - row * side
+        dug |= (-near < across) & (across < side + near) & (-near < up) & (up < side + near)
+    assert dug.sum() > 20 and (after[dug] > before[dug] + 0.01).mean() > 0.5
+    shifted = np.abs(after - before)[np.isfinite(before) & np.isfinite(after) & ~dug] > 1e-9
+    assert shifted.mean() < 0.01  # beyond the edge of what was dug more is seen
+
+
 def test_bicubic_ground_is_drawn_within_a_little_of_itself() -> None:
     nodes = np.arange(81) * 0.1
     heights = 0.2 * np.sin(nodes)[np.newaxis, :] * np.cos(0.7 * nodes)[:, np.newaxis]

@@ -5,7 +5,7 @@ import math
 import cv2
 import numpy as np
 import pytest
-from camera_scenes import NOON, Shooting, camera, flat, looking, rough, sun
+from camera_scenes import NOON, Shooting, camera, flat, ground, looking, rough, sun
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -16,6 +16,8 @@ from sojourn_physics.imaging.lens import project
 from sojourn_physics.imaging.photometry import Illumination
 from sojourn_physics.imaging.scenery import GroundLook
 from sojourn_physics.terrain.height_field import HeightField
+from sojourn_physics.terrain.memory import GroundMemory
+from sojourn_physics.terrain.memory_tiles import CHANNELS, DUG, TILE
 
 ABOVE = np.array([0.0, 0.0, 1.5])
 
@@ -98,6 +100,32 @@ def test_shadows_point_away_from_the_sun() -> None:
         slopes = np.array([field.gradient(x, y) for x, y, _ in points[on_map]]) @ towards
         bright = radiance[on_map]
         assert bright[slopes < -0.3].mean() > 2.0 * bright[slopes > 0.3].mean()
+
+
+@pytest.mark.parametrize("tower", [False, True])
+def test_the_floor_of_a_hole_is_lit_but_where_its_edge_throws_a_shadow(tower: bool) -> None:
+    """Whether all around is lit, or a tower beside it throws a shadow over ground about it."""
+    cell, deep = 0.02, 0.06
+    tile = np.zeros((TILE, TILE, CHANNELS), dtype=np.float32)
+    tile[4:28, 4:28, DUG] = deep  # x and y from 0.72 to 1.18
+    heights = np.zeros((81, 81))
+    heights[64:66, 58:62] = 0.3 if tower else 0.0  # y from 1.2
+    shot = Shooting(ground(heights), sun(30.0), memory=GroundMemory(cell, 0.0, 0.0, {(1, 1): tile}))
+    eye, turn, place = camera(96, 96, 40.0), looking(0.0, 90.0), np.array([0.95, 0.95, 1.0])
+    radiance, distance = shot.see(eye, turn, place)
+    x, y, z = np.moveaxis(place + distance[..., np.newaxis] * (eye.rays @ turn.T), 2, 0)
+    level, floor = (np.abs(z) < 1e-4) & (y < 0.7), (np.abs(z + deep) < 1e-4) & (y < 1.1)
+    shadow = 1.18 - deep / math.tan(math.radians(30.0))
+    assert radiance[floor & (x < shadow - 0.04)].mean() == pytest.approx(radiance[level].mean(), rel=0.15)
+    assert radiance[floor & (x > shadow + 0.04)].mean() < 0.1 * radiance[level].mean()
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(37, 21), (16, 48), (2, 3)])
+def test_images_of_any_size_are_filled_to_their_edges(columns: int, rows: int) -> None:
+    eye, turn = camera(columns, rows, 30.0), looking(10.0, 50.0)
+    radiance, distance = Shooting(flat(), sun(45.0)).see(eye, turn, ABOVE)
+    assert distance == pytest.approx(-ABOVE[2] / (eye.rays @ turn[2]), rel=1e-4)
+    assert radiance.min() > 0.5 * radiance.mean()
 
 
 PAIR = StereoParams(baseline=0.2, nearest=0.5, range=12.0, disparity_noise_px=0.25)

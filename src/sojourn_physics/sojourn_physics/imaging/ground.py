@@ -21,7 +21,7 @@ from sojourn_physics.terrain.memory_tiles import CHANNELS, DUG, RUT, TILE, Tile
 
 FADE = 10.0
 """[m]"""
-FAR_STRIDE = 0.02
+FAR_STRIDE = 0.05
 """Off the map a stride grows with the distance, by this part of it [-]."""
 UNIT = np.uint64(1)
 HIGHEST_HEAP = 0.5
@@ -144,6 +144,21 @@ def height_in(heights: NDArray[np.float32], column: float, row: float) -> float:
     low = heights[lower, left] + u * (heights[lower, right] - heights[lower, left])
     high = heights[upper, left] + u * (heights[upper, right] - heights[upper, left])
     return float(low + v * (high - low))
+
+
+@small_kernel
+def is_untouched(changes: Changes, here: tuple[float, float], there: tuple[float, float]) -> bool:
+    """Whether nothing has been changed on the line between two places in map."""
+    found = True
+    if changes.place[3] > 1.0:
+        x, y, cell = changes.place[0], changes.place[1], changes.place[2]
+        column, row = (min(here[0], there[0]) - x) / cell, (min(here[1], there[1]) - y) / cell
+        to_column, to_row = (max(here[0], there[0]) - x) / cell, (max(here[1], there[1]) - y) / cell
+        rows, columns = changes.pages.shape  # a cell more: the last of a tile has nodes of the next
+        for i in range(max(int(row) // TILE, 0), min((int(to_row) + 1) // TILE + 1, rows)):
+            for j in range(max(int(column) // TILE, 0), min((int(to_column) + 1) // TILE + 1, columns)):
+                found = found and changes.pages[i, j] == 0
+    return found
 
 
 @small_kernel

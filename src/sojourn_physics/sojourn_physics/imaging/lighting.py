@@ -14,7 +14,7 @@ from sojourn_machine.kernels import kernel, small_kernel, vector_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_machine.shapes import ALBEDO, Shapes
 from sojourn_physics.imaging.body import hides_sun
-from sojourn_physics.imaging.ground import DrawnGround, is_changed, slope_at
+from sojourn_physics.imaging.ground import DrawnGround, is_changed, lowered_at, slope_at
 from sojourn_physics.imaging.photometry import Illumination, Look, ambient, reflectance
 from sojourn_physics.imaging.shadows import CastShadows, sunlit, sunlit_nearby
 from sojourn_physics.imaging.soils import Soils, brightness_at
@@ -94,14 +94,13 @@ def shape_light(scene: Scene, shape: int, at: Vector, normal: Vector, point: Flo
 def light_ground(
     scene: Scene, rays: FloatArray, eye: Seat, distance: Line, radiance: Line, surface: FloatArray, point: FloatArray
 ) -> None:
-    """Write the radiance of the pixels of a row of the image that see the ground: those whose radiance is not known
-    yet, less than 0.
+    """Write the radiance of those pixels of a bundle that see the ground: whose radiance is not known yet, less
+    than 0.
 
     Each step does one thing for all pixels, so that the processor has the memory of several under way at once.
 
     Args:
-        rays: of the row in map, (3, columns). distance, radiance: of it, (columns,). surface, point: working room,
-            (SURFACE, columns) and (3,).
+        rays: in map, (3, n). distance, radiance: of them, (n,). surface, point: working room, (SURFACE, n) and (3,).
     """
     _places(rays, eye, distance, radiance, surface)
     _slopes(scene.ground, surface)
@@ -174,7 +173,10 @@ def _sunlight(scene: Scene, surface: FloatArray, point: FloatArray) -> None:
             surface[LIT, j] = 0.0
         return
     for j in range(surface.shape[1]):
-        surface[LIT, j] = sunlit(ground, scene.cast, surface[X, j], surface[Y, j], surface[Z, j])
+        x, y, z = surface[X, j], surface[Y, j], surface[Z, j]
+        if is_changed(ground.changes, x, y):  # below its own surface as it was all would be dark
+            z += lowered_at(ground.changes, x, y)
+        surface[LIT, j] = sunlit(ground, scene.cast, x, y, z)
     for j in range(surface.shape[1]):
         if surface[LIT, j] > 0.0 and surface[TOWARDS_SUN, j] > 0.0:
             x, y, z = surface[X, j], surface[Y, j], surface[Z, j]

@@ -8,9 +8,9 @@ ray that rises by t for each metre meets it first where the line of sight has ri
 M never falls, so one walk along the profile answers every ray of its azimuth (line of sight by a running maximum:
 Blelloch 1990, Prefix Sums and Their Applications, CMU-CS-90-190). A `Panorama` keeps these walks by
 azimuth, made when a ray first asks for one: for each bin of the ray's rise per metre of its own length the way s at
-which it is reached. A ray finds its bracket in the two walks beside it. Where that is short, the ground in it is a
-straight line; elsewhere its own crossing is found by steps of half a node and regula falsi (Illinois). A shape
-narrower than a bin of azimuth, about a pixel, may be missed.
+which it is reached. A ray finds its bracket in the two walks beside it. Where that is short, and off the map, where
+the ground is smooth, the ground in it is a straight line; elsewhere its own crossing is found by steps of half a node
+and regula falsi (Illinois). A shape narrower than a bin of azimuth, about a pixel, may be missed.
 
 Azimuth is counted in quarters by p = y/(|x| + |y|), which needs no arc tangent. The ground of a round body falls away
 by s²/2R under the level. Nothing is seen from below the ground.
@@ -23,7 +23,7 @@ import numpy as np
 
 from sojourn_machine.kernels import kernel, njit, small_kernel, vector_kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.ground import DrawnGround, height_at, height_in, stride_at
+from sojourn_physics.imaging.ground import DrawnGround, height_at, height_in, is_untouched, on_map, stride_at
 
 NEVER = np.float32(np.inf)
 ILLINOIS = 6
@@ -32,6 +32,8 @@ CLOSE = 1e-4
 """A ray so near to the ground has met it, by height [m]."""
 SMOOTH, SMOOTH_PART = 0.5, 0.01
 """Where walks beside a ray meet the ground within so much of a node, and of the way, it is smooth between them [-]."""
+SMOOTH_OFF = 0.05
+"""The same off the map, of the way [-]."""
 ACROSS, AZIMUTH, HEIGHT, BEGIN, END = range(5)
 """Rows of the room to work in: see `_bearings` and `_brackets`."""
 ROOM = 5
@@ -42,9 +44,13 @@ UNKNOWN = -1.0
 RISE = 0.5
 """Height of a bin, of its width [-]: a walk costs no more for it, and a ray has less to search."""
 CHUNK = 64
-"""Strides of which heights are looked up together."""
+"""Strides of half a node of which heights are looked up together."""
 MARGIN = 0.25
 """Of a stride, on both sides of what two walks say [-]."""
+
+
+Course = tuple[float, float, float, float, float, float]
+"""Of a walk: from where, in map [m] and counted in nodes, and the unit vector over ground."""
 
 
 class Eye(NamedTuple):
@@ -135,26 +141,23 @@ def walk(ground: DrawnGround, eye: Eye, around: Panorama, place: int) -> None:
         return
     stride = 0.5 * ground.place[3]
     column, row = (x0 - ground.place[0]) * ground.place[2], (y0 - ground.place[1]) * ground.place[2]
-    unchanged = ground.changes.place[3] <= 1.0
-    inside = _strides_inside(ground, column, row, ahead_x, ahead_y) if unchanged else 0
+    inside = _strides_inside(ground, column, row, ahead_x, ahead_y)
+    course = (x0, y0, column, row, ahead_x, ahead_y)
     step, heights = 1, around.heights
     while near < eye.reach and following < count:
         if rises[following] >= 0.0 and top < rises[following] * near:  # nothing is so high
             break
         strides = min(inside - step, CHUNK)
-        if strides > 0:  # as `height_over` has it, without asking whether there is a map
-            for k in range(strides):
-                way = 0.5 * (step + k)
-                heights[k] = height_in(ground.heights, column + way * ahead_x, row + way * ahead_y)
+        if strides > 0:
+            _heights_ahead(ground, course, step, heights[:strides])
         else:
             strides = 1
             far = min(near + stride_at(ground, x0 + near * ahead_x, y0 + near * ahead_y, near), eye.reach)
+            heights[0] = height_at(ground, x0 + far * ahead_x, y0 + far * ahead_y)
         for k in range(strides):
-            if step + k < inside:
+            if step < inside:
                 far = (step + k) * stride
-                high = heights[k] - eye.place[2] - far * far * eye.fall
-            else:
-                high = height_over(ground, eye, x0 + far * ahead_x, y0 + far * ahead_y, far)
+            high = heights[k] - eye.place[2] - far * far * eye.fall
             while following < count and high >= rises[following] * far:
                 # the line between the two samples and the ray, over the ground between them
                 above = rises[following] * near - low
@@ -163,6 +166,23 @@ def walk(ground: DrawnGround, eye: Eye, around: Panorama, place: int) -> None:
                 following += 1
             near, low = far, high
         step += strides
+
+
+@small_kernel
+def _heights_ahead(ground: DrawnGround, course: Course, step: int, heights: FloatArray) -> None:
+    """Write the heights of the ground after each stride of half a node from `step` on, all of them on the map [m]."""
+    x0, y0, column, row, ahead_x, ahead_y = course
+    node = ground.place[3]
+    first, last = 0.5 * step * node, 0.5 * (step + heights.shape[0] - 1) * node
+    here, there = (x0 + first * ahead_x, y0 + first * ahead_y), (x0 + last * ahead_x, y0 + last * ahead_y)
+    if is_untouched(ground.changes, here, there):  # as `height_at` has it, without asking whether there is a map
+        for k in range(heights.shape[0]):
+            way = 0.5 * (step + k)
+            heights[k] = height_in(ground.heights, column + way * ahead_x, row + way * ahead_y)
+    else:
+        for k in range(heights.shape[0]):
+            way = 0.5 * (step + k) * node
+            heights[k] = height_at(ground, x0 + way * ahead_x, y0 + way * ahead_y)
 
 
 @small_kernel
@@ -202,7 +222,7 @@ def meet_ground(
             walk(ground, eye, around, left)
         if not around.done[left + 1]:
             walk(ground, eye, around, left + 1)
-    _brackets(ground, around, rays, distance, room)
+    _brackets(ground, eye, around, rays, distance, room)
     for i in range(distance.shape[0]):
         across = room[ACROSS, i]
         if across < PLUMB:
@@ -225,7 +245,9 @@ def _bearings(around: Panorama, rays: FloatArray, room: FloatArray) -> None:
 
 
 @vector_kernel
-def _brackets(ground: DrawnGround, around: Panorama, rays: FloatArray, distance: np.ndarray, room: FloatArray) -> None:
+def _brackets(
+    ground: DrawnGround, eye: Eye, around: Panorama, rays: FloatArray, distance: np.ndarray, room: FloatArray
+) -> None:
     """Write the distance of rays where the walks beside them tell it, UNKNOWN where they say no more than between which
     two ways it is.
     """
@@ -236,10 +258,13 @@ def _brackets(ground: DrawnGround, around: Panorama, rays: FloatArray, distance:
         a, b, c, d = ways[left, at], ways[left + 1, at], ways[left, at + 1], ways[left + 1, at + 1]
         begin, end = float(min(a, b)), float(max(c, d))
         room[BEGIN, i], room[END, i] = begin, end
+        across = room[ACROSS, i]
+        x, y = eye.place[0] + begin * rays[0, i] / across, eye.place[1] + begin * rays[1, i] / across
+        smooth = SMOOTH * ground.place[3] + SMOOTH_PART * begin
         if begin == math.inf:
             distance[i] = math.inf
-        elif end - begin < SMOOTH * ground.place[3] + SMOOTH_PART * begin:
-            across_bin, across = room[AZIMUTH, i] - left, room[ACROSS, i]
+        elif end - begin < (smooth if on_map(ground, x, y) else SMOOTH_OFF * begin):
+            across_bin = room[AZIMUTH, i] - left
             low, high = a + across_bin * (b - a), c + across_bin * (d - c)
             distance[i] = _on_line((rises[at], rises[at + 1]), (low, high), rays[2, i] / across) / across
         else:

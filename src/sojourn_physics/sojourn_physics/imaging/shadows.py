@@ -25,8 +25,12 @@ from sojourn_machine.kernels import kernel, small_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.imaging.ground import DrawnGround, height_at, height_in, on_map
 
-BLOCK = 32
-"""Nodes along the side of a block."""
+BLOCK = 8
+"""Cells between nodes along the side of a block."""
+UNKNOWN, MIXED, LIT = range(3)
+"""What is known of a block: nothing, the shadows at its nodes, or that all of it is lit."""
+CLEAR = 1e-3
+"""All shadows over a block that is lit end so far below its ground at least [m]."""
 WINDOW = 2048
 """Nodes along the side of the square in which shadows are known, about the place where the camera began."""
 NOTHING = -1e9
@@ -47,8 +51,8 @@ class CastShadows(NamedTuple):
     """float32, (rows, columns): S(p, e - δ) [m]."""
     dark: np.ndarray
     """float32, (rows, columns): S(p, e + δ) [m]."""
-    done: np.ndarray
-    """bool, (rows, columns) of blocks."""
+    known: np.ndarray
+    """uint8, (rows, columns) of blocks: UNKNOWN, MIXED or LIT."""
 
 
 def shadows(ground: DrawnGround, sun: FloatArray, x: float, y: float) -> CastShadows:
@@ -66,19 +70,22 @@ def shadows(ground: DrawnGround, sun: FloatArray, x: float, y: float) -> CastSha
         np.array(first, dtype=np.int64),
         np.empty(size, dtype=np.float32),
         np.empty(size, dtype=np.float32),
-        np.zeros(blocks, dtype=np.bool_),
+        np.zeros(blocks, dtype=np.uint8),
     )
 
 
 @kernel
 def _fill(ground: DrawnGround, cast: CastShadows, block_row: int, block_column: int) -> None:
+    """Work out the shadows at the nodes of a block, those of all its edges among them."""
     rows, columns = cast.lit.shape
-    for i in range(block_row * BLOCK, min((block_row + 1) * BLOCK, rows)):
+    highest = NOTHING
+    for i in range(block_row * BLOCK, min((block_row + 1) * BLOCK + 1, rows)):
         y = ground.place[1] + (i + cast.first[0]) * ground.place[3]
-        for j in range(block_column * BLOCK, min((block_column + 1) * BLOCK, columns)):
+        for j in range(block_column * BLOCK, min((block_column + 1) * BLOCK + 1, columns)):
             x = ground.place[0] + (j + cast.first[1]) * ground.place[3]
             cast.lit[i, j], cast.dark[i, j] = _shadow_tops(ground, cast.sun, x, y)
-    cast.done[block_row, block_column] = True
+            highest = max(highest, cast.lit[i, j] - ground.heights[i + cast.first[0], j + cast.first[1]])
+    cast.known[block_row, block_column] = LIT if highest < -CLEAR else MIXED
 
 
 @kernel
@@ -102,12 +109,6 @@ def _shadow_tops(ground: DrawnGround, sun: FloatArray, x: float, y: float) -> tu
 
 
 @small_kernel
-def _block_ready(ground: DrawnGround, cast: CastShadows, i: int, j: int) -> None:
-    if not cast.done[i // BLOCK, j // BLOCK]:
-        _fill(ground, cast, i // BLOCK, j // BLOCK)
-
-
-@small_kernel
 def sunlit(ground: DrawnGround, cast: CastShadows, x: float, y: float, z: float) -> float:
     """Part of the Sun's disc that a point over the ground in map sees, as far as the height field hides it, 0 to 1."""
     if cast.sun[2] <= -cast.sun[3]:
@@ -118,11 +119,11 @@ def sunlit(ground: DrawnGround, cast: CastShadows, x: float, y: float, z: float)
     if not (0.0 <= column < columns - 1 and 0.0 <= row < rows - 1):
         return 1.0
     i, j = int(row), int(column)
-    _block_ready(ground, cast, i, j)
-    if (i + 1) % BLOCK == 0 or (j + 1) % BLOCK == 0:
-        _block_ready(ground, cast, i + 1, j)
-        _block_ready(ground, cast, i, j + 1)
-        _block_ready(ground, cast, i + 1, j + 1)
+    block_row, block_column = i // BLOCK, j // BLOCK
+    if cast.known[block_row, block_column] == UNKNOWN:
+        _fill(ground, cast, block_row, block_column)
+    if cast.known[block_row, block_column] == LIT:
+        return 1.0
     lit = height_in(cast.lit, column, row)
     if z >= lit:
         return 1.0
