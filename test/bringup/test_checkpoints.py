@@ -105,9 +105,10 @@ def test_what_it_does_not_go_with(unbroken: Path, tmp_path: Path, arguments: lis
     assert not (tmp_path / "run").exists()
 
 
-def test_only_a_run_without_middleware_is_kept(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"--checkpoint-every .* goes with --direct"):
-        start.main(["flat_drive", "--composed", "--checkpoint-every", "2", "--run-dir", str(tmp_path / "run")])
+@pytest.mark.parametrize("way", [[], ["--composed", "--realtime"]])
+def test_only_a_run_in_one_process_and_lock_step_is_kept(tmp_path: Path, way: list[str]) -> None:
+    with pytest.raises(UsageError, match=r"--checkpoint-every goes with --direct or --composed, without --realtime"):
+        start.main(["flat_drive", *way, "--checkpoint-every", "2", "--run-dir", str(tmp_path / "run")])
 
 
 def test_it_goes_on_from_the_last_checkpoint_of_a_bag_before_a_time(unbroken: Path, tmp_path: Path) -> None:

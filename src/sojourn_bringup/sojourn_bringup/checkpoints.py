@@ -12,6 +12,7 @@ from pathlib import Path
 
 from sojourn_bags.errors import UnreadableBagError
 from sojourn_bags.reading import bag_file
+from sojourn_bringup.plan import RunPlan
 from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.run_table import table_of
@@ -44,11 +45,17 @@ class CheckpointKeeper:
         Raises:
             OSError: a checkpoint cannot be written. CheckpointError: the state holds what cannot be kept.
         """
+        if self.is_due(seconds(state.now)):
+            self.keep(state)
+
+    def is_due(self, now: float) -> bool:
+        """Whether a checkpoint is wanted of a simulation time [s]."""
+        return self._count(now) != self._passed
+
+    def keep(self, state: StackState) -> None:
+        """Write a checkpoint. Raises as `look`."""
         now = seconds(state.now)
-        passed = self._count(now)
-        if passed == self._passed:
-            return
-        self._passed = passed
+        self._passed = self._count(now)
         self._folder.mkdir(exist_ok=True)
         save(state, self._folder / f"{now:08.2f}{SUFFIX}", self._origin)
 
@@ -69,9 +76,13 @@ class Resumption:
     state: StackState
 
 
-def origin_of(scenario: str, overrides: Sequence[str], participants: Sequence[str], loaded: LoadedScenario) -> Origin:
-    """Of which run a checkpoint is: see `Origin`."""
-    return Origin(scenario, tuple(overrides), tuple(participants), _digests(loaded))
+def keeper_of(plan: RunPlan, loaded: LoadedScenario) -> CheckpointKeeper | None:
+    """Of a run and its scenario; None where no checkpoints are asked for."""
+    if plan.checkpoint_every_s is None:
+        return None
+    origin = Origin(plan.scenario, tuple(plan.overrides), tuple(plan.participants), _digests(loaded))
+    begun = 0.0 if plan.begin is None else seconds(plan.begin.now)
+    return CheckpointKeeper(plan.run_dir, plan.checkpoint_every_s, origin, begun)
 
 
 def last_before(bag: Path, at_s: float) -> Path:

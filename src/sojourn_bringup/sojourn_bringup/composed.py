@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -10,6 +10,8 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_bags.errors import BagsError
+from sojourn_bringup.checkpoints import keeper_of
+from sojourn_bringup.composed_checkpoints import ComposedKeeper, OverheardNeighbours
 from sojourn_bringup.health import Health, Progress
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, RunStopwatch
 from sojourn_bringup.plan import RunPlan
@@ -27,6 +29,7 @@ from sojourn_contract.node import ContractNode
 from sojourn_contract.stamps import seconds
 from sojourn_contract.stop_flag import StopFlag
 from sojourn_machine.errors import MachineError
+from sojourn_stack.errors import StackError
 
 _SHOW_S = 0.25
 
@@ -44,7 +47,7 @@ class ComposedRun:
     ) -> None:
         self.plan = plan
         self.screen = screen
-        self.nodes: dict[str, ContractNode] = {}
+        self.nodes: dict[str, Any] = {}
         self._load = load
         self._health = {role: Health(role, pid=os.getpid()) for role in reversed(plan.in_order_of_stop())}
         self._progress = Progress()
@@ -69,15 +72,24 @@ class ComposedRun:
                 )
             self._started_at = time.monotonic()
             nodes = list(self.nodes.values())
-            neighbours = None if self.plan.realtime else Neighbours(nodes)
+            neighbours = None if self.plan.realtime else self._neighbours(nodes)
             node_process.spin(nodes, stop, self._each_poll, neighbours=neighbours)
             return self._outcome(stop)
-        except (CommandError, BagsError, ContractError, ConfigError, MachineError, OSError) as error:
+        except (CommandError, BagsError, ContractError, ConfigError, MachineError, StackError, OSError) as error:
             return Outcome(FAILED, str(error), sim_time_s=self._time_s(), wall_time_s=self.stopwatch.wall_s)
         finally:
             for node in self.nodes.values():
                 node.destroy_node()
             rclpy.try_shutdown()
+
+    def _neighbours(self, nodes: Sequence[ContractNode]) -> Neighbours:
+        """What they say to each other, overheard where checkpoints are to be kept."""
+        keeper = keeper_of(self.plan, self.nodes["plant"].scenario)
+        if keeper is None:
+            return Neighbours(nodes)
+        composed = ComposedKeeper(self.nodes, keeper)
+        self.nodes["plant"].keeper = composed
+        return OverheardNeighbours(nodes, composed.gathering)
 
     def _outcome(self, stop: StopFlag) -> Outcome:
         operator = self.nodes.get("operator")

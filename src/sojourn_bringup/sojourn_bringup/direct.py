@@ -5,7 +5,7 @@ import time
 from dataclasses import replace
 
 from sojourn_bags.errors import BagsError
-from sojourn_bringup.checkpoints import CheckpointKeeper, origin_of
+from sojourn_bringup.checkpoints import keeper_of
 from sojourn_bringup.health import Health, Progress
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, RunStopwatch
 from sojourn_bringup.plan import RunPlan
@@ -42,11 +42,7 @@ class DirectRun:
         self._folder_gone = ""
         self._scenario = plan.loaded or load_scenario(plan.scenario, plan.overrides)
         self._steps = len(self._scenario.config.steps)
-        self._keeper = None
-        if plan.checkpoint_every_s is not None:
-            origin = origin_of(plan.scenario, plan.overrides, plan.participants, self._scenario)
-            begun = 0.0 if plan.begin is None else seconds(plan.begin.now)
-            self._keeper = CheckpointKeeper(plan.run_dir, plan.checkpoint_every_s, origin, begun)
+        self._keeper = keeper_of(plan, self._scenario)
 
     def run(self) -> Outcome:
         """Run to the end. Returns how it ended."""

@@ -25,7 +25,8 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
         "--checkpoint-every",
         type=command_line.positive,
         metavar="SECONDS",
-        help="with --direct: keep the state of the run in its folder each time that so much simulation time is over",
+        help="with --direct or --composed: keep the state of the run in its folder each time that so much simulation "
+        "time is over",
     )
     result.add_argument(
         "--resume",

@@ -129,8 +129,9 @@ def _goes_on(given: argparse.Namespace) -> bool:
 
 def _check_checkpoints(given: argparse.Namespace) -> None:
     """Raise UsageError for options that do not go together."""
-    if given.checkpoint_every is not None and layout_of(given) != "direct":
-        raise UsageError("--checkpoint-every keeps the state of a run without middleware: it goes with --direct")
+    if given.checkpoint_every is not None and (layout_of(given) == "processes" or given.realtime):
+        reason = "the state of a run is kept where all of it is in one process and in lock-step"
+        raise UsageError(f"--checkpoint-every goes with --direct or --composed, without --realtime: {reason}")
     if not _goes_on(given):
         return
     others = ("composed", "realtime", "without", "only", "replace", "shadow", "machine")

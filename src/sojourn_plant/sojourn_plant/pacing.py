@@ -7,7 +7,7 @@ acts on a period when all that is due for it has come; in real time by the wall 
 import math
 import time
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
 from rclpy.context import Context
 
@@ -24,6 +24,16 @@ seen yet.
 """
 FREE_RUN_S = 0.02
 """Wall time for which a plant that nobody answers runs between two looks at its messages."""
+
+
+class Keeper(Protocol):
+    """Who keeps the state of the run at some of its periods, see `composed_checkpoints` of sojourn_bringup."""
+
+    def may_act(self, stamp: int) -> bool:
+        """Before a period [ns]: whether it may be acted on now; else it is asked again soon."""
+
+    def acted(self, stamp: int) -> None:
+        """After it."""
 
 
 class PacingNode(AppNode):
@@ -45,6 +55,8 @@ class PacingNode(AppNode):
         self._waiting_since = math.inf
         """Wall time since which the others are waited for: from the first look at them, as plants take long to make."""
         self._timer: Any = None
+        self.keeper: Keeper | None = None
+        """None: nobody keeps anything."""
 
     def on_heartbeat(self, message: Any) -> None:
         """Keep who is ready, and who says that it waits for whom."""
@@ -63,11 +75,18 @@ class PacingNode(AppNode):
                 self.act(self.now + stamps.CONTROL_PERIOD_NS, {})
         elif self.lockstep and time.monotonic() - self._waiting_since > self.timeout_s:
             self._stop_for_silence()
+        elif self.keeper is not None:
+            self._advance()
 
     def act(self, stamp: int, inputs: Mapping[str, Any]) -> None:
         """Run one period, and wait anew."""
         self._waiting_since = time.monotonic()
         super().act(stamp, inputs)
+        if self.keeper is not None:
+            self.keeper.acted(stamp)
+
+    def _goals_are_in(self) -> bool:
+        return super()._goals_are_in() and (self.keeper is None or self.keeper.may_act(self.barrier.stamp))
 
     def _begin_when_ready(self) -> None:
         if self.count_publishers(self.endpoints.senders["/clock"].topic_name) > 1:

@@ -72,7 +72,7 @@ def save(state: StackState, file: Path, origin: Origin | None = None) -> None:
     """
     writer = _Writer()
     roles = {role: writer.tree(one, role) for role, one in state.roles.items()}
-    messages = writer.tree(state.messages, "messages")
+    messages = writer.tree(dict(sorted(state.messages.items())), "messages")  # said in another order in each layout
     tree = {
         "format": FORMAT,
         "period": state.period,

@@ -167,6 +167,21 @@ class Stack:
         """Last heartbeats, with what each role has said in all."""
         return [(topic(HEARTBEATS), self.heartbeat(role, ENDED, one)) for role, one in state.roles.items() if one.now]
 
+    def keep(self, messages: dict[str, Mapping[int, Heard]], row: Topic, message: Message, leaps: Leaps) -> None:
+        """Keep a message that somebody waits for among those by topic and stamp, and let go of older ones."""
+        kept_for, stamp, earlier = self.kept_for[row.name], message.stamp, messages.get(row.name, {})
+        if _repeats(row, stamp) and stamp in earlier:
+            return
+        heard: dict[int, Heard] = {}
+        if kept_for:
+            oldest = stamp - kept_for
+            if leaps.gaps:
+                period = oldest // stamps.CONTROL_PERIOD_NS
+                oldest = leaps.newest(period, row.every) * stamps.CONTROL_PERIOD_NS
+            heard = {at: older for at, older in earlier.items() if at >= oldest}
+        heard[stamp] = (message, _refusal(check_input, row, message))
+        messages[row.name] = heard
+
     def agenda(self, period: int, leaps: Leaps = NO_LEAPS) -> Mapping[str, Sequence[Due]]:
         """Roles that act in a period, and what each waits for. It repeats, once all is waited for that ever is and
         where the clock has not leapt just now.
@@ -281,21 +296,8 @@ class _Period:
                 for taker in self._stack.takers[row.name]:
                     self.offer(taker, row, message)
                 continue
-            kept_for = self._stack.kept_for.get(row.name)
-            if kept_for is None:
-                continue
-            stamp = message.stamp
-            if _repeats(row, stamp) and stamp in self._messages.get(row.name, ()):
-                continue
-            heard: dict[int, Heard] = {}
-            if kept_for:
-                earlier, oldest = self._messages.get(row.name, {}), stamp - kept_for
-                if self._leaps.gaps:
-                    period = oldest // stamps.CONTROL_PERIOD_NS
-                    oldest = self._leaps.newest(period, row.every) * stamps.CONTROL_PERIOD_NS
-                heard = {at: older for at, older in earlier.items() if at >= oldest}
-            heard[stamp] = (message, _refusal(check_input, row, message))
-            self._messages[row.name] = heard
+            if row.name in self._stack.kept_for:
+                self._stack.keep(self._messages, row, message, self._leaps)
         self.said += said
 
     def offer(self, role: str, row: Topic, message: Message) -> None:

@@ -1,0 +1,96 @@
+"""Checkpoints of nodes in one process: the same file as that of a run without middleware.
+
+At a period's end of which a checkpoint is wanted the plant waits until all others have acted on that period and what
+the operator has said is with those whom it is for; then nothing of the run is on its way, and its state is what the
+nodes hold and what they have said to each other.
+"""
+
+from collections.abc import Mapping
+from math import lcm
+from typing import Any
+
+from sojourn_bringup.checkpoints import CheckpointKeeper
+from sojourn_contract.app_node import AppNode
+from sojourn_contract.neighbours import Neighbours
+from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
+from sojourn_contract.topic_types import ROLES, Topic
+from sojourn_contract.values import Message
+from sojourn_stack.gathering import Gathering
+from sojourn_stack.stack import PLANT, RoleState, Stack
+
+
+class OverheardNeighbours(Neighbours):
+    """Neighbours whose words are kept as far as somebody still waits for them.
+
+    Args:
+        nodes: of this process and this run. gathering: that hears them.
+    """
+
+    def __init__(self, nodes: Any, gathering: Gathering) -> None:
+        super().__init__(nodes)
+        self._gathering = gathering
+
+    def say(self, row: Topic, message: Message) -> None:
+        """See Neighbours."""
+        self._gathering.hear(row, message)
+        super().say(row, message)
+
+
+class ComposedKeeper:
+    """Keeps the state of nodes in one process; the plant asks it, see `PacingNode`.
+
+    Args:
+        nodes: of all roles, by role; the recorder's state is no part of a run's. keeper: writes the file.
+    """
+
+    def __init__(self, nodes: Mapping[str, Any], keeper: CheckpointKeeper) -> None:
+        self._nodes: dict[str, AppNode] = {role: node for role, node in nodes.items() if isinstance(node, AppNode)}
+        self._plant = self._nodes[PLANT]
+        self._keeper = keeper
+        apps = {role: self._nodes[role].app for role in ROLES if role in self._nodes}
+        self.gathering = Gathering(Stack(apps, self._plant.participants, self._plant.table))
+        self._grid = lcm(*(node.barrier.stride for node in self._nodes.values()))
+        self._roles: dict[str, RoleState] = {}
+
+    def may_act(self, stamp: int) -> bool:
+        """Before the plant acts on a period [ns]."""
+        if not self._is_wanted(stamp):
+            return True
+        others = [node for node in self._nodes.values() if node is not self._plant and node.awaited]
+        if any(node.now < stamp for node in others) or not self._goals_are_there():
+            return False
+        self._roles = {node.role: _state_of(node) for node in self._nodes.values() if node is not self._plant}
+        return True
+
+    def acted(self, stamp: int) -> None:
+        """After it has.
+
+        Raises:
+            OSError: a checkpoint cannot be written. CheckpointError: the state holds what cannot be kept.
+        """
+        period, wanted = stamp // CONTROL_PERIOD_NS, self._is_wanted(stamp)
+        self.gathering.leaps = self._plant.barrier.leaps
+        self.gathering.end(period)
+        if wanted and not self._plant.finished:
+            roles = {**self._roles, PLANT: _state_of(self._plant)}
+            self._keeper.keep(self.gathering.state(period, roles))
+
+    def _is_wanted(self, stamp: int) -> bool:
+        """At a period in which every role acts."""
+        return stamp // CONTROL_PERIOD_NS % self._grid == 0 and self._keeper.is_due(seconds(stamp))
+
+    def _goals_are_there(self) -> bool:
+        """Whether what the operator has said is with those whom it is for."""
+        operator = self._nodes.get("operator")
+        said: Mapping[str, int] = {} if operator is None else operator.counters.published
+        return all(
+            node.events.has_received({row.name: said.get(row.name, 0) for row in node.endpoints.inputs if row.is_event})
+            for node in self._nodes.values()
+            if node is not operator
+        )
+
+
+def _state_of(node: AppNode) -> RoleState:
+    counters = node.counters
+    published, refused = dict(counters.published), dict(counters.refused)
+    return RoleState(node.state, node.events, published, refused, counters.last_refusal, node.now, node.hearing.took)

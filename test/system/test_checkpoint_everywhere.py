@@ -1,0 +1,56 @@
+"""Checkpoints of nodes in one process are those of a run without middleware, and are gone on from as those."""
+
+import zipfile
+from pathlib import Path
+
+import pytest
+from programs import HERE, PATIENT
+from test_same_everywhere import records, same
+
+from sojourn_bags.reading import Bag, read_bag
+from sojourn_bringup.checkpoints import last_before
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_stack.checkpoint import read
+
+FAULTS = (
+    "faults=[{kind: motor_dead, joint: wheel_front_left_joint, at: 1.5, until: 3.0},"
+    "{kind: sensor, sensor: imu, of: angular_velocity, bias: 0.05, at: 2.0, lasts: 1.5}]"
+)
+RUN = (str(HERE / "short_run.yaml"), *PATIENT, "--set", "seed=11", "--set", FAULTS)
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Bag]]:
+    """Folder and bags of the same run as nodes in one process and without middleware."""
+    folder, every = tmp_path_factory.mktemp("kept"), ("--checkpoint-every", "0.7")
+    options = {way: ((*RUN, f"--{way}", *every), dict[str, str]()) for way in ("composed", "direct")}
+    return folder, records(folder, options, 0)
+
+
+def parts(file: Path) -> dict[str, bytes]:
+    """All that a checkpoint holds."""
+    with zipfile.ZipFile(file) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def test_the_files_are_the_same_to_the_last_bit(runs: tuple[Path, dict[str, Bag]]) -> None:
+    folder, bags = runs
+    assert same(bags["composed"], bags["direct"])
+    composed, direct = (sorted((folder / way / "checkpoints").iterdir()) for way in ("composed", "direct"))
+    assert [file.name for file in composed] == [file.name for file in direct]
+    assert len(composed) > 8
+    for one, other in zip(composed, direct, strict=True):
+        assert parts(one) == parts(other), one.name
+
+
+def test_what_goes_on_from_one_is_the_run(runs: tuple[Path, dict[str, Bag]], tmp_path: Path) -> None:
+    folder, _ = runs
+    state, _ = read(last_before(folder / "composed", 3.0))
+    assert state.roles["operator"].goals.arrivals == 0 < state.roles["drive"].goals.arrivals
+    rest = records(tmp_path, {"rest": (("--from", str(folder / "composed"), "--at", "3.0"), {})}, 0)["rest"]
+    unbroken = read_bag(folder / "direct")
+    for messages in unbroken.topics.values():
+        messages.take_out({n for n, at in enumerate(messages.log_times) if at <= state.now})
+    later = {name: messages.data for name, messages in unbroken.topics.items() if len(messages)}
+    assert state.now == 140 * CONTROL_PERIOD_NS and sum(len(data) for data in later.values()) > 3000
+    assert {name: messages.data for name, messages in rest.topics.items()} == later
