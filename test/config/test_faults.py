@@ -42,6 +42,8 @@ WHEEL = "wheel_front_left_joint"
         ("{kind: message_lost, topic: /odom, at: 1, probability: 0}", r"probability.*above 0"),
         ("{kind: node_silent, node: plant, at: 1}", "cannot have it: allowed is one of sensors, drive, arm, power"),
         ("{kind: node_silent, node: drive, when: {distance: 1}}", "allowed is between"),
+        ("{kind: node_killed, node: operator, at: 1}", "cannot have it: allowed is one of sensors, drive, arm, power"),
+        ("{kind: node_killed, node: drive, when: {distance: 1}}", "allowed is between"),
         ("{kind: node_restarted, node: drive, at: 1, lasts: 2}", "does not go again"),
         ("{kind: sensor, sensor: imu, at: 1}", "nothing is wrong by it"),
         ("{kind: sensor, sensor: imu, dead: true, when: {distance: 3}}", "allowed is a time at which that begins"),

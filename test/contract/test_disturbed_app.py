@@ -196,6 +196,33 @@ def test_a_node_that_is_restarted_knows_what_it_kept_and_no_more() -> None:
     assert state.app.readings[0][0] == at and state.restarts == 1
 
 
+def test_a_node_that_is_killed_is_deaf_and_begins_anew_with_what_it_kept_before() -> None:
+    begin, end = 60 * CONTROL_PERIOD_NS, 80 * CONTROL_PERIOD_NS
+    killed = Disturbance("killed", "", "drive", begin, end)
+    dead, _ = heard([killed], 79, goals_at=(59, 60, 79))
+    assert [at for at, _ in dead.app.goals] == [59 * CONTROL_PERIOD_NS] and dead.restarts == 0
+    back, _ = heard([killed], 100, goals_at=(59, 60, 79, 80))
+    stamp, kept = back.app.from_kept
+    assert stamp == end and kept.stamp < begin and begin - kept.stamp <= NANOSECONDS // 5
+    assert kept.values == {"heard": kept.stamp // CONTROL_PERIOD_NS}
+    assert back.app.readings[0][0] == end and [at for at, _ in back.app.goals] == [end]
+
+
+def test_a_node_that_is_killed_for_good_does_not_begin_anew() -> None:
+    begin = 60 * CONTROL_PERIOD_NS
+    state, _ = heard([Disturbance("killed", "", "drive", begin)], 100, goals_at=(59, 60, 99))
+    assert state.app.from_kept is None and state.restarts == 0 and len(state.app.goals) == 1
+
+
+def test_nothing_is_heard_of_a_node_while_it_is_dead() -> None:
+    begin, end = 40 * CONTROL_PERIOD_NS, 80 * CONTROL_PERIOD_NS
+    state, _ = heard([Disturbance("killed", "", "sensors", begin, end)], 100)
+    newest = {at: None if reading is None else reading.stamp for at, reading in state.app.readings}
+    for at, stamp in newest.items():
+        last = begin - CONTROL_PERIOD_NS if begin <= at < end else at
+        assert stamp == (last if at - last <= MAX_AGE * NANOSECONDS else None)
+
+
 @pytest.mark.parametrize(
     ("disturbance", "words"),
     [

@@ -1,4 +1,4 @@
-"""Messages lost, late and corrupted, a node restarted: the same without middleware and in many processes."""
+"""Messages lost, late and corrupted, nodes restarted and killed: the same without middleware and in many processes."""
 
 from pathlib import Path
 
@@ -11,6 +11,7 @@ FAULTS = """[
   {kind: message_corrupted, topic: /joint_states, probability: 0.05, at: 1},
   {kind: message_repeated, topic: /goal_pose, at: 0},
   {kind: node_slow, node: power, delay: 0.1, at: 1},
+  {kind: node_killed, node: arm, at: 3, lasts: 1},
   {kind: node_restarted, node: drive, at: 6}]"""
 STEPS = "steps=[{drive_to: {x: 1.0, y: 0.0}, timeout_s: 20.0}]"
 DISTURBED = ("flat_drive", *PATIENT, "--set", f"faults={FAULTS}", "--set", STEPS)

@@ -60,23 +60,22 @@ def disturbed(app: App[Any], table: TopicTable, disturbances: Sequence[Disturban
         return app
     rows = [row for row in table if app.role in row.subscribers and app.role in LISTENERS]
     ways = {row.name: [each for each in disturbances if concerns(each, row)] for row in rows}
-    restarts = [each for each in disturbances if each.effect == "restarted" and each.role == app.role]
-    if not restarts and not any(ways.values()):
+    ends = [each for each in disturbances if each.effect in ("restarted", "killed") and each.role == app.role]
+    if not ends and not any(ways.values()):
         return app
-    return DisturbedApp(app, {table.topic(name): found for name, found in ways.items() if found}, restarts)
+    return DisturbedApp(app, {table.topic(name): found for name, found in ways.items() if found}, ends)
 
 
 class DisturbedApp(App[DisturbedState[Any]]):
     """See the module.
 
     Args:
-        app: that is disturbed. ways: what meets the messages of its rows. restarts: of its node.
+        app: that is disturbed. ways: what meets the messages of its rows. ends: of its node's process.
     """
 
-    def __init__(
-        self, app: App[Any], ways: Mapping[Topic, Sequence[Disturbance]], restarts: Sequence[Disturbance]
-    ) -> None:
-        self._app, self._restarts = app, sorted(restarts, key=lambda each: each.begin)
+    def __init__(self, app: App[Any], ways: Mapping[Topic, Sequence[Disturbance]], ends: Sequence[Disturbance]) -> None:
+        self._app, self._killed = app, [each for each in ends if each.effect == "killed"]
+        self._restarts = sorted(stamp for each in ends if (stamp := each.begins_anew) is not None)
         self._rows = {row.name: row for row in ways}
         self._met = {row.name: tuple(found) for row, found in ways.items()}
         self.role, self.acts_in_silence = app.role, app.acts_in_silence  # type: ignore[misc]
@@ -92,8 +91,9 @@ class DisturbedApp(App[DisturbedState[Any]]):
     def step(self, state: DisturbedState[Any], period: Period) -> tuple[DisturbedState[Any], Answer]:
         """See App."""
         app, kept, restarts = state.app, state.kept, state.restarts
-        if restarts < len(self._restarts) and self._restarts[restarts].begin <= period.stamp:
+        if restarts < len(self._restarts) and self._restarts[restarts] <= period.stamp:
             app, restarts = self._app.started_again(self._app.initial_state(), period.stamp, kept), restarts + 1
+        is_dead = any(each.meets(period.stamp) for each in self._killed)
         refusals = list[Refusal]()
         ways, inputs, goals = dict(state.ways), dict(period.inputs), list[tuple[str, Any]]()
         for name, goal in period.goals:
@@ -111,8 +111,9 @@ class DisturbedApp(App[DisturbedState[Any]]):
                 if arrived:
                     ways[name] = replace(ways[name], newest=arrived[-1])
                 inputs[name] = _young(row, ways[name].newest, period.stamp)
-        app, answer = self._app.step(app, replace(period, inputs=inputs, goals=goals))
-        if self._restarts:
+        # the steps of a dead node go on, for whoever waits for its messages in lock-step, and nobody acts on them
+        app, answer = self._app.step(app, replace(period, inputs=inputs, goals=[] if is_dead else goals))
+        if self._restarts and not is_dead:
             kept = self._kept(kept, app, period.stamp)
         answer = replace(answer, refusals=(*refusals, *answer.refusals)) if refusals else answer
         return DisturbedState(app, ways, kept, restarts), answer
@@ -135,7 +136,7 @@ class DisturbedApp(App[DisturbedState[Any]]):
 
     def started_again(self, state: DisturbedState[Any], stamp: int, kept: Kept | None) -> DisturbedState[Any]:
         """See App."""
-        over = sum(each.begin <= stamp for each in self._restarts)
+        over = sum(begins <= stamp for begins in self._restarts)
         return replace(state, app=self._app.started_again(state.app, stamp, kept), restarts=over)
 
     def heartbeat_values(self, state: DisturbedState[Any], stamp: int) -> dict[str, str]:
@@ -151,7 +152,7 @@ class DisturbedApp(App[DisturbedState[Any]]):
         if not row.is_event and stamp == way.heard:
             return way
         effects = [each for each in self._met[name] if each.meets(stamp)]
-        if any(each.effect == "lost" for each in effects):
+        if any(each.effect in ("lost", "killed") for each in effects):
             return replace(way, heard=stamp)
         times = 1
         arrives = max([now, *(stamp + each.delay for each in effects), *(at for at, _ in way.coming)])

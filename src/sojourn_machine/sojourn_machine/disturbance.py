@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple, TypeAlias
 from sojourn_machine.chance import chance
 from sojourn_machine.timing import CONTROL_PERIOD_NS
 
-Effect: TypeAlias = Literal["lost", "late", "twice", "corrupted", "restarted"]
+Effect: TypeAlias = Literal["lost", "late", "twice", "corrupted", "restarted", "killed"]
 FOR_EVER = 2**62
 """End of what stays [ns]."""
 
@@ -21,7 +21,7 @@ class Disturbance(NamedTuple):
     topic: str
     """Whose messages; empty: all of the role."""
     role: str
-    """Whose messages, or the one that is restarted; empty: that of the topic."""
+    """Whose messages, or the one that is restarted or killed; empty: that of the topic."""
     begin: int
     """Stamp of the first message that it may meet [ns]."""
     end: int = FOR_EVER
@@ -32,6 +32,13 @@ class Disturbance(NamedTuple):
     """Of late ones [ns]."""
     stream: int = 0
     """Of its random numbers."""
+
+    @property
+    def begins_anew(self) -> int | None:
+        """Stamp from which on its node is another one [ns]; None where it is never."""
+        if self.effect == "restarted":
+            return self.begin
+        return self.end if self.effect == "killed" and self.end < FOR_EVER else None
 
     def meets(self, stamp: int) -> bool:
         """Whether it meets the message of a stamp [ns]."""

@@ -135,6 +135,15 @@ class NodeSlow(LateFault, NodeFault):
     kind: str = "node_slow"
 
 
+class NodeKilled(NodeFault):
+    """Its process is killed: nothing of it is heard, and what is wanted of it meanwhile is lost. When the fault goes
+    another process begins, which knows what the first had kept.
+    """
+
+    effect: ClassVar[Effect] = "killed"
+    kind: str = "node_killed"
+
+
 class NodeRestarted(NodeFault):
     """Its process ends and another begins, which knows what the first has kept."""
 
