@@ -54,6 +54,17 @@ def test_a_machine_that_the_sun_never_reaches_is_told_of_before_the_run(tmp_path
     ]
 
 
+def test_loads_above_all_sources_are_told_of_before_the_run(tmp_path: Path) -> None:
+    """A generator of 110 W, and beside receiver and heater, of 17 W, a computer of 93 or of 94 W."""
+    worn = ("--set", "sources.generator.degradation_per_year=0.0")
+    (tmp_path / "enough").mkdir()
+    (tmp_path / "short").mkdir()
+    enough = plan_of(tmp_path / "enough", *worn, "--set", "bus.loads[0].power_w=93", scenario="isotope_sol")[1]
+    short = plan_of(tmp_path / "short", *worn, "--set", "bus.loads[0].power_w=94", scenario="isotope_sol")[1]
+    assert not enough
+    assert short == ["note: essential loads take 111 W and all sources give 110 W at most: the stores run empty"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

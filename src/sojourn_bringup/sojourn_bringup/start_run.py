@@ -52,6 +52,8 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
             config = scenario.loaded.config
             day = f"in the solar day from its start on the Sun does not rise at the site on {config.body}"
             screen.say(f"note: {day}: {config.machine} has what is in its stores")
+        if short := scenario.loaded.power.lasting_shortfall():
+            screen.say(f"note: {short}")
     else:
         scenario, participants = resumed.scenario, resumed.participants
     started = tuple(role for role in participants if not given.only or role in given.only)

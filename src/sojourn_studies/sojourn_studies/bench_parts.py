@@ -23,6 +23,7 @@ from sojourn_studies import (
     bench_ground,
     bench_loop,
     bench_machine,
+    bench_network,
     bench_period,
     bench_start,
     bench_step,
@@ -40,6 +41,7 @@ TARGETS = {
     **bench_wheel.TARGETS,
     **bench_commands.TARGETS,
     **bench_machine.TARGETS,
+    **bench_network.TARGETS,
 }
 
 
@@ -50,7 +52,7 @@ class Size(NamedTuple):
         cases: of the surveys of contact laws, and of the wheel on soil. maps: sizes of ground [m].
         poses: of each arm. plans, goals: of the arm's planning. distance: of the long drive [m].
         starts: of each command. seconds, rounds: simulated time of a run of the loop [s], and runs.
-        commands: that are timed. periods: that are timed by app.
+        commands: that are timed. periods: that are timed by app. turns: with each power network.
     """
 
     cases: int
@@ -64,14 +66,16 @@ class Size(NamedTuple):
     commands: int
     starts: int
     periods: int
+    turns: int
 
 
-QUICK = Size(100_000, (10, 100), 1000, 50, 500, 3.0, 15.0, 1, 100, 2, 600)
-FULL = Size(1_000_000, (10, 100, 1000), 10_000, 200, 100_000, 100.0, 40.0, 3, 400, 7, 3000)
+QUICK = Size(100_000, (10, 100), 1000, 50, 500, 3.0, 15.0, 1, 100, 2, 600, 70)
+FULL = Size(1_000_000, (10, 100, 1000), 10_000, 200, 100_000, 100.0, 40.0, 3, 400, 7, 3000, 190)
 Part = Callable[[Size, argparse.Namespace], dict[str, float]]
 PARTS: dict[str, Part] = {
     "step": lambda size, given: bench_step.bench_step(given.scenario),
     "period": lambda size, given: bench_period.bench_period(given.scenario, size.periods, given.domain),
+    "network": lambda size, given: bench_network.bench_network(size.turns),
     "start": lambda size, given: bench_start.bench_start(given.domain, size.starts, tell),
     "direct": lambda size, given: _loop("direct", size, given),
     "composed": lambda size, given: _loop("composed", size, given),

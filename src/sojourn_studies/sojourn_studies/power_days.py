@@ -1,6 +1,7 @@
 """Days of a machine's power: its network as it truly is under the law of its power manager, in the light of its site.
 
-The machine stands, level, where it starts; what it does is what the scenario has in `activities`.
+The machine stands, level, where it starts; what it does is what the scenario has in `activities`, and its
+motors hold meanwhile (`standing_draw`).
 """
 
 from collections.abc import Sequence
@@ -19,6 +20,7 @@ from sojourn_flight.power_manager.forecast import Forecaster, Known, first_limit
 from sojourn_flight.power_manager.preview import Preview, PreviewState, PreviewStep
 from sojourn_machine.params import FloatArray
 from sojourn_machine.power.network import PowerNetwork
+from sojourn_studies.standing_draw import standing_draw
 
 FORECAST_EVERY = 600.0
 """The power manager looks ahead so often here; in a run it is each minute [s]."""
@@ -171,7 +173,7 @@ def power_days(scenario: LoadedScenario, days: float, step: float) -> PowerDays:
     """
     known = scenario.as_believed()
     params = known.power_manager
-    planned = Activities(params, scenario.config.activities)
+    planned = Activities(params, scenario.config.activities).standing(standing_draw(scenario))
     light = light_at_start(scenario, scenario.height_field)
     around = light_on_machine(scenario, light)
     preview = Preview(params, PowerNetwork(scenario.power), planned, around, heat_at_start(scenario, light))

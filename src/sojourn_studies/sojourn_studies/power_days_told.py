@@ -58,6 +58,8 @@ def lines(found: PowerDays) -> Iterator[str]:
         yield f"First limit: {limit.what} after {limit.hours:.2f} h."
     if scenario.power.sources and not found.offered.any():
         yield "No source gives anything in all this time: the Sun does not shine on the machine."
+    if short := scenario.power.lasting_shortfall():
+        yield f"Whatever the light, {short}."
     if found.dead_at is not None:
         yield f"All stores are empty after {found.dead_at:.2f} h."
     for name, (hour, broken) in found.beyond_limits.items():

@@ -175,6 +175,21 @@ def test_one_long_step_warms_as_many_short_ones() -> None:
     assert once.energy == often.energy == pytest.approx(600.0)
 
 
+def test_periods_shorter_than_a_second_come_to_the_same_as_seconds() -> None:
+    """Warmth, dust and age wait for the second; what was given does not, and none of it is lost."""
+    made, light = array(dust_loss_per_day=0.01), sun(direct=1000.0)
+    slow, quick = at(250.0), at(250.0)
+    for number in range(60):
+        slow = made.step(slow, 20.0 + number, 1.0, light)
+        for part in range(50):
+            quick = made.step(quick, 20.0 + number + (part - 24.5), 0.02, light)
+    assert quick.temperature == pytest.approx(slow.temperature, abs=1e-9) and quick.temperature > 251.0
+    assert quick.clean == pytest.approx(slow.clean, rel=1e-12) and quick.clean < 1.0
+    assert quick.age == pytest.approx(slow.age) and quick.energy == pytest.approx(slow.energy)
+    half = made.step(quick, 30.0, 0.5, light)
+    assert half.temperature == quick.temperature and half.energy == pytest.approx(quick.energy + 15.0)
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sojourn_config.load import load_params
@@ -169,3 +169,14 @@ def test_a_date_and_a_place_are_one_too_many() -> None:
         SunParams.model_validate({"time": "2028-03-01T12:00:00"})
     with pytest.raises(ValueError, match="1972 to 2099"):
         SunParams.model_validate({"time": "2128-03-01T12:00:00Z"})
+
+
+@settings(max_examples=20)
+@given(time=st.floats(0.0, 80_000.0), x=st.floats(-5.0, 5.0))
+def test_the_held_light_is_that_of_its_second(time: float, x: float) -> None:
+    site = SiteParams(latitude_deg=-1.95, longitude_deg=354.47)
+    over = SunOver(dated("2004-01-26T00:10:00Z"), MARS, site)
+    now, held = over.light(time, x, 0.0), over.held_light(time, x, 0.0)
+    assert held is over.held_light(math.floor(time) + 0.25, x, 0.0), "made once"
+    assert np.linalg.norm(held.direction - now.direction) < 4e-5
+    assert held.direct == pytest.approx(now.direct, abs=0.5) and held.diffuse == pytest.approx(now.diffuse, abs=0.5)

@@ -54,11 +54,24 @@ class Activities:
         self._drawing = [(self._names.index(one.load), one) for one in activities if one.power_w is not None]
         self._off = [one for one in activities if one.power_w is None]
         self._factor = 1.0
+        self._standing = np.zeros(len(self._names))
+        self._begins = {
+            place: min(one.start_h for load, one in self._drawing if load == place) for place, _ in self._drawing
+        }
+        """When what is planned of a load begins [h]."""
 
     def times(self, factor: float) -> "Activities":
         """The same with so many times the power."""
         new = copy(self)
         new._factor = factor * self._factor
+        return new
+
+    def standing(self, drawn: FloatArray) -> "Activities":
+        """The same, where motors that stand and hold draw so much, (loads,) [W]: those of a load that is planned for
+        from its first activity on, all others always.
+        """
+        new = copy(self)
+        new._standing = drawn
         return new
 
     def demand(self, time: float) -> FloatArray:
@@ -67,6 +80,10 @@ class Activities:
         for place, activity in self._drawing:
             if activity.power_w is not None and activity.is_on(time):
                 found[place] += self._factor * activity.power_w
+        holds = found == 0.0
+        for place, begin in self._begins.items():
+            holds[place] &= time >= begin * SECONDS_PER_HOUR
+        found[holds] = self._standing[holds]
         return found
 
     def asked(self, time: float) -> Mapping[str, bool]:

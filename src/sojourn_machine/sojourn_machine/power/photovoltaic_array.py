@@ -16,7 +16,7 @@ Light on a plane of normal n, Sun at u, zenith at z, dust and ageing leaving the
 
     G = q s (G_b max(n.u, 0) + G_d (1 + n.z)/2)        s: spectral factor, isotropic sky (Duffie & Beckman, sec. 2.14)
 
-Temperature of the plane, both sides radiating, one implicit step a period:
+Temperature of the plane, both sides radiating, one implicit step a second, or a period where that is longer:
 
     C dT/dt = A (alpha_s G' - P/A - (e_f + e_b) sigma (T^4 - T_s^4))        G' before dust: it warms as well
 
@@ -47,6 +47,8 @@ from sojourn_machine.power.surroundings import DARK, PowerSurroundings
 STEFAN_BOLTZMANN = 5.670374419e-8
 """[W/(m2 K4)] (CODATA 2018)"""
 SECONDS_PER_DAY = 86400.0
+HELD = 1.0
+"""For how long temperature, dust and age are held where periods are shorter [s]: they change in minutes and days."""
 COLDEST, HOTTEST = 80.0, 420.0
 """Temperatures at which the data sheet's slopes are still taken [K]."""
 
@@ -63,6 +65,10 @@ class ArrayState:
     """[s]"""
     energy: float = 0.0
     """Given to the bus since the start of the run [J]."""
+    waited: float = 0.0
+    """Since temperature, dust and age were last stepped [s]."""
+    given: float = 0.0
+    """To the bus since then [J]."""
 
 
 class CellParams(Params):
@@ -91,12 +97,13 @@ class CellParams(Params):
         if not 0.5 * v_oc < v_m < v_oc:
             allowed = f"between half of open_circuit_voltage = {v_oc:g} V and all of it"
             raise InvalidValueError("voltage_at_most_power", v_m, allowed)
-        if self.diode()[1] < 0.0:
+        if self.diode[1] < 0.0:
             raise InvalidValueError(
                 "voltage_at_most_power", v_m, "of a curve that one diode with a series resistance can have: less"
             )
         return self
 
+    @cached_property
     def diode(self) -> tuple[float, float]:
         """a [V] and R_s [ohm]."""
         i_sc, i_m = self.short_circuit_current, self.current_at_most_power
@@ -172,8 +179,16 @@ class PhotovoltaicArrayParams(SourceParams):
         return self.cells_series * self.strings * self.cell.area
 
     @cached_property
-    def _normal(self) -> FloatArray:
-        return np.array(self.normal) / hypot(*self.normal)
+    def _normal(self) -> tuple[float, float, float]:
+        x, y, z = self.normal
+        length = hypot(x, y, z)
+        return x / length, y / length, z / length
+
+    def _along(self, direction: FloatArray) -> float:
+        """Of a unit vector, along the normal [1]: floats, for three numbers cost numpy ten times as much."""
+        x, y, z = self._normal
+        right, up, out = direction.tolist()
+        return float(x * right + y * up + z * out)
 
     def initial_state(self) -> ArrayState:
         """As its file has it, as warm as its surroundings."""
@@ -183,7 +198,7 @@ class PhotovoltaicArrayParams(SourceParams):
         """A group of cells at a temperature [K]."""
         cell, warm = self.cell, min(max(temperature, COLDEST), HOTTEST)
         more, number = warm - cell.reference_temperature, self.cells_series // self.groups
-        slope, series = cell.diode()
+        slope, series = cell.diode
         slope *= warm / cell.reference_temperature
         current = cell.short_circuit_current + cell.current_slope * more
         voltage = cell.open_circuit_voltage + cell.voltage_slope * more
@@ -197,18 +212,19 @@ class PhotovoltaicArrayParams(SourceParams):
 
     def irradiance(self, surroundings: PowerSurroundings) -> tuple[float, float]:
         """Of beam and sky on its plane [W/m2]."""
-        across = float(self._normal @ surroundings.to_sun)
-        seen = 0.5 * (1.0 + float(self._normal @ surroundings.up))
+        across, seen = self._along(surroundings.to_sun), 0.5 * (1.0 + self._along(surroundings.up))
         return surroundings.direct * max(across, 0.0), surroundings.diffuse * seen
 
-    def shadow(self, to_sun: FloatArray) -> FloatArray:
-        """Part of the beam that reaches each group, shape (groups,) [1]."""
+    def shadow(self, to_sun: FloatArray) -> FloatArray | float:
+        """Part of the beam that reaches each group, shape (groups,), or one number for all of them [1]."""
+        if not self.shadows:
+            return 1.0
         x, y, z = to_sun.tolist()
         azimuth, elevation = degrees(atan2(y, x)), degrees(atan2(z, hypot(x, y)))
         for shadow in self.shadows:
             if shadow.falls(azimuth, elevation):
                 return np.array(shadow.light)
-        return np.ones(self.groups)
+        return 1.0
 
     def point(self, state: ArrayState, surroundings: PowerSurroundings = DARK) -> SourcePoint:
         """The most power that the light makes, whatever the voltage of the bus."""
@@ -217,18 +233,24 @@ class PhotovoltaicArrayParams(SourceParams):
             return SourcePoint(0.0)
         worn = (1.0 - self.degradation_per_year) ** (state.age / SECONDS_PER_YEAR)
         light = (beam * self.shadow(surroundings.to_sun) + sky) / self.cell.reference_irradiance
-        power, _ = most_power(self.group(state.temperature), state.clean * worn * self.spectral_factor * light)
+        past = np.full(self.groups, state.clean * worn * self.spectral_factor * light)
+        power, _ = most_power(self.group(state.temperature), past)
         return SourcePoint(self.tracking_efficiency * self.strings * power)
 
     def step(self, state: ArrayState, power: float, dt: float, surroundings: PowerSurroundings = DARK) -> ArrayState:
         """Warmer or colder, dustier and older by `dt` [s], having given `power` [W]."""
         require_step(power, dt)
+        waited, given, energy = state.waited + dt, state.given + power * dt, state.energy + power * dt
+        if waited < HELD * (1.0 - 1e-9):  # fifty periods of 20 ms are a second but for rounding
+            return replace(state, energy=energy, waited=waited, given=given)
         return replace(
             state,
-            temperature=self._warmed(state.temperature, power, dt, surroundings),
-            clean=state.clean * (1.0 - self.dust_loss_per_day) ** (dt / SECONDS_PER_DAY),
-            age=state.age + dt,
-            energy=state.energy + power * dt,
+            temperature=self._warmed(state.temperature, given / waited, waited, surroundings),
+            clean=state.clean * (1.0 - self.dust_loss_per_day) ** (waited / SECONDS_PER_DAY),
+            age=state.age + waited,
+            energy=energy,
+            waited=0.0,
+            given=0.0,
         )
 
     def _warmed(self, before: float, power: float, dt: float, surroundings: PowerSurroundings) -> float:

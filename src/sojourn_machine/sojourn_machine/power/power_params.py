@@ -110,6 +110,16 @@ class PowerParams(Params):
                     )
                     yield (*keys, "loads", place, "fuse", "rating_a"), load.fuse.rating_a, allowed
 
+    def lasting_shortfall(self) -> str | None:
+        """In words, that what is never shed takes more than all sources can ever give; None where it does not, or where
+        there are only stores.
+        """
+        given = sum(source.most_power for source in self.sources.values())
+        taken = sum(load.power_w for load in self.loads if load.essential and load.kind != "commanded")
+        if not self.sources or taken <= given:
+            return None
+        return f"essential loads take {taken:.4g} W and all sources give {given:.4g} W at most: the stores run empty"
+
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         found = [

@@ -84,7 +84,8 @@ class MachineHeat:
     def through_thermostats(self, state: HeatState, fractions: FloatArray) -> FloatArray:
         """Switches of all loads with the thermostats in series, (loads,) [1]."""
         passed = np.array(fractions, dtype=np.float64)
-        passed[self._heaters] *= state.duty
+        for heater, duty in zip(self._heaters, state.duty.tolist(), strict=True):
+            passed[heater] *= duty
         return passed
 
     def node_of(self, name: str) -> int | None:

@@ -59,7 +59,7 @@ class PlantHeat:
         self._site, self._period = site, period
         self._every = max(round(STEP / period), 1)
         self._loads = len(power.params.loads)
-        self._moves = np.array([load.kind == "commanded" for load in power.params.loads])
+        self._moves = [place for place, load in enumerate(power.params.loads) if load.kind == "commanded"]
 
     def first(self, power: NetworkState) -> PlantHeatState:
         """At the start of a run."""
@@ -75,10 +75,13 @@ class PlantHeat:
         """Of the power that loads take (loads,) [W], what is heat in the machine: of those that move it their part of
         the motors' heat, by the energy that each took or gave back in so many periods; the rest is work on the ground.
         """
-        turned = np.abs(moved.energy)
-        total = float(turned.sum())
+        energies = moved.energy.tolist()
+        turned = [abs(energies[place]) for place in self._moves]
+        total = sum(turned)
         share = moved.heat / total if total > 0.0 else 0.0
-        return np.where(self._moves, share * turned / (periods * self._period), power)
+        heat = power.copy()
+        heat[self._moves] = [share * energy / (periods * self._period) for energy in turned]
+        return heat
 
     def is_due(self, state: PlantHeatState, periods: int = 1) -> bool:
         """Whether the periods that begin end with a step of the thermal network, which needs the light."""

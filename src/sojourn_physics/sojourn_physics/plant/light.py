@@ -22,9 +22,17 @@ def sunlight_on(model: PlantModel, state: PlantState) -> Sunlight:
     return model.sun.light(state.tick * model.simulation.control_period, float(x), float(y))
 
 
+def light_for_power(model: PlantModel, state: PlantState) -> Sunlight:
+    """The same as power and heat take it, held over each second."""
+    if model.sun is None:
+        return DARKNESS
+    x, y, *_ = state.configuration.tolist()
+    return model.sun.held_light(state.tick * model.simulation.control_period, x, y)
+
+
 def surroundings_of(model: PlantModel, state: PlantState) -> PowerSurroundings:
     """What the power network is told of the light."""
-    light = sunlight_on(model, state)
+    light = light_for_power(model, state)
     base_in_map = pin.Quaternion(state.configuration[3:7]).toRotationMatrix()
     return PowerSurroundings(
         to_sun=base_in_map.T @ light.direction, direct=light.direct, diffuse=light.diffuse, up=base_in_map[2]

@@ -5,7 +5,7 @@ from sojourn_machine.power.network_state import NetworkOutput, NetworkState
 from sojourn_machine.power.surroundings import DARK
 from sojourn_machine.thermal.machine_heat import Supplied
 from sojourn_physics.plant.heat import Moved, PlantHeatState
-from sojourn_physics.plant.light import sunlight_on, surroundings_of
+from sojourn_physics.plant.light import light_for_power, surroundings_of
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantState
 
@@ -24,7 +24,7 @@ def powered(
     surroundings = surroundings._replace(round_stores=model.heat.machine.store_surroundings(heat.nodes))
     switches = model.heat.machine.through_thermostats(heat.nodes, fractions)
     network, supply = model.power.step(before, switches, demand, period, surroundings)
-    light = sunlight_on(model, state) if model.heat.is_due(heat, periods) else None
+    light = light_for_power(model, state) if model.heat.is_due(heat, periods) else None
     warming = model.heat.warming(supply.load_power, moved, periods)
     supplied = Supplied(before, network, fractions, warming)
     time = (state.tick + periods) * model.simulation.control_period
