@@ -21,6 +21,7 @@ from sojourn_bags.live_model import EVERY
 from sojourn_bags.transform_message import transform_message_class
 from sojourn_config.scenario import load_scenario
 from sojourn_config.urdf import parse_urdf
+from sojourn_physics.imaging.camera import LINK_TO_OPTICAL
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SLIDER = """<robot name="slider"><link name="base_link"/><link name="rail"/><link name="tool"/><link name="tip"/>
@@ -62,6 +63,15 @@ def test_links_stand_where_pinocchio_has_them(name: str, seed: int) -> None:
     for child, (parent, _, place) in told.items():
         above, below = (data.oMf[model.getFrameId(link)].homogeneous for link in (parent, child))
         np.testing.assert_allclose(above @ place, below, atol=1e-12)
+
+
+def test_an_image_lies_as_rep_103_has_it_on_the_link_of_its_camera() -> None:
+    """Its z along the link's x, its x to the right, its y down; one frame however many cameras there are on a link."""
+    told = frames(LinkFrames(parse_urdf(SLIDER, "slider"), [("tool", "tool_optical")] * 2).fixed())
+    parent, _, place = told["tool_optical"]
+    assert parent == "tool" and len(told) == 2
+    np.testing.assert_allclose(place[:3, :3], LINK_TO_OPTICAL, atol=1e-12)
+    assert not place[:3, 3].any()
 
 
 def test_a_joint_that_is_not_told_stands_at_zero() -> None:

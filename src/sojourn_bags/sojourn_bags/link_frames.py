@@ -1,11 +1,12 @@
 """Where the links of a machine are in one another: what RViz and others ask of a robot beside its URDF.
 
 A link stands in the link above it as its joint's origin does, turned about the joint's axis by its angle, or moved
-along it (URDF specification). A joint that is not told stands at zero.
+along it (URDF specification). A joint that is not told stands at zero. The frame of a camera's images stands on its
+link, with z ahead, x right and y down (REP 103).
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import pinocchio as pin
 
@@ -13,16 +14,24 @@ from sojourn_bags.transforms import Transform, TransformTemplate
 from sojourn_config.urdf import MOVING, UrdfJoint, UrdfSummary
 from sojourn_machine.params import FloatArray
 
+OPTICAL = Transform((0.0, 0.0, 0.0), (-0.5, 0.5, -0.5, 0.5))
+"""Of the frame of an image in the link of its camera."""
+
 
 class LinkFrames:
-    """Of one machine."""
+    """Of one machine.
 
-    def __init__(self, urdf: UrdfSummary) -> None:
+    Args:
+        optical: link and frame of each camera's images.
+    """
+
+    def __init__(self, urdf: UrdfSummary, optical: Iterable[tuple[str, str]] = ()) -> None:
         joints = urdf.joints.values()
         self._moving = [(joint, origin_of(joint)) for joint in joints if joint.kind in MOVING]
         fixed = [joint for joint in joints if joint.kind not in MOVING]
-        self._at_rest = tuple(origin_of(joint) for joint in fixed)
-        self._fixed_links = TransformTemplate(tuple((joint.parent, joint.child) for joint in fixed))
+        images = tuple(dict.fromkeys(optical))  # several cameras may sit on one link
+        self._at_rest = (*(origin_of(joint) for joint in fixed), *(OPTICAL for _ in images))
+        self._fixed_links = TransformTemplate((*((joint.parent, joint.child) for joint in fixed), *images))
         self._moving_links = TransformTemplate(tuple((joint.parent, joint.child) for joint, _ in self._moving))
 
     def fixed(self) -> bytes:

@@ -7,6 +7,7 @@ links stand as the joints truly do. In lock-step they come up to some periods la
 
 import struct
 from collections.abc import Collection
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from sojourn_bags.errors import TransformTypeError
@@ -14,7 +15,7 @@ from sojourn_bags.link_frames import LinkFrames
 from sojourn_bags.recording import ODOMETRY, TRUTH
 from sojourn_bags.transform_message import transform_message_class
 from sojourn_bags.transforms import TransformSource
-from sojourn_config.urdf import UrdfSummary
+from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.codecs import decode
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
@@ -32,16 +33,20 @@ MOST = 10
 
 
 class LiveModel:
-    """Of one machine, said by a node.
+    """Of the machine of a run, said by a node.
 
     Args:
         heard: topics of the run, of those from which it is made.
     """
 
-    def __init__(self, node: "Node", urdf: UrdfSummary, heard: Collection[str]) -> None:
+    def __init__(self, node: "Node", scenario: LoadedScenario, heard: Collection[str]) -> None:
+        urdf, sensors = scenario.urdf, scenario.sensors.named.values()
         self._wanted = frozenset(heard) & {TRUTH, ODOMETRY, JOINTS}
         self._heard: dict[int, dict[str, bytes]] = {}
-        self._links, self._poses = LinkFrames(urdf), TransformSource()
+        self._links, self._poses = (
+            LinkFrames(urdf, chain.from_iterable(one.optical_frames for one in sensors)),
+            TransformSource(),
+        )
         self._latched = [_said_once(node, "robot_description", message_class("std_msgs/String"), urdf.text)]
         self._frames: Any = None
         try:

@@ -58,7 +58,7 @@ class RecorderNode(ContractNode):
             self.destroy_node()
             raise
         told = [row.name for row in self.table if row.publisher in self.participants]
-        self._live = LiveModel(self, self.scenario.urdf, told)
+        self._live = LiveModel(self, self.scenario, told)
 
     def poll(self) -> None:
         """Wall-clock chores: readiness, a word when stalled, and the flush of each second."""

@@ -6,6 +6,7 @@ same folder, among the sets of its kind, and in `config/parts`. A base may have 
 the line where it is written.
 """
 
+from copy import deepcopy
 from pathlib import Path
 from typing import NamedTuple
 
@@ -88,7 +89,7 @@ class _Layer:
         for key, value in below.items():
             ours = own.get(key)
             if key not in own:
-                merged[key] = value
+                merged[key] = deepcopy(value)  # another table that builds on the same may be set apart
                 self.take_places(base, (*at, key))
             elif isinstance(value, dict) and isinstance(ours, dict):
                 merged[key] = self.over(base, value, ours, (*at, key))

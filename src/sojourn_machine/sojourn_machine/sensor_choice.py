@@ -90,6 +90,11 @@ class SensorParams(Params):
         return () if link is None else (str(link),)
 
     @property
+    def optical_frames(self) -> tuple[tuple[str, str], ...]:
+        """Frames of its images (z ahead, x right, y down; REP 103), each with the link on which it stands."""
+        return ()
+
+    @property
     def parts(self) -> tuple[MachinePart, ...]:
         """Parts of the machine that it is on."""
         return ()

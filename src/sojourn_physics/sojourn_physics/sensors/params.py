@@ -151,9 +151,12 @@ def read_sensor(name: str, table: Any) -> Any:
         details = InitErrorDetails(type="model_type", loc=(), input=table, ctx={"class_name": "sensor"})
         raise ValidationError.from_exception_data(name, [details])
     told = table.get("kind", name)
+    if not isinstance(told, str):
+        unnamed = InitErrorDetails(type="string_type", loc=("kind",), input=told)
+        raise ValidationError.from_exception_data(name, [unnamed])
     try:
         kind = SENSORS.get(told)
-    except (UnknownNameError, TypeError) as error:
+    except UnknownNameError as error:
         problem = ValueError(str(error))
         details = InitErrorDetails(type="value_error", loc=("kind",), input=told, ctx={"error": problem})
         raise ValidationError.from_exception_data(name, [details]) from None

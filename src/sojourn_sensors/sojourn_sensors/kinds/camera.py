@@ -66,6 +66,10 @@ class CameraSensorParams(SeeingParams):
     detector: DetectorParams = Field(default=DetectorParams(), description="what makes an image of light")
 
     @property
+    def optical_frames(self) -> tuple[tuple[str, str], ...]:
+        return ((self.link, f"{self.link}_optical"),)
+
+    @property
     def bytes_a_second(self) -> float:
         every = EVERY if self.timing is None else self.timing.every or EVERY
         return self.lens.rows * self.lens.columns * self.bytes_a_pixel / (every * stamps.CONTROL_PERIOD_S)
@@ -155,7 +159,8 @@ class Camera(SeeingSensor[CameraSensorParams, tuple[NDArray[Any], ...]]):
 
     @property
     def _frame(self) -> str:
-        return f"{self.params.link}_optical"
+        ((_, frame),) = self.params.optical_frames
+        return frame
 
 
 class CameraPair(Camera):
