@@ -16,7 +16,7 @@ from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
 from sojourn_contract.topic_types import ROLES, Topic
 from sojourn_contract.values import Message
 from sojourn_stack.gathering import Gathering
-from sojourn_stack.stack import PLANT, RoleState, Stack
+from sojourn_stack.stack import PLANT, RoleState, Stack, StackState
 
 
 class OverheardNeighbours(Neighbours):
@@ -41,14 +41,15 @@ class ComposedKeeper:
 
     Args:
         nodes: of all roles, by role; the recorder's state is no part of a run's. keeper: writes the file.
+        begin: where the run goes on from, None for its start.
     """
 
-    def __init__(self, nodes: Mapping[str, Any], keeper: CheckpointKeeper) -> None:
+    def __init__(self, nodes: Mapping[str, Any], keeper: CheckpointKeeper, begin: StackState | None = None) -> None:
         self._nodes: dict[str, AppNode] = {role: node for role, node in nodes.items() if isinstance(node, AppNode)}
         self._plant = self._nodes[PLANT]
         self._keeper = keeper
         apps = {role: self._nodes[role].app for role in ROLES if role in self._nodes}
-        self.gathering = Gathering(Stack(apps, self._plant.participants, self._plant.table))
+        self.gathering = Gathering(Stack(apps, self._plant.participants, self._plant.table), begin)
         self._grid = lcm(*(node.barrier.stride for node in self._nodes.values()))
         self._roles: dict[str, RoleState] = {}
 

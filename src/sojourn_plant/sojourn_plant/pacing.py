@@ -6,7 +6,7 @@ acts on a period when all that is due for it has come; in real time by the wall 
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from rclpy.context import Context
@@ -16,6 +16,7 @@ from sojourn_contract.app_node import AppNode
 from sojourn_contract.errors import DomainInUseError, SilentNodeError
 from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.topic_types import Topic
+from sojourn_contract.values import Message
 from sojourn_plant.roster import Roster
 
 DISCOVERY_S = 0.5
@@ -57,6 +58,8 @@ class PacingNode(AppNode):
         self._timer: Any = None
         self.keeper: Keeper | None = None
         """None: nobody keeps anything."""
+        self.first_words: Sequence[tuple[str, Message]] | None = None
+        """Of a run that goes on: (topic, message) that had been said, and counted, when it stood."""
 
     def on_heartbeat(self, message: Any) -> None:
         """Keep who is ready, and who says that it waits for whom."""
@@ -103,7 +106,10 @@ class PacingNode(AppNode):
             return
         self._begun = True
         self._waiting_since = self._last_progress = time.monotonic()
-        self.publish_all(self.app.first_messages(self.state, stamps.CONTROL_PERIOD_NS))
+        if self.first_words is None:
+            self.publish_all(self.app.first_messages(self.state, stamps.CONTROL_PERIOD_NS))
+        for name, message in self.first_words or ():
+            self.endpoints.send(name, message)
         if not self.lockstep:
             self._timer = self.create_timer(stamps.CONTROL_PERIOD_S, self._act_in_real_time)
         self._advance()  # where nobody answers in the first period, no message would begin the run
