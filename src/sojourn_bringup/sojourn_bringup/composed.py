@@ -101,7 +101,7 @@ class ComposedRun:
         if keeper is None:
             return Neighbours(nodes)
         composed = ComposedKeeper(self.nodes, keeper, self.plan.begin)
-        self.nodes["plant"].keeper = composed
+        self.nodes["plant"].keep_with(composed)
         return OverheardNeighbours(nodes, composed.gathering)
 
     def _outcome(self, stop: StopFlag) -> Outcome:

@@ -51,10 +51,19 @@ class ComposedKeeper:
         apps = {role: self._nodes[role].app for role in ROLES if role in self._nodes}
         self.gathering = Gathering(Stack(apps, self._plant.participants, self._plant.table), begin)
         self._grid = lcm(*(node.barrier.stride for node in self._nodes.values()))
-        self._roles: dict[str, RoleState] = {}
+        self._roles: dict[str, RoleState] | None = None
+        """Of all but the plant, which is about to act on the period of a checkpoint."""
+        self._is_asked = False
+        self.answered = ""
+        """Of when the last checkpoint is that was asked for, in words."""
+
+    def ask(self) -> None:
+        """Keep the state at the next period that can be."""
+        self._is_asked = True
 
     def may_act(self, stamp: int) -> bool:
         """Before the plant acts on a period [ns]."""
+        self._roles = None
         if not self._is_wanted(stamp):
             return True
         others = [node for node in self._nodes.values() if node is not self._plant and node.awaited]
@@ -69,16 +78,19 @@ class ComposedKeeper:
         Raises:
             OSError: a checkpoint cannot be written. CheckpointError: the state holds what cannot be kept.
         """
-        period, wanted = stamp // CONTROL_PERIOD_NS, self._is_wanted(stamp)
+        period = stamp // CONTROL_PERIOD_NS
         self.gathering.leaps = self._plant.barrier.leaps
         self.gathering.end(period)
-        if wanted and not self._plant.finished:
+        if self._roles is not None and not self._plant.finished:
             roles = {**self._roles, PLANT: _state_of(self._plant)}
             self._keeper.keep(self.gathering.state(period, roles))
+            if self._is_asked:
+                self._is_asked, self.answered = False, f"{seconds(stamp):.2f} s"
 
     def _is_wanted(self, stamp: int) -> bool:
         """At a period in which every role acts."""
-        return stamp // CONTROL_PERIOD_NS % self._grid == 0 and self._keeper.is_due(seconds(stamp))
+        is_common = stamp // CONTROL_PERIOD_NS % self._grid == 0
+        return is_common and (self._is_asked or self._keeper.is_due(seconds(stamp)))
 
     def _goals_are_there(self) -> bool:
         """Whether what the operator has said is with those whom it is for."""

@@ -11,11 +11,13 @@ from typing import Any, Protocol
 
 from rclpy.context import Context
 
-from sojourn_contract import stamps
+from sojourn_contract import qos, stamps
 from sojourn_contract.app_node import AppNode
-from sojourn_contract.errors import DomainInUseError, SilentNodeError
+from sojourn_contract.checkpoint_topic import CHECKPOINT, KEPT
+from sojourn_contract.errors import DomainInUseError, RefusedMessageError, SilentNodeError
 from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.topic_types import Topic
+from sojourn_contract.types import message_class
 from sojourn_contract.values import Message
 from sojourn_plant.roster import Roster
 
@@ -35,6 +37,13 @@ class Keeper(Protocol):
 
     def acted(self, stamp: int) -> None:
         """After it."""
+
+    def ask(self) -> None:
+        """Somebody wants it kept at the next period that can be."""
+
+    @property
+    def answered(self) -> str:
+        """Of when the last state is that was asked for, in words; "" where none was."""
 
 
 class PacingNode(AppNode):
@@ -60,6 +69,17 @@ class PacingNode(AppNode):
         """None: nobody keeps anything."""
         self.first_words: Sequence[tuple[str, Message]] | None = None
         """Of a run that goes on: (topic, message) that had been said, and counted, when it stood."""
+
+    def keep_with(self, keeper: Keeper) -> None:
+        """Have the state of the run kept, and listen to who asks for it."""
+        self.keeper = keeper
+        kind, profile = message_class(CHECKPOINT.type), qos.profile(CHECKPOINT, self.lockstep, self.role)
+        self._asking = self.create_subscription(kind, CHECKPOINT.name.lstrip("/"), self._hear_asking, profile, raw=True)
+
+    def heartbeat_values(self) -> dict[str, str]:
+        """What the app tells, and of when the last checkpoint is that was asked for."""
+        answered = "" if self.keeper is None else self.keeper.answered
+        return super().heartbeat_values() | ({KEPT: answered} if answered else {})
 
     def on_heartbeat(self, message: Any) -> None:
         """Keep who is ready, and who says that it waits for whom."""
@@ -87,6 +107,16 @@ class PacingNode(AppNode):
         super().act(stamp, inputs)
         if self.keeper is not None:
             self.keeper.acted(stamp)
+
+    def _hear_asking(self, data: bytes) -> None:
+        """What is asked of the keeper is none of the app's goals: a run is the same whether or not it is kept."""
+        try:
+            self._content(CHECKPOINT, data)
+        except RefusedMessageError as refusal:
+            self.refuse(CHECKPOINT.name, refusal)
+            return
+        if self.keeper is not None:
+            self.keeper.ask()
 
     def _goals_are_in(self) -> bool:
         return super()._goals_are_in() and (self.keeper is None or self.keeper.may_act(self.barrier.stamp))
