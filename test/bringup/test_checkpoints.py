@@ -92,7 +92,6 @@ def test_with_other_values_it_branches_off(unbroken: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--composed"], "does not go with --composed"),
         (["--machine", "skid"], "does not go with --machine: .*the machine and the roles that it has"),
         (["--without", "drive", "--realtime"], "--realtime and --without"),
         (["--set", "sensors.hazcam=null"], r"another state \(sensors\.sensors: "),
@@ -117,8 +116,8 @@ def test_it_goes_on_from_the_last_checkpoint_of_a_bag_before_a_time(unbroken: Pa
         assert last_before(path, at) == kept(unbroken, second)
     with pytest.raises(UsageError, match=r"--at 1\.98: the first checkpoint of .* is of 2 s: allowed is from there on"):
         start.main(["--from", str(unbroken), "--at", "1.98", "--run-dir", str(tmp_path / "run")])
-    with pytest.raises(UsageError, match="--from does not go with --composed"):
-        start.main(["--from", str(unbroken), "--composed", "--run-dir", str(tmp_path / "run")])
+    with pytest.raises(UsageError, match="--from does not go with --realtime"):
+        start.main(["--from", str(unbroken), "--realtime", "--run-dir", str(tmp_path / "run")])
     shutil.copytree(bag, tmp_path / "alone" / "bag")
     with pytest.raises(UsageError, match="its run has kept no checkpoint: allowed is one with --checkpoint-every"):
         last_before(tmp_path / "alone", 4.0)

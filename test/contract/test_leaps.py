@@ -76,6 +76,27 @@ def test_a_role_finds_the_leaps_by_what_it_hears(role: str, seed: int) -> None:
     assert barrier.leaps == LEAPS
 
 
+@settings(max_examples=30)
+@given(st.sampled_from(["power", "drive"]), st.sampled_from([2 * BEGIN, GRID, 3 * GRID]) | st.sampled_from(PERIODS))
+def test_who_goes_on_from_a_period_acts_on_those_that_follow(role: str, begin: int) -> None:
+    awaited, known = awaited_inputs(role, ROLES), Leaps(tuple(gap for gap in LEAPS.gaps if gap[0] <= begin))
+    barrier: Barrier[int] = Barrier(awaited, longest_leap=4 * GRID)
+    last = max((period for period in PERIODS if period <= begin and period % barrier.stride == 0), default=0)
+    barrier.go_on(last, known)
+    oldest = {row.name: stamp_due(row, barrier.period, known) for row in awaited}
+    acted = []
+    for period in PERIODS:
+        stamp = period * CONTROL_PERIOD_NS
+        for row in awaited:
+            if period % row.every == 0 and (period > begin or stamp >= oldest[row.name]):
+                barrier.offer(row, stamp, period)
+        while period > begin and barrier.is_complete():
+            acted.append(barrier.period)
+            barrier.take()
+    assert acted == [period for period in PERIODS if period > last and period % barrier.stride == 0]
+    assert barrier.leaps == LEAPS
+
+
 def test_what_lags_is_the_newest_of_before_the_leap() -> None:
     tick = topic("/recorder/tick")
     assert stamp_due(tick, GRID, LEAPS) == 2 * BEGIN * CONTROL_PERIOD_NS

@@ -31,6 +31,7 @@ ELSEWHERE = {
 """What a user may have set: an older processor for each library that asks, and more threads than there are cores."""
 MODULES = {
     "bench": "sojourn_studies.bench",
+    "checkpoint_client": "sojourn_operator.checkpoint_client",
     "compare": "sojourn_bags.compare_command",
     "console": "sojourn_console.console",
     "contract_tool": "sojourn_bringup.contract_tool",

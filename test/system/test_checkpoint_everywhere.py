@@ -47,10 +47,18 @@ def test_what_goes_on_from_one_is_the_run(runs: tuple[Path, dict[str, Bag]], tmp
     folder, _ = runs
     state, _ = read(last_before(folder / "composed", 3.0))
     assert state.roles["operator"].goals.arrivals == 0 < state.roles["drive"].goals.arrivals
-    rest = records(tmp_path, {"rest": (("--from", str(folder / "composed"), "--at", "3.0"), {})}, 0)["rest"]
+    assert state.now == 140 * CONTROL_PERIOD_NS
+    options = ("--from", str(folder / "composed"), "--at", "3.0", "--checkpoint-every", "0.7", *PATIENT)
+    rest = records(tmp_path, {way: ((*options, f"--{way}"), {}) for way in ("composed", "direct")}, 0)
     unbroken = read_bag(folder / "direct")
     for messages in unbroken.topics.values():
         messages.take_out({n for n, at in enumerate(messages.log_times) if at <= state.now})
     later = {name: messages.data for name, messages in unbroken.topics.items() if len(messages)}
-    assert state.now == 140 * CONTROL_PERIOD_NS and sum(len(data) for data in later.values()) > 3000
-    assert {name: messages.data for name, messages in rest.topics.items()} == later
+    assert sum(len(data) for data in later.values()) > 3000
+    for way, bag in rest.items():
+        assert {name: messages.data for name, messages in bag.topics.items()} == later, way
+        assert bag.records["sojourn_completeness"]["gaps"] == ""
+        kept = sorted((tmp_path / way / "checkpoints").iterdir())
+        assert len(kept) > 5
+        assert all(parts(file) == parts(folder / "direct" / "checkpoints" / file.name) for file in kept), way
+    assert same(rest["composed"], rest["direct"])

@@ -16,6 +16,7 @@ from rclpy.context import Context
 from sojourn_bags.definitions import ChannelSpec, offered_entries
 from sojourn_bags.errors import BagsError
 from sojourn_bags.live_model import LiveModel
+from sojourn_bags.onset import WHOLE, Onset
 from sojourn_bags.recorded_run import RecordedRun
 from sojourn_bags.recording import CLOCK, Recording
 from sojourn_config.errors import ConfigError
@@ -37,6 +38,9 @@ DRAIN_S = 2.0
 class RecorderNode(ContractNode):
     """The recorder. Its parameter `bag` is the folder to write, relative to the working folder.
 
+    Args:
+        context, overrides, namespace: as of every node. onset: where in the run the record begins.
+
     Raises BagsError at the start if the bag cannot be written, ConfigError if the scenario is wrong.
     """
 
@@ -46,8 +50,10 @@ class RecorderNode(ContractNode):
         context: Context | None = None,
         overrides: Mapping[str, Any] | None = None,
         namespace: str | None = None,
+        onset: Onset = WHOLE,
     ) -> None:
         self._recording: Recording | None = None
+        self._onset = onset
         super().__init__("recorder", context=context, overrides=overrides, namespace=namespace)
         if not self.lockstep:
             self._trigger = CLOCK
@@ -148,7 +154,7 @@ class RecorderNode(ContractNode):
 
     def _run(self) -> RecordedRun:
         named = (self.scenario_name, self.scenario_overrides, self.participants)
-        return RecordedRun(*named, self.lockstep, self.get_namespace(), self.scenario)
+        return RecordedRun(*named, self.lockstep, self.get_namespace(), self.scenario, self._onset)
 
     def _finish(self) -> None:
         """Close the bag, once."""

@@ -66,7 +66,7 @@ class Recording:
         """Last period that a clock which may leap has told; None of another."""
         self._window = WindowOrder()
         self._published = PublishedCounts()
-        self._arrived = dict.fromkeys(self._channel_of, 0)
+        self._arrived = {name: onset.before.get(name, 0) for name in self._channel_of}
         self._transforms = TransformSource()
         self._has_drive = "drive" in participants
         self._truth: bytes | None = None

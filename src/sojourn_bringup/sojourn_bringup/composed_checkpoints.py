@@ -16,7 +16,7 @@ from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
 from sojourn_contract.topic_types import ROLES, Topic
 from sojourn_contract.values import Message
 from sojourn_stack.gathering import Gathering
-from sojourn_stack.stack import PLANT, RoleState, Stack
+from sojourn_stack.stack import PLANT, RoleState, Stack, StackState
 
 
 class OverheardNeighbours(Neighbours):
@@ -41,19 +41,29 @@ class ComposedKeeper:
 
     Args:
         nodes: of all roles, by role; the recorder's state is no part of a run's. keeper: writes the file.
+        begin: where the run goes on from, None for its start.
     """
 
-    def __init__(self, nodes: Mapping[str, Any], keeper: CheckpointKeeper) -> None:
+    def __init__(self, nodes: Mapping[str, Any], keeper: CheckpointKeeper, begin: StackState | None = None) -> None:
         self._nodes: dict[str, AppNode] = {role: node for role, node in nodes.items() if isinstance(node, AppNode)}
         self._plant = self._nodes[PLANT]
         self._keeper = keeper
         apps = {role: self._nodes[role].app for role in ROLES if role in self._nodes}
-        self.gathering = Gathering(Stack(apps, self._plant.participants, self._plant.table))
+        self.gathering = Gathering(Stack(apps, self._plant.participants, self._plant.table), begin)
         self._grid = lcm(*(node.barrier.stride for node in self._nodes.values()))
-        self._roles: dict[str, RoleState] = {}
+        self._roles: dict[str, RoleState] | None = None
+        """Of all but the plant, which is about to act on the period of a checkpoint."""
+        self._is_asked = False
+        self.answered = ""
+        """Of when the last checkpoint is that was asked for, in words."""
+
+    def ask(self) -> None:
+        """Keep the state at the next period that can be."""
+        self._is_asked = True
 
     def may_act(self, stamp: int) -> bool:
         """Before the plant acts on a period [ns]."""
+        self._roles = None
         if not self._is_wanted(stamp):
             return True
         others = [node for node in self._nodes.values() if node is not self._plant and node.awaited]
@@ -68,16 +78,19 @@ class ComposedKeeper:
         Raises:
             OSError: a checkpoint cannot be written. CheckpointError: the state holds what cannot be kept.
         """
-        period, wanted = stamp // CONTROL_PERIOD_NS, self._is_wanted(stamp)
+        period = stamp // CONTROL_PERIOD_NS
         self.gathering.leaps = self._plant.barrier.leaps
         self.gathering.end(period)
-        if wanted and not self._plant.finished:
+        if self._roles is not None and not self._plant.finished:
             roles = {**self._roles, PLANT: _state_of(self._plant)}
             self._keeper.keep(self.gathering.state(period, roles))
+            if self._is_asked:
+                self._is_asked, self.answered = False, f"{seconds(stamp):.2f} s"
 
     def _is_wanted(self, stamp: int) -> bool:
         """At a period in which every role acts."""
-        return stamp // CONTROL_PERIOD_NS % self._grid == 0 and self._keeper.is_due(seconds(stamp))
+        is_common = stamp // CONTROL_PERIOD_NS % self._grid == 0
+        return is_common and (self._is_asked or self._keeper.is_due(seconds(stamp)))
 
     def _goals_are_there(self) -> bool:
         """Whether what the operator has said is with those whom it is for."""

@@ -32,7 +32,7 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
         "--resume",
         type=Path,
         metavar="FILE",
-        help="in place of a scenario: go on from this checkpoint, without middleware; with --set on another branch",
+        help="in place of a scenario: go on from this checkpoint, --direct or --composed; with --set on another branch",
     )
     result.add_argument(
         "--from",

@@ -136,10 +136,10 @@ def _check_checkpoints(given: argparse.Namespace) -> None:
         raise UsageError(f"--checkpoint-every goes with --direct or --composed, without --realtime: {reason}")
     if not _goes_on(given):
         return
-    others = ("composed", "realtime", "without", "only", "replace", "shadow", "machine")
+    others = ("realtime", "without", "only", "replace", "shadow", "machine")
     wrong = [f"--{name}" for name in others if getattr(given, name)]
     if wrong:
-        reason = "a checkpoint goes on without middleware, with the machine and the roles that it has"
+        reason = "a checkpoint goes on in one process and in lock-step, with the machine and the roles that it has"
         option = "--resume" if given.resume is not None else "--from"
         raise UsageError(f"{option} does not go with {' and '.join(wrong)}: {reason}")
 
@@ -185,7 +185,9 @@ Layout = Literal["processes", "composed", "direct"]
 
 def layout_of(given: argparse.Namespace) -> Layout:
     """Which way was asked for."""
-    return "direct" if given.direct or _goes_on(given) else "composed" if given.composed else "processes"
+    if given.composed:
+        return "composed"
+    return "direct" if given.direct or _goes_on(given) else "processes"
 
 
 def run_plan(plan: RunPlan, layout: Layout, screen: Screen, with_console: bool = False) -> Outcome:

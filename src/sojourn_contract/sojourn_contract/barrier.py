@@ -146,6 +146,13 @@ class Barrier(Generic[Message]):
         """Of a role that makes the time: after the control period `begin` comes `end`."""
         self._learn(begin, end)
 
+    def go_on(self, period: int, leaps: Leaps) -> None:
+        """Wait for what follows the last control period on which the role has acted, in a run whose clock leapt so."""
+        self.leaps, self.period = leaps, 0
+        self.period = self._next(period)
+        landed = leaps.after(period) > period + 1  # of which its messages tell nothing new
+        self._heard = 0 if landed else period
+
     def _learn(self, begin: int, end: int) -> None:
         self.leaps = self.leaps.with_leap(begin, end)
         if begin < self.period <= end:

@@ -110,6 +110,8 @@ class ContractNode(Node):
         """Whether its process (or the composed run) ends when it has finished: the plant's."""
         self.now = 0
         """Stamp [ns] of the last period acted on; zero before the run."""
+        self.goes_on_from = 0
+        """Of a run that goes on: the same, of the run before."""
         self.awaited = awaited_inputs(role, self.participants, self.table)
         self.barrier: Barrier[Any] = Barrier(
             self.awaited, every_period, self.table.longest_leap if self.lockstep else 0
@@ -369,9 +371,9 @@ class ContractNode(Node):
     def act(self, stamp: int, inputs: Mapping[str, Any]) -> None:
         """Run one period and send the heartbeat when one is due."""
         self._last_progress = time.monotonic()
-        previous, self.now = self.now, stamp
-        if not previous:
+        if not self.now:
             self.endpoints.look()  # who listens from the beginning misses nothing
+        previous, self.now = self.now or self.goes_on_from, stamp
         self.events, goals = self.events.taken(stamp)
         self._note(previous, stamp, inputs, goals)
         self.endpoints.bundles.hold()

@@ -11,6 +11,7 @@ from math import gcd
 from sojourn_config.flight import FlightScenario
 from sojourn_config.known_machine import KnownMachine
 from sojourn_config.scenario import LoadedScenario
+from sojourn_contract.checkpoint_topic import CHECKPOINT
 from sojourn_contract.delivery import Delivery, Loss
 from sojourn_contract.disturbances import check_disturbances
 from sojourn_contract.errors import LeapError, SensorRowError
@@ -31,7 +32,8 @@ OWN = "{name}"
 """In a row of a kind of sensor: every sensor of the kind has that row alone, under its own name."""
 TICK = "/operator/tick"
 """For which waits whoever acts on what an operator says, so that it takes effect at the same period in every run."""
-_LINK = {row.name: row for row in (LINK_STATUS, CANCEL)}
+_AT_TIMES = {row.name: row for row in (LINK_STATUS, CANCEL, CHECKPOINT)}
+"""Rows that a run has with a link to Earth, or where it keeps checkpoints."""
 RECORDED_BESIDES = ("/tf",)
 """Topics that the recorder adds; no row is about them."""
 
@@ -113,9 +115,9 @@ def row_named(name: str) -> Topic | None:
     known = STANDARD.get(name) or _of_further(STANDARD.get(first), thing)
     if known is not None or name in RECORDED_BESIDES:
         return known
-    if name in _LINK or name.startswith(f"{EARTH}/"):
-        on_machine = _LINK.get(name) or row_named(name.removeprefix(EARTH))
-        return on_machine if on_machine is None or name in _LINK else on_earth(on_machine)
+    if name in _AT_TIMES or name.startswith(f"{EARTH}/"):
+        on_machine = _AT_TIMES.get(name) or row_named(name.removeprefix(EARTH))
+        return on_machine if on_machine is None or name in _AT_TIMES else on_earth(on_machine)
     brought = _brought()
     return brought.get(name) or _of_further(brought.get(first), thing) or _own(name)
 

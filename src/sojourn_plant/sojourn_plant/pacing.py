@@ -6,16 +6,19 @@ acts on a period when all that is due for it has come; in real time by the wall 
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from rclpy.context import Context
 
-from sojourn_contract import stamps
+from sojourn_contract import qos, stamps
 from sojourn_contract.app_node import AppNode
-from sojourn_contract.errors import DomainInUseError, SilentNodeError
+from sojourn_contract.checkpoint_topic import CHECKPOINT, KEPT
+from sojourn_contract.errors import DomainInUseError, RefusedMessageError, SilentNodeError
 from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.topic_types import Topic
+from sojourn_contract.types import message_class
+from sojourn_contract.values import Message
 from sojourn_plant.roster import Roster
 
 DISCOVERY_S = 0.5
@@ -34,6 +37,13 @@ class Keeper(Protocol):
 
     def acted(self, stamp: int) -> None:
         """After it."""
+
+    def ask(self) -> None:
+        """Somebody wants it kept at the next period that can be."""
+
+    @property
+    def answered(self) -> str:
+        """Of when the last state is that was asked for, in words; "" where none was."""
 
 
 class PacingNode(AppNode):
@@ -57,6 +67,19 @@ class PacingNode(AppNode):
         self._timer: Any = None
         self.keeper: Keeper | None = None
         """None: nobody keeps anything."""
+        self.first_words: Sequence[tuple[str, Message]] | None = None
+        """Of a run that goes on: (topic, message) that had been said, and counted, when it stood."""
+
+    def keep_with(self, keeper: Keeper) -> None:
+        """Have the state of the run kept, and listen to who asks for it."""
+        self.keeper = keeper
+        kind, profile = message_class(CHECKPOINT.type), qos.profile(CHECKPOINT, self.lockstep, self.role)
+        self._asking = self.create_subscription(kind, CHECKPOINT.name.lstrip("/"), self._hear_asking, profile, raw=True)
+
+    def heartbeat_values(self) -> dict[str, str]:
+        """What the app tells, and of when the last checkpoint is that was asked for."""
+        answered = "" if self.keeper is None else self.keeper.answered
+        return super().heartbeat_values() | ({KEPT: answered} if answered else {})
 
     def on_heartbeat(self, message: Any) -> None:
         """Keep who is ready, and who says that it waits for whom."""
@@ -85,6 +108,16 @@ class PacingNode(AppNode):
         if self.keeper is not None:
             self.keeper.acted(stamp)
 
+    def _hear_asking(self, data: bytes) -> None:
+        """What is asked of the keeper is none of the app's goals: a run is the same whether or not it is kept."""
+        try:
+            self._content(CHECKPOINT, data)
+        except RefusedMessageError as refusal:
+            self.refuse(CHECKPOINT.name, refusal)
+            return
+        if self.keeper is not None:
+            self.keeper.ask()
+
     def _goals_are_in(self) -> bool:
         return super()._goals_are_in() and (self.keeper is None or self.keeper.may_act(self.barrier.stamp))
 
@@ -103,7 +136,10 @@ class PacingNode(AppNode):
             return
         self._begun = True
         self._waiting_since = self._last_progress = time.monotonic()
-        self.publish_all(self.app.first_messages(self.state, stamps.CONTROL_PERIOD_NS))
+        if self.first_words is None:
+            self.publish_all(self.app.first_messages(self.state, stamps.CONTROL_PERIOD_NS))
+        for name, message in self.first_words or ():
+            self.endpoints.send(name, message)
         if not self.lockstep:
             self._timer = self.create_timer(stamps.CONTROL_PERIOD_S, self._act_in_real_time)
         self._advance()  # where nobody answers in the first period, no message would begin the run

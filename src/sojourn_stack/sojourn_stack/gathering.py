@@ -6,21 +6,23 @@ from sojourn_contract.leaps import NO_LEAPS, Leaps
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.values import Message
-from sojourn_stack.stack import Heard, RoleState, Stack, StackState
+from sojourn_stack.stack import PLANT, Heard, RoleState, Stack, StackState
 
 
 class Gathering:
     """Hears all that is said, in its order, as a run without middleware keeps it.
 
     Args:
-        stack: of the same apps and the same table.
+        stack: of the same apps and the same table. begin: where the run goes on from, None for its start. What the
+            plant has said of the period to come it says again.
     """
 
-    def __init__(self, stack: Stack) -> None:
+    def __init__(self, stack: Stack, begin: StackState | None = None) -> None:
         self._stack = stack
-        self._messages: dict[str, Mapping[int, Heard]] = {}
-        self._ahead: list[tuple[Topic, Message]] = []
-        self.leaps: Leaps = NO_LEAPS
+        self._messages: dict[str, Mapping[int, Heard]] = {} if begin is None else dict(begin.messages)
+        ahead = () if begin is None else begin.ahead
+        self._ahead = [(stack.rows[name], message) for name, message in ahead if name not in stack.outputs[PLANT]]
+        self.leaps: Leaps = NO_LEAPS if begin is None else begin.leaps
         """Of the clock, so far."""
 
     def hear(self, row: Topic, message: Message) -> None:
