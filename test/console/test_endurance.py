@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from sojourn_bags.reading import Bag
-from sojourn_console.bench import Endurance, growth, main
+from sojourn_console.bench import main
 from sojourn_console.endless_feed import EndlessFeed
+from sojourn_console.endurance import Endurance, growth
 from sojourn_console.errors import ConsoleError
 from sojourn_console.world import World
 

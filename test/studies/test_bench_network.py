@@ -7,7 +7,7 @@ import pytest
 
 from sojourn_config.scenario import load_scenario
 from sojourn_studies import bench_network
-from sojourn_studies.bench_network import COST, Turn
+from sojourn_studies.bench_network import COST, TimedTurn
 
 
 def test_the_rich_machine_has_what_the_plain_one_lacks(tmp_path: Path) -> None:
@@ -27,7 +27,7 @@ def test_both_loops_run_side_by_side() -> None:
 
 def test_a_look_ahead_is_spread_over_its_minute_and_a_disturbed_turn_does_not_count() -> None:
     """By hand: 4 % turn by turn; a look of 0.7 s beside one of 0.1 s, over sixty turns of 0.1 s: 10 %."""
-    plain = [Turn(0.1, False)] * 9 + [Turn(0.2, True)]
-    rich = [Turn(0.104, False)] * 8 + [Turn(3.0, False), Turn(0.804, True)]
+    plain = [TimedTurn(0.1, False)] * 9 + [TimedTurn(0.2, True)]
+    rich = [TimedTurn(0.104, False)] * 8 + [TimedTurn(3.0, False), TimedTurn(0.804, True)]
     assert bench_network.figures(plain, rich)[COST] == pytest.approx(14.0)
     assert bench_network.figures(plain[:5], rich[:5])[COST] == pytest.approx(4.0)

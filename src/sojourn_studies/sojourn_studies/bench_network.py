@@ -104,7 +104,7 @@ def write_rich_machine(folder: Path) -> Path:
     return made
 
 
-class Turn(NamedTuple):
+class TimedTurn(NamedTuple):
     """A second of simulated time."""
 
     seconds: float
@@ -123,7 +123,7 @@ def bench_network(turns: int) -> dict[str, float]:
         machines = {"plain": PLAIN, "rich": str(write_rich_machine(Path(folder)))}
         loops = {name: _Loop(machine) for name, machine in machines.items()}
     settle_collector()
-    taken = {name: list[Turn]() for name in loops}
+    taken = {name: list[TimedTurn]() for name in loops}
     for number in range(WARM_TURNS + turns):
         for name in sorted(loops, reverse=bool(number % 2)):
             turn = loops[name].turn()
@@ -145,16 +145,16 @@ class _Loop:
         self._stack = Stack(apps, roles, table_of(scenario))
         self._state: StackState = self._stack.begin()[0]
 
-    def turn(self) -> Turn:
+    def turn(self) -> TimedTurn:
         """Another second."""
         looked, begin = False, time.process_time()
         for _ in range(TURN):
             self._state, said = self._stack.step(self._state)
             looked = looked or any(row.name == FORECAST for row, _ in said)
-        return Turn(time.process_time() - begin, looked)
+        return TimedTurn(time.process_time() - begin, looked)
 
 
-def figures(plain: Sequence[Turn], rich: Sequence[Turn]) -> dict[str, float]:
+def figures(plain: Sequence[TimedTurn], rich: Sequence[TimedTurn]) -> dict[str, float]:
     """Of turns that were taken one beside the other.
 
     A period is dearer by the median of the ratios, turn by turn, and by what a look ahead of the rich machine takes
@@ -172,7 +172,7 @@ def figures(plain: Sequence[Turn], rich: Sequence[Turn]) -> dict[str, float]:
     }
 
 
-def _look(turns: Sequence[Turn], usual: float) -> float:
+def _look(turns: Sequence[TimedTurn], usual: float) -> float:
     """What one look ahead takes, beyond a usual turn [s]; 0 where there is none in them."""
     looks = [turn.seconds - usual for turn in turns if turn.looked]
     return statistics.median(looks) if looks else 0.0
