@@ -8,7 +8,7 @@ from rich.console import Console
 
 from sojourn_bringup.health import Health, Progress
 from sojourn_bringup.screen import PlainScreen, health_table
-from sojourn_contract.shown import REPLACED, shown
+from sojourn_config.shown import REPLACED, shown
 
 CLEARS = "\x1b[2Jall is well\x07\x9b1A"
 

@@ -7,12 +7,12 @@ the bag began, at a checkpoint, is judged by the bag where it begins to show the
 before alone.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from sojourn_bags.definitions import RUN_RECORD
-from sojourn_bags.onset import Span, faults_before
+from sojourn_bags.onset import faults_before
 from sojourn_bags.reading import Bag
 from sojourn_contract.fault_messages import GONE, TOPIC
 from sojourn_machine.fault_choice import ExpectedDetection, FaultChoice
@@ -20,6 +20,22 @@ from sojourn_machine.fault_choice import ExpectedDetection, FaultChoice
 DETECTED, MISSED, FALSE_ALARM, ABSENT, UNJUDGED = "detected", "missed", "false alarm", "did not come", "not judged"
 EARLIER = "came before this record"
 GOOD = (DETECTED, UNJUDGED, EARLIER)
+
+
+class Coming(NamedTuple):
+    """Of a fault, as the bag tells it."""
+
+    kind: str
+    """Empty where the bag does not tell."""
+    begin: float | None
+    """[s]; None where it has not come."""
+    end: float | None = None
+    """[s]; None where it has not gone."""
+    is_earlier: bool = False
+    """Whether it had come before the bag began."""
+
+
+NEVER = Coming("", None)
 
 
 @dataclass(frozen=True)
@@ -70,10 +86,10 @@ def judge_faults(bag: Bag, schedule: Sequence[FaultChoice]) -> list[FaultResult]
     Args:
         bag: of the run. schedule: of its scenario.
     """
-    came = dict(_came(bag))
+    came = _came(bag)
     planned = {fault.called: fault for fault in schedule}
     return [
-        _judged(bag, name, planned[name].kind if name in planned else came[name][0], came.get(name), planned.get(name))
+        _judged(bag, name, came.get(name, NEVER), planned.get(name))
         for name in (*planned, *(name for name in came if name not in planned))
     ]
 
@@ -88,31 +104,29 @@ def sentence(results: Sequence[FaultResult]) -> str:
     return f"{found} of {len(judged)} faults were detected{': ' if others else '.'}{others}{'.' if others else ''}"
 
 
-def _came(bag: Bag) -> Iterator[tuple[str, tuple[str, float, float | None]]]:
-    """Kind, begin and end of each fault that has come, by its name."""
-    found: dict[str, tuple[str, float, float | None]] = {name: ("", *span) for name, span in _before(bag).items()}
+def _came(bag: Bag) -> dict[str, Coming]:
+    """The faults that have come, by their names."""
+    before = faults_before(bag.records.get(RUN_RECORD, {}))
+    found = {name: Coming("", *span, is_earlier=True) for name, span in before.items()}
     if TOPIC not in bag:
-        yield from found.items()
-        return
+        return found
     for time, status in zip(bag[TOPIC].times.tolist(), bag[TOPIC].statuses(), strict=True):
         name = status.get("name", "")
         if status.get("state") != GONE and name not in found:
-            found[name] = (status.get("kind", ""), time, None)
+            found[name] = Coming(status.get("kind", ""), time)
         elif status.get("state") == GONE and name in found:
-            found[name] = (*found[name][:2], time)
-    yield from found.items()
+            found[name] = found[name]._replace(end=time)
+    return found
 
 
-def _judged(
-    bag: Bag, name: str, kind: str, came: tuple[str, float, float | None] | None, planned: FaultChoice | None
-) -> FaultResult:
-    begin, end = (None, None) if came is None else came[1:]
-    expect = None if planned is None else planned.expect
+def _judged(bag: Bag, name: str, came: Coming, planned: FaultChoice | None) -> FaultResult:
+    begin, end = came.begin, came.end
+    kind, expect = (came.kind, None) if planned is None else (planned.kind, planned.expect)
     if expect is None:
         return FaultResult(name, kind, begin, end, UNJUDGED if begin is not None else ABSENT, None, "")
     words = f"{expect.says!r} in {expect.field} of {expect.topic} within {expect.within:g} s"
     shows = _shows(bag, expect)
-    if begin is not None and name in _before(bag):
+    if begin is not None and came.is_earlier:
         after = shows[0] - begin if shows and shows[0] > bag[expect.topic].times[0] else None
         in_time = after is not None and after <= expect.within
         return FaultResult(name, kind, begin, end, *((DETECTED, after) if in_time else (EARLIER, None)), words)
@@ -124,10 +138,6 @@ def _judged(
     after = shows[0] - begin if shows else None
     in_time = after is not None and after <= expect.within
     return FaultResult(name, kind, begin, end, DETECTED if in_time else MISSED, after, words)
-
-
-def _before(bag: Bag) -> dict[str, Span]:
-    return faults_before(bag.records.get(RUN_RECORD, {}))
 
 
 def _shows(bag: Bag, expect: ExpectedDetection) -> list[float]:

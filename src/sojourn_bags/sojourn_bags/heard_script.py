@@ -14,11 +14,12 @@ from sojourn_bags.errors import ReplayError
 from sojourn_bags.provenance import run_of
 from sojourn_bags.reading import Bag, Messages
 from sojourn_bags.replay_script import HEARTBEATS, ReplayPeriod, ReplayScript, own_heartbeats
+from sojourn_bags.role_beats import beats_of
 from sojourn_contract.arrival import check_input
 from sojourn_contract.codecs import decode
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heard import Acted, Took, acted_in, took_in
-from sojourn_contract.heartbeat import Heartbeat, read_heartbeats
+from sojourn_contract.heartbeat import Heartbeat
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
@@ -92,7 +93,7 @@ def _heartbeats(bag: Bag, role: str) -> list[Heartbeat]:
     beats = own_heartbeats(bag[HEARTBEATS], role)
     row = table_of_bag(bag).topic(HEARTBEATS)
     try:
-        return [beat for data in beats.data for beat in read_heartbeats(decode(row, data)) if beat.role == role]
+        return [beat for data in beats.data for beat in beats_of(role, row, data)]
     except RefusedMessageError as error:
         raise ReplayError(f"{bag.path}: {error}") from error
 

@@ -43,10 +43,8 @@ class LiveModel:
         urdf, sensors = scenario.urdf, scenario.sensors.named.values()
         self._wanted = frozenset(heard) & {TRUTH, ODOMETRY, JOINTS}
         self._heard: dict[int, dict[str, bytes]] = {}
-        self._links, self._poses = (
-            LinkFrames(urdf, chain.from_iterable(one.optical_frames for one in sensors)),
-            TransformSource(),
-        )
+        self._links = LinkFrames(urdf, chain.from_iterable(one.optical_frames for one in sensors))
+        self._poses = TransformSource()
         self._latched = [_said_once(node, "robot_description", message_class("std_msgs/String"), urdf.text)]
         self._frames: Any = None
         try:

@@ -23,13 +23,14 @@ from sojourn_bags.reading import Messages
 from sojourn_bags.replay_answers import Answers
 from sojourn_bags.replay_choices import DEFAULT_TIMEOUT_S
 from sojourn_bags.replay_script import HEARTBEATS, ReplayPeriod, Script
+from sojourn_bags.role_beats import beats_of
 from sojourn_contract import qos, stamps
-from sojourn_contract.codecs import decode, encode
+from sojourn_contract.codecs import encode
 from sojourn_contract.conformance.endpoints import Endpoint, endpoint_findings
 from sojourn_contract.conformance.findings import value_text
-from sojourn_contract.decoding import refusing, stamp_of
+from sojourn_contract.decoding import stamp_of
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.heartbeat import READY, Counters, heartbeat_message, read_heartbeats
+from sojourn_contract.heartbeat import READY, Counters, heartbeat_message
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
 from sojourn_contract.types import message_class
@@ -316,10 +317,7 @@ class ReplayHarness:
 
     def _take_heartbeat(self, row: Topic, stamp: int, data: bytes) -> None:
         """Of the candidate only: the harness hears its own, too."""
-        message = decode(row, data)
-        with refusing(row.name, "heartbeats that can be read"):
-            beats = read_heartbeats(message)
-        beats = [beat for beat in beats if beat.role == self.script.role]
+        beats = beats_of(self.script.role, row, data)
         if not beats:
             return
         if self._listener is not None:

@@ -17,13 +17,12 @@ from sojourn_bags.definitions import full_type
 from sojourn_bags.errors import UnansweredError
 from sojourn_bags.reading import Messages
 from sojourn_bags.replay_script import CLOCK, HEARTBEATS, ReplayPeriod
+from sojourn_bags.role_beats import beats_of
 from sojourn_contract import qos, stamps
 from sojourn_contract.barrier import Barrier, awaited_inputs
-from sojourn_contract.codecs import decode
-from sojourn_contract.decoding import STAMP_BYTES, refusing
+from sojourn_contract.decoding import STAMP_BYTES
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heard import took_in
-from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.types import message_class
@@ -59,6 +58,10 @@ class HeardGoal:
         """Whether its stamp does not say when it takes effect: it is for now."""
         return self.stamp <= self.newest
 
+    def is_due(self, stamp: int) -> bool:
+        """Whether it comes before the inputs of a period [ns]: when our node took it, or after what came before it."""
+        return (self.at or self.newest + 1) <= stamp
+
 
 class Tap:
     """What a role of a running stack hears and says.
@@ -79,7 +82,7 @@ class Tap:
         awaited = awaited_inputs(role, participants, table)
         self._awaited = {row.name: row for row in awaited}
         self._barrier: Barrier[bytes] = Barrier(awaited)
-        self._goals: deque[HeardGoal] = deque()
+        self._goals: list[HeardGoal] = []
         self._told, self._over = 0, False
         self._waiting: deque[tuple[str, bytes]] = deque()
         heard = (row for row in table.inputs_of(role) if row.name in self._awaited or row.is_event)
@@ -117,12 +120,12 @@ class Tap:
         if not self._over and not self._settled():
             return None
         step = ReplayPeriod(self._barrier.period)
-        for goal in list(self._goals):
-            if (goal.at or goal.newest + 1) <= self._barrier.stamp:
-                self._goals.remove(goal)
-                step.goals.append((goal.topic, goal.data))
-                if goal.by_hand:
-                    step.add_by_hand(goal.topic, goal.data, bool(goal.at))
+        due = [goal for goal in self._goals if goal.is_due(self._barrier.stamp)]
+        for goal in due:
+            self._goals.remove(goal)
+            step.goals.append((goal.topic, goal.data))
+            if goal.by_hand:
+                step.add_by_hand(goal.topic, goal.data, bool(goal.at))
         step.inputs = list(self._barrier.take().items())
         return step
 
@@ -166,8 +169,7 @@ class Tap:
     def _hear_heartbeat(self, row: Topic, data: bytes) -> None:
         """When our node has taken goals that came by hand; a heartbeat that cannot be read tells nothing."""
         try:
-            with refusing(row.name, "heartbeats that can be read"):
-                beats = [beat for beat in read_heartbeats(decode(row, data)) if beat.role == self.role]
+            beats = beats_of(self.role, row, data)
             took = [told for beat in beats for told in took_in(beat.values)]
         except RefusedMessageError:
             return

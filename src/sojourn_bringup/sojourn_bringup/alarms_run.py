@@ -13,10 +13,10 @@ from sojourn_bags.reading import read_bag
 from sojourn_bringup.alarm_lines import alarm_lines
 from sojourn_bringup.alarms import SCENARIO
 from sojourn_bringup.alarms_bag import watched_bag
+from sojourn_config import command_line
 from sojourn_config.command_errors import UsageError
 from sojourn_contract.errors import UnknownFieldNameError
 from sojourn_contract.run_table import table_of
-from sojourn_contract.shown import shown
 from sojourn_operator.alarms.events import Event
 from sojourn_operator.alarms.params import Severity
 from sojourn_operator.alarms.watch import Watch, WatchState, limits_of
@@ -34,7 +34,7 @@ def run(given: argparse.Namespace) -> int:
         watch, state, log = _of_bag(given) if given.bag is not None else _of_stack(given)
     except (BagsError, UnknownFieldNameError) as error:
         raise UsageError(str(error)) from error
-    print(shown("\n".join(alarm_lines(watch, state))))
+    command_line.say("\n".join(alarm_lines(watch, state)))
     if given.json is not None:
         _write(given.json, watch, state, log)
     return 1 if state.alarms.worst is Severity.CRITICAL else 0
@@ -43,7 +43,7 @@ def run(given: argparse.Namespace) -> int:
 def _of_bag(given: argparse.Namespace) -> tuple[Watch, WatchState, list[Event]]:
     watch, state, log = watched_bag(read_bag(given.bag), given.limits)
     for event in log:
-        print(shown(event.line()))
+        command_line.say(event.line())
     return watch, state, log
 
 

@@ -3,7 +3,6 @@
 import contextlib
 import os
 import re
-import resource
 import shlex
 import signal
 import subprocess
@@ -14,6 +13,7 @@ from pathlib import Path
 
 from sojourn_bringup import child_process
 from sojourn_bringup.plan import RunPlan
+from sojourn_bringup.process_memory import memory_mb
 from sojourn_bringup.process_table import process
 from sojourn_config.ros_environment import foreign_environment, is_ours, own_environment
 
@@ -22,7 +22,6 @@ STOP_S = 5.0
 _LOG_TAIL_BYTES = 8192
 _ROS_LOG = re.compile(r"^\[(?P<level>[A-Z]+)\] \[[0-9.]+\] \[[^\]]*\]: (?P<text>.*)$")
 _EXCEPTION = re.compile(r"^(?:\w+\.)*(\w*(?:Error|Exception|Interrupt)): (?P<text>.*)$")
-_PAGE = resource.getpagesize()
 
 
 def command_of(plan: RunPlan, role: str, attempt: int = 0) -> list[str]:
@@ -102,10 +101,9 @@ class Child:
     def memory_mb(self) -> float:
         """Memory in use [MB, resident]; 0 once it has ended."""
         try:
-            fields = Path(f"/proc/{self.pid}/statm").read_text().split()
+            return memory_mb(self.pid)
         except OSError:
             return 0.0
-        return int(fields[1]) * _PAGE / 1e6
 
     def how_it_ended(self) -> str:
         """In words: signal or status, and the last thing that it said."""

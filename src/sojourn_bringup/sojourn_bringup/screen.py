@@ -12,8 +12,8 @@ from rich.table import Table
 from rich.text import Text
 
 from sojourn_bringup.health import DEAD, RESTARTING, SILENT, Health, Progress
+from sojourn_config.shown import shown
 from sojourn_contract.heartbeat import READY, RUNNING, STALLED
-from sojourn_contract.shown import shown
 from sojourn_contract.stamps import seconds
 
 _COLOURS = {READY: "green", RUNNING: "green", STALLED: "red", SILENT: "red", DEAD: "red", RESTARTING: "yellow"}

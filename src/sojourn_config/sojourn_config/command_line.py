@@ -16,6 +16,7 @@ from sojourn_config.errors import ConfigError
 from sojourn_config.paths import available
 from sojourn_config.ros_environment import HIGHEST_DOMAIN, default_domain
 from sojourn_config.shared_memory import remove_tracing_files
+from sojourn_config.shown import shown
 
 OUTPUT_CLOSED = 128 + signal.SIGPIPE
 """Exit status where nobody reads our output any more: what a shell reports of a program that this signal ends."""
@@ -115,8 +116,8 @@ def count(text: str) -> int:
 
 
 def say(text: str) -> None:
-    """A line of what a long command is at, shown at once."""
-    print(text, flush=True)
+    """Lines for whoever looks, shown at once: what a long command is at, and what others say; see `shown`."""
+    print(shown(text), flush=True)
 
 
 def run_script(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | None = None) -> NoReturn:

@@ -2,7 +2,7 @@
 
 A bag is played on end to the page, scene by scene without a pause, as many as thirty a second make in the hours that
 are asked for; nobody draws them. Told are the processor time of a scene, of which thirty make the share of a core that
-the page's process takes, and the memory that the process holds (`VmRSS` of /proc/self/status, Linux alone) over the
+the page's process takes, and the memory that the process holds (resident; Linux alone tells) over the
 run: what it holds at the end over what it held after the first fifth, in which tracks, plots and caches fill. The line
 through the last four fifths by least squares is the growth an hour.
 """
@@ -16,6 +16,7 @@ import numpy as np
 import rich
 
 from sojourn_bags.reading import read_bag
+from sojourn_bringup.process_memory import memory_mb
 from sojourn_console.endless_feed import EndlessFeed
 from sojourn_console.errors import ConsoleError
 from sojourn_console.gate import GuardedServer
@@ -46,15 +47,6 @@ class Endurance(NamedTuple):
         ]
 
 
-def memory_mb() -> float:
-    """What this process holds [MB]. Raises ConsoleError where the system does not tell."""
-    try:
-        text = Path("/proc/self/status").read_text(encoding="ascii")
-    except OSError as error:
-        raise ConsoleError("memory is measured on Linux alone: there is no /proc/self/status") from error
-    return next(float(line.split()[1]) for line in text.splitlines() if line.startswith("VmRSS")) / 1024.0
-
-
 def growth(hours: Sequence[float], held: Sequence[float]) -> float:
     """Slope of the memory held [MB] over the hours, by least squares, without the filling [MB/h]."""
     begin = int(FILLING * len(hours))
@@ -78,6 +70,8 @@ def endurance(bag: Path, hours: float) -> Endurance:
             if count % (scenes // SAMPLES) == 0:
                 at.append(count / FRAMES / 3600.0)
                 held.append(memory_mb())
+    except OSError as error:
+        raise ConsoleError(f"memory is measured on Linux alone: {error}") from error
     finally:
         page.close()
     took = 1e3 * (time.process_time() - begin) / scenes

@@ -23,11 +23,10 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Ask for a checkpoint; 0 only if it is kept."""
     given = parser().parse_args(arguments)
-    from sojourn_contract.shown import shown  # not above: --help needs none of it
-    from sojourn_operator.checkpoint_asking import ask
+    from sojourn_operator.checkpoint_asking import ask  # not above: --help needs none of it
 
     kept, words = ask(given.domain, given.namespace, given.timeout)
-    command_line.say(shown(words))
+    command_line.say(words)
     return 0 if kept else 1
 
 

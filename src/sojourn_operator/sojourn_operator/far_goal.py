@@ -1,9 +1,10 @@
 """A goal beyond the camera's sight: a route over the map of the site, and another where the rover finds it closed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sojourn_config.command_errors import CommandError
 from sojourn_contract.topics import topic
@@ -63,7 +64,7 @@ class FoundCells:
         corner = np.rint(grid.position[:2] / grid.resolution).astype(np.int64)
         column, row = (self._cells - corner).T
         here = (column >= 0) & (row >= 0) & (column < grid.width) & (row < grid.height)
-        kinds = np.frombuffer(grid.data, dtype=np.int8).reshape(grid.height, grid.width)
+        kinds = _kinds(grid)
         here[here] = kinds[row[here], column[here]] != NOT_KNOWN
         closed = np.argwhere(kinds == CLOSED)[:, ::-1] + corner
         self._cells = np.concatenate([self._cells[~here], closed])
@@ -89,9 +90,13 @@ def closed_places(grid: OccupancyGrid | None) -> FloatArray:
     """Middles of the closed cells of a costmap, shape (n, 2) [m]."""
     if grid is None or not grid.width * grid.height:
         return np.zeros((0, 2))
-    cells = np.frombuffer(grid.data, dtype=np.int8).reshape(grid.height, grid.width)
-    rows, columns = np.nonzero(cells == CLOSED)
+    rows, columns = np.nonzero(_kinds(grid) == CLOSED)
     return np.asarray(grid.position[:2] + grid.resolution * (np.stack([columns, rows], axis=1) + 0.5))
+
+
+def _kinds(grid: OccupancyGrid) -> NDArray[np.int8]:
+    """What its cells are, shape (height, width)."""
+    return np.frombuffer(grid.data, dtype=np.int8).reshape(grid.height, grid.width)
 
 
 def drive_far(
@@ -108,7 +113,7 @@ def drive_far(
             points = site.route(driver.here(), goal)
         except NoRouteError as error:
             return "refused", f"{error}; {reason}" if reason else str(error)
-        say(f"{'again ' if attempt else ''}over the map: " + " ".join(f"({x:.1f}, {y:.1f})" for x, y in points))
+        say(("again " if attempt else "") + route_words(points))
         outcome, reason = driver.drive(route_goal(0, points, yaw))
         obstacle = driver.stands_before()
         if outcome not in ("stopped", "refused") or not (obstacle and reason.startswith(obstacle)):
@@ -119,6 +124,11 @@ def drive_far(
             return outcome, f"{reason}; nothing new has been found to plan by"
         site = found
     return outcome, f"{reason}; planned {REPLANS} times anew"
+
+
+def route_words(points: Sequence[Point]) -> str:
+    """A route over the map in words."""
+    return "over the map: " + " ".join(f"({x:.1f}, {y:.1f})" for x, y in points)
 
 
 def site_of(name: str) -> SiteMap:

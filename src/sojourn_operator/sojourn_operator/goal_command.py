@@ -1,17 +1,13 @@
 """What scripts/goal does once its words are read."""
 
 import argparse
-import time
 
+from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
-from sojourn_contract.heartbeat import status_message, status_values
-from sojourn_contract.shown import shown
+from sojourn_contract.heartbeat import status_message
 from sojourn_contract.topics import topic
 from sojourn_contract.values import UPRIGHT, Message, Path, PoseStamped
-from sojourn_flight.planning.global_route import NoRouteError
-from sojourn_machine.params import FloatArray
-from sojourn_operator.far_goal import RoverEars, drive_far, site_of
 from sojourn_operator.fault_sending import CAME, WENT, fault_event, message_of
 from sojourn_operator.foresight_words import foresight_lines
 from sojourn_operator.goal_messages import (
@@ -22,7 +18,7 @@ from sojourn_operator.goal_messages import (
     question_message,
     route_goal,
 )
-from sojourn_operator.goal_sending import DONE, GOALS, INTERRUPTED, STOPPED_S, GoalClient, NoStackError
+from sojourn_operator.goal_sending import DONE, GOALS, INTERRUPTED, GoalClient
 from sojourn_operator.steps.step import REACHED
 
 
@@ -61,43 +57,22 @@ def _ask(client: GoalClient, goal: PoseStamped | Path, timeout_s: float) -> int:
     answer = client.answer(timeout_s)
     if answer is None:
         raise CommandError(f"the drive did not answer within {timeout_s:g} s of wall time")
-    print(shown("\n".join(foresight_lines(answer))))
+    command_line.say("\n".join(foresight_lines(answer)))
     return 0 if answer.get("asked_state") == "allowed" else 1
-
-
-class _RouteClient:
-    """Brings routes to a rover. client: that sends them. timeout_s: for each, and for the rover's first word [s]."""
-
-    def __init__(self, client: GoalClient, timeout_s: float) -> None:
-        self._client, self._timeout_s, self._ears = client, timeout_s, RoverEars(client)
-
-    def here(self) -> tuple[float, float]:
-        end = time.monotonic() + STOPPED_S
-        while self._ears.place is None and time.monotonic() < end and not self._client.stop.is_set:
-            self._client.spin(0.05)
-        if self._ears.place is None:
-            raise NoStackError(f"no running stack on {self._client.place}: nobody tells on /odom where the rover is")
-        return self._ears.place
-
-    def drive(self, route: Message) -> tuple[str, str]:
-        who, name = GOALS["route"]
-        self._client.send(who, name, route)
-        return self._client.follow("route", self._timeout_s)
-
-    def stands_before(self) -> str:
-        return status_values(self._client.statuses["drive"]).get("obstacle", "") if self._client.statuses else ""
-
-    def found(self) -> FloatArray:
-        return self._ears.found.places
 
 
 def _drive_over(given: argparse.Namespace) -> int:
     """Drive over the map of a scenario; 0 if the goal was reached, or with --dry-run is allowed."""
     if given.frame != "map":
         raise CommandError(f"--over: a route over the map ends in map, not in {given.frame}")
+    # here: no other goal needs a map, nor the tenth of a second in which all of it loads
+    from sojourn_flight.planning.global_route import NoRouteError
+    from sojourn_operator.far_goal import drive_far, route_words, site_of
+    from sojourn_operator.route_client import RouteClient
+
     site = site_of(given.over)
     with GoalClient(given.domain, given.namespace) as client:
-        driver = _RouteClient(client, given.timeout)
+        driver = RouteClient(client, given.timeout)
         who, name = GOALS["route"]
         client.sender_to(who, topic(name))  # a stack that is starting is waited for
         if client.has_link():
@@ -107,16 +82,16 @@ def _drive_over(given: argparse.Namespace) -> int:
                 points = site.route(driver.here(), (given.x, given.y))
             except NoRouteError as error:
                 return _told("refused", str(error))
-            print("over the map: " + " ".join(f"({x:.1f}, {y:.1f})" for x, y in points))
+            command_line.say(route_words(points))
             return _ask(client, route_goal(0, points, given.yaw), given.timeout)
         goal = given.x, given.y
-        outcome, reason = drive_far(driver, site, goal, given.yaw, lambda words: print(shown(words), flush=True))
+        outcome, reason = drive_far(driver, site, goal, given.yaw, command_line.say)
     return _told(outcome, reason)
 
 
 def _told(outcome: str, reason: str) -> int:
     """Say how a goal ended; the exit status for it."""
-    print(shown(f"{outcome}{': ' + reason if reason else ''}"))
+    command_line.say(f"{outcome}{': ' + reason if reason else ''}")
     if outcome == "interrupted":
         return INTERRUPTED
     return 0 if outcome in (REACHED, DONE) else 1
@@ -130,7 +105,7 @@ def _fail(given: argparse.Namespace) -> int:
         before = dict(client.beats)
         client.send("plant or sensors", FAULTS_TOPIC, message_of(event))
         outcome, reason = client.watch(event, before, given.timeout)
-    print(shown(f"{outcome}: {reason}"))
+    command_line.say(f"{outcome}: {reason}")
     return 0 if outcome in (CAME, WENT) else 1
 
 
@@ -143,7 +118,9 @@ def run(given: argparse.Namespace) -> int:
     if given.command == "cancel":
         with GoalClient(given.domain, given.namespace) as client:
             gone = client.cancel(given.number)
-        print(f"cancelled: {', '.join(gone)}" if gone else "nothing of it waits: what has begun to leave goes its way")
+        command_line.say(
+            f"cancelled: {', '.join(gone)}" if gone else "nothing of it waits: what has begun to leave goes its way"
+        )
         return 0 if gone else 1
     if given.command == "drive" and given.over is not None:
         return _drive_over(given)
@@ -151,7 +128,7 @@ def run(given: argparse.Namespace) -> int:
     with GoalClient(given.domain, given.namespace) as client:
         if message is None:
             stands, words = client.halt()
-            print(shown(words))
+            command_line.say(words)
             return 0 if stands else 1
         if isinstance(message, PoseStamped | Path) and given.command in ("drive", "route") and given.dry_run:
             return _ask(client, message, given.timeout)

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any, Self
 
+from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_config.role_holder import held_roles
 from sojourn_contract.codecs import encode
@@ -11,7 +12,6 @@ from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
 from sojourn_contract.fault_messages import FaultEvent
 from sojourn_contract.heartbeat import Heartbeat, read_heartbeats, status_values
 from sojourn_contract.link_topics import CANCEL, COMMANDS, on_earth
-from sojourn_contract.shown import shown
 from sojourn_contract.stamps import NANOSECONDS, seconds
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, topic
@@ -191,7 +191,7 @@ class GoalClient(Desk):
             if time.monotonic() - said_at > SHOW_S and report.goal_stamp == self._last_stamp:
                 said_at = time.monotonic()
                 line = f"{seconds(self.now):9.2f} s  {report.state}, {_to_go(who, status_values(status))}"
-                print(shown(line), flush=True)
+                command_line.say(line)
         if self.stop.is_set:
             return "interrupted", "the goal goes on: stop it with scripts/goal stop"
         return "not finished", f"within {timeout_s:g} s of wall time; the goal goes on"
@@ -203,7 +203,7 @@ class GoalClient(Desk):
             self.spin(0.05)
             values = self.link.command(name, self._last_stamp)
             for line in lines.new(values, self.link.state):
-                print(shown(line), flush=True)
+                command_line.say(line)
             if values.get("state") in OVER or (values.get("state") == RECEIVED and name not in ANSWERS):
                 return values["outcome"] or values["state"], values["reason"]
         if self.stop.is_set:

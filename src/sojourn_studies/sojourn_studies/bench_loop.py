@@ -14,6 +14,7 @@ from pathlib import Path
 from rich.console import Console
 
 from sojourn_bringup import start, start_run
+from sojourn_bringup.process_memory import memory_mb
 from sojourn_bringup.screen import Screen
 from sojourn_config.command_errors import CommandError
 from sojourn_contract.stamps import CONTROL_PERIOD_S
@@ -79,7 +80,7 @@ def child(given: argparse.Namespace) -> int:
 
         run = DirectRun(plan, screen) if given.child == "direct" else ComposedRun(plan, screen)
         outcome, began = run.run(), run.stopwatch.began_at
-        figures[f"{given.child}, memory [MB]"] = _memory_mb()
+        figures[f"{given.child}, memory [MB]"] = memory_mb()
     if not outcome.wall_time_s or outcome.sim_time_s < 0.9 * given.seconds:
         print(outcome.message, file=sys.stderr)
         return 1
@@ -87,8 +88,3 @@ def child(given: argparse.Namespace) -> int:
     figures[f"{given.child}, start-up [s]"] = began - given.began
     print(json.dumps(figures))
     return 0
-
-
-def _memory_mb() -> float:
-    fields = Path("/proc/self/statm").read_text().split()
-    return int(fields[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
