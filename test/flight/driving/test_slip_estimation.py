@@ -271,6 +271,38 @@ def test_the_slip_does_not_run_away_while_the_wheels_slow_down(scenario: LoadedS
     assert (np.abs(slips - slip) < 3.0 * sigmas).all()
 
 
+def test_a_few_millimetres_a_second_of_doubt_are_no_loss_of_headway(model: SlipModel) -> None:
+    """Wheels at the end of a way, so slow that a speed off by three deviations is a slip of 1."""
+    state = moving(model, 0.008, 0.1)
+    covariance = state.covariance.copy()
+    covariance[0, 0] = 2.5e-3**2
+    state = state._replace(states=np.array((-3e-4, 0.0, 1.0)), covariance=covariance)
+    rates = np.full(6, 0.008 / model.machine.table[0, 2])
+    state = roll(model, state, DT, 0.1, rates)
+    assert state.shared > model.params.stuck_slip
+    assert not state.stuck_for.any()
+
+
+@pytest.mark.parametrize("gap", [0.2, 0.4, 1.0])
+def test_what_was_felt_in_one_reading_is_not_taken_for_all_of_a_gap(gap: float, model: SlipModel) -> None:
+    """A busy machine: the reading of a jolt, and none for a while. The speed was off by the jolt times the gap, without
+    a doubt, and wheels that rolled were told to spin.
+    """
+    rates = np.full(6, 0.08 / model.machine.table[0, 2])
+    state = roll(model, moving(model, 0.08, 0.2), 5.0, 0.2, rates)
+    levers = model.machine.table[:, 2] * model.machine.loads[:, 0]
+    torques = levers * coefficient(model.machine.curves[1], 0.2)
+    jolt = np.array((-0.3, 0.0, GRAVITY))
+    state = estimate_slip(
+        model, state, SlipInput(rates, rates, np.zeros(6), torques, np.zeros(3), jolt, (0.0, 0.0)), gap
+    )
+    assert abs(state.shared - 0.2) < 3.0 * state.sigma
+    for _ in range(5):
+        state = roll(model, state, 0.4, 0.2, rates)
+        assert abs(state.shared - 0.2) < 3.0 * state.sigma
+        assert trouble(model.params, state, tuple("abcdef")) == ""
+
+
 def halt(model: SlipModel, state: SlipState, speed: float) -> SlipState:
     """Wheels that roll at `speed` [m/s] stop within a fifth of a second, and the body with them."""
     slowing, stands = np.array((-speed / 0.2, 0.0, GRAVITY)), np.zeros(6)

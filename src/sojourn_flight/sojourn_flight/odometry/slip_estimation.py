@@ -15,9 +15,9 @@ Where there is none to tell: the way that the wheels make as one must be at leas
 the fastest rim makes. While the machine stands, comes to a halt or turns on the spot, the body rocks by more than the
 wheels roll, and a speed over theirs says nothing; no slip is reported then, and odometry takes the expected one.
 
-Trouble, reported in words: wheels that spin without headway (slip above a limit for a time); a wheel that turns without
-its load (off the ground, in a hole, or a broken shaft); a wheel that stands while others roll (blocked). Sources: Ojeda
-et al. (2006), IEEE Trans. Robotics 22:366; Wong (2008), Theory of Ground Vehicles, sec. 2.5 and 4.1.
+Trouble, reported in words: wheels that spin without headway (slip above a limit for a time, beyond doubt); a wheel that
+turns without its load (off the ground, in a hole, or a broken shaft); a wheel that stands while others roll (blocked).
+Sources: Ojeda et al. (2006), IEEE Trans. Robotics 22:366; Wong (2008), Theory of Ground Vehicles, sec. 2.5 and 4.1.
 
 Not seen: slip on firm ground, where torque needs none. The camera sees it, where the ground has relief (`key_frames`).
 """
@@ -70,7 +70,13 @@ TURNED_APART = 1.3
 UNKNOWN_SPEED_SIGMA = 0.1
 """Of a machine that moves already when the drive starts [m/s]."""
 ROCKING_ACCELERATION = 0.3
-"""Of a machine that has just stopped, in the one reading that gravity is taken from when the drive starts [m/s^2]."""
+"""Of a machine that has just stopped or changes its pace: in the one reading that gravity is taken from when the drive
+starts, and while no reading comes [m/s^2]."""
+SAMPLED_WITHIN = 0.1
+"""A reading speaks for the acceleration of so long, in a drive ten times a second [s]; beyond it nobody has felt it."""
+HEADWAY_LOST, CERTAIN = 0.5, 2.0
+"""Wheels spin without headway where at least this part of their way is lost, so many standard deviations from doubt: at
+the end of a way the wheels are so slow that a few mm/s of doubt are a slip of 1 [-]."""
 ALSO = 0.5
 """Part of the time that makes trouble of a wheel, from which others in the same state are named with it [-]."""
 IDLE_EXPECTED = 0.3
@@ -325,6 +331,7 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
     drift_variance = (trust.drift_walk**2 + TURNED_APART * abs(gyro[2]) * trust.accelerometer_bias**2) * dt
     noise = ProcessNoise(force_noise, drift_variance, trust.factor_sigma, trust.factor_length)
     predict(states, covariance, acceleration, ahead_x, wheels * dt, dt, noise)
+    covariance[SPEED, SPEED] += (ROCKING_ACCELERATION * max(dt - SAMPLED_WITHIN, 0.0)) ** 2
     loads, way = machine.loads, old.way
     along, levers, counts = np.empty(count), np.empty(count), np.empty(count)
     kinds = np.zeros(count, dtype=np.int64)
@@ -369,7 +376,7 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         largest = max(abs(rim), abs(over_ground))
         if largest >= least_speed:
             slip[i] = (rim - over_ground) / largest * (1.0 if rim + over_ground >= 0.0 else -1.0)
-        if slip[i] > trust.stuck_slip and observable:
+        if observable and slip[i] > trust.stuck_slip and slip[i] - CERTAIN * sigma > HEADWAY_LOST:
             stuck[i] = old.stuck_for[i] + dt
         if standing[i] > 0.5 and abs(table[i, 2] * seen.commanded_rates[i]) >= least_speed and fastest >= least_speed:
             blocked[i] = old.blocked_for[i] + dt
