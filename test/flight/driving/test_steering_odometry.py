@@ -326,6 +326,24 @@ def test_slow_creep_of_a_standing_rover_is_not_lost(params: OdometryParams, expl
     assert state.x == pytest.approx(-0.06, abs=3e-4)
 
 
+@pytest.mark.parametrize("gap", [0.2, 0.5, 1.0])
+def test_what_a_machine_turns_while_no_gyro_is_read(
+    gap: float, params: OdometryParams, explorer: SteeringGeometryParams
+) -> None:
+    """On a busy machine readings are missed: a turn in the gap was lost, without a doubt."""
+    table, rate = explorer.table(), 0.1
+    before = drive(params, table, initial_wheels(params), PlanarTwist(0.0, 0.0, rate), 1.0)
+    turned = rate * (gap - DT)
+    wheels = wheels_from_twist(table, PlanarTwist(0.0, 0.0, rate), np.zeros(6))
+    position = before.wheel_positions + wheels.wheel_rates * (gap - DT)  # and stands at the end of it
+    stopped = WheelMeasured(position, np.zeros(6), wheels.steer_angles, (0.0, 0.0, 0.0), None, True)
+    after = step_wheels(params, table, before, stopped, gap)
+    error = after.yaw - before.yaw - turned
+    sigma = math.sqrt(after.covariance[2, 2])
+    assert abs(error) < 0.5 * turned
+    assert abs(error) < 2.0 * sigma < 3.0 * turned
+
+
 def test_an_encoder_that_jumps_is_bridged_by_its_rate(params: OdometryParams, explorer: SteeringGeometryParams) -> None:
     table = explorer.table()
     state = drive(params, table, initial_wheels(params), PlanarTwist(0.1, 0.0, 0.0), 1.0)

@@ -1,7 +1,8 @@
 """Odometry from what the machine moves on and the gyro, with tilt, and with a covariance that includes lasting errors.
 
 Estimate. The mobility tells v_x, v_y of base_link over one period (`mobility`), with the yaw rate taken from the gyro
-less its bias, or from the mobility where there is no gyro. The displacement in the body plane is the exact arc of
+less its bias, or from the mobility where there is no gyro, or none was read for a while: what they disagree by is then
+an error of the heading. The displacement in the body plane is the exact arc of
 SE(2),
 
     t = w dt,  s = sin t / t,  c = (1 - cos t) / t,   d = dt (1 - s) [s v_x - c v_y, c v_x + s v_y],
@@ -58,7 +59,7 @@ from sojourn_flight.odometry.odometry_kernels import (
     rescaled,
     update_bias,
 )
-from sojourn_flight.odometry.odometry_params import OdometryParams
+from sojourn_flight.odometry.odometry_params import SAMPLED_WITHIN, OdometryParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
@@ -252,6 +253,9 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
     v_x, v_y = v_x * ground, v_y * ground + drift
     pitch_rate = gyro[1] if gyro is not None else 0.0
     yaw_rate = body_rate if gyro is not None else motion.yaw_rate
+    difference = motion.yaw_rate - yaw_rate
+    unfelt = difference * max(dt - SAMPLED_WITHIN, 0.0)  # turned in a gap, which the mobility alone knows
+    yaw_rate += unfelt / dt
     body_x, body_y = body_arc(float(v_x), float(v_y), float(yaw_rate * dt), float(dt))
     cos_roll, sin_roll, cos_pitch, sin_pitch = (
         math.cos(roll),
@@ -273,7 +277,7 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
         slip=slip_sigma**2 * renewed,
         side=side_sigma**2 * renewed,
         move=params.travel_sigma**2 * travel + (params.turn_sigma**2 + motion.turn_sigma**2) * abs(yaw_rate) * dt,
-        yaw=yaw_variance,
+        yaw=yaw_variance + unfelt**2,
         bias=params.gyro_bias_walk**2 * dt if gyro is not None else 0.0,
     )
     side = (-sin_yaw * travel, cos_yaw * travel)
@@ -299,7 +303,7 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
         gyro_bias=state.gyro_bias,
         standing_for=standing_for,
         residual=residual,
-        yaw_rate_difference=motion.yaw_rate - yaw_rate,
+        yaw_rate_difference=difference,
         encoder_jumps=state.encoder_jumps + motion.jumps,
     )
 
