@@ -90,8 +90,8 @@ class GoalClient(Desk):
         self.link = LinkView(self, STATUS_TOPICS)
         return self
 
-    def send(self, who: str, name: str, message: Message) -> None:
-        """Publish a goal on a topic once its role listens, over the link where the run has one.
+    def send(self, who: str, name: str, message: Message) -> int:
+        """Publish a goal on a topic once its role listens, over the link where the run has one. Its stamp [ns].
 
         Raises NoStackError if nobody listens within ANSWER_S.
         """
@@ -102,6 +102,7 @@ class GoalClient(Desk):
             sender = self.sender_to("the link to Earth", row)
         sender.publish(encode(row, stamped(message, self.now)))
         self._last_stamp = self.now
+        return self._last_stamp
 
     def cancel(self, number: str) -> list[str]:
         """Take back a command, or all where no number is said; those that are. Raises NoStackError, CommandError."""
