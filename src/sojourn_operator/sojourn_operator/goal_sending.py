@@ -289,7 +289,8 @@ def _to_go(who: str, values: dict[str, str]) -> str:
         energy = ""
         if "energy_forecast_wh" in values:
             energy = f", {float(values['energy_used_wh']):.2f} Wh used, {float(values['energy_to_go_wh']):.2f} to go"
-        return f"{values.get('distance_to_go', '?')} m to go, {aside}{energy} ({values.get('phase', '')})"
+        doing = values.get("reason") or values.get("phase", "")
+        return f"{values.get('distance_to_go', '?')} m to go, {aside}{energy} ({doing})"
     if "progress" not in values:  # of a task that has not begun yet
         return f"{values.get('task', who)} has not begun"
     return f"{100.0 * float(values['progress']):.0f} % done, {values.get('time_to_go', '?')} s to go"

@@ -40,6 +40,8 @@ class Arbiter:
     avoidance: AvoidanceState | None
     twist_refused: bool = False
     """Whether an operator's twist is not driven because the machine does not allow it."""
+    waits: bool = False
+    """Whether `text` says why a goal on its way does not get on."""
 
     def end_goal(self, outcome: GoalOutcome, mode: Mode = "idle") -> None:
         """Notes how a goal ended."""
