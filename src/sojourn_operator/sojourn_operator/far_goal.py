@@ -131,13 +131,13 @@ def route_words(points: Sequence[Point]) -> str:
     return "over the map: " + " ".join(f"({x:.1f}, {y:.1f})" for x, y in points)
 
 
-def site_of(name: str) -> SiteMap:
-    """The map of a scenario's site. Raises ConfigError, CommandError."""
+def site_of(name: str, overrides: Sequence[str] = ()) -> SiteMap:
+    """The map of a scenario's site, with KEY=VALUE texts over its files. Raises ConfigError, CommandError."""
     from sojourn_config.scenario import load_scenario
     from sojourn_config.site_map import site_map
     from sojourn_machine.errors import MachineError
 
     try:
-        return site_map(load_scenario(name))
+        return site_map(load_scenario(name, overrides))
     except MachineError as error:
         raise CommandError(f"--over {name}: {error}") from error

@@ -94,7 +94,7 @@ class Arbiter:
             twist, reason = model.mobility.fit(command.twist)
             self.twist_refused = reason != ""
             if self.twist_refused:
-                self.text = f"refused: /cmd_vel: {reason}"
+                self.text = f"/cmd_vel: {reason}"
             elif abs(twist.v_y - command.twist.v_y) > WORTH_TELLING:
                 self.text += f" at v_y = {twist.v_y:.3f} m/s, as the fixed wheels roll"
             return twist

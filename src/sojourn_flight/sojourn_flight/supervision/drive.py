@@ -270,7 +270,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     mobility, moves = model.mobility.command(mobility, wanted, Conditions(inputs.power_limit, odometry.pitch), dt)
     if moves.stuck and arbiter.follower is not None:
         arbiter.end_goal(stop(arbiter.follower, moves.stuck))
-    elif moves.waits and wanted != NO_MOTION:
+    elif moves.waits and arbiter.follower is not None and wanted != NO_MOTION:
         arbiter.text, arbiter.waits = moves.waits, True
     new_state = DriveState(
         mode=arbiter.mode,
