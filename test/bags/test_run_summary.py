@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 import pinocchio
 import pytest
+from geometry_msgs.msg import TwistStamped
 from matplotlib.image import imread
 from nav_msgs.msg import Odometry
 from synthetic import PERIOD, SyntheticRun
 
 from sojourn_bags.errors import IncompleteConfigError, UnknownTopicInBagError
+from sojourn_bags.goals import refused_velocities
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.report import write_report
 from sojourn_bags.summary import summarise, write_summary
@@ -185,3 +187,25 @@ def test_report_of_a_bag_without_truth_or_scenario_says_what_is_missing(good: Ba
         write_report(lacking, tmp_path / "report.png")
     with pytest.raises(IncompleteConfigError, match=r"no configuration\.json attached"):
         summarise(Bag(good.path, True, good.topics, {}, good.records))
+
+
+def test_velocities_by_hand_that_were_refused_are_goals_that_were_not_met(tmp_path: Path) -> None:
+    """Each once for as long as the same is said of it; a goal that is refused with the same stamp is none of them."""
+    run = SyntheticRun(tmp_path / "bag", "lunar_sample")
+    said = {1: "", 2: "too fast", 3: "too fast", 4: "", 5: "the tool has met something", 6: "too fast"}
+    for second, why in said.items():
+        stamp = second * 50 * PERIOD
+        run.truth(stamp, (0.0, 0.0, 0.0, 0.0), {"wheel_front_left_joint": 0.0}, 0.0)
+        if second != 5:
+            run.write("/cmd_vel", stamp - 10 * PERIOD, TwistStamped())
+        sent = stamp - 10 * PERIOD
+        run.status("/drive/status", stamp, "refused" if why else "moving", sent, why)
+    run.close(300 * PERIOD)
+    found = refused_velocities(read_bag(tmp_path / "bag"))
+    assert [(one.goal.what, one.reason, one.end_s) for one in found] == [
+        ("drive by hand", "too fast", 2.0),
+        ("drive by hand", "too fast", 6.0),
+    ]
+    assert [one.goal.effect_s for one in found] == [1.8, 5.8] and not any(one.met for one in found)
+    summary = summarise(read_bag(tmp_path / "bag"))
+    assert not summary["all_met"] and "drive by hand: refused (too fast)" in summary["verdict"]

@@ -5,11 +5,13 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from sojourn_config.command_errors import UsageError
 from sojourn_contract.values import Message, OccupancyGrid
 from sojourn_flight.hazards.obstacle_params import TiltLimits
 from sojourn_flight.planning.global_route import SiteMap
 from sojourn_machine.params import FloatArray
 from sojourn_operator.far_goal import CLOSED, FoundCells, closed_places, drive_far, site_of
+from sojourn_operator.goal_client import main
 
 GOAL = (30.5, 10.5)
 STEP = "step of 0.25 m at (15.5, 10.5)"
@@ -91,6 +93,17 @@ def test_what_the_drive_forgets_is_remembered_and_what_it_corrects_is_corrected(
     assert found.places.tolist() == [[-0.75, 2.25]]
     found.hear(OccupancyGrid(0, "odom", 0.0, 0, 0, np.zeros(3), b""))
     assert found.places.tolist() == [[-0.75, 2.25]]
+
+
+def test_the_map_is_that_of_the_run_with_what_was_set_of_it() -> None:
+    usual, other = site_of("obstacle_course"), site_of("obstacle_course", ["seed=77"])
+    assert usual.heights.shape == other.heights.shape and (usual.heights != other.heights).any()
+    assert site_of("obstacle_course", ["terrain.size_x=30.0"]).heights.shape == (16, 30)
+
+
+def test_what_was_set_is_of_the_map_alone() -> None:
+    with pytest.raises(UsageError, match="--set: allowed with --over alone"):
+        main(["drive", "1", "0", "--set", "seed=77"])
 
 
 def test_the_map_of_a_scenario_is_coarse_and_not_the_truth() -> None:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.app import Period
 from sojourn_contract.codecs import encode
@@ -17,6 +18,7 @@ from sojourn_contract.values import UPRIGHT, Header, Message, Odometry
 from sojourn_operator.app import OperatorApp, OperatorState
 from sojourn_operator.goal_messages import drive_goal, route_goal, stop_messages
 from sojourn_operator.link.length import bits
+from sojourn_operator.scenario_steps import prepare_scenario
 
 LOOK = 5
 GOAL = drive_goal(0, (1.0, 0.0), None)
@@ -48,6 +50,8 @@ class Bench:
             self.period += 1
             stamp = self.period * CONTROL_PERIOD_NS
             inputs: dict[str, Any] = {"/truth/odom": truth(stamp)}
+            if self.period % 5 == 0:
+                inputs["/odom"] = truth(stamp)._replace(position=np.array((0.0, 0.0, 1e-3 * self.period)))
             if self.period % 50 == 0:
                 inputs["/drive/status"] = status_message(stamp, "drive", self.status)
             self.state, answer = self.app.step(self.state, Period(stamp, inputs, goals))
@@ -88,6 +92,24 @@ def test_the_script_goes_by_what_the_earth_knows() -> None:
     bench.run(30.0)
     first, _ = bench.state.script.results
     assert (first.outcome, first.start_s) == ("reached", 0.1) and first.end_s == pytest.approx(21.0)
+
+
+def test_who_looks_at_the_ground_from_earth_sees_it_from_where_the_machine_was() -> None:
+    link = "{light_time_s: 4.0, telemetry: [{topic: /odom, every_s: 1}]}"
+    bench = Bench(link, "[{arm_to_ground: {x: 1.0, y: 0.0}}]")
+    bench.run(20.0)
+    ((time, goal),) = bench.of("/arm/goal_pose")
+    assert time == pytest.approx(8.2, abs=0.11)  # the first pose, of 0.1 s, comes down; what is sent then goes up
+    assert goal.position[2] == pytest.approx(-5e-3)  # level ground at 0, seen from the height that /odom had at 0.1 s
+
+
+def test_who_looks_at_the_ground_from_earth_has_to_hear_where_the_machine_is() -> None:
+    steps, link = "steps=[{arm_to_ground: {x: 1.0, y: 0.0}}]", "{light_time_s: 4.0}"
+    with pytest.raises(ConfigError, match=r"(?s)steps.0.*by the /odom that has come down.*link.telemetry"):
+        prepare_scenario("flat_drive", [f"link={link}", steps])
+    heard = "{light_time_s: 4.0, telemetry: [{topic: /odom}]}"
+    assert prepare_scenario("flat_drive", [f"link={heard}", steps])
+    assert prepare_scenario("flat_drive", [steps])
 
 
 def test_what_is_sent_outside_a_window_waits_for_it() -> None:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_contract.topics import topic
+from sojourn_contract.values import UPRIGHT, Odometry
 from sojourn_operator.scenario_steps import script_steps
 from sojourn_operator.script import GoalToSend, OperatorScript, StepResult, results_as_data, results_from_data
 from sojourn_operator.steps.arm_jog import ArmJogStep
@@ -126,8 +128,16 @@ def test_joint_positions_go_with_the_names_of_the_arm() -> None:
 
 
 def test_the_ground_has_to_be_there_for_a_step_that_looks_at_it() -> None:
+    here = Odometry(LOOK, "map", "base_link", np.zeros(3), UPRIGHT, np.zeros(3), np.zeros(3))
+    alone = OperatorScript([(ArmGroundStep(x=1.0, y=0.0), None)], 100.0)
     with pytest.raises(ValueError, match="looks_at_ground"):
-        sent_at_once(ArmGroundStep(x=1.0, y=0.0))
+        alone.look(alone.begin(), LOOK, {}, here)
+
+
+def test_a_step_that_looks_at_the_ground_waits_until_it_is_known_where_from() -> None:
+    alone = OperatorScript([(ArmGroundStep(x=1.0, y=0.0), None)], 100.0)
+    state, goal = alone.look(alone.begin(), LOOK, {}, None)
+    assert (state, goal) == (alone.begin(), None)
 
 
 def test_a_path_of_the_tip_as_a_message_has_its_arcs_marked() -> None:

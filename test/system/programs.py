@@ -30,6 +30,7 @@ ELSEWHERE = {
 }  # fmt: skip
 """What a user may have set: an older processor for each library that asks, and more threads than there are cores."""
 MODULES = {
+    "action_command": "sojourn_operator.action_command",
     "bench": "sojourn_studies.bench",
     "checkpoint_client": "sojourn_operator.checkpoint_client",
     "compare": "sojourn_bags.compare_command",

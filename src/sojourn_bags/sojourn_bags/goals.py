@@ -1,7 +1,8 @@
 """What became of each goal in a bag: how drive or arm said it ended, and how near the machine truly came.
 
 A goal and a status belong together by the goal's stamp. For a goal without a stamp ("now") it is the first
-final status about such a goal after it arrived.
+final status about such a goal after it arrived. Velocities by hand have no end of their own; those that were refused
+count as goals that were not met, once for as long as the same reason is given.
 """
 
 from collections import Counter
@@ -16,6 +17,7 @@ from sojourn_contract.stamps import NANOSECONDS
 
 DRIVE_TOPICS = ("/goal_pose", "/waypoints")
 ARM_TOPICS = ("/arm/goal_pose", "/arm/joint_goal", "/arm/joint_trajectory", "/arm/path", "/arm/task")
+VELOCITIES = {"/cmd_vel": "/drive/status", "/arm/cmd_vel": "/arm/status"}
 STATUS_OF = {**dict.fromkeys(DRIVE_TOPICS, "/drive/status"), **dict.fromkeys(ARM_TOPICS, "/arm/status")}
 REACHED = "reached"
 FINAL_STATES = (REACHED, "refused", "stopped", "failed")
@@ -105,7 +107,24 @@ def judge_goals(bag: Bag, machine: TrueMachine | None, tip_link: str, limits: Li
         limit = limits.drive_m if goal.topic in DRIVE_TOPICS else limits.arm_m
         near = goal.target is None or (error is not None and error <= limit)
         results.append(GoalResult(goal, outcome, reason, ended_s, error, outcome == REACHED and near))
-    return results
+    return sorted([*results, *refused_velocities(bag)], key=lambda result: result.goal.effect_s)
+
+
+def refused_velocities(bag: Bag) -> list[GoalResult]:
+    """Drives and jogs by hand that were refused."""
+    found = []
+    for topic, name in VELOCITIES.items():
+        if topic not in bag:
+            continue
+        when = dict(zip(_stamps(bag, topic), bag[topic].log_times, strict=True))
+        told = ""
+        for status in _statuses(bag, name):
+            sent = when.get(status.goal_stamp) if status.state == "refused" else None
+            if sent is not None and status.reason != told:
+                goal = SentGoal(topic, status.goal_stamp, sent / NANOSECONDS, f"{name.split('/')[1]} by hand")
+                found.append(GoalResult(goal, status.state, status.reason, status.time_s, None, met=False))
+            told = status.reason if sent is not None else ""
+    return found
 
 
 def sent_goals(bag: Bag) -> list[SentGoal]:
@@ -154,6 +173,13 @@ def _describe(topic, message) -> tuple[str, tuple[float, float, float] | None]:
         return f"arm along {len(message.poses)} points to ({target[0]:.3f}, {target[1]:.3f}, {target[2]:.3f})", target
     way = f" along {len(message.poses)} points" if along else ""
     return f"drive{way} to ({target[0]:.2f}, {target[1]:.2f})", target
+
+
+def _stamps(bag: Bag, topic: str) -> list[int]:
+    """Of the headers [ns]."""
+    messages = bag[topic]
+    parts = zip(messages.column("header.stamp.sec"), messages.column("header.stamp.nanosec"), strict=True)
+    return [int(sec) * NANOSECONDS + int(nanosec) for sec, nanosec in parts]
 
 
 def _statuses(bag: Bag, topic: str) -> list[_Status]:

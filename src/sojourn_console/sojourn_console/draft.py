@@ -30,6 +30,7 @@ class Draft:
     Args:
         kind: of goal. points: of the way in map; of the arm the one place of its tip in base_link.
         yaw: heading at the end [rad], None for any. task: its name. values: its numbers, as they are sent.
+        over_map: whether the points are a way over the map.
     """
 
     kind: Kind = "drive"
@@ -37,10 +38,11 @@ class Draft:
     yaw: float | None = None
     task: str = ""
     values: Mapping[str, str] = field(default_factory=dict)
+    over_map: bool = False
 
     def with_point(self, point: Point) -> "Draft":
         """With one more point of a route, or another place."""
-        return replace(self, points=(*self.points, point) if self.kind == "route" else (point,))
+        return replace(self, points=(*self.points, point) if self.kind == "route" else (point,), over_map=False)
 
     def without_last(self) -> "Draft":
         """With one point less."""
@@ -63,7 +65,8 @@ class Draft:
         except NoRouteError as error:
             raise GoalError("over the map", str(error)) from error
         points = np.column_stack([corners, heights(corners)])
-        return replace(self, kind="route", points=tuple((float(x), float(y), float(z)) for x, y, z in points))
+        places = tuple((float(x), float(y), float(z)) for x, y, z in points)
+        return replace(self, kind="route", points=places, over_map=True)
 
     @property
     def is_way(self) -> bool:

@@ -42,6 +42,8 @@ CANCEL = Topic(
     "commands that have not been sent yet are not: the number in frame_id, or all where it is empty",
     needs_listener=False,
 )
+PLACE = "/odom"
+"""By which the Earth knows where the machine stands, where it is among the telemetry."""
 COMMANDS = {row.name: row for row in GOAL_TOPICS if row.name != FAULTS}
 """Rows of what goes to the machine, by topic."""
 

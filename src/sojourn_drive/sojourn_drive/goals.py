@@ -64,7 +64,7 @@ class GoalStatus:
             "state": "refused" if state.twist_refused else self.state,
             "goal_stamp": str(self.stamp),
             "distance_to_go": f"{distance:.3f}",
-            "reason": self.reason or (state.text if is_held(state) else ""),
+            "reason": self.reason or (state.text if is_held(state) or state.waits else ""),
         }
 
 

@@ -115,7 +115,7 @@ class OperatorApp(App[OperatorState]):
             script, goal = self.script.look(state.script, now, state.reports, truth)
             return script, None, [] if goal is None else [(goal.topic, goal.message)]
         link, said = self._link.turned(state.link, now, truth)
-        script, goal = self.script.look(state.script, now, reports_on_earth(link.reports, link.log), truth)
+        script, goal = self.script.look(state.script, now, reports_on_earth(link.reports, link.log), link.place)
         link = self._link.sent(link, now, [] if goal is None else [(goal.topic, goal.message)])
         link, more = self._link.turned(link, now, truth)
         return script, link, said + more

@@ -7,6 +7,7 @@ from typing import Any, Self
 
 import rclpy
 from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_config.ros_environment import ros_variables
@@ -62,6 +63,11 @@ class Desk:
         end = time.monotonic() + wall_s
         while (left := end - time.monotonic()) > 0.0:
             self._executor.spin_once(timeout_sec=left)
+
+    @property
+    def node(self) -> Node:
+        """For what a desk has no method for."""
+        return self._node
 
     @property
     def place(self) -> str:

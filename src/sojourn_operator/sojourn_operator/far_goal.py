@@ -115,15 +115,27 @@ def drive_far(
             return "refused", f"{error}; {reason}" if reason else str(error)
         say(("again " if attempt else "") + route_words(points))
         outcome, reason = driver.drive(route_goal(0, points, yaw))
-        obstacle = driver.stands_before()
-        if outcome not in ("stopped", "refused") or not (obstacle and reason.startswith(obstacle)):
+        if not finds_it_closed(outcome, reason, driver.stands_before()):
             return outcome, reason
         say(f"{outcome}: {reason}")
-        found = site.with_found(driver.found())
-        if site.found is not None and found.found is not None and (site.found == found.found).all():
+        found = with_new(site, driver.found())
+        if found is None:
             return outcome, f"{reason}; nothing new has been found to plan by"
         site = found
     return outcome, f"{reason}; planned {REPLANS} times anew"
+
+
+def finds_it_closed(outcome: str, reason: str, obstacle: str) -> bool:
+    """Whether a drive has ended so because of an obstacle in the words of its status, and not for another reason."""
+    return outcome in ("stopped", "refused") and bool(obstacle) and reason.startswith(obstacle)
+
+
+def with_new(site: SiteMap, places: FloatArray) -> SiteMap | None:
+    """The map with what has been found closed, shape (n, 2) [m]; None where it had all of it."""
+    found = site.with_found(places)
+    if site.found is not None and found.found is not None and (site.found == found.found).all():
+        return None
+    return found
 
 
 def route_words(points: Sequence[Point]) -> str:
@@ -131,13 +143,13 @@ def route_words(points: Sequence[Point]) -> str:
     return "over the map: " + " ".join(f"({x:.1f}, {y:.1f})" for x, y in points)
 
 
-def site_of(name: str) -> SiteMap:
-    """The map of a scenario's site. Raises ConfigError, CommandError."""
+def site_of(name: str, overrides: Sequence[str] = ()) -> SiteMap:
+    """The map of a scenario's site, with KEY=VALUE texts over its files. Raises ConfigError, CommandError."""
     from sojourn_config.scenario import load_scenario
     from sojourn_config.site_map import site_map
     from sojourn_machine.errors import MachineError
 
     try:
-        return site_map(load_scenario(name))
+        return site_map(load_scenario(name, overrides))
     except MachineError as error:
         raise CommandError(f"--over {name}: {error}") from error

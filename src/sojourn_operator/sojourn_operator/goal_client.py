@@ -9,7 +9,9 @@ from sojourn_flight.arm.tasks.names import TASKS
 from sojourn_machine.fault_names import FAULTS
 
 VERBS = ("drive", "route", "arm", "task", "power", "here", "fault", "cancel", "stop")
-WITH_VALUE = ("--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z", "--within", "--name", "--over")
+WITH_VALUE = (
+    "--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z", "--within", "--name", "--over", "--set",
+)  # fmt: skip
 """Options before whose value no verb stands."""
 
 
@@ -33,6 +35,10 @@ def parser() -> argparse.ArgumentParser:
         metavar="SCENARIO",
         help="plan a route over this scenario's orbital map, and again where the drive finds it closed",
     )
+    drive.add_argument(
+        "--set", action="append", default=[], dest="overrides", metavar="KEY=VALUE",
+        help="of the scenario of --over: as the run was started with",
+    )  # fmt: skip
     route = commands.add_parser("route", help="drive along points")
     route.add_argument(
         "points", type=command_line.number, nargs="+", metavar="X Y", help="[m], one pair for each point"

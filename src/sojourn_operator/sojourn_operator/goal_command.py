@@ -3,7 +3,7 @@
 import argparse
 
 from sojourn_config import command_line
-from sojourn_config.command_errors import CommandError
+from sojourn_config.command_errors import CommandError, UsageError
 from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.topics import topic
@@ -70,7 +70,7 @@ def _drive_over(given: argparse.Namespace) -> int:
     from sojourn_operator.far_goal import drive_far, route_words, site_of
     from sojourn_operator.route_client import RouteClient
 
-    site = site_of(given.over)
+    site = site_of(given.over, given.overrides)
     with GoalClient(given.domain, given.namespace) as client:
         driver = RouteClient(client, given.timeout)
         who, name = GOALS["route"]
@@ -124,6 +124,8 @@ def run(given: argparse.Namespace) -> int:
         return 0 if gone else 1
     if given.command == "drive" and given.over is not None:
         return _drive_over(given)
+    if given.command == "drive" and given.overrides:
+        raise UsageError("--set: allowed with --over alone, for the scenario whose map it is")
     message = None if given.command == "stop" else _goal(given)
     with GoalClient(given.domain, given.namespace) as client:
         if message is None:

@@ -90,8 +90,8 @@ class GoalClient(Desk):
         self.link = LinkView(self, STATUS_TOPICS)
         return self
 
-    def send(self, who: str, name: str, message: Message) -> None:
-        """Publish a goal on a topic once its role listens, over the link where the run has one.
+    def send(self, who: str, name: str, message: Message) -> int:
+        """Publish a goal on a topic once its role listens, over the link where the run has one. Its stamp [ns].
 
         Raises NoStackError if nobody listens within ANSWER_S.
         """
@@ -102,6 +102,7 @@ class GoalClient(Desk):
             sender = self.sender_to("the link to Earth", row)
         sender.publish(encode(row, stamped(message, self.now)))
         self._last_stamp = self.now
+        return self._last_stamp
 
     def cancel(self, number: str) -> list[str]:
         """Take back a command, or all where no number is said; those that are. Raises NoStackError, CommandError."""
@@ -288,7 +289,8 @@ def _to_go(who: str, values: dict[str, str]) -> str:
         energy = ""
         if "energy_forecast_wh" in values:
             energy = f", {float(values['energy_used_wh']):.2f} Wh used, {float(values['energy_to_go_wh']):.2f} to go"
-        return f"{values.get('distance_to_go', '?')} m to go, {aside}{energy} ({values.get('phase', '')})"
+        doing = values.get("reason") or values.get("phase", "")
+        return f"{values.get('distance_to_go', '?')} m to go, {aside}{energy} ({doing})"
     if "progress" not in values:  # of a task that has not begun yet
         return f"{values.get('task', who)} has not begun"
     return f"{100.0 * float(values['progress']):.0f} % done, {values.get('time_to_go', '?')} s to go"

@@ -9,6 +9,7 @@ from sojourn_config.paths import available, resolve
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.yaml_file import KeyPath
 from sojourn_contract.errors import LinkError, UnfitRunError
+from sojourn_contract.link_topics import PLACE, telemetry
 from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_table import TopicTable
 from sojourn_machine.names import names_text
@@ -44,7 +45,7 @@ def prepare_scenario(name: str, overrides: Sequence[str] = ()) -> PreparedScenar
     except LinkError as error:
         at: KeyPath = ("link", *error.key)
         raise ConfigError([loaded.documents["scenario"].problem(at, error.value, error.allowed)]) from error
-    problems = list(_expectation_problems(loaded, table))
+    problems = [*_expectation_problems(loaded, table), *_sight_problems(loaded, table)]
     if problems:
         raise ConfigError(problems)
     path = resolve("scenarios", name, ("command line", "scenario"))
@@ -61,6 +62,18 @@ def _expectation_problems(loaded: LoadedScenario, table: TopicTable) -> Iterator
             allowed = f"is no status of this run: {names_text(fault.expect.topic, names)}"
             path: KeyPath = ("faults", index, "expect", "topic")
             yield loaded.documents["scenario"].problem(path, fault.expect.topic, allowed)
+
+
+def _sight_problems(loaded: LoadedScenario, table: TopicTable) -> Iterator[Problem]:
+    """Who looks at the ground from Earth goes by what comes down of where the machine stands."""
+    if loaded.link is None or PLACE in [row.name for row, _ in telemetry(table, loaded.link)]:
+        return
+    for index, (step, _) in enumerate(script_steps(loaded)):
+        if step.looks_at_ground:
+            allowed = (
+                f"looks at the ground, over a link by the {PLACE} that has come down: allowed with it in link.telemetry"
+            )
+            yield loaded.documents["scenario"].problem(("steps", index), step.describe(), allowed)
 
 
 def script_steps(scenario: LoadedScenario) -> list[tuple[OperatorStep, float | None]]:

@@ -87,7 +87,8 @@ class OperatorScript:
         """Look at the machine at simulation time `now` [ns]; the goal to send now, if any.
 
         Args:
-            reports: latest report of "drive" and "arm", where there is one. truth: where the machine is.
+            reports: latest report of "drive" and "arm", where there is one. truth: where the machine is, as
+                far as it is known.
         """
         if state.finished:
             return state, None
@@ -101,6 +102,8 @@ class OperatorScript:
             return replace(state, finished=True), None
         if now >= self.limit_s * NANOSECONDS:
             return self._record(state, now, TIMED_OUT, self._limit_text()), None
+        if truth is None and self.steps[len(state.results)][0].looks_at_ground:
+            return state, None  # begins once it is known where the machine stands
         return replace(state, since=now), self._said(state, replace(view, since=now))
 
     def rests_until(self, state: ScriptState, now: int, reports: Mapping[str, GoalReport]) -> int:

@@ -75,7 +75,7 @@ def follow_path(scenario: LoadedScenario, goal: Goal) -> PathFigures:
     output = loop.tick(goal)
     way = loop.drive_state.follower
     if way is None:
-        raise CommandError(f"the route of {scenario.name}: {loop.output.status['text']}")
+        raise CommandError(f"the route of {scenario.name}: {loop.drive_state.text}")
     true = TruePlace(way.path)
     joints = loop.plant.reference_rows([wheel.joint for wheel in loop.plant.machine.wheels])
     radii = np.array([wheel.shear_radius for wheel in loop.plant.machine.wheels])

@@ -127,6 +127,7 @@ def test_the_status_says_so() -> None:
     said = []
     for _ in range(700):
         made._step(None)
-        said.append((made.output.status["astern"], str(made.output.status["text"]).split(",")[0]))
+        said.append((made.output.status["astern"], made.state.text.split(",")[0]))
+        assert made.state.waits == made.state.text.startswith(("looks", "wheels wait"))
     assert (0.0, "looks where to drive astern") in said
     assert (1.0, "align astern") in said and (1.0, "drive astern") in said

@@ -94,11 +94,11 @@ def test_an_operator_is_stopped_before_an_obstacle_and_may_drive_away_from_it() 
     ahead, back = PlanarTwist(0.1, 0.0, 0.0), PlanarTwist(-0.1, 0.0, 0.0)
     made.run(30.0, twist=ahead)
     assert made.output is not None and made.output.wheel_rates.max() == 0.0
-    assert str(made.output.status["text"]).startswith("stopped before step of 0.")
+    assert made.drive.text.startswith("stopped before step of 0.")
     stopped = made.place[0]
     assert 1.0 < stopped < ROCK[0] - ROCK[2] - FRONT
     made.run(4.0, twist=back)
-    assert made.place[0] < stopped - 0.15 and made.output.status["text"] == "driving by /cmd_vel"
+    assert made.place[0] < stopped - 0.15 and made.drive.text == "driving by /cmd_vel"
     assert_safe(made)
 
 
@@ -122,7 +122,7 @@ def test_a_blind_rover_waits() -> None:
     camera, made.camera = made.camera, None
     made.run(8.0, Goal.at(6.0, 0.0))
     assert made.output is not None and made.output.wheel_rates.max() == 0.0
-    assert made.output.status["text"] == "waiting for the hazard camera, nothing seen for 5 s"
+    assert made.drive.text == "waiting for the hazard camera, nothing seen for 5 s"
     made.camera = camera
     made.run(3.0)
     assert made.output.wheel_rates.min() > 0.0

@@ -11,6 +11,7 @@ import viser
 
 from sojourn_console.draft import Draft, Kind, Point
 from sojourn_console.errors import GoalError
+from sojourn_console.far_way import FarWay
 from sojourn_console.ground_tiles import heights_of
 from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import RunScene
@@ -23,6 +24,7 @@ from sojourn_console.views.view import GREEN, Shown, segments
 from sojourn_console.views.way_view import on_ground
 from sojourn_flight.arm.tasks.names import TASKS
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.params import FloatArray
 from sojourn_operator.far_goal import closed_places
 from sojourn_operator.foresight_words import foresight_lines
 
@@ -67,6 +69,7 @@ class GoalsPanel(QuietPanel):
         self._words = ""
         self._rehearser = Rehearser()
         self._foreseen: list[tuple[str, str]] = []
+        self._far: FarWay | None = None
         self._connect()
         self._redraw()
 
@@ -81,7 +84,9 @@ class GoalsPanel(QuietPanel):
             topic, stamp = self._sent
             status = scene.status(topic)
             if status.get("goal_stamp") == str(stamp):
-                self._say(table_html([("goal", status.get("state", "")), ("", status.get("reason", ""))]))
+                told = [("goal", status.get("state", "")), ("", status.get("reason", ""))]
+                self._say(table_html(told + ([("map", self._far.told)] if self._far and self._far.told else [])))
+        self._go_on(scene)
 
     def clear(self) -> None:
         self._asked = self._sent = None
@@ -172,7 +177,7 @@ class GoalsPanel(QuietPanel):
             site = bench.world.site.with_found(closed_places(scene.costmap))
         except InvalidValueError as error:
             raise GoalError("over the map", str(error)) from error
-        routed = draft.over(site, _point(scene.pose.position), lambda places: heights_of(bench.world.ground, *places.T))
+        routed = draft.over(site, _point(scene.pose.position), self._heights)
         self._change(routed)
         return f"a route of {len(routed.points)} points: look at it, rehearse it, send it"
 
@@ -200,9 +205,38 @@ class GoalsPanel(QuietPanel):
         draft = self._bench.checked_draft()
         stamp = self._bench.desk.send(draft)
         self._sent = ("/drive/status" if draft.is_way else "/arm/status", stamp)
+        if draft.is_way:
+            self._far = FarWay(self._bench.world.site, draft, self._heights) if draft.over_map else None
         self._asked, self._foreseen = None, []
         self._rehearser.end()
         return f"{self._mode.value}: sent"
+
+    def _go_on(self, scene: RunScene) -> None:
+        """Where the drive has found a way over the map closed, send it along another."""
+        far, driven = self._far, self._bench.desk.driven
+        if far is None or driven is None or driven.is_paused or scene.pose is None:
+            self._far = far if driven is not None else None  # cancelled, or stopped
+            return
+        far.hear(scene.costmap)
+        status = scene.status("/drive/status")
+        if status.get("goal_stamp") != str(driven.stamp):
+            return
+        before = far.way
+        is_over, way = far.after(status, _point(scene.pose.position))
+        if way is not None:
+            try:
+                self._sent = ("/drive/status", self._bench.desk.send(way))
+            except GoalError as error:
+                is_over, far.told = True, str(error)
+            if self._bench.draft == before:
+                self._change(way)
+        if is_over:
+            self._say(table_html([("goal", status["state"]), ("", far.told or status.get("reason", ""))]))
+            self._far = self._sent = None
+
+    def _heights(self, places: FloatArray) -> FloatArray:
+        """Of the ground at places, shape (n, 2) [m]."""
+        return heights_of(self._bench.world.ground, *places.T)
 
     def _say(self, words: str) -> None:
         if words != self._words:

@@ -40,6 +40,8 @@ class Arbiter:
     avoidance: AvoidanceState | None
     twist_refused: bool = False
     """Whether an operator's twist is not driven because the machine does not allow it."""
+    waits: bool = False
+    """Whether `text` says why a goal on its way does not get on."""
 
     def end_goal(self, outcome: GoalOutcome, mode: Mode = "idle") -> None:
         """Notes how a goal ended."""
@@ -92,7 +94,7 @@ class Arbiter:
             twist, reason = model.mobility.fit(command.twist)
             self.twist_refused = reason != ""
             if self.twist_refused:
-                self.text = f"refused: /cmd_vel: {reason}"
+                self.text = f"/cmd_vel: {reason}"
             elif abs(twist.v_y - command.twist.v_y) > WORTH_TELLING:
                 self.text += f" at v_y = {twist.v_y:.3f} m/s, as the fixed wheels roll"
             return twist

@@ -168,7 +168,7 @@ def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going:
         return NO_MOTION
     power, slip, policy = going.power, going.slip, model.params.slip_policy
     if power <= 0.0:
-        arbiter.text = f"waiting for power, {way.distance_to_go:.2f} m to go"
+        arbiter.text, arbiter.waits = "waiting for power", True
         return NO_MOTION
     slips = policy is not None and slip > policy.another_way
     sense = choose_sense(model, arbiter.avoidance, way, going.rather_astern, going.no_headway or slips, odometry)
@@ -183,7 +183,7 @@ def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going:
             arbiter.end_goal(guidance.outcome)
             return NO_MOTION
         if guidance.twist is not None:
-            arbiter.text = guidance.text
+            arbiter.text, arbiter.waits = guidance.text, True
             return guidance.twist
     limits = model.params.limits
     pace = going.sight * (power if policy is None else power * speed_part(policy, slip))
@@ -207,7 +207,7 @@ def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going:
         arbiter.end_goal(outcome)
         return NO_MOTION
     if sense.observing:
-        arbiter.text = f"looks where to drive astern, {way.distance_to_go:.2f} m to go"
+        arbiter.text, arbiter.waits = "looks where to drive astern", True
         return NO_MOTION
     astern = " astern" if way.astern else ""
     arbiter.text = f"{way.phase.value.replace('_', ' ')}{astern}, {way.distance_to_go:.2f} m to go"
@@ -270,8 +270,8 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     mobility, moves = model.mobility.command(mobility, wanted, Conditions(inputs.power_limit, odometry.pitch), dt)
     if moves.stuck and arbiter.follower is not None:
         arbiter.end_goal(stop(arbiter.follower, moves.stuck))
-    elif moves.waits and wanted != NO_MOTION:
-        arbiter.text += f" ({moves.waits})"
+    elif moves.waits and arbiter.follower is not None and wanted != NO_MOTION:
+        arbiter.text, arbiter.waits = moves.waits, True
     new_state = DriveState(
         mode=arbiter.mode,
         odometry=odometry,
@@ -281,6 +281,7 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
         since_override=arbiter.since_override,
         text=arbiter.text,
         twist_refused=arbiter.twist_refused,
+        waits=arbiter.waits,
         energy=arbiter.energy,
         mean_slip=slip_now,
         heading=located.heading,

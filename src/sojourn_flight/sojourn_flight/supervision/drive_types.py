@@ -92,6 +92,8 @@ class DriveState:
     """What the drive is doing, in words."""
     twist_refused: bool = False
     """Whether an operator's twist is not driven because the machine does not allow it; `text` says why."""
+    waits: bool = False
+    """Whether a goal on its way does not get on; `text` says why."""
     energy: EnergyUse = field(default_factory=EnergyUse)
     """Of the goal on its way, or of the last one."""
     mean_slip: float = 0.0

@@ -12,7 +12,7 @@ from typing import Any
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.app import Period
-from sojourn_contract.link_topics import CANCEL, EARTH, telemetry
+from sojourn_contract.link_topics import CANCEL, EARTH, PLACE, telemetry
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS, seconds
 from sojourn_contract.values import DiagnosticArray, Message, Odometry
@@ -66,6 +66,8 @@ class LinkState:
     """Last ones on the machine, by topic."""
     reports: Mapping[str, GoalReport] = field(default_factory=dict)
     """Last ones that the Earth has received, by role."""
+    place: Odometry | None = None
+    """Where the machine is as the Earth knows: the last /odom that it has received."""
 
 
 class EarthLink:
@@ -227,7 +229,7 @@ def _with_ends(state: LinkState) -> tuple[LinkState, list[MachineWord]]:
 
 def _after_downlink(state: LinkState, contents: Sequence[Any], now: int, said: Said) -> tuple[LinkState, Said]:
     """What has reached the Earth."""
-    log, reports = list(state.log), dict(state.reports)
+    log, reports, place = list(state.log), dict(state.reports), state.place
     for content in contents:
         if isinstance(content, MachineWord):
             log = [after_word(one, content, now) if one.number == content.number else one for one in log]
@@ -235,4 +237,6 @@ def _after_downlink(state: LinkState, contents: Sequence[Any], now: int, said: S
         said.append((EARTH + content.topic, content.message))
         if content.topic in _ROLES:
             reports[_ROLES[content.topic]] = report_of(content.message)
-    return (replace(state, log=tuple(log), reports=reports) if contents else state), said
+        elif content.topic == PLACE:
+            place = content.message
+    return (replace(state, log=tuple(log), reports=reports, place=place) if contents else state), said

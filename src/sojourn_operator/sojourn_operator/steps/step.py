@@ -61,7 +61,8 @@ class View:
     Args:
         since, now: simulation time at which it began, and now [ns].
         reports: last word of "drive" and "arm", where there is one.
-        truth: where the machine truly is, as a person sees it in pictures; None until it has been told.
+        truth: where the machine truly is, as a person beside it sees it; over a link to Earth the last /odom that has
+            come down. None until it has been told.
     """
 
     since: int
