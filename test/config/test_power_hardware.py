@@ -63,3 +63,17 @@ def test_no_load_is_called_as_the_sleep_of_the_machine(tmp_path: Path) -> None:
 )
 def test_a_site_without_sun_is_known(overrides: list[str], dark: bool) -> None:
     assert lies_in_the_dark(load_scenario("mars_sol", overrides)) is dark
+
+
+def test_a_whole_table_of_the_machine_can_be_set() -> None:
+    """An array is taken off: what its belief has goes with it."""
+    bare = load_scenario("mars_sol", ["sources={}"])
+    assert not bare.power.sources and not bare.as_believed().power.sources
+    assert set(load_scenario("mars_sol", ["sources.array.clean=0.7"]).power.sources) == {"array"}
+
+
+@pytest.mark.parametrize("text", ["thermal={}", "sensors=null"])
+def test_a_whole_file_of_the_machine_is_refused_in_words(text: str) -> None:
+    name = text.partition("=")[0]
+    with pytest.raises(ConfigError, match=rf"stands for a file of the machine: allowed is {name}.KEY=VALUE"):
+        load_scenario("mars_sol", [text])

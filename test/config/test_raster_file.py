@@ -26,6 +26,10 @@ def value(east: np.ndarray | float, north: np.ndarray | float) -> Any:
     return 1200.0 + 0.05 * x - 0.08 * y + 0.004 * x * x + 0.001 * x * y
 
 
+LOCAL = 'LOCAL_CS["of the landing site",UNIT["metre",1]]'
+"""A projection of no planet."""
+
+
 def heights() -> np.ndarray:
     east = EAST + CELL * (np.arange(SHAPE[1]) + 0.5)
     north = NORTH - CELL * (np.arange(SHAPE[0]) + 0.5)
@@ -160,6 +164,7 @@ def test_a_number_can_be_named_as_a_hole(tmp_path: Path) -> None:
     [
         ({"crs": "EPSG:4326", "transform": from_origin(15.0, 38.0, 1e-5, 1e-5)}, "is in degrees"),
         ({"crs": "EPSG:2263"}, "is in the unit US survey foot"),
+        ({"crs": LOCAL}, "has a local projection: allowed is a map projection, or none and the key cell"),
         ({"crs": None}, "does not say its projection: if its unit is the metre, give its pixel, 0.5"),
         ({"transform": from_origin(EAST, NORTH, 0.5, 0.6)}, "pixels of 0.5 x 0.6 m: allowed are square ones"),
         ({"transform": Affine.translation(EAST, NORTH) * Affine.rotation(20.0) * Affine.scale(0.5, -0.5)}, "is turned"),

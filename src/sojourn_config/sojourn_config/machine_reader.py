@@ -58,6 +58,8 @@ FILES: Mapping[str, tuple[str, ...]] = {
 """Files of a machine's folder, and the tables in them that an override may begin with; none: the file's own name."""
 HEADS = tuple(head for file, tables in FILES.items() for head in tables or (file,))
 """First words of overrides that are for a machine's files."""
+TABLES = tuple(head for tables in FILES.values() for head in tables)
+"""Those of them that are tables in a file."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -238,7 +240,7 @@ class MachineReader(SetReader):
     def _overrides_of(self, file: str) -> list[str]:
         if not FILES[file]:
             return self.overrides.get(file, [])
-        return [f"{head}.{text}" for head in FILES[file] for text in self.overrides.get(head, ())]
+        return [text for head in FILES[file] for text in self.overrides.get(head, ())]
 
     def _with_arm(
         self, machine: LoadedMachine, documents: Mapping[str, YamlDocument], arm: ReadSet[ArmConfig] | None

@@ -59,13 +59,19 @@ def override_document(document: YamlDocument, overrides: Sequence[str]) -> YamlD
     return dataclasses.replace(document, data=apply_overrides(document.data, overrides), overridden=changed)
 
 
-def route_overrides(overrides: Sequence[str], heads: Sequence[str]) -> tuple[list[str], dict[str, list[str]]]:
+def route_overrides(
+    overrides: Sequence[str], heads: Sequence[str], tables: Sequence[str] = ()
+) -> tuple[list[str], dict[str, list[str]]]:
     """Sort overrides by the file they are for.
 
     `soil.k_c=1400` with the head `soil` is `k_c=1400` for the file that `soil` names; `soil=jsc_1a` stays.
 
+    Args:
+        heads: first words that are for such files. tables: those of them that are tables in a file: what begins with
+            one goes there as it is, `sources.array.clean=0.8`, and may be of a whole table, `sources={}`.
+
     Returns:
-        those that stay, and those of each head without it.
+        those that stay, and those of each head, without it where it stands for a file.
 
     Raises:
         ConfigError: it is not KEY=VALUE.
@@ -75,7 +81,9 @@ def route_overrides(overrides: Sequence[str], heads: Sequence[str]) -> tuple[lis
     for text in overrides:
         path, _ = split_override(text)
         head = path[0]
-        if len(path) > 1 and isinstance(head, str) and head in routed and isinstance(path[1], str):
+        if head in tables:
+            routed[str(head)].append(text.strip())
+        elif len(path) > 1 and isinstance(head, str) and head in routed and isinstance(path[1], str):
             routed[head].append(text.strip().partition(".")[2])
         else:
             stay.append(text)

@@ -158,6 +158,9 @@ class RasterReader:
             found = self._params.cell
             allowed = f"{name} does not say its projection: if its unit is the metre, give its pixel, {width:g}"
             raise self._refuse("cell", found, allowed)
+        if projection is not None and not projection.is_projected:
+            allowed = "has a local projection: allowed is a map projection, or none and the key cell"
+            raise self._refuse(key, name, allowed)
         if projection is not None:
             unit, factor = projection.linear_units_factor
             if abs(factor - 1.0) > 1e-9:

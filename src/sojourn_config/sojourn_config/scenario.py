@@ -234,8 +234,9 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
 
     Args:
         name: name in `config/scenarios`, or the path of a file.
-        overrides: `KEY=VALUE` texts. A first word of HEADS means the file that scenario or machine name:
-            `soil.k_c=1400`, `machine.drives[0].gear.ratio=500`; all others to the scenario: `battery_soc=0.5`.
+        overrides: `KEY=VALUE` texts. A first word of HEADS means the file that scenario or machine name, or
+            a table in it: `soil.k_c=1400`, `machine.drives[0].gear.ratio=500`, `sources={}`; all others to the
+            scenario: `battery_soc=0.5`.
             What begins with `belief.` is what the machine's own computer takes for true, and nothing else:
             `belief.battery.capacity_ah=20`; heads of TRUTH_ALONE are what it does not know of.
 
@@ -244,7 +245,7 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
     """
     path = resolve("scenarios", name, ("command line", "scenario"))
     told, beliefs = split_beliefs(overrides, HEADS)
-    own, routed = route_overrides(told, HEADS)
+    own, routed = _routed(told)
     document = override_document(read_document(path, "scenarios"), own)
     config = validate(document, ScenarioConfig)
     reader = BundleReader(document, path, routed)
@@ -253,7 +254,7 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
     problems = [*reader.problems, *scenario_problems(config, bundle, document)]
     belief = None
     if not problems and (beliefs or any(routed[head] for head in TRUTH_ALONE)):
-        reader = BundleReader(document, path, route_overrides(_known_overrides(overrides), HEADS)[1])
+        reader = BundleReader(document, path, _routed(_known_overrides(overrides))[1])
         belief = reader.read(config.machine, config.body, *soils, config.tool, config.site)
         problems += [*reader.problems, *_belief_problems(bundle, belief, document)]
     raster, digests = None, {}
@@ -293,7 +294,7 @@ def load_flight(name: str, overrides: Sequence[str] = ()) -> FlightScenario:
         ConfigError: with every problem of every file that is read.
     """
     path = resolve("scenarios", name, ("command line", "scenario"))
-    own, routed = route_overrides(_known_overrides(overrides), HEADS)
+    own, routed = _routed(_known_overrides(overrides))
     document = override_document(read_document(path, "scenarios"), own)
     config = validate(document, ScenarioConfig)
     reader = BundleReader(document, path, routed)
@@ -301,6 +302,16 @@ def load_flight(name: str, overrides: Sequence[str] = ()) -> FlightScenario:
     if known is None or reader.problems:
         raise ConfigError(reader.problems)
     return _flight(config, _with_losses(_blind(known) if config.blind_drive else known, config))
+
+
+def _routed(overrides: Sequence[str]) -> tuple[list[str], dict[str, list[str]]]:
+    """As `route_overrides`. Raises ConfigError: a whole file that the scenario does not name."""
+    for text in overrides:
+        path, value = split_override(text)
+        if len(path) == 1 and path[0] in set(HEADS).difference(machine_reader.TABLES, ScenarioConfig.model_fields):
+            allowed = f"stands for a file of the machine: allowed is {path[0]}.KEY=VALUE"
+            raise single(f"--set {text}", str(path[0]), value, allowed)
+    return route_overrides(overrides, HEADS, machine_reader.TABLES)
 
 
 def _known_overrides(overrides: Sequence[str]) -> list[str]:

@@ -79,7 +79,7 @@ class PowerDays:
     @cached_property
     def offered(self) -> FloatArray:
         """The most that all sources could have given, (steps,) [W]."""
-        return np.array([step.offered for step in self.steps])
+        return np.array([step.network.offered for step in self.steps])
 
     @cached_property
     def given(self) -> FloatArray:

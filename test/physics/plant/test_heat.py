@@ -1,20 +1,19 @@
 """The heat of a machine in its plant: its account, its thermostats, and the same as in a plan of its days."""
 
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from sojourn_config.expected_heat import site_heat
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_machine.params import FloatArray
-from sojourn_machine.power.network import PowerNetwork
-from sojourn_physics.plant.heat import Moved, PlantHeat
 from sojourn_physics.plant.state import PlantState, zeros_command
 from sojourn_physics.plant.step import step
-from sojourn_physics.thermal.site_heat import SiteHeat
+from sojourn_physics.plant.supply_kernels import HEAT, SWITCHED, in_base, with_period
 from sojourn_plant.start import build_plant
 from sojourn_studies.power_days import power_days
 
@@ -27,7 +26,6 @@ def night(*more: str) -> LoadedScenario:
 
 
 SCENARIO = night()
-PLANT_HEAT = PlantHeat(cast(SiteHeat, site_heat(SCENARIO)), PowerNetwork(SCENARIO.power), 0.02)
 
 
 @pytest.fixture(scope="module")
@@ -97,13 +95,27 @@ def test_a_plan_of_its_days_says_the_same(stood: tuple[LoadedScenario, Any, list
 @given(st.lists(st.floats(-5.0, 50.0), min_size=9, max_size=9), st.floats(0.0, 3.0))
 def test_of_what_moves_the_machine_only_the_heat_of_its_motors_stays(energy: list[float], heat: float) -> None:
     """Shared among the loads of motors by what they turned over; the others' power is heat as it is."""
-    loads = SCENARIO.power.loads
-    moves = np.array([load.kind == "commanded" for load in loads])
-    moved = np.where(moves, np.array(energy), 0.0)
-    power = np.arange(9.0)
-    warming = PLANT_HEAT.warming(power, Moved(moved, heat))
-    assert (warming[~moves] == power[~moves]).all() and (warming >= 0.0).all()
-    assert warming[moves].sum() * 0.02 == pytest.approx(heat if np.abs(moved).sum() > 0.0 else 0.0)
+    moves = np.array([load.kind == "commanded" for load in SCENARIO.power.loads])
+    moved, power = np.where(moves, np.array(energy), 0.0), np.arange(9.0)
+    before, switches = np.ones((2, 9)), np.linspace(0.0, 1.0, 9)
+    sums = with_period(before, power, switches, moves, moved, heat, 3, 0.02) - before
+    assert sums[SWITCHED] == pytest.approx(3.0 * switches)
+    warming = sums[HEAT]
+    assert warming[~moves] == pytest.approx(0.06 * power[~moves]) and (warming >= 0.0).all()
+    assert warming[moves].sum() == pytest.approx(heat if np.abs(moved).sum() > 0.0 else 0.0)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(st.floats(-1.0, 1.0), min_size=7, max_size=7))
+def test_the_machine_sees_the_sun_as_its_base_is_turned(numbers: list[float]) -> None:
+    """By Pinocchio's rotation matrix."""
+    turn, direction = np.array(numbers[:4]), np.array(numbers[4:])
+    assume(np.linalg.norm(turn) > 0.1)
+    turn /= np.linalg.norm(turn)
+    base_in_map = pin.Quaternion(turn).toRotationMatrix()
+    to_sun, up = in_base(np.array([3.0, -2.0, 0.5, *turn, 0.7]), direction)
+    assert to_sun == pytest.approx(base_in_map.T @ direction, abs=1e-12)
+    assert up == pytest.approx(base_in_map.T @ [0.0, 0.0, 1.0], abs=1e-12)
 
 
 def test_a_driving_machine_is_warmed_by_less_than_it_draws() -> None:

@@ -24,7 +24,7 @@ from sojourn_machine.power.fuses import Fuses, FuseState
 from sojourn_machine.power.loads import BusParams, BusState, LoadColumns, LoadParams
 from sojourn_machine.power.network_state import NetworkEnergy, NetworkOutput, NetworkState
 from sojourn_machine.power.power_params import PowerParams
-from sojourn_machine.power.sources import SourceParams
+from sojourn_machine.power.sources import SourceParams, SourcePoint
 from sojourn_machine.power.stores import StoreParams
 from sojourn_machine.power.surroundings import DARK, PowerSurroundings
 
@@ -56,8 +56,8 @@ class _Asked(NamedTuple):
     """(loads,)"""
     asked: FloatArray
     """(loads,) [W]"""
-    offers: FloatArray
-    """Rows of `SourcePoint` (sources, 2)."""
+    offers: Sequence[SourcePoint]
+    """Of the sources."""
     dt: float
 
 
@@ -211,12 +211,11 @@ class PowerNetwork:
         commanded, fuses = switches, state.fuses
         if fuses is not None:
             switches = switches * ~fuses.blown
-        offers = NO_SOURCES
-        if self.sources:
-            offered = zip(self.sources, state.sources, strict=True)
-            offers = np.array([source.point(before, surroundings) for source, before in offered], dtype=np.float64)
+        offers = state.sources and [
+            source.point(before, surroundings) for source, before in zip(self.sources, state.sources, strict=True)
+        ]
         points = self._solve(state, _Asked(switches, asked, offers, dt))
-        output = self._output(points)
+        output = self._output(points, sum([offer.power for offer in offers]))
         warmth = surroundings.round_stores or (surroundings.temperature,) * len(self.stores)
         stores = tuple(
             [
@@ -227,8 +226,10 @@ class PowerNetwork:
             ]
         )
         sources = state.sources and tuple(
-            source.step(before, power, dt, surroundings)
-            for source, before, power in zip(self.sources, state.sources, output.source_powers, strict=True)
+            [
+                source.step(before, power, dt, surroundings)
+                for source, before, power in zip(self.sources, state.sources, output.source_powers, strict=True)
+            ]
         )
         new = NetworkState(
             stores=stores,
@@ -285,7 +286,7 @@ class PowerNetwork:
         if bus.stores:
             stores = np.array([self.stores[k].point(state.stores[k]) for k in bus.stores], dtype=np.float64)
         if bus.sources:
-            sources = period.offers[list(bus.sources)]
+            sources = np.array([period.offers[k] for k in bus.sources], dtype=np.float64)
         if bus.feeder is not None:
             feeder = self.converters[bus.feeder]
             least = -feeder.rating_w if feeder.both_ways else 0.0
@@ -307,7 +308,7 @@ class PowerNetwork:
         known = flows.tolist()
         return _Point(_after(params, held, locked, known[VOLTAGE], period.dt), locked, power, current, known)
 
-    def _output(self, points: Sequence[_Point]) -> NetworkOutput:
+    def _output(self, points: Sequence[_Point], offered: float) -> NetworkOutput:
         if len(points) == 1 and not self._shorts:
             power, current = points[0].power, points[0].current
         elif self._shorts:  # the current of a short is no load's
@@ -339,6 +340,7 @@ class PowerNetwork:
             source_powers=tuple(given),
             converter_powers=tuple(fed),
             locked_out=tuple([point.locked_out for point in points]),
+            offered=offered,
         )
 
     def _energy(self, old: NetworkEnergy, points: Sequence[_Point], output: NetworkOutput, dt: float) -> NetworkEnergy:

@@ -60,6 +60,8 @@ class NetworkOutput(NamedTuple):
     """Into the bus that each converter feeds [W]."""
     locked_out: tuple[bool, ...]
     """Whether the lockout is holding loads of each bus off in this period."""
+    offered: float = 0.0
+    """The most that all sources could have given [W]."""
 
     @property
     def voltage(self) -> float:

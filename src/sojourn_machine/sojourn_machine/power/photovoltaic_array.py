@@ -30,7 +30,7 @@ regulator holds the most power without delay, with `tracking_efficiency`. Range:
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, degrees, exp, hypot, log
+from math import atan2, degrees, hypot, log
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
@@ -39,7 +39,14 @@ from pydantic import Field, model_validator
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray, Params
-from sojourn_machine.power.photovoltaic_kernels import CellGroup, most_power
+from sojourn_machine.power.photovoltaic_kernels import (
+    CellGroup,
+    GroupSheet,
+    group_at,
+    irradiance_on,
+    most_power,
+    most_power_in_light,
+)
 from sojourn_machine.power.radioisotope_generator import SECONDS_PER_YEAR
 from sojourn_machine.power.sources import SourceParams, SourcePoint, require_step
 from sojourn_machine.power.surroundings import DARK, PowerSurroundings
@@ -49,8 +56,6 @@ STEFAN_BOLTZMANN = 5.670374419e-8
 SECONDS_PER_DAY = 86400.0
 HELD = 1.0
 """For how long temperature, dust and age are held where periods are shorter [s]: they change in minutes and days."""
-COLDEST, HOTTEST = 80.0, 420.0
-"""Temperatures at which the data sheet's slopes are still taken [K]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,16 +184,29 @@ class PhotovoltaicArrayParams(SourceParams):
         return self.cells_series * self.strings * self.cell.area
 
     @cached_property
-    def _normal(self) -> tuple[float, float, float]:
-        x, y, z = self.normal
-        length = hypot(x, y, z)
-        return x / length, y / length, z / length
+    def _plane(self) -> FloatArray:
+        """Its normal as a unit vector (3,)."""
+        return np.array(self.normal) / hypot(*self.normal)
 
-    def _along(self, direction: FloatArray) -> float:
-        """Of a unit vector, along the normal [1]: floats, for three numbers cost numpy ten times as much."""
-        x, y, z = self._normal
-        right, up, out = direction.tolist()
-        return float(x * right + y * up + z * out)
+    @cached_property
+    def _unshaded(self) -> FloatArray:
+        return np.ones(self.groups)
+
+    @cached_property
+    def _sheet(self) -> GroupSheet:
+        cell = self.cell
+        return GroupSheet(
+            current=cell.short_circuit_current,
+            current_slope=cell.current_slope,
+            voltage=cell.open_circuit_voltage,
+            voltage_slope=cell.voltage_slope,
+            slope=cell.diode[0],
+            series=cell.diode[1],
+            reference_irradiance=cell.reference_irradiance,
+            reference_temperature=cell.reference_temperature,
+            number=self.cells_series // self.groups,
+            bypass=self.bypass_voltage,
+        )
 
     def initial_state(self) -> ArrayState:
         """As its file has it, as warm as its surroundings."""
@@ -196,45 +214,32 @@ class PhotovoltaicArrayParams(SourceParams):
 
     def group(self, temperature: float) -> CellGroup:
         """A group of cells at a temperature [K]."""
-        cell, warm = self.cell, min(max(temperature, COLDEST), HOTTEST)
-        more, number = warm - cell.reference_temperature, self.cells_series // self.groups
-        slope, series = cell.diode
-        slope *= warm / cell.reference_temperature
-        current = cell.short_circuit_current + cell.current_slope * more
-        voltage = cell.open_circuit_voltage + cell.voltage_slope * more
-        return CellGroup(
-            light_current=max(current, 0.0),
-            saturation=current * exp(-voltage / slope),
-            slope=number * slope,
-            series=number * series,
-            bypass=self.bypass_voltage,
-        )
+        group: CellGroup = group_at(self._sheet, temperature)
+        return group
 
     def irradiance(self, surroundings: PowerSurroundings) -> tuple[float, float]:
         """Of beam and sky on its plane [W/m2]."""
-        across, seen = self._along(surroundings.to_sun), 0.5 * (1.0 + self._along(surroundings.up))
-        return surroundings.direct * max(across, 0.0), surroundings.diffuse * seen
+        here = surroundings
+        beam, sky = irradiance_on(self._plane, here.to_sun, here.up, here.direct, here.diffuse)
+        return beam, sky
 
-    def shadow(self, to_sun: FloatArray) -> FloatArray | float:
-        """Part of the beam that reaches each group, shape (groups,), or one number for all of them [1]."""
+    def shadow(self, to_sun: FloatArray) -> FloatArray:
+        """Part of the beam that reaches each group, shape (groups,) [1]."""
         if not self.shadows:
-            return 1.0
+            return self._unshaded
         x, y, z = to_sun.tolist()
         azimuth, elevation = degrees(atan2(y, x)), degrees(atan2(z, hypot(x, y)))
         for shadow in self.shadows:
             if shadow.falls(azimuth, elevation):
                 return np.array(shadow.light)
-        return 1.0
+        return self._unshaded
 
     def point(self, state: ArrayState, surroundings: PowerSurroundings = DARK) -> SourcePoint:
         """The most power that the light makes, whatever the voltage of the bus."""
-        beam, sky = self.irradiance(surroundings)
-        if beam + sky <= 0.0:
-            return SourcePoint(0.0)
         worn = (1.0 - self.degradation_per_year) ** (state.age / SECONDS_PER_YEAR)
-        light = (beam * self.shadow(surroundings.to_sun) + sky) / self.cell.reference_irradiance
-        past = np.full(self.groups, state.clean * worn * self.spectral_factor * light)
-        power, _ = most_power(self.group(state.temperature), past)
+        past, here = state.clean * worn * self.spectral_factor, surroundings
+        lit = (self.shadow(here.to_sun), self._plane, here.to_sun, here.up, here.direct, here.diffuse)
+        power = most_power_in_light(self._sheet, state.temperature, past, *lit)
         return SourcePoint(self.tracking_efficiency * self.strings * power)
 
     def step(self, state: ArrayState, power: float, dt: float, surroundings: PowerSurroundings = DARK) -> ArrayState:
@@ -273,6 +278,5 @@ class PhotovoltaicArrayParams(SourceParams):
     @property
     def most_power(self) -> float:
         """In the light of the reference, square to it, new and clean [W]."""
-        whole = np.ones(self.groups)
-        power, _ = most_power(self.group(self.cell.reference_temperature), self.spectral_factor * whole)
+        power, _ = most_power(self.group(self.cell.reference_temperature), self.spectral_factor * self._unshaded)
         return float(self.tracking_efficiency * self.strings * power)

@@ -16,8 +16,8 @@ _TOLERANCE = 0.02
 """Of a step against that of order 1 [K]."""
 _OVERSHOOT = 0.02
 """Past the temperature at which a thermostat switches [K]."""
-_CLOSE = 1e-8
-"""Change of the last iterate [K]."""
+_CLOSE = 1e-5
+"""Change of the last iterate [K]: Newton's method squares the error, so that some 10^-13 K is left."""
 _ITERATIONS = 30
 _SHORTEST = 1e-6
 """Part of the whole step that is taken whatever its error."""

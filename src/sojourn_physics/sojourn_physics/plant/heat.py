@@ -16,6 +16,7 @@ from sojourn_machine.power.network import PowerNetwork
 from sojourn_machine.power.network_state import NetworkState
 from sojourn_machine.sunlight import Sunlight
 from sojourn_machine.thermal.machine_heat import HeatState, MachineHeat, Supplied
+from sojourn_physics.plant.supply_kernels import HEAT, SWITCHED, with_period
 from sojourn_physics.thermal.site_heat import SiteHeat
 
 STEP = 1.0
@@ -30,10 +31,12 @@ class PlantHeatState:
     """At the last step of the thermal network."""
     power: NetworkState
     """Likewise."""
-    energy: FloatArray
-    """Taken by each load since then, (loads,) [J]."""
-    switched: FloatArray
-    """Sum of the switches of each load since then, (loads,) [1]."""
+    contacts: FloatArray
+    """As the thermostats stand since then, the part of its power that each load may take, (loads,) [1]."""
+    round_stores: tuple[float | None, ...]
+    """Temperature since then of what is round each store; None for that of its own parameters [K]."""
+    sums: FloatArray
+    """Of each load since then, (2, loads), see `supply_kernels`."""
     periods: int = 0
     """Since then."""
 
@@ -59,11 +62,18 @@ class PlantHeat:
         self._site, self._period = site, period
         self._every = max(round(STEP / period), 1)
         self._loads = len(power.params.loads)
-        self._moves = [place for place, load in enumerate(power.params.loads) if load.kind == "commanded"]
+        self._moves = np.array([load.kind == "commanded" for load in power.params.loads])
 
     def first(self, power: NetworkState) -> PlantHeatState:
         """At the start of a run."""
-        return PlantHeatState(self.machine.initial_state(), power, np.zeros(self._loads), np.zeros(self._loads))
+        return self._held(self.machine.initial_state(), power)
+
+    def _held(self, nodes: HeatState, power: NetworkState) -> PlantHeatState:
+        """What holds from a step of the thermal network on."""
+        contacts = self.machine.through_thermostats(nodes, np.ones(self._loads))
+        return PlantHeatState(
+            nodes, power, contacts, self.machine.store_surroundings(nodes), np.zeros((2, self._loads))
+        )
 
     def round_drives(self, state: PlantHeatState, loads: Sequence[str]) -> list[float | None]:
         """Temperature of the nodes that the loads of drives warm; None where one warms none [K]."""
@@ -71,37 +81,24 @@ class PlantHeat:
         temperatures = state.nodes.thermal.temperatures
         return [None if node is None else float(temperatures[node]) for node in nodes]
 
-    def warming(self, power: FloatArray, moved: Moved, periods: int = 1) -> FloatArray:
-        """Of the power that loads take (loads,) [W], what is heat in the machine: of those that move it their part of
-        the motors' heat, by the energy that each took or gave back in so many periods; the rest is work on the ground.
-        """
-        energies = moved.energy.tolist()
-        turned = [abs(energies[place]) for place in self._moves]
-        total = sum(turned)
-        share = moved.heat / total if total > 0.0 else 0.0
-        heat = power.copy()
-        heat[self._moves] = [share * energy / (periods * self._period) for energy in turned]
-        return heat
-
     def is_due(self, state: PlantHeatState, periods: int = 1) -> bool:
         """Whether the periods that begin end with a step of the thermal network, which needs the light."""
         return state.periods + periods >= self._every
 
     def after(
-        self, state: PlantHeatState, supplied: Supplied, time: float, light: Sunlight | None, passed: int = 1
+        self, state: PlantHeatState, supplied: Supplied, moved: Moved, time: float, light: Sunlight | None, passed: int
     ) -> PlantHeatState:
         """After so many control periods.
 
         Args:
-            supplied: what the power network did in them. time: of their end after the start of the run [s].
-            light: on the machine, where `is_due`.
+            supplied: what the power network did in them. moved: what moved the machine. time: of their end after the
+                start of the run [s]. light: on the machine, where `is_due`.
         """
-        energy = state.energy + supplied.power * (passed * self._period)
-        switched = state.switched + passed * supplied.fractions
-        periods = state.periods + passed
+        drawn = (supplied.power, supplied.fractions, self._moves, moved.energy, moved.heat)
+        sums, periods = with_period(state.sums, *drawn, passed, self._period), state.periods + passed
         if light is None:
-            return replace(state, energy=energy, switched=switched, periods=periods)
+            return replace(state, sums=sums, periods=periods)
         dt = periods * self._period
-        means = Supplied(state.power, supplied.after, switched / periods, energy / dt)
+        means = Supplied(state.power, supplied.after, sums[SWITCHED] / periods, sums[HEAT] / dt)
         nodes = self.machine.step(state.nodes, self._site.around(time - 0.5 * dt, light), means, dt)
-        return PlantHeatState(nodes, supplied.after, np.zeros(self._loads), np.zeros(self._loads))
+        return self._held(nodes, supplied.after)

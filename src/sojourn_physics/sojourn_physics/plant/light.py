@@ -3,12 +3,12 @@
 import math
 
 import numpy as np
-import pinocchio as pin
 
-from sojourn_machine.power.surroundings import PowerSurroundings
+from sojourn_machine.power.surroundings import DARK, PowerSurroundings
 from sojourn_machine.sunlight import Sunlight
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantState
+from sojourn_physics.plant.supply_kernels import in_base
 
 DARKNESS = Sunlight(np.array((0.0, 0.0, -1.0)), 0.0, 0.0, -0.5 * math.pi, 0.0)
 """A Sun at the nadir."""
@@ -30,10 +30,12 @@ def light_for_power(model: PlantModel, state: PlantState) -> Sunlight:
     return model.sun.held_light(state.tick * model.simulation.control_period, x, y)
 
 
-def surroundings_of(model: PlantModel, state: PlantState) -> PowerSurroundings:
-    """What the power network is told of the light."""
+def surroundings_of(
+    model: PlantModel, state: PlantState, round_stores: tuple[float | None, ...] = ()
+) -> PowerSurroundings:
+    """What the power network is told of the light and of what is round its stores, where that is known [K]."""
+    if not model.power.takes_light:
+        return PowerSurroundings(round_stores=round_stores) if round_stores else DARK
     light = light_for_power(model, state)
-    base_in_map = pin.Quaternion(state.configuration[3:7]).toRotationMatrix()
-    return PowerSurroundings(
-        to_sun=base_in_map.T @ light.direction, direct=light.direct, diffuse=light.diffuse, up=base_in_map[2]
-    )
+    to_sun, up = in_base(state.configuration, light.direction)
+    return PowerSurroundings(to_sun, light.direct, light.diffuse, up, None, round_stores)

@@ -2,7 +2,6 @@
 
 from sojourn_machine.params import FloatArray
 from sojourn_machine.power.network_state import NetworkOutput, NetworkState
-from sojourn_machine.power.surroundings import DARK
 from sojourn_machine.thermal.machine_heat import Supplied
 from sojourn_physics.plant.heat import Moved, PlantHeatState
 from sojourn_physics.plant.light import light_for_power, surroundings_of
@@ -18,14 +17,11 @@ def powered(
     """
     period, before, heat = periods * model.simulation.control_period, state.power, state.heat
     demand = moved.energy / period
-    surroundings = surroundings_of(model, state) if model.power.takes_light else DARK
     if model.heat is None or heat is None:
-        return *model.power.step(before, fractions, demand, period, surroundings), None
-    surroundings = surroundings._replace(round_stores=model.heat.machine.store_surroundings(heat.nodes))
-    switches = model.heat.machine.through_thermostats(heat.nodes, fractions)
-    network, supply = model.power.step(before, switches, demand, period, surroundings)
+        return *model.power.step(before, fractions, demand, period, surroundings_of(model, state)), None
+    surroundings = surroundings_of(model, state, heat.round_stores)
+    network, supply = model.power.step(before, fractions * heat.contacts, demand, period, surroundings)
     light = light_for_power(model, state) if model.heat.is_due(heat, periods) else None
-    warming = model.heat.warming(supply.load_power, moved, periods)
-    supplied = Supplied(before, network, fractions, warming)
+    supplied = Supplied(before, network, fractions, supply.load_power)
     time = (state.tick + periods) * model.simulation.control_period
-    return network, supply, model.heat.after(heat, supplied, time, light, periods)
+    return network, supply, model.heat.after(heat, supplied, moved, time, light, periods)
