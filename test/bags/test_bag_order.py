@@ -162,3 +162,14 @@ def test_loss_that_quality_of_service_allows_is_counted_but_no_failure() -> None
 def test_last_ticks_of_the_operator_are_nobody_s_due() -> None:
     assert due_by(topic("/operator/tick"), 100 * CONTROL_PERIOD_NS) == 19
     assert due_by(topic("/odom"), 100 * CONTROL_PERIOD_NS) == 100
+
+
+def test_what_others_have_said_is_counted_where_a_killed_publisher_cannot_explain_it() -> None:
+    """A node that dies has counted no more than up to its last heartbeat: two seconds of messages are nobody's."""
+    rows = [topic("/truth/odom"), topic("/goal_pose"), topic("/drive/status")]
+    said = {"/truth/odom": 500, "/drive/status": 10, "/goal_pose": 1}
+    honest = account(rows, said | {"/truth/odom": 601, "/drive/status": 13, "/goal_pose": 90}, said, None)
+    assert honest.foreign == "" and "foreign" not in honest.as_record()
+    flooded = account(rows, said | {"/truth/odom": 700}, said, None)
+    assert flooded.foreign == flooded.as_record()["foreign"] == "/truth/odom (200 of 700)"
+    assert not flooded.gaps

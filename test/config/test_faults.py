@@ -41,6 +41,7 @@ WHEEL = "wheel_front_left_joint"
         ("{kind: message_late, topic: /odom, at: 1, delay: 0}", r"delay.*= 0.*above 0"),
         ("{kind: message_lost, topic: /odom, at: 1, probability: 0}", r"probability.*above 0"),
         ("{kind: node_silent, node: plant, at: 1}", "cannot have it: allowed is one of sensors, drive, arm, power"),
+        ("{kind: node_time_jump, node: drive, by: 0.001, at: 1}", "allowed is a control period of 0.02 s or more"),
         ("{kind: node_silent, node: drive, when: {distance: 1}}", "allowed is between"),
         ("{kind: node_killed, node: operator, at: 1}", "cannot have it: allowed is one of sensors, drive, arm, power"),
         ("{kind: node_killed, node: drive, when: {distance: 1}}", "allowed is between"),

@@ -164,6 +164,23 @@ def test_a_corrupted_reading_is_another_one_or_is_refused(stream: int) -> None:
     assert set(met) <= {1, None}
 
 
+@given(by=st.integers(-100, 100).filter(bool), begin=st.integers(1, 60))
+def test_a_clock_that_is_off_is_refused_or_makes_readings_older(by: int, begin: int) -> None:
+    shift = by * CONTROL_PERIOD_NS
+    state, refused = heard([meeting("shifted", begin=begin * CONTROL_PERIOD_NS, shift=shift)], 80)
+    may_be = -MAX_AGE * NANOSECONDS <= shift <= 0
+    for stamp, reading in state.app.readings:
+        if stamp < begin * CONTROL_PERIOD_NS:
+            assert reading.stamp == stamp and not refused[stamp]
+        elif may_be:
+            assert reading.stamp == stamp + shift and not refused[stamp]
+        else:
+            (told,) = refused[stamp]
+            assert told.startswith(f"{IMU}.header.stamp = {(stamp + shift) / NANOSECONDS:.3f} s: allowed is ")
+            assert told.endswith("at most" if by > 0 else "or later")
+            assert reading is None
+
+
 def _bits(sent: Imu, heard: Imu | None) -> int | None:
     """How many bits of its numbers are others, and whether its frame is; None for one that was refused."""
     if heard is None:

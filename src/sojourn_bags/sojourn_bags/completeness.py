@@ -8,13 +8,17 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from sojourn_contract.heartbeat import ENDED, STALLED, Heartbeat
+from sojourn_contract.heartbeat import ENDED, HEARTBEAT_PERIODS, STALLED, Heartbeat
 from sojourn_contract.leaps import NO_LEAPS, Leaps
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Reliability, Topic
 
 RECORD = "sojourn_completeness"
 """Name of the metadata record in the bag."""
+FOREIGN = "foreign"
+"""In it: topics that hold messages which their publisher has not sent, and how many."""
+NOT_COUNTED = 2 * HEARTBEAT_PERIODS
+"""Control periods of which a publisher that was killed may not have counted its messages."""
 
 
 @dataclass(frozen=True)
@@ -25,12 +29,15 @@ class Count:
         published: messages sent, as the sender counts them; None where no sender counts.
         recorded: messages in the bag. due: messages that lock-step asks for, None elsewhere.
         may_be_lost: the topic's quality of service allows loss, so that a gap is no failure.
+        foreign: messages that others than its publisher have sent, where there are more than a publisher that has been
+            killed may not have counted; else 0.
     """
 
     published: int | None
     recorded: int
     due: int | None = None
     may_be_lost: bool = False
+    foreign: int = 0
 
     @property
     def lost(self) -> int:
@@ -100,6 +107,14 @@ class Completeness:
             lines.append(f"{name}: {count.recorded} recorded of {published} published{due}")
         return "; ".join(lines)
 
+    @property
+    def foreign(self) -> str:
+        """Topics on which others have spoken than those whose they are, in words; "" where nobody has."""
+        found = [
+            f"{name} ({count.foreign} of {count.recorded})" for name, count in self.counts.items() if count.foreign
+        ]
+        return ", ".join(found)
+
     def as_record(self) -> dict[str, str]:
         """Metadata record for the bag."""
         topics = {
@@ -110,6 +125,7 @@ class Completeness:
             "complete": "false" if self.gaps else "true",
             "gaps": self.explain(),
             "topics": json.dumps(topics),
+            **({FOREIGN: self.foreign} if self.foreign else {}),
         }
 
 
@@ -136,15 +152,25 @@ def account(
     counts = {}
     for row in rows:
         earlier = (before or {}).get(row.name, 0)
+        sent, kept = _later(published.get(row.name), earlier), recorded.get(row.name, 0)
         count = Count(
-            _later(published.get(row.name), earlier),
-            recorded.get(row.name, 0),
+            sent,
+            kept,
             _later(due.get(row.name), earlier),
             row.reliability is Reliability.BEST_EFFORT or (row.name == "/clock" and last_stamp is None),
+            _foreign(row, sent, kept),
         )
         if count.published or count.recorded or count.due:
             counts[row.name] = count
     return Completeness(counts)
+
+
+def _foreign(row: Topic, sent: int | None, kept: int) -> int:
+    """Messages of a row that its publisher has not sent. Goals and heartbeats are anybody's."""
+    if row.is_event or row.publisher == "all" or sent is None:
+        return 0
+    more = kept - sent
+    return more if more > NOT_COUNTED // row.every + 1 else 0
 
 
 def _later(count: int | None, earlier: int) -> int | None:

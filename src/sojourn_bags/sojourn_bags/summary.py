@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_bags.afloat import base_motion
-from sojourn_bags.completeness import RECORD
+from sojourn_bags.completeness import FOREIGN, RECORD
 from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import Run
 from sojourn_bags.detection import judge_faults, sentence
@@ -96,7 +96,11 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
         "messages": messages(bag),
     }
     who = "rover" if run.machine.stands_on else "machine"
-    verdict = [_verdict(summary, results, who), "" if base is None else base.words(), sentence(faults)]
+    foreign = bag.records.get(RECORD, {}).get(FOREIGN, "")
+    warning = (
+        f"Others than their publishers have spoken on {foreign}: what is judged by it may be false." if foreign else ""
+    )
+    verdict = [_verdict(summary, results, who), "" if base is None else base.words(), sentence(faults), warning]
     summary["verdict"] = " ".join(filter(None, verdict))
     return {
         key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in summary.items()

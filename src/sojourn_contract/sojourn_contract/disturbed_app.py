@@ -1,7 +1,8 @@
 """An app that does not hear all that is said to it, or not as it was said: faults between the nodes.
 
-What is lost, late, repeated or corrupted on its way is settled here, where a role takes messages, from their stamps and
-the run's seed alone: a run is the same in every layout, its record has what was said, and the app knows nothing of it.
+What is lost, late, repeated, corrupted or stamped by a clock that is off is settled here, where a role takes messages,
+from their stamps and the run's seed alone: a run is the same in every layout, its record has what was said, and the app
+knows nothing of it.
 Of a topic with a rate it is given, as everywhere, the newest message that has arrived, none where that is older than
 the topic allows; messages of a topic do not overtake each other. Of an operator's goals it is given those that arrive.
 """
@@ -161,6 +162,8 @@ class DisturbedApp(App[DisturbedState[Any]]):
                 times = 2
             elif each.effect == "corrupted" and message is not None:
                 message = self._corrupted(row, message, each, refusals)
+            elif each.effect == "shifted" and message is not None and getattr(message, "stamp", 0) > 0:
+                message = _shifted(row, message, each.shift, now, refusals)
         if row.is_event and message is None:
             times = 0
         elif not row.is_event and times > 1:
@@ -195,6 +198,21 @@ def _arrived(way: Way, now: int) -> tuple[Way, list[Message]]:
         return way, []
     arrived = [message for at, message in way.coming if at <= now]
     return replace(way, coming=way.coming[len(arrived) :]), arrived
+
+
+def _shifted(row: Topic, message: Message, by: int, now: int, refusals: list[Refusal]) -> Message:
+    """With the stamp of a clock that is off; None where that is refused, as in real time."""
+    told, oldest = message.stamp + by, now - int(row.max_age_s * NANOSECONDS)
+    if oldest <= told <= now:
+        return message._replace(stamp=told)
+    allowed = (
+        f"simulation time, {now / NANOSECONDS:.3f} s at most"
+        if told > now
+        else f"{oldest / NANOSECONDS:.3f} s or later"
+    )
+    refused = RefusedMessageError(row.name, "header.stamp", f"{told / NANOSECONDS:.3f} s", allowed)
+    refusals.append((row.name, refused))
+    return None
 
 
 def _young(row: Topic, message: Message, now: int) -> Message:

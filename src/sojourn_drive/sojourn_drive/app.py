@@ -137,7 +137,8 @@ class DriveApp(FlightApp[DriveAppState]):
             state = replace(state, asked=asked, heard=replace(heard, usable_at=usable_at))
             output = _stopped(state.output)
         state = replace(state, asked=replace(state.asked, last=state.asked.last.noted(output.outcomes)))
-        return state, Answer(self._messages(state, output, stamp), refusals)
+        missing = _missing(period)
+        return state, Answer(self._messages(state, output, stamp, missing), refusals)
 
     def _hear(self, state: DriveAppState, inputs: Mapping[str, Any]) -> Heard:
         heard, switches = state.heard, inputs.get("/power/switches")
@@ -312,7 +313,9 @@ class DriveApp(FlightApp[DriveAppState]):
             measured = replace(measured, goal=None, stop=True, stop_reason=heard.interlock)
         return measured, replace(heard, sun=sun_at)
 
-    def _messages(self, state: DriveAppState, output: DriveOutput, stamp: int) -> Iterator[tuple[str, Any]]:
+    def _messages(
+        self, state: DriveAppState, output: DriveOutput, stamp: int, missing: str
+    ) -> Iterator[tuple[str, Any]]:
         yield "/drive_command", self._measurements.command(stamp, output)  # first: the plant waits for it
         yield "/odom", odometry_report(stamp, output, state.tilt_rates)
         if is_due(topic("/drive/status"), stamp // stamps.CONTROL_PERIOD_NS):
@@ -321,11 +324,22 @@ class DriveApp(FlightApp[DriveAppState]):
             if state.asked.question is None:  # what has been asked is answered
                 status |= state.asked.questioned.status(state.drive.foreseen)
             status |= state.asked.placed.status()
+            if missing:  # long before a goal is given up for it
+                status["missing_inputs"] = missing
             yield "/drive/status", drive_report(stamp, said, status)
         if is_due(topic("/plan"), stamp // stamps.CONTROL_PERIOD_NS):
             yield "/plan", plan(stamp, state.drive)
         if is_due(topic("/local_costmap/costmap"), stamp // stamps.CONTROL_PERIOD_NS):
             yield "/local_costmap/costmap", costmap(stamp, state.drive.avoidance)
+
+
+def _missing(period: Period) -> str:
+    """Measurements that a period lacks, and why, where they were refused; "" where it has all."""
+    missing = [name for name in MEASUREMENTS if period.inputs.get(name) is None]
+    if not missing:
+        return ""
+    cause = last_refused(period.last_refusal) if period.last_refusal.startswith(tuple(missing)) else ""
+    return f"{', '.join(missing)}; {cause}" if cause else ", ".join(missing)
 
 
 def _stopped(output: DriveOutput) -> DriveOutput:

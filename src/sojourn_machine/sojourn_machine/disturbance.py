@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple, TypeAlias
 from sojourn_machine.chance import chance
 from sojourn_machine.timing import CONTROL_PERIOD_NS
 
-Effect: TypeAlias = Literal["lost", "late", "twice", "corrupted", "restarted", "killed"]
+Effect: TypeAlias = Literal["lost", "late", "twice", "corrupted", "shifted", "restarted", "killed"]
 FOR_EVER = 2**62
 """End of what stays [ns]."""
 
@@ -30,6 +30,8 @@ class Disturbance(NamedTuple):
     """That it meets a message."""
     delay: int = 0
     """Of late ones [ns]."""
+    shift: int = 0
+    """By which stamps are ahead, where clocks are off [ns]."""
     stream: int = 0
     """Of its random numbers."""
 

@@ -12,10 +12,12 @@ from pydantic import Field, model_validator
 from sojourn_machine.chance import stream_of
 from sojourn_machine.disturbance import FOR_EVER, Disturbance, Effect
 from sojourn_machine.fault_choice import LATEST, FaultableMachine, FaultChoice, FaultProblem
-from sojourn_machine.timing import period_stamp
+from sojourn_machine.timing import CONTROL_PERIOD_NS, period_stamp
 
 TIMING_TOPICS = ("/clock", "/operator/tick", "/faults", "/diagnostics")
 """By which a run goes on: what happens to them is the run's end and no fault of it."""
+LONGEST_JUMP = 1e6
+"""Of a clock [s]."""
 ON_BOARD = ("sensors", "drive", "arm", "power")
 """Roles of the machine's own nodes. They may fall silent in a run that goes on: without its plant or operator there is
 none.
@@ -133,6 +135,30 @@ class NodeSlow(LateFault, NodeFault):
     """All that it says is late."""
 
     kind: str = "node_slow"
+
+
+class NodeTimeJump(NodeFault):
+    """Its clock is off, forward or back: so are the stamps of what it says. Whoever hears it refuses what is of a time
+    to come or too old, and takes the rest for as old as it says.
+    """
+
+    effect: ClassVar[Effect] = "shifted"
+    kind: str = "node_time_jump"
+    by: float = Field(
+        ge=-LONGEST_JUMP, le=LONGEST_JUMP, description="by which its clock is ahead; behind where < 0 [s]"
+    )
+
+    @model_validator(mode="after")
+    def _jumps(self) -> Self:
+        if abs(self.by) * 1e9 < CONTROL_PERIOD_NS:
+            raise ValueError(f"by = {self.by:g}: allowed is a control period of 0.02 s or more, forward or back")
+        return self
+
+    def disturbance(self, seed: int) -> Disturbance | None:
+        """See FaultChoice."""
+        found = super().disturbance(seed)
+        shift = period_stamp(abs(self.by))
+        return None if found is None else found._replace(shift=shift if self.by > 0.0 else -shift)
 
 
 class NodeKilled(NodeFault):
