@@ -104,9 +104,9 @@ def test_what_it_does_not_go_with(unbroken: Path, tmp_path: Path, arguments: lis
     assert not (tmp_path / "run").exists()
 
 
-@pytest.mark.parametrize("way", [[], ["--composed", "--realtime"]])
+@pytest.mark.parametrize("way", [["--realtime"], ["--composed", "--realtime"]])
 def test_only_a_run_in_one_process_and_lock_step_is_kept(tmp_path: Path, way: list[str]) -> None:
-    with pytest.raises(UsageError, match=r"--checkpoint-every goes with --direct or --composed, without --realtime"):
+    with pytest.raises(UsageError, match=r"--checkpoint-every does not go with --realtime: in real time no two nodes"):
         start.main(["flat_drive", *way, "--checkpoint-every", "2", "--run-dir", str(tmp_path / "run")])
 
 

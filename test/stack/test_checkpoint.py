@@ -15,9 +15,11 @@ from hypothesis import strategies as st
 
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.codecs import encode
+from sojourn_contract.role_state import RoleState
+from sojourn_contract.state_tree import TREE, CheckpointError
 from sojourn_stack.apps import make_apps
-from sojourn_stack.checkpoint import TREE, CheckpointError, load, save
-from sojourn_stack.stack import RoleState, Stack, StackState
+from sojourn_stack.checkpoint import load, save
+from sojourn_stack.stack import Stack, StackState
 
 ROLES = ("plant", "sensors", "drive", "power", "operator")
 SCENARIO, OVERRIDES = "flat_drive", ("faults=[{joint: wheel_front_left_joint, kind: servo_locked, at: 0.5}]",)
@@ -129,7 +131,7 @@ def test_files_that_are_none_are_refused(kept: dict[int, tuple[Path, str]], tmp_
     text = tmp_path / "text"
     text.write_text("no checkpoint", encoding="utf-8")
     later = changed(kept[3][0], tmp_path / "later", lambda tree: tree | {"format": 99})
-    for file, reason in ((cut_off, "no checkpoint"), (text, "no checkpoint"), (later, "format 99: allowed is 4")):
+    for file, reason in ((cut_off, "no checkpoint"), (text, "no checkpoint"), (later, "format 99: allowed is 5")):
         with pytest.raises(CheckpointError, match=reason):
             load(file)
     with pytest.raises(OSError, match="nowhere"):

@@ -8,14 +8,20 @@ centre, turns on the spot towards a goal and drives to it in an arc, and keeps a
 Lock-step: it acts at each stamp at which its inputs are in: measurements of that stamp, switches at each fifth period,
 points of the hazard camera at each fiftieth (it makes no use of them), and the operator's tick of five periods before,
 with all goals that the tick announces. Real time: it acts when joint states come, with the latest of the rest.
+
+With --resumable it takes part in checkpoints, in lock-step: asked on checkpoint/take it says on checkpoint/state, as
+text that nobody else has to read, all that it knows after that period; and where the run goes on, which its parameter
+resumed_at says, it waits for that text before it is ready.
 """
 
 import argparse
+import base64
+import json
 import math
 import signal
 import sys
 from array import array
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import rclpy
@@ -23,6 +29,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import PoseStamped, TwistStamped, Vector3Stamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from rclpy.node import Node
+from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 from sensor_msgs.msg import BatteryState, Imu, JointState, PointCloud2
@@ -200,7 +207,7 @@ class Controller:
 class FlightDrive(Node):
     """The role `drive` of the contract."""
 
-    def __init__(self, start: tuple[float, float, float]) -> None:
+    def __init__(self, start: tuple[float, float, float], resumable: bool = False) -> None:
         super().__init__("drive", enable_rosout=False)
         self.lockstep: bool = self.declare_parameter("lockstep", True).value
         self.participants = set(self.declare_parameter("participants", [""]).value)
@@ -222,11 +229,17 @@ class FlightDrive(Node):
             for name, kind in GOALS.items()
         ]
         self.readiness = self.create_timer(0.1, self.say_ready)
+        self.resumed_at: int = self.declare_parameter("resumed_at", 0).value if resumable else 0
+        self.resumed = not self.resumed_at
+        if resumable:
+            self.handing_over = self.create_publisher(DiagnosticArray, "checkpoint/state", 10)
+            self.handed_back = self.create_subscription(DiagnosticArray, "checkpoint/state", self.go_on, 10)
+            self.asking = self.create_subscription(Header, "checkpoint/take", self.hand_over, 10)
 
     # Before the run
 
     def say_ready(self) -> None:
-        if self.last_stamp:
+        if self.last_stamp > self.resumed_at:
             self.readiness.cancel()
             return
         heard = all(
@@ -235,8 +248,48 @@ class FlightDrive(Node):
         )
         wanted = [name for name in INPUTS if name != "operator/tick" or "operator" in self.participants]
         fed = all(self.readers[name].get_publisher_count() for name in wanted)
-        state = "ready" if heard and fed else "waiting for other nodes"
-        self.senders["diagnostics"].publish(status("drive", 0, {"state": state}))
+        state = "ready" if heard and fed and self.resumed else "waiting for other nodes"
+        resumed = {"resumed": str(self.resumed_at)} if self.resumed_at and self.resumed else {}
+        self.senders["diagnostics"].publish(status("drive", 0, {"state": state} | resumed))
+
+    # Checkpoints
+
+    def hand_over(self, asked: Header) -> None:
+        if asked.frame_id == "operator":
+            return
+        stamp = stamp_of(asked)
+        lagging = [name for name, (_, every, lag) in INPUTS.items() if lag and stamp // PERIOD % every == 0]
+        here = all(stamp in self.inbox[name] for name in lagging if name != "operator/tick" or self.has_operator())
+        if self.last_stamp < stamp or not here or not self.goals_are_in(asked):
+            later = self.create_timer(0.01, lambda: (later.cancel(), self.hand_over(asked)))
+            return
+        text = json.dumps({
+            "drive": asdict(self.drive),
+            "inbox": {name: {at: _text(one) for at, one in kept.items()} for name, kept in self.inbox.items()},
+            "goals": [(at, name, _text(message)) for at, name, message in self.goals],
+            "received": self.received, "published": self.published, "period": self.period, "power": self.power,
+        })  # fmt: skip
+        counts = {f"published /{name}": str(count) for name, count in self.published.items()}
+        values = {"state": "checkpoint", "part": "1", "of": "1", "data": text} | counts
+        self.handing_over.publish(status("drive", stamp, values))
+
+    def go_on(self, message: DiagnosticArray) -> None:
+        values = {pair.key: pair.value for pair in message.status[0].values}
+        if self.resumed or message.status[0].name != "drive" or stamp_of(message) != self.resumed_at:
+            return
+        told = json.loads(values["data"])
+        drive = told["drive"]
+        goal = Goal(**drive["goal"]) if drive["goal"] else None
+        self.drive = Controller(**drive | {"goal": goal, "twist": tuple(drive["twist"])})
+        for name, kept in told["inbox"].items():
+            self.inbox[name] = {int(at): deserialize_message(_bytes(one), INPUTS[name][0]) for at, one in kept.items()}
+        self.goals = [(at, name, deserialize_message(_bytes(one), GOALS[name])) for at, name, one in told["goals"]]
+        self.received, self.published = told["received"], told["published"]
+        self.period, self.power, self.last_stamp = told["period"], told["power"], self.resumed_at
+        self.resumed = True
+
+    def has_operator(self) -> bool:
+        return "operator" in self.participants
 
     # What comes in
 
@@ -364,6 +417,14 @@ class FlightDrive(Node):
         self.senders[name].publish(message)
 
 
+def _text(message: Any) -> str:
+    return base64.b64encode(serialize_message(message)).decode()
+
+
+def _bytes(text: str) -> bytes:
+    return base64.b64decode(text)
+
+
 def _is_number(text: str) -> bool:
     try:
         return math.isfinite(float(text))
@@ -374,12 +435,13 @@ def _is_number(text: str) -> bool:
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--start", type=float, nargs=3, default=(0.0, 0.0, 0.0), metavar=("X", "Y", "YAW"))
+    parser.add_argument("--resumable", action="store_true")
     given, ros = parser.parse_known_args()
     rclpy.init(args=[sys.argv[0], *ros], signal_handler_options=SignalHandlerOptions.NO)
     stopped: list[int] = []
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda number, _frame: stopped.append(number))
-    node = FlightDrive(tuple(given.start))
+    node = FlightDrive(tuple(given.start), given.resumable)
     while not stopped:
         rclpy.spin_once(node, timeout_sec=0.1)
     node.beat("ended", node.last_stamp)

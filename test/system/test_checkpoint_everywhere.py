@@ -1,4 +1,4 @@
-"""Checkpoints of nodes in one process are those of a run without middleware, and are gone on from as those."""
+"""Checkpoints of nodes, in one process or many, are those of a run without middleware, and go on as those."""
 
 import zipfile
 from pathlib import Path
@@ -16,14 +16,15 @@ FAULTS = (
     "faults=[{kind: motor_dead, joint: wheel_front_left_joint, at: 1.5, until: 3.0},"
     "{kind: sensor, sensor: imu, of: angular_velocity, bias: 0.05, at: 2.0, lasts: 1.5}]"
 )
+WAYS = ("composed", "direct", "processes")
 RUN = (str(HERE / "short_run.yaml"), *PATIENT, "--set", "seed=11", "--set", FAULTS)
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Bag]]:
-    """Folder and bags of the same run as nodes in one process and without middleware."""
+    """Folder and bags of the same run in each layout."""
     folder, every = tmp_path_factory.mktemp("kept"), ("--checkpoint-every", "0.7")
-    options = {way: ((*RUN, f"--{way}", *every), dict[str, str]()) for way in ("composed", "direct")}
+    options = {way: ((*RUN, f"--{way}", *every), dict[str, str]()) for way in WAYS}
     return folder, records(folder, options, 0)
 
 
@@ -35,12 +36,14 @@ def parts(file: Path) -> dict[str, bytes]:
 
 def test_the_files_are_the_same_to_the_last_bit(runs: tuple[Path, dict[str, Bag]]) -> None:
     folder, bags = runs
-    assert same(bags["composed"], bags["direct"])
-    composed, direct = (sorted((folder / way / "checkpoints").iterdir()) for way in ("composed", "direct"))
-    assert [file.name for file in composed] == [file.name for file in direct]
-    assert len(composed) > 8
-    for one, other in zip(composed, direct, strict=True):
-        assert parts(one) == parts(other), one.name
+    direct = sorted((folder / "direct" / "checkpoints").iterdir())
+    assert len(direct) > 8
+    for way in ("composed", "processes"):
+        assert same(bags[way], bags["direct"])
+        files = sorted((folder / way / "checkpoints").iterdir())
+        assert [file.name for file in files] == [file.name for file in direct], way
+        for one, other in zip(files, direct, strict=True):
+            assert parts(one) == parts(other), (way, one.name)
 
 
 def test_what_goes_on_from_one_is_the_run(runs: tuple[Path, dict[str, Bag]], tmp_path: Path) -> None:
@@ -49,7 +52,7 @@ def test_what_goes_on_from_one_is_the_run(runs: tuple[Path, dict[str, Bag]], tmp
     assert state.roles["operator"].goals.arrivals == 0 < state.roles["drive"].goals.arrivals
     assert state.now == 140 * CONTROL_PERIOD_NS
     options = ("--from", str(folder / "composed"), "--at", "3.0", "--checkpoint-every", "0.7", *PATIENT)
-    rest = records(tmp_path, {way: ((*options, f"--{way}"), {}) for way in ("composed", "direct")}, 0)
+    rest = records(tmp_path, {way: ((*options, f"--{way}"), {}) for way in WAYS[:2]}, 0)
     unbroken = read_bag(folder / "direct")
     for messages in unbroken.topics.values():
         messages.take_out({n for n, at in enumerate(messages.log_times) if at <= state.now})

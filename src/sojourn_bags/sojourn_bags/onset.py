@@ -4,8 +4,14 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from sojourn_contract.heartbeat import HEARTBEAT_PERIODS, Counters
 from sojourn_contract.leaps import NO_LEAPS, Leaps
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topics import topic
+from sojourn_contract.values import Message
+
+TICK, HEARTBEATS = "/recorder/tick", "/diagnostics"
+TICK_PERIODS = topic(TICK).every
 
 RESUMED = "resumed_at_ns"
 """In what a bag that begins at a checkpoint says of its run: stamp of the last period that is not in it [ns]."""
@@ -57,5 +63,24 @@ def faults_before(record: Mapping[str, str]) -> dict[str, Span]:
         return {}
 
 
+def counted_by(period: int, leaps: Leaps = NO_LEAPS) -> Counters:
+    """What the recorder of a run has said of its own by the end of a control period."""
+    said = {HEARTBEATS: leaps.count(period, HEARTBEAT_PERIODS), TICK: leaps.count(period, TICK_PERIODS)}
+    return Counters({name: count for name, count in said.items() if count})
+
+
 WHOLE = Onset()
 """A record of a run from its start."""
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """What the node of a recorder begins with.
+
+    Args:
+        onset: where in the run its record begins. ahead: (topic, message) that others than the plant had said before,
+            and that belong to the record.
+    """
+
+    onset: Onset = WHOLE
+    ahead: tuple[tuple[str, Message], ...] = ()

@@ -16,7 +16,7 @@ from rclpy.context import Context
 from sojourn_bags.definitions import ChannelSpec, offered_entries
 from sojourn_bags.errors import BagsError
 from sojourn_bags.live_model import LiveModel
-from sojourn_bags.onset import WHOLE, Onset
+from sojourn_bags.onset import TICK, TICK_PERIODS, Beginning, counted_by
 from sojourn_bags.recorded_run import RecordedRun
 from sojourn_bags.recording import CLOCK, Recording
 from sojourn_config.errors import ConfigError
@@ -26,22 +26,24 @@ from sojourn_contract.decoding import stamp_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import STALLED
 from sojourn_contract.node import ContractNode
+from sojourn_contract.state_tree import CheckpointError, unpacked
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import topic
 from sojourn_contract.values import Header, Message
 
-TICK_PERIODS = topic("/recorder/tick").every
 DRAIN_S = 2.0
 """Wall time without a message after which the recorder stops waiting for what is still missing."""
 
 
 class RecorderNode(ContractNode):
-    """The recorder. Its parameter `bag` is the folder to write, relative to the working folder.
+    """The recorder. Its parameter `bag` is the folder to write, relative to the working folder; `beginning` a file with
+    that of a record which begins within a run, "" for none.
 
     Args:
-        context, overrides, namespace: as of every node. onset: where in the run the record begins.
+        context, overrides, namespace: as of every node. beginning: of a record which begins within a run; None: as the
+            parameter says.
 
-    Raises BagsError at the start if the bag cannot be written, ConfigError if the scenario is wrong.
+    Raises BagsError at the start if the bag cannot be written, ConfigError if the scenario is wrong, CheckpointError if
+    the file is none of a beginning.
     """
 
     def __init__(
@@ -50,11 +52,15 @@ class RecorderNode(ContractNode):
         context: Context | None = None,
         overrides: Mapping[str, Any] | None = None,
         namespace: str | None = None,
-        onset: Onset = WHOLE,
+        beginning: Beginning | None = None,
     ) -> None:
         self._recording: Recording | None = None
-        self._onset = onset
         super().__init__("recorder", context=context, overrides=overrides, namespace=namespace)
+        file = str(self.declare_parameter("beginning", "").value)
+        begin = beginning or (_read_beginning(Path(file)) if file else Beginning())
+        self._onset = begin.onset
+        self.goes_on_from = begin.onset.resumed_at
+        self.counters = counted_by(begin.onset.last, begin.onset.leaps)
         if not self.lockstep:
             self._trigger = CLOCK
         folder = str(self.declare_parameter("bag", "").value)
@@ -65,6 +71,10 @@ class RecorderNode(ContractNode):
             raise
         told = [row.name for row in self.table if row.publisher in self.participants]
         self._live = LiveModel(self, self.scenario, told)
+        heard = {row.name: row for row in self.endpoints.inputs}
+        for name, message in begin.ahead:
+            if name in heard:
+                self.hear(heard[name], message)
 
     def poll(self) -> None:
         """Wall-clock chores: readiness, a word when stalled, and the flush of each second."""
@@ -139,7 +149,7 @@ class RecorderNode(ContractNode):
             self.act(collected, {})
         while period := self.recording.write_period():
             if period % TICK_PERIODS == 0:
-                self.publish("/recorder/tick", Header(period * stamps.CONTROL_PERIOD_NS))
+                self.publish(TICK, Header(period * stamps.CONTROL_PERIOD_NS))
 
     def _hear_clock(self, row: Topic, stamp: int) -> None:
         """In real time the plant's clock paces the recorder, as far as it can be believed."""
@@ -168,10 +178,17 @@ class RecorderNode(ContractNode):
             self.get_logger().error(self.failure)
 
 
+def _read_beginning(file: Path) -> Beginning:
+    begin = unpacked(file.read_bytes(), str(file))
+    if not isinstance(begin, Beginning):
+        raise CheckpointError(str(file), f"a {type(begin).__name__}: allowed is the beginning of a record")
+    return begin
+
+
 def main() -> None:
     """Run the recorder as a process of its own."""
     try:
         sys.exit(process.run(RecorderNode))
-    except (BagsError, ConfigError) as error:
+    except (BagsError, ConfigError, CheckpointError, OSError) as error:
         print(f"recorder: {error}", file=sys.stderr)
         sys.exit(1)

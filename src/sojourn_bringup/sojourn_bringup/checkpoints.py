@@ -15,12 +15,15 @@ from sojourn_bags.reading import bag_file
 from sojourn_bringup.plan import RunPlan
 from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import LoadedScenario
+from sojourn_contract.checkpoint_times import EvenTimes
+from sojourn_contract.role_state import RoleState
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
+from sojourn_contract.state_tree import CheckpointError
 from sojourn_operator.scenario_steps import PreparedScenario, prepare_scenario
 from sojourn_stack.apps import make_apps
-from sojourn_stack.checkpoint import CheckpointError, Origin, read, save
-from sojourn_stack.stack import RoleState, Stack, StackState
+from sojourn_stack.checkpoint import Origin, read, save
+from sojourn_stack.stack import Stack, StackState
 from sojourn_stack.structure import difference
 
 FOLDER, SUFFIX = "checkpoints", ".checkpoint"
@@ -36,8 +39,8 @@ class CheckpointKeeper:
     """
 
     def __init__(self, run_dir: Path, every_s: float, origin: Origin, begun_s: float = 0.0) -> None:
-        self._folder, self._every_s, self._origin = run_dir / FOLDER, every_s, origin
-        self._passed = self._count(begun_s)
+        self._folder, self._origin = run_dir / FOLDER, origin
+        self._times = EvenTimes(every_s, begun_s)
 
     def look(self, state: StackState) -> None:
         """After each control period.
@@ -50,17 +53,14 @@ class CheckpointKeeper:
 
     def is_due(self, now: float) -> bool:
         """Whether a checkpoint is wanted of a simulation time [s]."""
-        return self._count(now) != self._passed
+        return self._times.is_due(now)
 
     def keep(self, state: StackState) -> None:
         """Write a checkpoint. Raises as `look`."""
         now = seconds(state.now)
-        self._passed = self._count(now)
+        self._times.passed(now)
         self._folder.mkdir(exist_ok=True)
         save(state, self._folder / f"{now:08.2f}{SUFFIX}", self._origin)
-
-    def _count(self, now: float) -> int:
-        return int(now / self._every_s + 1e-9)
 
 
 @dataclass(frozen=True)

@@ -10,15 +10,15 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_bags.errors import BagsError
-from sojourn_bags.onset import Onset
+from sojourn_bags.onset import Beginning
 from sojourn_bags.recorded_run import ROLE as RECORDER
 from sojourn_bringup.checkpoints import keeper_of
 from sojourn_bringup.composed_checkpoints import ComposedKeeper, OverheardNeighbours
-from sojourn_bringup.composed_resumption import go_on
 from sojourn_bringup.health import Health, Progress
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, RunStopwatch
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_table import process
+from sojourn_bringup.resumption import beginning, go_on
 from sojourn_bringup.run_folder import FolderWatch
 from sojourn_bringup.screen import Screen
 from sojourn_config.command_errors import CommandError
@@ -33,7 +33,6 @@ from sojourn_contract.stamps import seconds
 from sojourn_contract.stop_flag import StopFlag
 from sojourn_machine.errors import MachineError
 from sojourn_stack.errors import StackError
-from sojourn_stack.recorder import onset_of
 
 _SHOW_S = 0.25
 
@@ -72,7 +71,7 @@ class ComposedRun:
                 if stop.is_set:
                     return Outcome(INTERRUPTED, "interrupted before the run began")
                 self.nodes[role] = self._load(role)(
-                    overrides=self.plan.parameters(role), namespace=self.plan.namespace or None, **self._onset(role)
+                    overrides=self.plan.parameters(role), namespace=self.plan.namespace or None, **self._beginning(role)
                 )
             if self.plan.begin is not None:
                 go_on(self.nodes, self.plan.begin)
@@ -88,12 +87,12 @@ class ComposedRun:
                 node.destroy_node()
             rclpy.try_shutdown()
 
-    def _onset(self, role: str) -> dict[str, Onset]:
+    def _beginning(self, role: str) -> dict[str, Beginning]:
         """What the recorder of a run that goes on is given besides."""
         begin = self.plan.begin
         if begin is None or role != RECORDER:
             return {}
-        return {"onset": onset_of(begin, self.nodes["plant"].table)}
+        return {"beginning": beginning(begin, self.nodes["plant"].table)}
 
     def _neighbours(self, nodes: Sequence[ContractNode]) -> Neighbours:
         """What they say to each other, overheard where checkpoints are to be kept."""
@@ -102,7 +101,7 @@ class ComposedRun:
             return Neighbours(nodes)
         composed = ComposedKeeper(self.nodes, keeper, self.plan.begin)
         self.nodes["plant"].keep_with(composed)
-        return OverheardNeighbours(nodes, composed.gathering)
+        return OverheardNeighbours(nodes, composed.words)
 
     def _outcome(self, stop: StopFlag) -> Outcome:
         operator = self.nodes.get("operator")

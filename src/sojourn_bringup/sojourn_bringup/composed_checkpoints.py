@@ -6,33 +6,36 @@ nodes hold and what they have said to each other.
 """
 
 from collections.abc import Mapping
-from math import lcm
 from typing import Any
 
+from sojourn_bags.recorded_run import ROLE as RECORDER
 from sojourn_bringup.checkpoints import CheckpointKeeper
 from sojourn_contract.app_node import AppNode
+from sojourn_contract.checkpoint_times import common_grid
 from sojourn_contract.neighbours import Neighbours
+from sojourn_contract.role_state import RoleState
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
 from sojourn_contract.topic_types import ROLES, Topic
 from sojourn_contract.values import Message
-from sojourn_stack.gathering import Gathering
-from sojourn_stack.stack import PLANT, RoleState, Stack, StackState
+from sojourn_contract.words import Words, lasting
+from sojourn_stack.stack import PLANT, StackState
 
 
 class OverheardNeighbours(Neighbours):
     """Neighbours whose words are kept as far as somebody still waits for them.
 
     Args:
-        nodes: of this process and this run. gathering: that hears them.
+        nodes: of this process and this run. words: that hear them, all but the recorder, which keeps no state.
     """
 
-    def __init__(self, nodes: Any, gathering: Gathering) -> None:
+    def __init__(self, nodes: Any, words: Words) -> None:
         super().__init__(nodes)
-        self._gathering = gathering
+        self._words = words
 
     def say(self, row: Topic, message: Message) -> None:
         """See Neighbours."""
-        self._gathering.hear(row, message)
+        if row.publisher != RECORDER:
+            self._words.hear(row, message)
         super().say(row, message)
 
 
@@ -48,9 +51,16 @@ class ComposedKeeper:
         self._nodes: dict[str, AppNode] = {role: node for role, node in nodes.items() if isinstance(node, AppNode)}
         self._plant = self._nodes[PLANT]
         self._keeper = keeper
-        apps = {role: self._nodes[role].app for role in ROLES if role in self._nodes}
-        self.gathering = Gathering(Stack(apps, self._plant.participants, self._plant.table), begin)
-        self._grid = lcm(*(node.barrier.stride for node in self._nodes.values()))
+        table = self._plant.table
+        lasts = lasting(self._plant.participants, table)
+        if begin is None:
+            self.words = Words(lasts)
+        else:
+            ahead = [(table.topic(name), message) for name, message in begin.ahead]
+            # what the plant has said of the period to come it says again
+            others = [(row, message) for row, message in ahead if row.publisher != PLANT]
+            self.words = Words(lasts, begin.messages, others, begin.leaps)
+        self._grid = common_grid(self._plant.participants, table)
         self._roles: dict[str, RoleState] | None = None
         """Of all but the plant, which is about to act on the period of a checkpoint."""
         self._is_asked = False
@@ -69,7 +79,7 @@ class ComposedKeeper:
         others = [node for node in self._nodes.values() if node is not self._plant and node.awaited]
         if any(node.now < stamp for node in others) or not self._goals_are_there():
             return False
-        self._roles = {node.role: _state_of(node) for node in self._nodes.values() if node is not self._plant}
+        self._roles = {node.role: node.role_state() for node in self._nodes.values() if node is not self._plant}
         return True
 
     def acted(self, stamp: int) -> None:
@@ -79,11 +89,16 @@ class ComposedKeeper:
             OSError: a checkpoint cannot be written. CheckpointError: the state holds what cannot be kept.
         """
         period = stamp // CONTROL_PERIOD_NS
-        self.gathering.leaps = self._plant.barrier.leaps
-        self.gathering.end(period)
+        words, leaps = self.words, self._plant.barrier.leaps
+        words.leaps = leaps
+        words.end(stamp)
         if self._roles is not None and not self._plant.finished:
-            roles = {**self._roles, PLANT: _state_of(self._plant)}
-            self._keeper.keep(self.gathering.state(period, roles))
+            found = {**self._roles, PLANT: self._plant.role_state()}
+            roles = {role: found[role] for role in ROLES if role in found}
+            following = leaps.after(period)
+            self._keeper.keep(
+                StackState(following, roles, dict(words.messages), ahead=words.named_ahead(), leaps=leaps)
+            )
             if self._is_asked:
                 self._is_asked, self.answered = False, f"{seconds(stamp):.2f} s"
 
@@ -101,9 +116,3 @@ class ComposedKeeper:
             for node in self._nodes.values()
             if node is not operator
         )
-
-
-def _state_of(node: AppNode) -> RoleState:
-    counters = node.counters
-    published, refused = dict(counters.published), dict(counters.refused)
-    return RoleState(node.state, node.events, published, refused, counters.last_refusal, node.now, node.hearing.took)

@@ -10,10 +10,12 @@ from rclpy.signals import SignalHandlerOptions
 
 from sojourn_bringup.access import SUPERVISOR
 from sojourn_bringup.health import Health, Progress
+from sojourn_bringup.plant_time import PlantTime
 from sojourn_contract import qos
 from sojourn_contract.decoding import hearing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import read_heartbeats, status_values
+from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import DiagnosticArray
@@ -23,13 +25,16 @@ class Monitor:
     """Keeps the health of the nodes and the progress of the run up to date. A context manager.
 
     Args:
-        namespace: namespace of the run. nodes: health by role, updated in place. arguments: of ROS, for its node.
+        namespace: namespace of the run. nodes: health by role, updated in place. time: of the run, likewise.
+        arguments: of ROS, for its node.
     """
 
-    def __init__(self, namespace: str, nodes: Mapping[str, Health], arguments: Sequence[str] = ()) -> None:
+    def __init__(
+        self, namespace: str, nodes: Mapping[str, Health], time: PlantTime, arguments: Sequence[str] = ()
+    ) -> None:
         self.nodes = nodes
         self.progress = Progress()
-        self._namespace = namespace
+        self._namespace, self._time = namespace, time
         self._arguments = ["--ros-args", *arguments] if arguments else []
 
     def __enter__(self) -> "Monitor":
@@ -37,8 +42,8 @@ class Monitor:
         self._node = rclpy.create_node(
             SUPERVISOR, namespace=self._namespace or None, enable_rosout=False, start_parameter_services=False
         )
-        self._listen("/diagnostics", self._on_heartbeat)
-        self._listen("/drive/status", self._on_drive_status)
+        self.listen(topic("/diagnostics"), self._on_heartbeat)
+        self.listen(topic("/drive/status"), self._on_drive_status)
         self._executor = EventsExecutor()
         self._executor.add_node(self._node)
         return self
@@ -54,12 +59,14 @@ class Monitor:
         while (left := end - time.monotonic()) > 0.0:
             self._executor.spin_once(timeout_sec=left)
 
-    def _listen(self, name: str, callback: Any) -> None:
-        row = topic(name)
+    def sender(self, row: Topic) -> Any:
+        """A publisher of a row; its history holds a whole state."""
+        return self._node.create_publisher(message_class(row.type), row.name.lstrip("/"), _quality(row))
+
+    def listen(self, row: Topic, callback: Any) -> None:
+        """Give what comes on a row to a callback."""
         hear = hearing(row, callback, self._pass_over)
-        self._node.create_subscription(
-            message_class(row.type), name.lstrip("/"), hear, qos.profile(row, True, "recorder"), raw=True
-        )
+        self._node.create_subscription(message_class(row.type), row.name.lstrip("/"), hear, _quality(row), raw=True)
 
     def _pass_over(self, refusal: RefusedMessageError) -> None:
         """Of what cannot be read; the nodes refuse and count it."""
@@ -72,10 +79,15 @@ class Monitor:
             if node is None:
                 continue
             node.hear(beat, now)
-            if beat.role == "plant":
-                self.progress.stamp = max(self.progress.stamp, beat.stamp)
+            if beat.role == "plant" and beat.stamp:
+                self._time.hear(beat.stamp, now)
+                self.progress.stamp = self._time.now
             elif beat.role == "operator":
                 self.progress.hear_operator(beat.values)
 
     def _on_drive_status(self, message: DiagnosticArray) -> None:
         self.progress.hear_drive(status_values(message))
+
+
+def _quality(row: Topic) -> Any:
+    return qos.profile(row, True, "recorder")

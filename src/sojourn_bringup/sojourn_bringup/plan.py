@@ -69,6 +69,11 @@ class RunPlan:
         """Where the operator writes what became of each step, when it is a process."""
         return self.run_dir / "goals.json"
 
+    @property
+    def beginning_file(self) -> Path:
+        """Where the recorder of a run that goes on finds what it begins with, when it is a process."""
+        return self.run_dir / "beginning"
+
     def shadow_file(self, role: str) -> Path:
         """Where the shadow of a role writes what it finds."""
         return self.run_dir / f"shadow_{role}.json"
@@ -113,6 +118,11 @@ class RunPlan:
         values = self.parameters(role, attempt)
         if role in self.companions:
             values["companions"] = list(self.companions)
+        if self.begin is not None:
+            resumed = {"beginning": str(self.beginning_file)} if role == "recorder" else {"resumed_at": self.begin.now}
+            values |= resumed
+        if self.checkpoint_every_s is not None and role != "recorder":
+            values["checkpoint_every_s"] = float(self.checkpoint_every_s)
         if role == "operator":
             values["result_file"] = str(self.result_file)
         return [*ros_arguments(values, self.namespace), *self.enclave_arguments(role)]

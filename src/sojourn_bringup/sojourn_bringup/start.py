@@ -21,18 +21,23 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
     layout.add_argument(
         "--direct", action="store_true", help="all roles in one process without middleware: the same values, sooner"
     )
+    layout.add_argument(
+        "--processes",
+        action="store_true",
+        help="every node a process of its own: as without this option, but for --resume and --from",
+    )
     result.add_argument(
         "--checkpoint-every",
         type=command_line.positive,
         metavar="SECONDS",
-        help="with --direct or --composed: keep the state of the run in its folder each time that so much simulation "
-        "time is over",
+        help="keep the state of the run in its folder each time that so much simulation time is over; in lock-step",
     )
     result.add_argument(
         "--resume",
         type=Path,
         metavar="FILE",
-        help="in place of a scenario: go on from this checkpoint, --direct or --composed; with --set on another branch",
+        help="in place of a scenario: go on from this checkpoint, --direct (the default here), --composed or "
+        "--processes; with --set on another branch",
     )
     result.add_argument(
         "--from",

@@ -73,10 +73,16 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
             raise UsageError(f"--shadow names {role}, allowed is one of {allowed}")
         if role not in participants:
             raise UsageError(f"--shadow names {role}, which does not take part: there is nothing to compare with")
-    if (given.composed or given.direct) and (replacements or shadows or len(started) < len(participants)):
-        option = "--composed" if given.composed else "--direct"
+    layout = layout_of(given)
+    if layout != "processes" and (replacements or shadows or len(started) < len(participants)):
+        option = f"--{layout}"
         raise UsageError(f"{option} runs every role in one process: it does not go with --replace, --shadow or --only")
-    if given.console and layout_of(given) == "direct":
+    if resumed is not None:
+        from sojourn_bringup.process_checkpoints import what_keeps_from_resuming  # not above: it needs all roles
+
+        if reason := what_keeps_from_resuming(resumed.state, replacements):
+            raise UsageError(f"{given.resume or given.from_bag}: {reason}")
+    if given.console and layout == "direct":
         raise UsageError(
             "--console listens to topics, and a run without middleware has none: not with --direct, --resume, --from"
         )
@@ -91,7 +97,7 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
     if not given.realtime:
         check_lockstep(participants, table_of(scenario.loaded))
     # before a folder is made for a run that cannot be
-    with nullcontext() if layout_of(given) == "direct" else RoleTokens(given.domain, given.namespace, started):
+    with nullcontext() if layout == "direct" else RoleTokens(given.domain, given.namespace, started):
         run_dir = make_run_folder(given.run_dir)
     return RunPlan(
         scenario=scenario.name,
@@ -131,16 +137,21 @@ def _goes_on(given: argparse.Namespace) -> bool:
 
 def _check_checkpoints(given: argparse.Namespace) -> None:
     """Raise UsageError for options that do not go together."""
-    if given.checkpoint_every is not None and (layout_of(given) == "processes" or given.realtime):
-        reason = "the state of a run is kept where all of it is in one process and in lock-step"
-        raise UsageError(f"--checkpoint-every goes with --direct or --composed, without --realtime: {reason}")
-    if not _goes_on(given):
-        return
-    others = ("realtime", "without", "only", "replace", "shadow", "machine")
+    if given.checkpoint_every is not None:
+        if given.realtime:
+            reason = "in real time no two nodes stand at the same period: there is no state to go on from"
+            raise UsageError(f"--checkpoint-every does not go with --realtime: {reason}")
+        _refuse(given, "--checkpoint-every", ("only", "shadow", "secure"), "every node is to hand over its state")
+    if _goes_on(given):
+        option = "--resume" if given.resume is not None else "--from"
+        reason = "a checkpoint goes on in lock-step, with the machine and the roles that it has"
+        _refuse(given, option, ("realtime", "without", "only", "shadow", "machine", "secure"), reason)
+
+
+def _refuse(given: argparse.Namespace, option: str, others: Sequence[str], reason: str) -> None:
+    """Raise UsageError if some of the other options are given too."""
     wrong = [f"--{name}" for name in others if getattr(given, name)]
     if wrong:
-        reason = "a checkpoint goes on in one process and in lock-step, with the machine and the roles that it has"
-        option = "--resume" if given.resume is not None else "--from"
         raise UsageError(f"{option} does not go with {' and '.join(wrong)}: {reason}")
 
 
@@ -187,7 +198,7 @@ def layout_of(given: argparse.Namespace) -> Layout:
     """Which way was asked for."""
     if given.composed:
         return "composed"
-    return "direct" if given.direct or _goes_on(given) else "processes"
+    return "direct" if given.direct or (_goes_on(given) and not given.processes) else "processes"
 
 
 def run_plan(plan: RunPlan, layout: Layout, screen: Screen, with_console: bool = False) -> Outcome:

@@ -5,8 +5,9 @@ import os
 import signal
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from sojourn_bringup.access import SUPERVISOR
 from sojourn_bringup.child import STOP_S, Child, command_of, environment_of
@@ -14,15 +15,19 @@ from sojourn_bringup.health import DEAD, RESTARTING, STOPPED, Health
 from sojourn_bringup.monitor import Monitor
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, RunStopwatch
 from sojourn_bringup.plan import RunPlan
+from sojourn_bringup.plant_time import PlantTime
 from sojourn_bringup.process_table import process
 from sojourn_bringup.run_folder import FolderWatch
 from sojourn_bringup.screen import Screen
 from sojourn_bringup.shadows import Shadows
 from sojourn_config.ros_environment import ros_variables
 from sojourn_contract.heartbeat import ENDED
-from sojourn_contract.stamps import seconds
+from sojourn_contract.stamps import NANOSECONDS, seconds
 from sojourn_contract.stop_flag import StopFlag
 from sojourn_operator.script import StepResult, results_from_data
+
+if TYPE_CHECKING:  # it needs all roles, which start elsewhere
+    from sojourn_bringup.process_checkpoints import ProcessCheckpoints
 
 LOOK_S = 0.05
 """Wall time between two looks at the processes: a dead one is noticed within this."""
@@ -50,6 +55,7 @@ class Supervisor:
         self.stopwatch = RunStopwatch()
         self._logs = plan.run_dir / "logs"
         self._folder = FolderWatch(plan.run_dir)
+        self._checkpoints = checkpoints_of(plan, self.nodes, screen.say)
 
     def run(self) -> Outcome:
         """Start, watch and stop. Returns how the run ended; no process is left whatever happens."""
@@ -57,8 +63,11 @@ class Supervisor:
         self._logs.mkdir(exist_ok=True)
         stop = StopFlag().install()
         signal.signal(signal.SIGHUP, signal.getsignal(signal.SIGINT))
-        with Monitor(self.plan.namespace, self.nodes, self.plan.enclave_arguments(SUPERVISOR)) as self._monitor:
+        enclave = self.plan.enclave_arguments(SUPERVISOR)
+        with Monitor(self.plan.namespace, self.nodes, time_of(self.plan), enclave) as self._monitor:
             try:
+                if self._checkpoints is not None:
+                    self._checkpoints.join(self._monitor)
                 outcome = self._wait_for_shadows(stop) or self._start_and_watch(stop)
                 if outcome.status == FAILED:
                     self.screen.say(f"stopping: {outcome.message}")
@@ -104,7 +113,7 @@ class Supervisor:
         started_at = time.monotonic()
         while not stop.is_set:
             self._look(LOOK_S)
-            outcome = self._ended() or self._folder_gone() or self._failed()
+            outcome = self._ended() or self._folder_gone() or self._checkpoints_failed() or self._failed()
             if outcome is not None:
                 return outcome
             if time.monotonic() - started_at > self.plan.start_timeout_s and self._monitor.progress.stamp == 0:
@@ -125,6 +134,8 @@ class Supervisor:
                 self._notice_stop(node, self.children[role])
                 node.memory_mb = self.children[role].memory_mb()
                 node.peak_memory_mb = max(node.peak_memory_mb, node.memory_mb)
+        if self._checkpoints is not None:
+            self._checkpoints.look()
         self.screen.show(list(self.nodes.values()), progress)
         self.shadows.look()
 
@@ -147,6 +158,10 @@ class Supervisor:
     def _folder_gone(self) -> Outcome | None:
         gone = self._folder.why_gone()
         return self._outcome(FAILED, gone) if gone else None
+
+    def _checkpoints_failed(self) -> Outcome | None:
+        failure = "" if self._checkpoints is None else self._checkpoints.failure
+        return self._outcome(FAILED, failure) if failure else None
 
     def _failed(self) -> Outcome | None:
         """Look for dead processes; restart one where that is allowed, else say which ended the run."""
@@ -233,3 +248,21 @@ class Supervisor:
         if "operator" not in self.plan.participants or not file.is_file():
             return []
         return results_from_data(json.loads(file.read_text(encoding="utf-8")))
+
+
+def time_of(plan: RunPlan) -> PlantTime:
+    """Of a run, before it begins."""
+    leaps = None if plan.loaded is None else plan.loaded.leaps
+    longest = 0 if leaps is None else int(leaps.longest_s * NANOSECONDS)
+    return PlantTime(0 if plan.begin is None else plan.begin.now, longest, plan.realtime)
+
+
+def checkpoints_of(
+    plan: RunPlan, nodes: Mapping[str, Health], say: Callable[[str], None]
+) -> "ProcessCheckpoints | None":
+    """Of a run that keeps them or goes on from one; None for any other."""
+    if plan.begin is None and plan.checkpoint_every_s is None:
+        return None
+    from sojourn_bringup.process_checkpoints import ProcessCheckpoints  # not above: it needs all roles
+
+    return ProcessCheckpoints(plan, nodes, say)

@@ -8,18 +8,28 @@ from rclpy.context import Context
 
 from sojourn_config.known_machine import KnownMachine
 from sojourn_contract.app import App, Period
+from sojourn_contract.barrier import stamp_due
+from sojourn_contract.checkpoint_topic import RESUMED
 from sojourn_contract.disturbed_app import disturbed
+from sojourn_contract.handing_over import HandingBack, HandingOver
 from sojourn_contract.kept_data import KEEP_EVERY_NS, Kept, KeptData, KeptDataError
 from sojourn_contract.node import ContractNode
+from sojourn_contract.role_state import RoleAtCheckpoint, RoleState
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
+from sojourn_contract.words import Words, lasting
+
+CLOCK_OWNER = "plant"
+"""The role with whose words a run goes on."""
 
 
 class AppNode(ContractNode):
     """A node that runs the app of its role.
 
     ROS parameters, besides those of every node: `kept` (file of what its app must not lose, empty for none), `restarts`
-    (how often its role has been started again).
+    (how often its role has been started again), `checkpoint_every_s` (simulation time from one checkpoint of the run to
+    the next [s], 0 for none; the plant asks for them), `resumed_at` (stamp of the state from which the run goes on
+    [ns], 0 for its start; the state comes by a topic, see `handing_over`).
 
     Args:
         context: rclpy context. overrides: parameter values, as the composed start gives them.
@@ -54,6 +64,13 @@ class AppNode(ContractNode):
         self._kept = KeptData(Path(kept)) if kept else None
         self._kept_at = 0
         self._starts_again = int(self.declare_parameter("restarts", 0).value) > 0
+        self.checkpoint_every_s = float(self.declare_parameter("checkpoint_every_s", 0.0).value)
+        self.handing_over: HandingOver | None = None
+        if self.checkpoint_every_s:
+            self.words = Words(lasting(self.participants, self.table))
+            self.handing_over = None if self.role == CLOCK_OWNER else HandingOver(self)
+        self.resumed_at = int(self.declare_parameter("resumed_at", 0).value)
+        self._handing_back = HandingBack(self, self.resumed_at) if self.resumed_at else None
 
     def read_scenario(self, name: str, overrides: Sequence[str]) -> KnownMachine:
         """What its app goes by."""
@@ -63,6 +80,51 @@ class AppNode(ContractNode):
         """The contract's checks, then the app's own."""
         super().check(row, message)
         self.app.check(row, message)
+
+    def poll(self) -> None:
+        """Wall-clock chores, and a state that is handed over or back."""
+        if self._handing_back is not None:
+            self._handing_back.look()
+        if self.handing_over is not None:
+            self.handing_over.look()
+        super().poll()
+
+    def unmatched(self) -> list[str]:
+        """What is not connected yet, and a state that has not come."""
+        waits = self._handing_back is not None and not self._handing_back.is_here
+        return ["the state from which it goes on has not come", *super().unmatched()] if waits else super().unmatched()
+
+    def role_state(self) -> RoleState:
+        """At the end of the period on which it has acted."""
+        counts = self.counters
+        published, refused = dict(counts.published), dict(counts.refused)
+        return RoleState(self.state, self.events, published, refused, counts.last_refusal, self.now, self.hearing.took)
+
+    def go_on(self, begin: RoleAtCheckpoint) -> None:
+        """Stand where its role stood, before the node acts for the first time."""
+        one = begin.role
+        self.state, self.events = one.app, one.goals
+        self.counters = one.counters
+        self.hearing.took, self.goes_on_from = one.took, one.now
+        self.barrier.go_on(one.now // CONTROL_PERIOD_NS, begin.leaps)
+        now = begin.leaps.before(begin.period) * CONTROL_PERIOD_NS
+        for row in self.awaited:
+            oldest = 0 if row.delivery is not None else stamp_due(row, self.barrier.period, begin.leaps)
+            for stamp, (message, refusal) in begin.messages.get(row.name, {}).items():
+                is_said_again = row.publisher == CLOCK_OWNER and stamp > now
+                if stamp >= oldest and not is_said_again:
+                    self.barrier.offer(row, stamp, None if refusal else message)
+        if self.words is not None:
+            rows = {row.name: row for row in (*self.awaited, *self.endpoints.outputs.values())}
+            known = {name: each for name, each in begin.messages.items() if name in rows and self._keeps(rows[name])}
+            ahead = () if self.role == CLOCK_OWNER else begin.ahead  # it says them again
+            self.words = Words(
+                lasting(self.participants, self.table), known, [(rows[name], each) for name, each in ahead], begin.leaps
+            )
+
+    def _keeps(self, row: Topic) -> bool:
+        """Whether its words have a row: what it says itself, or hears of a node that may keep nothing."""
+        return row.publisher == self.role or row.publisher not in self.companions
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """One step of the app."""
@@ -78,7 +140,11 @@ class AppNode(ContractNode):
         self.finished = self.finished or answer.finished
         if answer.landing:
             self.barrier.leap(*(each // CONTROL_PERIOD_NS for each in (stamp, answer.landing)))
+        if self.words is not None:
+            self.words.leaps = self.barrier.leaps
         self.publish_all(answer.messages)
+        if self.words is not None:
+            self.words.end(stamp)
         if self._kept is not None and abs(stamp - self._kept_at) >= KEEP_EVERY_NS:
             self._keep(stamp)
 
@@ -112,5 +178,7 @@ class AppNode(ContractNode):
         self.state = self.app.on_new_time(self.state)
 
     def heartbeat_values(self) -> dict[str, str]:
-        """What the app tells of itself."""
-        return self.app.heartbeat_values(self.state, self.now)
+        """What the app tells of itself; before a run that goes on, also whether its state is here."""
+        values = self.app.heartbeat_values(self.state, self.now)
+        is_here = self._handing_back is not None and self._handing_back.is_here
+        return {**values, RESUMED: str(self.resumed_at)} if is_here and not self.now else values

@@ -66,6 +66,8 @@ class Endpoints:
     def send(self, topic: str, message: Message) -> None:
         """To the neighbours, to companions in the bundle, and on its topic to all others who listen."""
         row = self.outputs[topic]
+        if self._node.words is not None:
+            self._node.words.hear(row, message)
         if self._neighbours is not None:
             self._neighbours.say(row, message)
             if topic in self._unheard:

@@ -8,6 +8,7 @@ acts on whatever has come, so it tells the stamp of each input at each of its pe
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
+from typing import Any
 
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import is_count
@@ -70,6 +71,10 @@ class Hearing:
 
     took: tuple[Took, ...] = ()
     acted: list[Acted] = field(default_factory=list)
+
+    def take_goals(self, goals: Iterable[tuple[str, Any]], before: int, at: int) -> None:
+        """Goals, as (topic, message), that take effect at a period [ns]; `before` as of `late`."""
+        self.took += late([(name, goal.stamp) for name, goal in goals], before, at)
 
     def tell(self) -> dict[str, str]:
         """Values for a heartbeat; what is told is forgotten."""

@@ -23,7 +23,7 @@ from sojourn_contract.decoding import refusing, stamp_of
 from sojourn_contract.endpoints import Endpoints
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.events import EventQueue, parse_tick
-from sojourn_contract.heard import Acted, Hearing, late
+from sojourn_contract.heard import Acted, Hearing
 from sojourn_contract.heartbeat import (
     ENDED,
     READY,
@@ -40,7 +40,8 @@ from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_table import CLOCK
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES
-from sojourn_contract.values import Message
+from sojourn_contract.values import Header, Message
+from sojourn_contract.words import Words
 
 OPERATOR = "operator"
 REFUSAL_LOG_S = 1.0
@@ -66,8 +67,7 @@ class ContractNode(Node):
     Args:
         role: row of the process table; also the node's name.
         context: rclpy context. overrides: parameter values, as the composed start gives them.
-        namespace: ROS namespace, None for the one given on the command line.
-        every_period: act at every period (the plant).
+        namespace: ROS namespace, None for that of the command line. every_period: act at every period (the plant).
     """
 
     def __init__(
@@ -119,10 +119,10 @@ class ContractNode(Node):
         self._awaited_by_name = {row.name: row for row in self.awaited}
         self._trigger = trigger_of(self.awaited)
         self._last_progress = self._heard_trigger = time.monotonic()
-        self._last_ready = self._complained = 0.0
-        self._advancing = False
+        self._last_ready, self._complained, self._advancing = 0.0, 0.0, False
         self.received = 0
         """Messages that have come over the middleware."""
+        self.words: Words | None = None  # nobody keeps what it says
         self.endpoints = Endpoints(self, self._take)
         periodic = [row for row in self.endpoints.inputs if not row.is_event and row.publisher != "all"]
         self.latest = LatestInputs(periodic)
@@ -286,7 +286,10 @@ class ContractNode(Node):
         allowed = self.barrier.refusal(row, stamp)
         if allowed is not None:
             raise RefusedMessageError(row.name, "header.stamp", f"{stamp / 1e9:.3f} s", allowed)
-        self.barrier.offer(row, stamp, self._content_or_none(row, data))
+        content = self._content_or_none(row, data)
+        self.barrier.offer(row, stamp, content)
+        if self.words is not None and row.publisher not in self.companions:  # who may keep nothing of what he says
+            self.words.hear(row, Header(stamp) if content is None else content)
         self._advance()
 
     def _content_or_none(self, row: Topic, data: bytes | Message) -> Any:
@@ -375,20 +378,17 @@ class ContractNode(Node):
             self.endpoints.look()  # who listens from the beginning misses nothing
         previous, self.now = self.now or self.goes_on_from, stamp
         self.events, goals = self.events.taken(stamp)
-        self._note(previous, stamp, inputs, goals)
+        if self.lockstep:
+            self.hearing.take_goals(goals, previous, stamp)
+        else:  # no stamp says what it acts on
+            self.hearing.take_goals(goals, stamp, stamp)
+            heard = {name: None if kept is None else self.latest.stamp_of(name) for name, kept in inputs.items()}
+            self.hearing.acted.append(Acted(stamp, heard))
         self.endpoints.bundles.hold()
         self.on_period(stamp, inputs, goals)
         if beats(previous, stamp):
             self._send_heartbeat(RUNNING, stamp)
         self.endpoints.bundles.release()
-
-    def _note(self, previous: int, stamp: int, inputs: Mapping[str, Any], goals: Sequence[tuple[str, Any]]) -> None:
-        """What no stamp says: of real time all that it acts on."""
-        stamped = [(name, goal.stamp) for name, goal in goals]
-        self.hearing.took += late(stamped, previous if self.lockstep else stamp, stamp)
-        if not self.lockstep:
-            heard = {name: None if kept is None else self.latest.stamp_of(name) for name, kept in inputs.items()}
-            self.hearing.acted.append(Acted(stamp, heard))
 
     def _send_heartbeat(self, state: str, stamp: int, detail: str = "", extra: dict[str, str] | None = None) -> None:
         values = self.heartbeat_values() | (extra or {})

@@ -10,8 +10,8 @@ def parser() -> argparse.ArgumentParser:
     """Options of scripts/checkpoint."""
     result = command_line.Parser(
         prog="checkpoint",
-        description="Keep the state of a running stack, in checkpoints/ of its folder: of one that was started with "
-        "--composed --checkpoint-every S.",
+        description="Keep the state of a running stack, in checkpoints/ of its folder: of one whose nodes were "
+        "started with --checkpoint-every S.",
     )
     command_line.add_place(result)
     result.add_argument(

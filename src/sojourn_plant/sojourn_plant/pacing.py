@@ -13,18 +13,24 @@ from rclpy.context import Context
 
 from sojourn_contract import qos, stamps
 from sojourn_contract.app_node import AppNode
+from sojourn_contract.barrier import is_due, stamp_due
 from sojourn_contract.checkpoint_topic import CHECKPOINT, KEPT
 from sojourn_contract.errors import DomainInUseError, RefusedMessageError, SilentNodeError
 from sojourn_contract.heartbeat import read_heartbeats
+from sojourn_contract.role_state import RoleAtCheckpoint
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.types import message_class
-from sojourn_contract.values import Message
+from sojourn_contract.values import Header, Message
+from sojourn_plant.checkpoints import AskingKeeper
 from sojourn_plant.roster import Roster
 
 DISCOVERY_S = 0.5
 """Wall time after its creation before which a plant does not begin: another one on its domain may not be
 seen yet.
 """
+CHECKPOINT_PART = 0.5
+"""Of the time-out: for so long it waits for the states of a checkpoint."""
+RECORD = "/recorder/tick"
 FREE_RUN_S = 0.02
 """Wall time for which a plant that nobody answers runs between two looks at its messages."""
 
@@ -60,7 +66,7 @@ class PacingNode(AppNode):
         super().__init__(context=context, overrides=overrides, namespace=namespace, every_period=True)
         self.ends_the_run = True
         self._trigger = ""  # in real time it acts by the wall clock, whatever comes
-        self.roster = Roster(self.role, self.participants, self.timeout_s)
+        self.roster = Roster(self.role, self.participants, self.timeout_s, self.resumed_at)
         self._begun = False
         self._waiting_since = math.inf
         """Wall time since which the others are waited for: from the first look at them, as plants take long to make."""
@@ -69,6 +75,21 @@ class PacingNode(AppNode):
         """None: nobody keeps anything."""
         self.first_words: Sequence[tuple[str, Message]] | None = None
         """Of a run that goes on: (topic, message) that had been said, and counted, when it stood."""
+        if self.checkpoint_every_s:
+            self.keep_with(AskingKeeper(self, self.checkpoint_every_s, self.timeout_s * CHECKPOINT_PART))
+
+    def go_on(self, begin: RoleAtCheckpoint) -> None:
+        """See AppNode; what it has said of the period to come it says again, and it knows of the record before."""
+        super().go_on(begin)
+        self.first_words = [(name, message) for name, message in begin.ahead if name in self.endpoints.outputs]
+        now = begin.leaps.before(begin.period) * stamps.CONTROL_PERIOD_NS
+        for row in self.awaited:
+            if row.name == RECORD:
+                periods = range(begin.period, begin.period + row.lag + 1)
+                ticks = {stamp_due(row, period, begin.leaps) for period in periods if is_due(row, period)}
+                for stamp in sorted(ticks):
+                    if 0 < stamp <= now:
+                        self.barrier.offer(row, stamp, Header(stamp))
 
     def keep_with(self, keeper: Keeper) -> None:
         """Have the state of the run kept, and listen to who asks for it."""
@@ -96,7 +117,7 @@ class PacingNode(AppNode):
             until = time.monotonic() + FREE_RUN_S
             while time.monotonic() < until:
                 self.act(self.now + stamps.CONTROL_PERIOD_NS, {})
-        elif self.lockstep and time.monotonic() - self._waiting_since > self.timeout_s:
+        elif self.lockstep and time.monotonic() - self._waiting_since > self.timeout_s and self.barrier.missing():
             self._stop_for_silence()
         elif self.keeper is not None:
             self._advance()

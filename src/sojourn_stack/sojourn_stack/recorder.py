@@ -4,26 +4,16 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sojourn_bags.completeness import Completeness
-from sojourn_bags.onset import Onset, Span
+from sojourn_bags.onset import HEARTBEATS, TICK, TICK_PERIODS, Onset, Span, counted_by
 from sojourn_bags.recorded_run import ROLE, RecordedRun
 from sojourn_contract.codecs import encode
-from sojourn_contract.heartbeat import HEARTBEAT_PERIODS, RUNNING, Counters, beats, heartbeat_message
-from sojourn_contract.leaps import NO_LEAPS, Leaps
+from sojourn_contract.heartbeat import RUNNING, beats, heartbeat_message
 from sojourn_contract.stamps import seconds
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Message
 from sojourn_stack.stack import StackState
-
-TICK, HEARTBEATS = "/recorder/tick", "/diagnostics"
-TICK_PERIODS = topic(TICK).every
-
-
-def counted_by(period: int, leaps: Leaps = NO_LEAPS) -> Counters:
-    """What the recorder of a run has said of its own by the end of a control period."""
-    said = {HEARTBEATS: leaps.count(period, HEARTBEAT_PERIODS), TICK: leaps.count(period, TICK_PERIODS)}
-    return Counters({name: count for name, count in said.items() if count})
 
 
 def onset_of(state: StackState, table: TopicTable) -> Onset:

@@ -6,23 +6,24 @@ checked on arrival, refused ones counted, goals wait for their period, and each 
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import lcm
 from typing import Any
 
 from sojourn_contract import stamps
 from sojourn_contract.app import App, Period
-from sojourn_contract.arrival import check_input
-from sojourn_contract.barrier import Barrier, awaited_inputs, is_due, oldest_age, stamp_due
-from sojourn_contract.errors import RefusedMessageError, unreadable
-from sojourn_contract.events import EventQueue
-from sojourn_contract.heard import Took, late, took_values
-from sojourn_contract.heartbeat import ENDED, RUNNING, Counters, beats, heartbeat_message
+from sojourn_contract.arrival import check_input, refusal_of
+from sojourn_contract.barrier import Barrier, awaited_inputs, is_due, stamp_due
+from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.heard import late, took_values
+from sojourn_contract.heartbeat import ENDED, RUNNING, beats, heartbeat_message
 from sojourn_contract.leaps import NO_LEAPS, Leaps
+from sojourn_contract.role_state import Heard, RoleState
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import STANDARD, topic
 from sojourn_contract.values import DiagnosticArray, Message
+from sojourn_contract.words import keep, kept_for
 from sojourn_machine.evolution import replace
 from sojourn_stack.errors import MisfitError, WaitingError
 
@@ -32,35 +33,6 @@ Said = tuple[Topic, Message]
 """A row and its message."""
 Due = tuple[Topic, int]
 """A row, and by how much the stamp of its message that a role waits for is behind that of the period [ns]."""
-Heard = tuple[Message, str]
-"""A message, and why nobody may take it; empty where all may."""
-
-
-@dataclass(frozen=True, slots=True)
-class RoleState:
-    """Of one role."""
-
-    app: Any
-    """State of its app."""
-    goals: EventQueue = field(default_factory=EventQueue)
-    published: Mapping[str, int] = field(default_factory=dict)
-    refused: Mapping[str, int] = field(default_factory=dict)
-    """Messages by topic."""
-    last_refusal: str = ""
-    now: int = 0
-    """Stamp of the last period that it acted on [ns]."""
-    took: tuple[Took, ...] = ()
-    """Goals whose stamp does not say when they took effect, since its last heartbeat."""
-
-    @property
-    def counters(self) -> Counters:
-        """For a heartbeat."""
-        return Counters(dict(self.published), dict(self.refused), self.last_refusal)
-
-    def refusing(self, name: str, reason: str) -> "RoleState":
-        """One more message on a topic was refused."""
-        refused = {**self.refused, name: self.refused.get(name, 0) + 1}
-        return replace(self, refused=refused, last_refusal=reason)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +85,7 @@ class Stack:
             for row in rows.values()
             if row.is_event
         }
-        self.kept_for = {row.name: _kept_for(row) for rows in self._awaited.values() for row in rows}
+        self.kept_for = {row.name: kept_for(row) for rows in self._awaited.values() for row in rows}
         """How long a message of a topic is waited for after its stamp [ns]."""
         rows = [row for awaited in self._awaited.values() for row in awaited]
         self._cycle = lcm(*self._strides.values(), *(row.every for row in rows))
@@ -166,21 +138,6 @@ class Stack:
     def farewells(self, state: StackState) -> list[Said]:
         """Last heartbeats, with what each role has said in all."""
         return [(topic(HEARTBEATS), self.heartbeat(role, ENDED, one)) for role, one in state.roles.items() if one.now]
-
-    def keep(self, messages: dict[str, Mapping[int, Heard]], row: Topic, message: Message, leaps: Leaps) -> None:
-        """Keep a message that somebody waits for among those by topic and stamp, and let go of older ones."""
-        kept_for, stamp, earlier = self.kept_for[row.name], message.stamp, messages.get(row.name, {})
-        if _repeats(row, stamp) and stamp in earlier:
-            return
-        heard: dict[int, Heard] = {}
-        if kept_for:
-            oldest = stamp - kept_for
-            if leaps.gaps:
-                period = oldest // stamps.CONTROL_PERIOD_NS
-                oldest = leaps.newest(period, row.every) * stamps.CONTROL_PERIOD_NS
-            heard = {at: older for at, older in earlier.items() if at >= oldest}
-        heard[stamp] = (message, _refusal(check_input, row, message))
-        messages[row.name] = heard
 
     def agenda(self, period: int, leaps: Leaps = NO_LEAPS) -> Mapping[str, Sequence[Due]]:
         """Roles that act in a period, and what each waits for. It repeats, once all is waited for that ever is and
@@ -250,7 +207,7 @@ class _Period:
         for row, behind in due:
             message, refusal = self._messages[row.name][self.stamp - behind]
             if check is not None and not refusal:
-                refusal = _refusal(check, row, message)
+                refusal = refusal_of(check, row, message)
             if refusal:
                 one = one.refusing(row.name, refusal)
             inputs[row.name] = None if refusal else message
@@ -297,14 +254,14 @@ class _Period:
                     self.offer(taker, row, message)
                 continue
             if row.name in self._stack.kept_for:
-                self._stack.keep(self._messages, row, message, self._leaps)
+                keep(self._messages, row, message, self._stack.kept_for[row.name], self._leaps)
         self.said += said
 
     def offer(self, role: str, row: Topic, message: Message) -> None:
         """Give a role a goal; one that is refused is counted."""
         one = self._roles[role]
         one = replace(one, goals=one.goals.counted(row))
-        refusal = _refusal(check_input, row, message) or _refusal(self._stack.apps[role].check, row, message)
+        refusal = refusal_of(check_input, row, message) or refusal_of(self._stack.apps[role].check, row, message)
         if not refusal:
             try:
                 one = replace(one, goals=one.goals.offered(row, message.stamp, one.now, message))
@@ -313,30 +270,9 @@ class _Period:
         self._roles[role] = one.refusing(row.name, refusal) if refusal else one
 
 
-def _kept_for(row: Topic) -> int:
-    """How long a message of a row is waited for after its stamp [ns]."""
-    return (row.lag if row.delivery is None else oldest_age(row) + row.pace) * stamps.CONTROL_PERIOD_NS
-
-
-def _repeats(row: Topic, stamp: int) -> bool:
-    """Whether messages of a row bear a stamp [ns] again and again, for their sender's clock has stopped."""
-    return row.delivery is not None and row.delivery.stands_at * stamps.CONTROL_PERIOD_NS == stamp
-
-
 def _is_none(check: Callable[[Topic, Message], None]) -> bool:
     """Whether a role's check is that of an app without one of its own."""
     return getattr(check, "__func__", None) is App.check
-
-
-def _refusal(check: Callable[[Topic, Message], None], row: Topic, message: Message) -> str:
-    """Why a message does not pass a check, empty where it does; whatever the check raises is the message's fault."""
-    try:
-        check(row, message)
-    except RefusedMessageError as refusal:
-        return str(refusal)
-    except Exception as error:
-        return str(unreadable(row.name, f"a {row.type} that can be read", error))
-    return ""
 
 
 def _counted(published: Mapping[str, int], said: Iterable[tuple[Topic, Message | None]]) -> Mapping[str, int]:

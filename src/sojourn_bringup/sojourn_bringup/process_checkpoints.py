@@ -1,0 +1,156 @@
+"""Checkpoints of nodes that are processes: what they hand over becomes the same file as that of a run in one process,
+and where a run goes on each gets back what it had handed over.
+"""
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from sojourn_bringup.checkpoints import keeper_of
+from sojourn_bringup.health import Health
+from sojourn_bringup.monitor import Monitor
+from sojourn_bringup.plan import RunPlan
+from sojourn_bringup.resumption import beginning, handed_back
+from sojourn_config.scenario import load_scenario
+from sojourn_contract.checkpoint_topic import RESUMED, STATE, StateParts, as_bytes, as_text, state_messages
+from sojourn_contract.codecs import encode
+from sojourn_contract.errors import ContractError
+from sojourn_contract.heartbeat import Heartbeat, read_heartbeats
+from sojourn_contract.role_state import ForeignState, Heard, RoleAtCheckpoint, RoleState
+from sojourn_contract.run_table import table_of
+from sojourn_contract.state_tree import CheckpointError, packed, unpacked
+from sojourn_contract.topic_types import ROLES
+from sojourn_contract.values import DiagnosticArray
+from sojourn_plant.checkpoints import ANSWERED, SILENT
+from sojourn_stack.stack import PLANT, StackState
+
+AGAIN_S = 5.0
+"""Wall time after which a state is handed back once more to a node that has not taken it."""
+
+
+class ProcessCheckpoints:
+    """Of one run.
+
+    Args:
+        plan: the run. nodes: health by role. say: takes what a person should know.
+
+    Attributes:
+        failure: why no more can be kept, in words; "" where they can.
+    """
+
+    def __init__(self, plan: RunPlan, nodes: Mapping[str, Health], say: Callable[[str], None]) -> None:
+        self._plan, self._nodes, self._say = plan, nodes, say
+        self._loaded = plan.loaded or load_scenario(plan.scenario, plan.overrides)
+        self._table = table_of(self._loaded)
+        self._keeper = keeper_of(plan, self._loaded)
+        self._parts = StateParts()
+        self._handed: dict[str, tuple[Heartbeat, str]] = {}
+        """The last state of each role, with its last part."""
+        self._given: dict[str, float] = {}
+        """Wall time at which a state was handed back [s]."""
+        self._silent: frozenset[str] = frozenset()
+        self._sender: Any = None
+        self.failure = ""
+
+    def join(self, monitor: Monitor) -> None:
+        """Listen and speak where the run is; what its recorder begins with is in a file then. Raises OSError."""
+        if self._keeper is not None:
+            monitor.listen(STATE, self._hear)
+        if self._plan.begin is not None:
+            self._plan.beginning_file.write_bytes(packed(beginning(self._plan.begin, self._table), "beginning"))
+            self._sender = monitor.sender(STATE)
+
+    def look(self) -> None:
+        """Write what has been handed over, hand back what is wanted."""
+        if self._sender is not None:
+            self._hand_back()
+        plant = self._handed.get(PLANT)
+        if plant is None or self._keeper is None or self.failure:
+            return
+        beat, _ = plant
+        if ANSWERED not in beat.values:  # it is what has been handed back
+            return
+        answered = beat.values.get(ANSWERED, "").split()
+        if any(role not in self._handed or self._handed[role][0].stamp != beat.stamp for role in answered):
+            return
+        silent = frozenset(beat.values.get(SILENT, "").split())
+        if silent:
+            self._tell(silent)
+        else:
+            try:
+                self._keeper.keep(self._state())
+            except (ContractError, OSError) as error:
+                self.failure = f"no checkpoint can be kept: {error}"
+        del self._handed[PLANT]
+
+    def _tell(self, silent: frozenset[str]) -> None:
+        if silent != self._silent:
+            self._silent = silent
+            one = len(silent) == 1
+            what = f"{', '.join(sorted(silent))} {'has' if one else 'have'} not handed over {'its' if one else 'their'}"
+            self._say(f"this run is not resumable, no checkpoint of it is kept: {what} state on {STATE.name}")
+
+    def _hear(self, message: DiagnosticArray) -> None:
+        for beat in read_heartbeats(message):
+            if beat.role in self._plan.participants:
+                text = self._parts.take(beat)
+                if text is not None:
+                    self._handed[beat.role] = (beat, text)
+
+    def _state(self) -> StackState:
+        """Of the run, from what all have handed over. Raises CheckpointError, RefusedMessageError."""
+        roles: dict[str, RoleState] = {}
+        messages: dict[str, dict[int, Heard]] = {}
+        ahead: list[Any] = []
+        own: RoleAtCheckpoint | None = None
+        for role in ROLES:
+            if role not in self._handed:
+                continue
+            beat, text = self._handed[role]
+            if role in self._plan.replacements:
+                roles[role] = RoleState(ForeignState(text), published=beat.published, now=beat.stamp)
+                continue
+            handed = unpacked(as_bytes(text), role)
+            if not isinstance(handed, RoleAtCheckpoint):
+                raise CheckpointError(role, f"a {type(handed).__name__}: allowed is the state of a role")
+            roles[role] = handed.role
+            for name, kept in handed.messages.items():
+                messages[name] = dict(sorted({**messages.get(name, {}), **kept}.items()))
+            ahead += handed.ahead
+            own = handed if role == PLANT else own
+        if own is None:
+            raise CheckpointError(PLANT, "its state has not come")
+        return StackState(own.period, roles, messages, ahead=tuple(ahead), leaps=own.leaps)
+
+    def _hand_back(self) -> None:
+        """To each that is there and has not said that it goes on."""
+        begin, now = self._plan.begin, time.monotonic()
+        if begin is None:
+            return
+        waiting = [role for role in begin.roles if not self._goes_on(self._nodes[role], begin.now)]
+        if not waiting:
+            self._sender = None
+        for role in waiting:
+            if self._nodes[role].heard_at and now - self._given.get(role, -AGAIN_S) >= AGAIN_S:
+                self._given[role] = now
+                one = begin.roles[role]
+                is_foreign = isinstance(one.app, ForeignState)
+                text = one.app.text if is_foreign else as_text(packed(handed_back(role, begin, self._table), role))
+                for message in state_messages(role, begin.now, one.counters, text):
+                    self._sender.publish(encode(STATE, message))
+
+    def _goes_on(self, node: Health, stamp: int) -> bool:
+        return node.values.get(RESUMED) == str(stamp) or node.stamp > 0
+
+
+def what_keeps_from_resuming(state: StackState, replaced: Mapping[str, str]) -> str:
+    """Why a state cannot be gone on from with these roles replaced, in words: each has to go back to a node of the kind
+    that it is of; "" where it can.
+    """
+    for role, one in state.roles.items():
+        is_foreign = isinstance(one.app, ForeignState)
+        if is_foreign and role not in replaced:
+            return f"it has the state of a {role} of others: allowed is --processes --replace {role}=COMMAND with it"
+        if role in replaced and not is_foreign:
+            return f"it has the state of our own {role}, which no node of others can read: allowed is none in its place"
+    return ""
