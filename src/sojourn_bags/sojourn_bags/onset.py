@@ -74,7 +74,7 @@ WHOLE = Onset()
 
 
 @dataclass(frozen=True)
-class Beginning:
+class RecordBeginning:
     """What the node of a recorder begins with.
 
     Args:

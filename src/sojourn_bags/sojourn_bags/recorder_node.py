@@ -16,7 +16,7 @@ from rclpy.context import Context
 from sojourn_bags.definitions import ChannelSpec, offered_entries
 from sojourn_bags.errors import BagsError
 from sojourn_bags.live_model import LiveModel
-from sojourn_bags.onset import TICK, TICK_PERIODS, Beginning, counted_by
+from sojourn_bags.onset import TICK, TICK_PERIODS, RecordBeginning, counted_by
 from sojourn_bags.recorded_run import RecordedRun
 from sojourn_bags.recording import CLOCK, Recording
 from sojourn_config.errors import ConfigError
@@ -52,12 +52,12 @@ class RecorderNode(ContractNode):
         context: Context | None = None,
         overrides: Mapping[str, Any] | None = None,
         namespace: str | None = None,
-        beginning: Beginning | None = None,
+        beginning: RecordBeginning | None = None,
     ) -> None:
         self._recording: Recording | None = None
         super().__init__("recorder", context=context, overrides=overrides, namespace=namespace)
         file = str(self.declare_parameter("beginning", "").value)
-        begin = beginning or (_read_beginning(Path(file)) if file else Beginning())
+        begin = beginning or (_read_beginning(Path(file)) if file else RecordBeginning())
         self._onset = begin.onset
         self.goes_on_from = begin.onset.resumed_at
         self.counters = counted_by(begin.onset.last, begin.onset.leaps)
@@ -178,9 +178,9 @@ class RecorderNode(ContractNode):
             self.get_logger().error(self.failure)
 
 
-def _read_beginning(file: Path) -> Beginning:
+def _read_beginning(file: Path) -> RecordBeginning:
     begin = unpacked(file.read_bytes(), str(file))
-    if not isinstance(begin, Beginning):
+    if not isinstance(begin, RecordBeginning):
         raise CheckpointError(str(file), f"a {type(begin).__name__}: allowed is the beginning of a record")
     return begin
 

@@ -10,7 +10,7 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_bags.errors import BagsError
-from sojourn_bags.onset import Beginning
+from sojourn_bags.onset import RecordBeginning
 from sojourn_bags.recorded_run import ROLE as RECORDER
 from sojourn_bringup.checkpoints import keeper_of
 from sojourn_bringup.composed_checkpoints import ComposedKeeper, OverheardNeighbours
@@ -87,7 +87,7 @@ class ComposedRun:
                 node.destroy_node()
             rclpy.try_shutdown()
 
-    def _beginning(self, role: str) -> dict[str, Beginning]:
+    def _beginning(self, role: str) -> dict[str, RecordBeginning]:
         """What the recorder of a run that goes on is given besides."""
         begin = self.plan.begin
         if begin is None or role != RECORDER:

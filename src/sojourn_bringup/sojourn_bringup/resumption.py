@@ -8,7 +8,7 @@ to come, as the record begins there.
 from collections.abc import Mapping
 from typing import Any
 
-from sojourn_bags.onset import Beginning
+from sojourn_bags.onset import RecordBeginning
 from sojourn_bags.recorded_run import ROLE as RECORDER
 from sojourn_contract.role_state import RoleAtCheckpoint
 from sojourn_contract.topic_table import TopicTable
@@ -47,7 +47,7 @@ def handed_back(role: str, state: StackState, table: TopicTable) -> RoleAtCheckp
     return RoleAtCheckpoint(state.roles[role], state.period, messages, ahead, state.leaps)
 
 
-def beginning(state: StackState, table: TopicTable) -> Beginning:
+def beginning(state: StackState, table: TopicTable) -> RecordBeginning:
     """Of a record that begins where a run stands."""
     plants = {row.name for row in table if row.publisher == "plant"}
-    return Beginning(onset_of(state, table), tuple(one for one in state.ahead if one[0] not in plants))
+    return RecordBeginning(onset_of(state, table), tuple(one for one in state.ahead if one[0] not in plants))
