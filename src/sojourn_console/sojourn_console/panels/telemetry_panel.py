@@ -20,6 +20,8 @@ EVERY = 10
 """Of the shows of a page one draws plots anew: three times a second."""
 SPANS = {"30 s": 30.0, "2 min": 120.0, "10 min": 600.0, "all": math.inf}
 HEIGHT = 150
+UNDER, BESIDE = 32, 62
+"""Room for the numbers of the axes [pixels]: beside a plot for as much as -0.0325."""
 
 
 class TelemetryPanel:
@@ -140,7 +142,7 @@ class TelemetryPanel:
                 data,
                 (uplot.Series(label="t [s]"), *(_series(field, curve, number) for number, curve in enumerate(curves))),
                 scales={"x": uplot.Scale(time=False, auto=True), "y": uplot.Scale(auto=True)},
-                axes=(_AXIS, _AXIS),
+                axes=(_axis(UNDER), _axis(BESIDE)),
                 legend=uplot.Legend(show=True),
                 height=HEIGHT,
             )
@@ -186,7 +188,10 @@ class TelemetryPanel:
             self._known.options = ("…",)
 
 
-_AXIS = uplot.Axis(stroke="#999", grid={"stroke": "#8883", "width": 1}, ticks={"stroke": "#8883", "width": 1}, size=44)
+def _axis(room: int) -> uplot.Axis:
+    return uplot.Axis(
+        stroke="#999", grid={"stroke": "#8883", "width": 1}, ticks={"stroke": "#8883", "width": 1}, size=room
+    )
 
 
 def _title(field: str, curves: tuple[FieldCurve, ...]) -> str:
