@@ -89,6 +89,8 @@ NEGATIVE[0] = -1.0
     [
         ({"frame": "base_link"}, "'base_link': allowed is one of map, odom"),
         ({"orientation": np.zeros(4)}, "a heading"),
+        ({"position": np.array([1e308, 0.0, 0.0])}, "(1e+308, 0): allowed is at most 100000 m"),
+        ({"position": np.array([0.0, -1.1e5, 0.0])}, "at most 100000 m"),
         ({"covariance": SKEW}, "symmetric"),
         ({"covariance": NEGATIVE}, "without a negative variance"),
         ({"covariance": np.full(36, 1e9)}, "symmetric, of x, y and heading"),

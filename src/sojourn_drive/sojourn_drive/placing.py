@@ -23,6 +23,8 @@ FRAMES = ("map", "odom")
 LEAST_SIGMA = 1e-3
 """Nobody knows where a rover is better than so [m, rad]."""
 LARGEST_VARIANCE = 1e8
+FARTHEST = 1e5
+"""From the origin of the map along an axis [m], as for points of the contract."""
 PLANE = np.ix_((0, 1, 5), (0, 1, 5))
 """x, y and heading in the covariance of a pose."""
 PLACED = "an operator has said where it is"
@@ -47,7 +49,8 @@ def placed(model: DriveModel, drive: DriveState, message: PoseWithCovarianceStam
     """The drive at the place that it is told.
 
     Raises:
-        RefusedMessageError: it drives, the frame is another, there is no heading, or the covariance cannot be.
+        RefusedMessageError: it drives, the frame is another, there is no heading, the place is too far, or the
+            covariance cannot be.
     """
     if drive.mode != "idle":
         raise RefusedMessageError(PLACE, "header", "a place now", "none while it drives: stop it first")
@@ -57,6 +60,10 @@ def placed(model: DriveModel, drive: DriveState, message: PoseWithCovarianceStam
     if yaw is None:
         raise RefusedMessageError(PLACE, "pose.pose.orientation", "all zeros", "a heading")
     x, y = message.position[:2].tolist()
+    if max(abs(x), abs(y)) > FARTHEST:
+        raise RefusedMessageError(
+            PLACE, "pose.pose.position", f"({x:g}, {y:g})", f"at most {FARTHEST:g} m off along an axis"
+        )
     anew = model.initial_state(x, y, yaw)
     old, fresh = drive.odometry, anew.odometry
     covariance = old.covariance.copy()
