@@ -2,6 +2,7 @@
 
     scripts/lib/python -m sojourn_studies.measure_odometry --seeds 20
     scripts/lib/python -m sojourn_studies.measure_odometry --scenario lunar_route --machine omni --set soil=rigid_rock
+    scripts/lib/python -m sojourn_studies.measure_odometry --scenario lunar_curves --seeds 20 --first 6
 
 Each seed drives the first route of a scenario in plant, sensors and drive (see `closed_loop`). Its ground, rocks and
 all noise are those of the seed; its soil is the scenario's with parameters off by SPREAD, while the drive believes what
@@ -110,13 +111,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--scenario", default="lunar_sample", help="whose first route (default: %(default)s)")
     command_line.add_machine(parser)
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
-    parser.add_argument("--seeds", type=int, default=20, metavar="N", help="1 to N (default: %(default)s)")
+    parser.add_argument(
+        "--seeds", type=command_line.count, default=20, metavar="N", help="so many (default: %(default)s)"
+    )
+    parser.add_argument("--first", type=int, default=1, metavar="SEED", help="the first of them (default: %(default)s)")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="at a time (default: %(default)s)")
     given = parser.parse_args(arguments)
     overrides = [*given.set, *([] if given.machine is None else [f"machine={given.machine}"])]
     results = []
     with ProcessPoolExecutor(given.jobs) as pool:
-        for result in pool.map(partial(drive, given.scenario, overrides), range(1, given.seeds + 1)):
+        for result in pool.map(
+            partial(drive, given.scenario, overrides), range(given.first, given.first + given.seeds)
+        ):
             results.append(result)
             print(
                 f"seed {result.seed:3d}: {result.outcome}, {result.distance:5.2f} m, error {result.error:.3f} m "

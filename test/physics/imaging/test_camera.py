@@ -19,6 +19,7 @@ from sojourn_physics.imaging.camera import (
     optics,
 )
 from sojourn_physics.imaging.lens import LensParams
+from sojourn_physics.imaging.pixel_noise import pixel_noise
 
 LENS = LensParams(columns=200, rows=150, horizontal_view_deg=40.0)
 LINEAR = DetectorParams(gamma=1.0, vignetting=0.0, full_well=5_000.0, read_noise=25.0)
@@ -31,7 +32,7 @@ def test_noise_is_that_of_photons_and_read_out(part: float) -> None:
     eye = optics(LENS, LINEAR)
     electrons = part * LINEAR.full_well
     radiance = np.full((150, 200), electrons / LINEAR.sensitivity, dtype=np.float32)
-    image = expose(eye, radiance, 1.0, noise_of(3, "camera", 7)).astype(np.float64)
+    image = expose(eye, radiance, 1.0, pixel_noise(3, "camera", 7)).astype(np.float64)
     unit = LINEAR.full_well / FULL
     variance = (image.var() - 1.0 / 12.0) * unit**2
     assert image.mean() * unit == pytest.approx(electrons, rel=0.01, abs=0.05 * unit)
@@ -55,7 +56,7 @@ def test_exposure_in_the_dark_is_the_longest() -> None:
 def test_corners_are_darker_by_the_fourth_power_of_the_cosine() -> None:
     eye = optics(LENS, DetectorParams(gamma=1.0, vignetting=4.0, read_noise=0.0))
     radiance = np.full((150, 200), 0.5 * 170_000.0 / 5e4, dtype=np.float32)
-    image = expose(eye, radiance, 1.0, noise_of(0, "camera", 0)).astype(np.float64)
+    image = expose(eye, radiance, 1.0, pixel_noise(0, "camera", 0)).astype(np.float64)
     corner = math.atan(math.hypot(99.5, 74.5) / eye.lens.focal_length)
     assert image[:10, :10].mean() / image[70:80, 95:105].mean() == pytest.approx(math.cos(corner) ** 4, rel=0.05)
 
@@ -65,7 +66,7 @@ def test_the_root_keeps_the_noise_of_photons_the_same() -> None:
     spread = []
     for part in (0.1, 0.5, 0.9):
         radiance = np.full((150, 200), part * 20_000.0 / 5e4, dtype=np.float32)
-        spread.append(expose(eye, radiance, 1.0, noise_of(0, "camera", 0)).std())
+        spread.append(expose(eye, radiance, 1.0, pixel_noise(0, "camera", 0)).std())
     assert max(spread) == pytest.approx(FULL / 2.0 / math.sqrt(20_000.0), rel=0.15)
     assert min(spread) == pytest.approx(max(spread), rel=0.15)
 
@@ -79,7 +80,7 @@ def test_numbers_belong_to_sensor_and_stamp_alone() -> None:
 
 def test_an_image_of_more_than_the_full_well_is_white() -> None:
     eye = camera()
-    assert (expose(eye, np.full((120, 160), 1e9, dtype=np.float32), 1.0, noise_of(0, "a", 0)) >= FULL - 1).all()
+    assert (expose(eye, np.full((120, 160), 1e9, dtype=np.float32), 1.0, pixel_noise(0, "a", 0)) >= FULL - 1).all()
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from sojourn_machine.shapes import BALL, Shapes
-from sojourn_physics.imaging.camera import StereoParams, expose, exposure_for, noise_of, stereo_depth
+from sojourn_physics.imaging.camera import StereoParams, expose, exposure_for, stereo_depth
 from sojourn_physics.imaging.lens import project
 from sojourn_physics.imaging.photometry import Illumination
+from sojourn_physics.imaging.pixel_noise import pixel_noise
 from sojourn_physics.imaging.scenery import GroundLook
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.memory import GroundMemory
@@ -139,7 +140,9 @@ def test_matching_the_pair_by_another_way_finds_the_depth_within_its_error() -> 
     images = []
     for right in (0.0, PAIR.baseline):
         radiance, distance = shooting.see(eye, turn, place + right * turn[:, 0])
-        images.append((expose(eye, radiance, exposure_for(eye, radiance), noise_of(1, "x", int(right * 10))), distance))
+        images.append(
+            (expose(eye, radiance, exposure_for(eye, radiance), pixel_noise(1, "x", int(right * 10))), distance)
+        )
     # along paths from all sides: the matcher's usual five draw the ground's depth towards that of what lies behind
     matcher = cv2.StereoSGBM_create(0, 96, 7, P1=8 * 49, P2=32 * 49, mode=cv2.STEREO_SGBM_MODE_HH)
     matcher.setUniquenessRatio(10)
@@ -156,8 +159,8 @@ def test_matching_the_pair_by_another_way_finds_the_depth_within_its_error() -> 
 def test_depth_of_the_pair_has_the_error_of_its_model() -> None:
     eye, turn = camera(320, 240), looking(0.0, 25.0)
     radiance, distance = Shooting(flat(40.0), sun(40.0, 100.0)).see(eye, turn, ABOVE)
-    image = expose(eye, radiance, exposure_for(eye, radiance), noise_of(0, "a", 0))
-    depth = stereo_depth(eye, PAIR, (distance, image), noise_of(0, "b", 0)) / 1000.0
+    image = expose(eye, radiance, exposure_for(eye, radiance), pixel_noise(0, "a", 0))
+    depth = stereo_depth(eye, PAIR, (distance, image), pixel_noise(0, "b", 0)) / 1000.0
     true = distance * eye.rays[..., 2]
     scale = eye.lens.focal_length * PAIR.baseline
     for low, high in ((1.5, 2.0), (3.0, 4.0), (5.0, 6.0)):
@@ -172,10 +175,10 @@ def test_nothing_is_seen_or_matched_in_the_dark() -> None:
     eye, turn = camera(), looking(0.0, 25.0)
     radiance, distance = Shooting(flat(), sun(-10.0), light=Illumination(0.0, 0.0)).see(eye, turn, ABOVE)
     assert (radiance == 0.0).all()
-    image = expose(eye, radiance, exposure_for(eye, radiance), noise_of(0, "a", 0))
+    image = expose(eye, radiance, exposure_for(eye, radiance), pixel_noise(0, "a", 0))
     assert image.max() < 20
     darkest = StereoParams(baseline=0.2, darkest=20)
-    assert (stereo_depth(eye, darkest, (distance, image), noise_of(0, "b", 0)) == 0).all()
+    assert (stereo_depth(eye, darkest, (distance, image), pixel_noise(0, "b", 0)) == 0).all()
 
 
 def test_a_turned_camera_sees_the_same_ground() -> None:

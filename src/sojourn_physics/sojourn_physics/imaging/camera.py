@@ -30,6 +30,7 @@ from pydantic import Field, model_validator
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray, Params
 from sojourn_physics.imaging.lens import LensParams, pixel_directions
+from sojourn_physics.imaging.pixel_noise import PixelNoise, fill_normals, room_for
 
 FULL = 255
 """The largest number of an image."""
@@ -105,7 +106,7 @@ def optics(lens: LensParams, detector: DetectorParams) -> Optics:
 
 
 def noise_of(seed: int, name: str, stamp: int) -> np.random.Generator:
-    """Random numbers of one image: the same for the same sensor and stamp [ns] whatever went before."""
+    """Random numbers of one reading: the same for the same sensor and stamp [ns] whatever went before."""
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, crc32(name.encode()), stamp])))
 
 
@@ -117,10 +118,9 @@ def exposure_for(eye: Optics, radiance: NDArray[np.float32]) -> float:
     return min(max(wanted, detector.shortest_exposure), detector.longest_exposure)
 
 
-def expose(eye: Optics, radiance: NDArray[np.float32], time: float, random: np.random.Generator) -> NDArray[np.uint8]:
+def expose(eye: Optics, radiance: NDArray[np.float32], time: float, noise: PixelNoise) -> NDArray[np.uint8]:
     """An image, (rows, columns); radiance likewise [W/m2/sr]; time of exposure [s]."""
     detector = eye.detector
-    noise = random.standard_normal(radiance.shape, dtype=np.float32)
     gain = detector.sensitivity * time
     image: NDArray[np.uint8] = _expose(
         radiance, eye.dimming, noise, np.array([gain, detector.full_well, detector.read_noise, detector.gamma])
@@ -130,15 +130,17 @@ def expose(eye: Optics, radiance: NDArray[np.float32], time: float, random: np.r
 
 @njit(cache=True)
 def _expose(
-    radiance: NDArray[np.float32], dimming: NDArray[np.float32], noise: NDArray[np.float32], detector: FloatArray
+    radiance: NDArray[np.float32], dimming: NDArray[np.float32], noise: PixelNoise, detector: FloatArray
 ) -> NDArray[np.uint8]:
     image = np.empty(radiance.shape, dtype=np.uint8)
+    words, normals = room_for(radiance.shape[1])
     gain, well, dark = np.float32(detector[0]), np.float32(detector[1]), np.float32(detector[2] * detector[2])
     gamma, full = np.float32(detector[3]), np.float32(FULL)
     for i in range(radiance.shape[0]):
+        fill_normals(noise, i, words, normals)
         for j in range(radiance.shape[1]):
             electrons = min(gain * radiance[i, j] * dimming[i, j], well)
-            electrons += noise[i, j] * np.float32(math.sqrt(electrons + dark))
+            electrons += normals[j] * np.float32(math.sqrt(electrons + dark))
             part = min(max(electrons / well, np.float32(0.0)), np.float32(1.0))
             part = math.sqrt(part) if gamma == np.float32(0.5) else part**gamma  # a power costs ten times a root
             image[i, j] = np.uint8(full * part + np.float32(0.5))
@@ -149,7 +151,7 @@ def stereo_depth(
     eye: Optics,
     pair: StereoParams,
     seen: tuple[NDArray[np.float32], NDArray[np.uint8]],
-    random: np.random.Generator,
+    noise: PixelNoise,
 ) -> NDArray[np.uint16]:
     """Depth along the optical axis that the pair finds, (rows, columns) [mm]; 0 where it finds none.
 
@@ -157,7 +159,6 @@ def stereo_depth(
         seen: by the left camera: distance [m] and image, each (rows, columns).
     """
     distance, image = seen
-    noise = random.standard_normal(distance.shape, dtype=np.float32)
     numbers = np.array(
         [eye.lens.focal_length * pair.baseline, pair.nearest, pair.range, pair.disparity_noise_px, float(pair.darkest)]
     )
@@ -170,16 +171,18 @@ def _stereo_depth(
     distance: NDArray[np.float32],
     rays: NDArray[np.float32],
     image: NDArray[np.uint8],
-    noise: NDArray[np.float32],
+    noise: PixelNoise,
     pair: FloatArray,
 ) -> NDArray[np.uint16]:
     depth = np.zeros(distance.shape, dtype=np.uint16)
+    words, normals = room_for(distance.shape[1])
     scale, nearest, farthest, sigma, darkest = pair[0], pair[1], pair[2], pair[3], pair[4]
     for i in range(distance.shape[0]):
+        fill_normals(noise, i, words, normals)
         for j in range(distance.shape[1]):
             true = distance[i, j] * rays[i, j, 2]
             if nearest <= true <= farthest and darkest <= image[i, j] < FULL:
-                disparity = scale / true + sigma * noise[i, j]
+                disparity = scale / true + sigma * normals[j]
                 if disparity * farthest >= scale:
                     depth[i, j] = np.uint16(1000.0 * scale / disparity + 0.5)
     return depth

@@ -13,6 +13,9 @@ from sojourn_physics.imaging.panorama import ROOM, Eye, Panorama, meet_ground
 from sojourn_physics.imaging.shapes_ahead import BEARING, BUNDLE, NONE, bearings_of, first_shape, shapes_near
 from sojourn_physics.imaging.soils import Soils, brightness_at
 
+PART = 256
+"""Rays that meet the ground together."""
+
 Vector = tuple[float, float, float]
 
 
@@ -38,7 +41,7 @@ def echoes(scene: Sounded, rays: FloatArray, eye: Eye, around: Panorama) -> tupl
     bearings = np.empty((scene.body.sizes.shape[0], BEARING))
     near = np.empty(bearings.shape[0], dtype=np.int64)
     bearings_of(scene.body, eye.place, bearings)
-    meet_ground(scene.ground, eye, around, np.ascontiguousarray(rays.T), distance, np.empty((ROOM, count)))
+    _meet_in_parts(scene.ground, eye, around, rays, distance)
     for begin in range(0, count, BUNDLE):
         end = min(begin + BUNDLE, count)
         shapes = near[: shapes_near(bearings, rays[begin:end], near)]
@@ -51,6 +54,20 @@ def echoes(scene: Sounded, rays: FloatArray, eye: Eye, around: Panorama) -> tupl
             elif distance[i] < math.inf:
                 returned[i] = _ground_echo(scene, eye.place, ray, distance[i])
     return distance, returned
+
+
+@njit(cache=True)
+def _meet_in_parts(ground: DrawnGround, eye: Eye, around: Panorama, rays: FloatArray, distance: FloatArray) -> None:
+    """As `meet_ground`, of rays in a row, (n, 3): so many at a time as stay in near memory."""
+    count, room = rays.shape[0], np.empty((ROOM, PART))
+    part, found = np.empty((3, PART)), np.empty(PART)
+    for begin in range(0, count, PART):
+        for i in range(PART):
+            ray = min(begin + i, count - 1)  # beyond the last ray it once more: all parts are as long
+            part[0, i], part[1, i], part[2, i] = rays[ray, 0], rays[ray, 1], rays[ray, 2]
+        meet_ground(ground, eye, around, part, found, room)
+        for i in range(min(PART, count - begin)):
+            distance[begin + i] = found[i]
 
 
 @small_kernel

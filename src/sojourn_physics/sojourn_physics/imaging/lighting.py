@@ -18,7 +18,7 @@ from sojourn_physics.imaging.ground import DrawnGround, is_changed, lowered_at, 
 from sojourn_physics.imaging.photometry import Illumination, Look, ambient, reflectance
 from sojourn_physics.imaging.shadows import CastShadows, sunlit, sunlit_nearby
 from sojourn_physics.imaging.soils import Soils, brightness_at
-from sojourn_physics.imaging.texture import Grain, grain_at, octave_for
+from sojourn_physics.imaging.texture import Grain, Grains, add_grain
 
 X, Y, Z, SLOPE_X, SLOPE_Y, WIDTH, TOWARDS_SUN, TOWARDS_EYE, PHASE, UPRIGHT, SHADE, LIT = range(12)
 """Rows of a surface: place in map [m], slope [-], width of the pixel on it [m], cosines of incidence, emission and
@@ -38,6 +38,16 @@ class Seat(NamedTuple):
     """In map, (3,) [m]."""
     pixel: float
     """Angle of a pixel [rad]."""
+
+
+class Room(NamedTuple):
+    """To work in, for so many pixels."""
+
+    surface: FloatArray
+    """(SURFACE, n) or more."""
+    point: FloatArray
+    """(3,)."""
+    grains: Grains
 
 
 class PlacedLens(NamedTuple):
@@ -91,23 +101,22 @@ def shape_light(scene: Scene, shape: int, at: Vector, normal: Vector, point: Flo
 
 
 @kernel
-def light_ground(
-    scene: Scene, rays: FloatArray, eye: Seat, distance: Line, radiance: Line, surface: FloatArray, point: FloatArray
-) -> None:
+def light_ground(scene: Scene, rays: FloatArray, eye: Seat, distance: Line, radiance: Line, room: Room) -> None:
     """Write the radiance of those pixels of a bundle that see the ground: whose radiance is not known yet, less
     than 0.
 
     Each step does one thing for all pixels, so that the processor has the memory of several under way at once.
 
     Args:
-        rays: in map, (3, n). distance, radiance: of them, (n,). surface, point: working room, (SURFACE, n) and (3,).
+        rays: in map, (3, n). distance, radiance: of them, (n,). room: to work in.
     """
+    surface = room.surface
     _places(rays, eye, distance, radiance, surface)
     _slopes(scene.ground, surface)
     _widths(rays, eye, distance, surface)
-    _grains(scene, surface)
+    _grains(scene, surface, room)
     _normals(scene, rays, surface)
-    _sunlight(scene, surface, point)
+    _sunlight(scene, surface, room.point)
     _radiances(scene, surface, radiance)
 
 
@@ -139,15 +148,13 @@ def _widths(rays: FloatArray, eye: Seat, distance: Line, surface: FloatArray) ->
 
 
 @small_kernel
-def _grains(scene: Scene, surface: FloatArray) -> None:
+def _grains(scene: Scene, surface: FloatArray, room: Room) -> None:
     """The fine slope and the brightness of the ground."""
-    octave = 0
+    add_grain(scene.grain, surface[X], surface[Y], surface[WIDTH], room.grains)
     for j in range(surface.shape[1]):
-        octave = octave_for(scene.grain, surface[WIDTH, j], octave)
-        x, y, bright = grain_at(scene.grain, surface[X, j], surface[Y, j], surface[WIDTH, j], octave)
-        surface[SLOPE_X, j] += x
-        surface[SLOPE_Y, j] += y
-        surface[SHADE, j] = max(1.0 + bright, 0.1)
+        surface[SLOPE_X, j] += room.grains.slope_x[j]
+        surface[SLOPE_Y, j] += room.grains.slope_y[j]
+        surface[SHADE, j] = max(1.0 + room.grains.bright[j], 0.1)
     for j in range(surface.shape[1]):
         surface[SHADE, j] *= brightness_at(scene.soils, surface[X, j], surface[Y, j])
 

@@ -7,10 +7,11 @@ ray that rises by t for each metre meets it first where the line of sight has ri
 
 M never falls, so one walk along the profile answers every ray of its azimuth (line of sight by a running maximum:
 Blelloch 1990, Prefix Sums and Their Applications, CMU-CS-90-190). A `Panorama` keeps these walks by
-azimuth, made when a ray first asks for one: for each bin of the ray's rise per metre of its own length the way s at
-which it is reached. A ray finds its bracket in the two walks beside it. Where that is short, and off the map, where
-the ground is smooth, the ground in it is a straight line; elsewhere its own crossing is found by steps of half a node
-and regula falsi (Illinois). A shape narrower than a bin of azimuth, about a pixel, may be missed.
+azimuth, made when a ray first asks for one, by strides of half a node, or of a whole one where half a node is less than
+a bin of azimuth: for each bin of the ray's rise per metre of its own length the way s at which it is reached. A ray
+finds its bracket in the two walks beside it. Where that is short, and off the map, where the ground is smooth, the
+ground in it is a straight line; elsewhere its own crossing is found by steps of half a node and regula falsi
+(Illinois). A shape narrower than a bin of azimuth, about a pixel, may be missed.
 
 Azimuth is counted in quarters by p = y/(|x| + |y|), which needs no arc tangent. The ground of a round body falls away
 by s²/2R under the level. Nothing is seen from below the ground.
@@ -23,7 +24,7 @@ import numpy as np
 
 from sojourn_machine.kernels import kernel, njit, small_kernel, vector_kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.ground import DrawnGround, height_at, height_in, is_untouched, on_map, stride_at
+from sojourn_physics.imaging.ground import UNIT, DrawnGround, height_at, height_in, is_untouched, stride_at
 
 NEVER = np.float32(np.inf)
 ILLINOIS = 6
@@ -34,9 +35,9 @@ SMOOTH, SMOOTH_PART = 0.5, 0.01
 """Where walks beside a ray meet the ground within so much of a node, and of the way, it is smooth between them [-]."""
 SMOOTH_OFF = 0.05
 """The same off the map, of the way [-]."""
-ACROSS, AZIMUTH, HEIGHT, BEGIN, END = range(5)
-"""Rows of the room to work in: see `_bearings` and `_brackets`."""
-ROOM = 5
+ACROSS, AZIMUTH, HEIGHT, BEGIN, END, NEAR_LEFT, NEAR_RIGHT, FAR_LEFT, FAR_RIGHT, LOW, HIGH = range(11)
+"""Rows of the room to work in: see `_bearings` and `_look_up`."""
+ROOM = 11
 PLUMB = 1e-7
 """Way over ground of a ray that is plumb, for each metre [-]."""
 UNKNOWN = -1.0
@@ -139,7 +140,7 @@ def walk(ground: DrawnGround, eye: Eye, around: Panorama, place: int) -> None:
     following = 0
     if low >= 0.0:  # under the ground
         return
-    stride = 0.5 * ground.place[3]
+    stride, resolution = 0.5 * ground.place[3], around.bin / RISE
     column, row = (x0 - ground.place[0]) * ground.place[2], (y0 - ground.place[1]) * ground.place[2]
     inside = _strides_inside(ground, column, row, ahead_x, ahead_y)
     course = (x0, y0, column, row, ahead_x, ahead_y)
@@ -147,16 +148,17 @@ def walk(ground: DrawnGround, eye: Eye, around: Panorama, place: int) -> None:
     while near < eye.reach and following < count:
         if rises[following] >= 0.0 and top < rises[following] * near:  # nothing is so high
             break
-        strides = min(inside - step, CHUNK)
+        pace = 2 if stride < near * resolution else 1
+        strides = min((inside - step + pace - 1) // pace, CHUNK)
         if strides > 0:
-            _heights_ahead(ground, course, step, heights[:strides])
+            _heights_ahead(ground, course, (step, pace), heights[:strides])
         else:
             strides = 1
             far = min(near + stride_at(ground, x0 + near * ahead_x, y0 + near * ahead_y, near), eye.reach)
             heights[0] = height_at(ground, x0 + far * ahead_x, y0 + far * ahead_y)
         for k in range(strides):
             if step < inside:
-                far = (step + k) * stride
+                far = (step + pace * k) * stride
             high = heights[k] - eye.place[2] - far * far * eye.fall
             while following < count and high >= rises[following] * far:
                 # the line between the two samples and the ray, over the ground between them
@@ -165,23 +167,28 @@ def walk(ground: DrawnGround, eye: Eye, around: Panorama, place: int) -> None:
                 ways[following] = np.float32(near + part * (far - near))
                 following += 1
             near, low = far, high
-        step += strides
+        step += pace * strides
 
 
 @small_kernel
-def _heights_ahead(ground: DrawnGround, course: Course, step: int, heights: FloatArray) -> None:
-    """Write the heights of the ground after each stride of half a node from `step` on, all of them on the map [m]."""
+def _heights_ahead(ground: DrawnGround, course: Course, steps: tuple[int, int], heights: FloatArray) -> None:
+    """Write the heights of the ground along a course, at places on the map [m].
+
+    Args:
+        steps: half nodes to the first place, and from one to the next.
+    """
     x0, y0, column, row, ahead_x, ahead_y = course
+    step, pace = steps
     node = ground.place[3]
-    first, last = 0.5 * step * node, 0.5 * (step + heights.shape[0] - 1) * node
+    first, last = 0.5 * step * node, 0.5 * (step + pace * (heights.shape[0] - 1)) * node
     here, there = (x0 + first * ahead_x, y0 + first * ahead_y), (x0 + last * ahead_x, y0 + last * ahead_y)
     if is_untouched(ground.changes, here, there):  # as `height_at` has it, without asking whether there is a map
         for k in range(heights.shape[0]):
-            way = 0.5 * (step + k)
+            way = 0.5 * (step + pace * k)
             heights[k] = height_in(ground.heights, column + way * ahead_x, row + way * ahead_y)
     else:
         for k in range(heights.shape[0]):
-            way = 0.5 * (step + k) * node
+            way = 0.5 * (step + pace * k) * node
             heights[k] = height_at(ground, x0 + way * ahead_x, y0 + way * ahead_y)
 
 
@@ -222,6 +229,7 @@ def meet_ground(
             walk(ground, eye, around, left)
         if not around.done[left + 1]:
             walk(ground, eye, around, left + 1)
+    _look_up(around, room)
     _brackets(ground, eye, around, rays, distance, room)
     for i in range(distance.shape[0]):
         across = room[ACROSS, i]
@@ -244,6 +252,19 @@ def _bearings(around: Panorama, rays: FloatArray, room: FloatArray) -> None:
         room[HEIGHT, i] = (rays[2, i] - lowest) * bins
 
 
+@small_kernel
+def _look_up(around: Panorama, room: FloatArray) -> None:
+    """Write what the walks beside each ray say of its bin: ways to its lower and its upper edge, and their rises."""
+    ways, rises = around.way, around.rises
+    last, bins = ways.shape[0] - 1, rises.shape[0] - 1
+    for i in range(room.shape[1]):
+        left = np.uint64(min(int(room[AZIMUTH, i]), last - 1))  # without a sign there is nothing to be looked up
+        at = np.uint64(min(max(int(room[HEIGHT, i]), 0), bins - 1))  # from the end
+        room[NEAR_LEFT, i], room[NEAR_RIGHT, i] = ways[left, at], ways[left + UNIT, at]
+        room[FAR_LEFT, i], room[FAR_RIGHT, i] = ways[left, at + UNIT], ways[left + UNIT, at + UNIT]
+        room[LOW, i], room[HIGH, i] = rises[at], rises[at + UNIT]
+
+
 @vector_kernel
 def _brackets(
     ground: DrawnGround, eye: Eye, around: Panorama, rays: FloatArray, distance: np.ndarray, room: FloatArray
@@ -251,24 +272,19 @@ def _brackets(
     """Write the distance of rays where the walks beside them tell it, UNKNOWN where they say no more than between which
     two ways it is.
     """
-    ways, rises = around.way, around.rises
-    last, bins = ways.shape[0] - 1, rises.shape[0] - 1
+    last, place, bounds, smooth = around.way.shape[0] - 1.0, eye.place, ground.bounds, SMOOTH * ground.place[3]
     for i in range(distance.shape[0]):
-        left, at = min(int(room[AZIMUTH, i]), last - 1), min(max(int(room[HEIGHT, i]), 0), bins - 1)
-        a, b, c, d = ways[left, at], ways[left + 1, at], ways[left, at + 1], ways[left + 1, at + 1]
-        begin, end = float(min(a, b)), float(max(c, d))
+        a, b, c, d = room[NEAR_LEFT, i], room[NEAR_RIGHT, i], room[FAR_LEFT, i], room[FAR_RIGHT, i]
+        begin, end, across = min(a, b), max(c, d), room[ACROSS, i]
         room[BEGIN, i], room[END, i] = begin, end
-        across = room[ACROSS, i]
-        x, y = eye.place[0] + begin * rays[0, i] / across, eye.place[1] + begin * rays[1, i] / across
-        smooth = SMOOTH * ground.place[3] + SMOOTH_PART * begin
-        if begin == math.inf:
-            distance[i] = math.inf
-        elif end - begin < (smooth if on_map(ground, x, y) else SMOOTH_OFF * begin):
-            across_bin = room[AZIMUTH, i] - left
-            low, high = a + across_bin * (b - a), c + across_bin * (d - c)
-            distance[i] = _on_line((rises[at], rises[at + 1]), (low, high), rays[2, i] / across) / across
-        else:
-            distance[i] = UNKNOWN
+        x, y = place[0] + begin * rays[0, i] / across, place[1] + begin * rays[1, i] / across
+        on = (bounds[0] <= x) & (x <= bounds[1]) & (bounds[2] <= y) & (y <= bounds[3])  # as `on_map`, without a branch
+        short = smooth + SMOOTH_PART * begin if on else SMOOTH_OFF * begin
+        part = room[AZIMUTH, i] - min(math.floor(room[AZIMUTH, i]), last - 1.0)
+        low, high = a + part * (b - a), c + part * (d - c)
+        met = _on_line((room[LOW, i], room[HIGH, i]), (low, high), rays[2, i] / across) / across
+        met = met if end - begin < short else UNKNOWN
+        distance[i] = math.inf if begin == math.inf else met
 
 
 @vector_kernel
@@ -279,13 +295,9 @@ def _on_line(rises: tuple[float, float], ways: tuple[float, float], rise: float)
         rises: of the two for each metre over ground [-]. ways: over ground to their places [m]. rise: of the ray [-].
     """
     low, high = ways
-    step = high - low
-    if step <= 0.0:
-        return low
-    slope = (rises[1] * high - rises[0] * low) / step
-    if slope - rise < 1e-9:  # along the ground
-        return low
-    return min(max(low + (rise - rises[0]) * low / (slope - rise), 0.0), high)  # a plumb ray is before the first bin
+    slope = (rises[1] * high - rises[0] * low) / (high - low)
+    met = min(max(low + (rise - rises[0]) * low / (slope - rise), 0.0), high)  # a plumb ray is before the first bin
+    return low if (high <= low) | (slope - rise < 1e-9) else met  # or along the ground
 
 
 @small_kernel

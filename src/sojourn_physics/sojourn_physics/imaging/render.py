@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from sojourn_machine.kernels import kernel, njit, small_kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.lighting import SURFACE, PlacedLens, Scene, Seat, light_ground, ray_of, shape_light
+from sojourn_physics.imaging.lighting import SURFACE, PlacedLens, Room, Scene, Seat, light_ground, ray_of, shape_light
 from sojourn_physics.imaging.panorama import ROOM, Eye, Panorama, meet_ground
 from sojourn_physics.imaging.shapes_ahead import BEARING, NONE, bearings_of, first_shape, shapes_in_cone
+from sojourn_physics.imaging.texture import grains_for
 
 SIDE = 16
 """Pixels along the side of a block."""
@@ -41,21 +42,23 @@ def render(scene: Scene, view: PlacedLens, eye: Eye, around: Panorama) -> tuple[
     image = np.empty((rows, columns), dtype=np.float32), np.empty((rows, columns), dtype=np.float32)
     bearings = np.empty((scene.body.sizes.shape[0], BEARING))
     near = np.empty(bearings.shape[0], dtype=np.int64)
-    rays, surface, point = np.empty((3, PIXELS)), np.empty((max(SURFACE, ROOM), PIXELS)), np.empty(3)
+    rays, room = np.empty((3, PIXELS)), Room(np.empty((max(SURFACE, ROOM), PIXELS)), np.empty(3), grains_for(PIXELS))
     radiance, distance = np.empty(PIXELS, dtype=np.float32), np.empty(PIXELS, dtype=np.float32)
     seat = Seat(eye.place, view.pixel)
     bearings_of(scene.body, eye.place, bearings)
     for top in range(0, rows, SIDE):
         for left in range(0, columns, SIDE):
             _rays_of(view, top, left, rays)
-            meet_ground(scene.ground, eye, around, rays, distance, surface)
+            meet_ground(scene.ground, eye, around, rays, distance, room.surface)
             radiance[:] = UNLIT
             count = _shapes_in(view, rays, bearings, near)
             if count > 0:
-                _meet_shapes(scene, rays, eye.place, near[:count], point, (radiance, distance))
-            if _sees_ground(distance, radiance):
-                light_ground(scene, rays, seat, distance, radiance, surface, point)
-            _look_into_the_sky(scene, rays, distance, radiance)
+                _meet_shapes(scene, rays, eye.place, near[:count], room.point, (radiance, distance))
+            ground, sky = _ends(distance, radiance)
+            if ground:
+                light_ground(scene, rays, seat, distance, radiance, room)
+            if sky:
+                _look_into_the_sky(scene, rays, distance, radiance)
             _put((radiance, distance), top, left, image)
     return image
 
@@ -116,21 +119,22 @@ def _meet_shapes(
 
 
 @small_kernel
-def _sees_ground(distance: Line, radiance: Line) -> bool:
-    """Whether a pixel of a block ends on the ground."""
-    seen = False
+def _ends(distance: Line, radiance: Line) -> tuple[bool, bool]:
+    """Whether pixels of a block end on the ground, and whether some end in the sky."""
+    ground, sky = False, False
     for k in range(PIXELS):
-        seen = seen or (distance[k] < math.inf and radiance[k] < 0.0)
-    return seen
+        ground |= (distance[k] < math.inf) & (radiance[k] < 0.0)
+        sky |= distance[k] == math.inf
+    return ground, sky
 
 
 @small_kernel
 def _look_into_the_sky(scene: Scene, rays: FloatArray, distance: Line, radiance: Line) -> None:
     """Light the pixels of a block that see neither ground nor machine."""
-    sun = scene.cast.sun
+    sun, limb = scene.cast.sun, math.cos(scene.cast.sun[3])
     for k in range(PIXELS):
         if distance[k] == math.inf:
             bright = scene.light.diffuse / math.pi * (ZENITH + SLANT * (1.0 - max(rays[2, k], 0.0)))
-            if rays[0, k] * sun[0] + rays[1, k] * sun[1] + rays[2, k] * sun[2] > math.cos(sun[3]):
+            if rays[0, k] * sun[0] + rays[1, k] * sun[1] + rays[2, k] * sun[2] > limb:
                 bright += scene.light.direct / (math.pi * sun[3] * sun[3])
             radiance[k] = bright

@@ -6,7 +6,7 @@ right of the left one; as ROS has it for a rectified pair both are in the frame 
 projection has the baseline. A camera without power says an image of no size.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -25,11 +25,11 @@ from sojourn_physics.imaging.camera import (
     StereoParams,
     expose,
     exposure_for,
-    noise_of,
     optics,
     stereo_depth,
 )
 from sojourn_physics.imaging.lens import LensParams
+from sojourn_physics.imaging.pixel_noise import pixel_noise
 from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_sensors.seeing import SeeingParams, SeeingSensor
 from sojourn_sensors.sensor import SensorSite, Truth
@@ -119,21 +119,23 @@ class Camera(SeeingSensor[CameraSensorParams, tuple[NDArray[Any], ...]]):
         self.optics: Optics = optics(params.lens, params.detector)
 
     def read(self, ground: GroundMemory, truth: Truth) -> tuple[NDArray[Any], ...]:
-        (shot,) = self.shoot(ground, truth, (0.0,))
+        (shot,) = self.shoot(ground, truth, {self.name: 0.0})
         return (shot.image,)
 
-    def shoot(self, ground: GroundMemory, truth: Truth, aside: tuple[float, ...]) -> list[Shot]:
-        """Images from places so far to the right of the link [m], all with the exposure of the first."""
+    def shoot(self, ground: GroundMemory, truth: Truth, aside: Mapping[str, float]) -> list[Shot]:
+        """Images from places so far to the right of the link [m], all with the exposure of the first, by the name of
+        their noise.
+        """
         here = self.outlook(truth)
         turn, place = here.turn @ LINK_TO_OPTICAL, here.place
         moment = self.site.scene.moment(truth.stamp, place, ground, here.body)
-        random = noise_of(self.site.seed, self.name, truth.stamp)
         shots: list[Shot] = []
         time = 0.0
-        for right in aside:
+        for name, right in aside.items():
             radiance, distance = self.site.scene.scenery.see(self.optics, moment, turn, place + right * turn[:, 0])
             time = time or exposure_for(self.optics, radiance)
-            shots.append(Shot(expose(self.optics, radiance, time, random), distance))
+            noise = pixel_noise(self.site.seed, name, truth.stamp)
+            shots.append(Shot(expose(self.optics, radiance, time, noise), distance))
         return shots
 
     def messages(self, stamp: int, reading: tuple[NDArray[Any], ...] | None) -> Iterator[tuple[str, Any]]:
@@ -170,9 +172,9 @@ class CameraPair(Camera):
 
     def read(self, ground: GroundMemory, truth: Truth) -> tuple[NDArray[Any], ...]:
         pair = self.params.stereo
-        left, right = self.shoot(ground, truth, (0.0, pair.baseline))
-        random = noise_of(self.site.seed, f"{self.name}.depth", truth.stamp)
-        return left.image, right.image, stereo_depth(self.optics, pair, (left.distance, left.image), random)
+        left, right = self.shoot(ground, truth, {self.name: 0.0, f"{self.name}.right": pair.baseline})
+        noise = pixel_noise(self.site.seed, f"{self.name}.depth", truth.stamp)
+        return left.image, right.image, stereo_depth(self.optics, pair, (left.distance, left.image), noise)
 
     def messages(self, stamp: int, reading: tuple[NDArray[Any], ...] | None) -> Iterator[tuple[str, Any]]:
         left, left_info, right, right_info, depth = self.rows
