@@ -1,4 +1,4 @@
-"""A viewer that comes late to a whole run: the machine it is shown, and where the images of its cameras stand."""
+"""A late viewer of a whole run in each layout: the machine it is shown, and where the images of its cameras stand."""
 
 from collections.abc import Callable
 from itertools import chain
@@ -39,13 +39,15 @@ def linked(message: bytes) -> dict[str, str]:
     return {one.child_frame_id: one.header.frame_id for one in told.transforms}  # type: ignore[attr-defined]
 
 
+@pytest.mark.parametrize("layout", ["--composed", "--processes", "--realtime"])
 def test_each_frame_hangs_on_the_tree_and_is_a_link_or_named_in_the_manual(
-    start: Callable[..., Program], domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    layout: str, start: Callable[..., Program], domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(config_folder() / "nodes" / "fastdds.xml"))
     settings = chain.from_iterable(("--set", f"{key}={value}") for key, value in SET.items())
+    chosen = [] if layout == "--processes" else [layout]  # processes is what there is without an option
     running = start(
-        "start", "flat_drive", *PATIENT, "--domain", domain, "--composed", *settings, "--run-dir", tmp_path / "run"
+        "start", "flat_drive", *PATIENT, "--domain", domain, *chosen, *settings, "--run-dir", tmp_path / "run"
     )
     context, heard = Context(), dict[str, Any]()
     context.init(args=[], domain_id=domain)

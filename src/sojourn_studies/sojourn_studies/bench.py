@@ -13,7 +13,7 @@ from sojourn_config import command_line
 RESULT = "bench.json"
 PART_NAMES = (
     "step", "period", "network", "start", "direct", "composed", "processes", "commands", "wheel", "contacts", "ground",
-    "arm", "arm_limits", "wheels", "energy",
+    "arm", "arm_limits", "wheels", "energy", "cameras",
 )  # fmt: skip
 OF_A_SCENARIO = ("step", "period", "direct", "composed", "processes")
 """Parts that can be measured of any scenario; the others have scenes of their own."""

@@ -18,6 +18,7 @@ from sojourn_config.paths import repository_root
 from sojourn_studies import (
     bench_arm,
     bench_arm_limits,
+    bench_cameras,
     bench_commands,
     bench_contacts,
     bench_ground,
@@ -42,6 +43,7 @@ TARGETS = {
     **bench_commands.TARGETS,
     **bench_machine.TARGETS,
     **bench_network.TARGETS,
+    **bench_cameras.TARGETS,
 }
 
 
@@ -52,7 +54,8 @@ class Size(NamedTuple):
         cases: of the surveys of contact laws, and of the wheel on soil. maps: sizes of ground [m].
         poses: of each arm. plans, goals: of the arm's planning. distance: of the long drive [m].
         starts: of each command. seconds, rounds: simulated time of a run of the loop [s], and runs.
-        commands: that are timed. periods: that are timed by app. turns: with each power network.
+        commands: that are timed. periods: that are timed by app. turns: with each power network. readings: of each
+            camera and lidar. views: seconds of each loop with a camera and without [s].
     """
 
     cases: int
@@ -67,10 +70,12 @@ class Size(NamedTuple):
     starts: int
     periods: int
     turns: int
+    readings: int
+    views: int
 
 
-QUICK = Size(100_000, (10, 100), 1000, 50, 500, 3.0, 15.0, 1, 100, 2, 600, 70)
-FULL = Size(1_000_000, (10, 100, 1000), 10_000, 200, 100_000, 100.0, 40.0, 3, 400, 7, 3000, 190)
+QUICK = Size(100_000, (10, 100), 1000, 50, 500, 3.0, 15.0, 1, 100, 2, 600, 70, 15, 15)
+FULL = Size(1_000_000, (10, 100, 1000), 10_000, 200, 100_000, 100.0, 40.0, 3, 400, 7, 3000, 190, 60, 60)
 Part = Callable[[Size, argparse.Namespace], dict[str, float]]
 PARTS: dict[str, Part] = {
     "step": lambda size, given: bench_step.bench_step(given.scenario),
@@ -90,6 +95,7 @@ PARTS: dict[str, Part] = {
     "arm_limits": lambda size, given: bench_arm_limits.random_goals(size.goals),
     "wheels": lambda size, given: bench_machine.bench_wheels(),
     "energy": lambda size, given: bench_machine.bench_energy(size.distance),
+    "cameras": lambda size, given: bench_cameras.bench_cameras(size.readings, size.views),
 }
 
 
