@@ -92,7 +92,7 @@ def test_both_may_be_set_apart_and_both_drive_blind() -> None:
     ("belief", "words"),
     [
         ("belief.start.x=1", "battery, body, bus"),
-        ("belief.battery=1", "belief.FILE.KEY=VALUE"),
+        ("belief.machine=1", "belief.FILE.KEY=VALUE"),
         ("belief.battery.capacity_ah=-1", "capacity_ah"),
         ("belief.battery.capacty_ah=1", "capacty_ah"),
     ],

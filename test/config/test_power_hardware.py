@@ -66,9 +66,10 @@ def test_a_site_without_sun_is_known(overrides: list[str], dark: bool) -> None:
 
 
 def test_a_whole_table_of_the_machine_can_be_set() -> None:
-    """An array is taken off: what its belief has goes with it."""
+    """An array is taken off, and the machine's own computer knows of it only where it is told."""
     bare = load_scenario("mars_sol", ["sources={}"])
-    assert not bare.power.sources and not bare.as_believed().power.sources
+    assert not bare.power.sources and set(bare.as_believed().power.sources) == {"array"}
+    assert not load_scenario("mars_sol", ["sources={}", "belief.sources={}"]).as_believed().power.sources
     assert set(load_scenario("mars_sol", ["sources.array.clean=0.7"]).power.sources) == {"array"}
 
 

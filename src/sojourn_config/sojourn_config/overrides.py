@@ -111,8 +111,13 @@ def _set(data: dict[str, Data], path: KeyPath, value: Data, text: str) -> None:
             raise single(f"--set {text}", "", MISSING, f"{part!r} is asked of a value that is no table")
 
 
-def split_beliefs(overrides: Sequence[str], heads: Sequence[str]) -> tuple[list[str], list[str]]:
+def split_beliefs(
+    overrides: Sequence[str], heads: Sequence[str], tables: Sequence[str] = ()
+) -> tuple[list[str], list[str]]:
     """Those that are true, and those that are believed alone, `belief.battery.capacity_ah=20`, without that word.
+
+    Args:
+        heads, tables: as for `route_overrides`.
 
     Raises:
         ConfigError: it is not KEY=VALUE, or a belief about what is in none of the files of `heads`.
@@ -123,7 +128,7 @@ def split_beliefs(overrides: Sequence[str], heads: Sequence[str]) -> tuple[list[
         path, _ = split_override(text)
         if path[0] != BELIEF:
             true.append(text)
-        elif len(path) > 2 and path[1] in heads:
+        elif (len(path) > 2 and path[1] in heads) or (len(path) == 2 and path[1] in tables):
             believed.append(text.strip().partition(".")[2])
         else:
             allowed = f"allowed is {BELIEF}.FILE.KEY=VALUE with FILE one of " + ", ".join(sorted(heads))

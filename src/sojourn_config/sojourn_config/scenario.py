@@ -244,7 +244,7 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
         ConfigError: with every problem of every file in it.
     """
     path = resolve("scenarios", name, ("command line", "scenario"))
-    told, beliefs = split_beliefs(overrides, HEADS)
+    told, beliefs = split_beliefs(overrides, HEADS, machine_reader.TABLES)
     own, routed = _routed(told)
     document = override_document(read_document(path, "scenarios"), own)
     config = validate(document, ScenarioConfig)
@@ -316,7 +316,7 @@ def _routed(overrides: Sequence[str]) -> tuple[list[str], dict[str, list[str]]]:
 
 def _known_overrides(overrides: Sequence[str]) -> list[str]:
     """Those that the machine's computer knows of, its beliefs over the truth."""
-    told, beliefs = split_beliefs(overrides, HEADS)
+    told, beliefs = split_beliefs(overrides, HEADS, machine_reader.TABLES)
     return [text for text in told if split_override(text)[0][0] not in TRUTH_ALONE] + beliefs
 
 

@@ -20,6 +20,7 @@ from dataclasses import asdict, replace
 import numpy as np
 
 from sojourn_config import command_line
+from sojourn_config.machine_reader import TABLES
 from sojourn_config.overrides import split_beliefs
 from sojourn_config.scenario import HEADS, TRUTH_ALONE, LoadedScenario, load_scenario
 from sojourn_console.draft import Draft
@@ -53,7 +54,7 @@ def believed(overrides: Sequence[str], pose: BasePose, charge: float, draft: Dra
     """What goes over the files of a run's scenario for a rehearsal of a goal. Raises GoalError for one of the arm."""
     if not draft.is_way or not draft.points:
         raise GoalError(draft.kind, "ways alone can be rehearsed, with a point at least")
-    told, beliefs = split_beliefs(overrides, HEADS)
+    told, beliefs = split_beliefs(overrides, HEADS, TABLES)
     known = [text for text in told if text.partition("=")[0].partition(".")[0].partition("[")[0] not in TRUTHS_ALONE]
     x, y = (float(one) for one in pose.position[:2])
     return [

@@ -55,6 +55,8 @@ class PowerState:
     """Stamp of that [ns]."""
     clean: float | None = None
     """Part of their light that is believed to reach the cells of the arrays [1]; None: as their files have it."""
+    held: float = 0.0
+    """Believed to be drawn at rest beyond what is known of the loads [W]."""
     ahead: str = ""
     """What the last forecast comes to, in words."""
 
@@ -106,13 +108,15 @@ class PowerApp(FlightApp[PowerState]):
         due = is_due(topic(FORECAST), stamp // CONTROL_PERIOD_NS)
         if due or not state.ahead:  # the words do not wait for the first minute to end
             known = Known(stamp * 1e-9, manager, readings, self._heat_now(state, stamp, readings), state.clean)
-            known = known._replace(clean=self._forecaster.clean_after(known)) if due else known
+            known = known._replace(held=state.held)
+            if due:
+                known = known._replace(held=self._forecaster.held_after(known))
+                known = known._replace(clean=self._forecaster.clean_after(known))
             forecast, least = self._forecaster.forecast(known), self._forecaster.least_asleep(known)
             if least is not None:
                 manager = law.foreseen(self.params, manager, least)
-            state = replace(
-                state, ahead=forecast.words, manager=manager, heat=known.heat, looked_at=stamp, clean=known.clean
-            )
+            believed = {"heat": known.heat, "clean": known.clean, "held": known.held}
+            state = replace(state, ahead=forecast.words, manager=manager, looked_at=stamp, **believed)
             if due:
                 messages.append((FORECAST, forecast_message(stamp, forecast)))
         return state, Answer(chain(self._messages(state, stamp, readings, output), messages), refusals)
@@ -196,5 +200,7 @@ def _status(stamp: int, output: PowerManagerOutput, state: PowerState) -> Any:
     values["forecast"] = state.ahead
     if state.clean is not None:
         values["arrays_clean"] = f"{state.clean:.3f}"
+    if state.held > 0.0:
+        values["held_at_rest_w"] = f"{state.held:.2f}"
     values |= state.request.status(output.switches)
     return status_message(stamp, "power", values, values["reason"] or values["state"], 1 if values["reason"] else 0)

@@ -6,14 +6,17 @@
 y is the part of the light that is believed to come through, as `clean` of an array has it, and expected is made with
 it. One look is taken with each forecast, over the steady window of the switch watch. None is taken where the stores are
 so full, cold or much charged that the arrays are held back (their bus is within a hundredth of where charging
-ends), where loads draw what nobody knows, and where little light is expected. Motors that hold a load and are not
-known of show as dust: a look that finds more than is believed counts twice.
+ends), where loads draw what nobody knows, and where little light is expected. Motors that hold a load draw what
+`resting_draw` has found in the dark; before, they show as dust: a look that finds more than is believed counts twice.
 """
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from sojourn_flight.power_manager.preview import Preview, PreviewState
 from sojourn_flight.power_manager.reading import StoreReading
+from sojourn_flight.power_manager.resting_draw import held_back
 from sojourn_flight.power_manager.switch_watch import LEAST_COUNT, SwitchState, Watched, steady
 from sojourn_machine.evolution import replace
 from sojourn_machine.power.network import PowerNetwork
@@ -26,8 +29,6 @@ LEAST, MOST = 0.02, 1.0
 """That is believed [1]."""
 LEAST_LIGHT = 0.1
 """Part of the most that the arrays can ever give, below which no look is taken [1]."""
-HELD_BACK = 0.99
-"""Part of the voltage up to which stores are charged, from which on arrays may be held back [1]."""
 WARMED, WARMING_STEPS = 1800.0, 3
 """Time over which the arrays are warmed in the light before a look [s], and in how many steps."""
 
@@ -70,19 +71,15 @@ class ArrayBelief:
         if len(seen.window) < LEAST_COUNT:
             return clean
         mean, scatter = steady(seen.window)
-        if scatter is None or seen.before is not None or self._held_back(begun, readings):
+        if scatter is None or seen.before is not None or held_back(self._preview.network, begun, readings):
             return clean
         drawn = self._drawn(seen, readings)
         expected, others = self._expected(begun)
         if drawn is None or expected < LEAST_LIGHT * self._most:
             return clean
-        found = clean * (drawn - mean - others) / expected
+        found = clean * (drawn + float(np.sum(begun.held)) - mean - others) / expected
         gain = GAIN * (UPWARDS if found > clean else 1.0)
         return min(max(clean + gain * (min(max(found, 0.0), MOST) - clean), LEAST), MOST)
-
-    def _held_back(self, begun: PreviewState, readings: Sequence[StoreReading]) -> bool:
-        stores = zip(self._preview.network.stores, begun.network.stores, readings, strict=True)
-        return any(reading.voltage > HELD_BACK * store.point(state).ceiling for store, state, reading in stores)
 
     def _drawn(self, seen: SwitchState, readings: Sequence[StoreReading]) -> float | None:
         """By all that is on [W]; None where a load on a thermostat is."""

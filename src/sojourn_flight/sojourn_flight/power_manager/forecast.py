@@ -19,13 +19,13 @@ from sojourn_flight.power_manager.array_belief import ArrayBelief, with_clean
 from sojourn_flight.power_manager.law import PowerManagerState
 from sojourn_flight.power_manager.modes import SleepState
 from sojourn_flight.power_manager.params import PowerManagerParams
-from sojourn_flight.power_manager.preview import Around, Preview, PreviewStep, Warmth, believed
+from sojourn_flight.power_manager.preview import Around, Preview, PreviewState, PreviewStep, Warmth, believed
 from sojourn_flight.power_manager.reading import StoreReading
+from sojourn_flight.power_manager.resting_draw import RestingDraw
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 from sojourn_machine.power.loads import BusParams
 from sojourn_machine.power.network import PowerNetwork
-from sojourn_machine.power.network_state import NetworkState
 from sojourn_machine.power.power_params import PowerParams
 from sojourn_machine.power.surroundings import PowerSurroundings
 from sojourn_machine.thermal.machine_heat import HeatState
@@ -58,6 +58,8 @@ class Known(NamedTuple):
     """As it is believed to be; None: as at the start of a run."""
     clean: float | None = None
     """Part of its light that is believed to reach an array's cells [1]; None: as the array's file has it."""
+    held: float = 0.0
+    """Believed to be drawn at rest beyond what is known of the loads [W]."""
 
 
 class Forecaster:
@@ -93,6 +95,7 @@ class Forecaster:
             for sign in (0.0, 1.0, -1.0)
         )
         self._arrays = ArrayBelief(self._previews[0], params.switch_watch)
+        self._resting = RestingDraw(self._previews[0], params.switch_watch)
         low = self._previews[1]
         self._asleep = Preview(params, low.network, Activities(params, ()), low.around, warmth)
 
@@ -111,7 +114,7 @@ class Forecaster:
         values[:, 0] = charges[0]
         values[:, 1] = np.minimum(charges[1], charges[0])  # a machine that sheds earlier may come out above
         values[:, 2] = np.maximum(charges[2], charges[0])
-        values[:, 3] = [step.offered for step in expected]
+        values[:, 3] = [step.network.offered for step in expected]
         values[:, 4] = [float(step.network.load_power.sum()) for step in expected]
         times = np.array([step.time - known.time for step in expected])
         return PowerForecast(times, values, self._words(known.time, expected, low))
@@ -123,16 +126,18 @@ class Forecaster:
         clean = self._arrays.at_start if known.clean is None else known.clean
         if clean is None:
             return None
-        known = known._replace(clean=clean)
-        preview, seen = self._previews[0], known.manager.faults.switches
-        begun = preview.begin(known.time, known.manager, self._believed(preview, known.manager, known), known.heat)
-        return self._arrays.after(clean, seen, begun, known.readings)
+        begun = self._begun(self._previews[0], known._replace(clean=clean), known.manager)
+        return self._arrays.after(clean, known.manager.faults.switches, begun, known.readings)
+
+    def held_after(self, known: Known) -> float:
+        """What is believed to be drawn at rest beyond what is known of the loads, after a look at the stores [W]."""
+        begun = self._begun(self._previews[0], known, known.manager)
+        return self._resting.after(known.held, known.manager.faults.switches, begun, known.readings)
 
     def heat_after(self, known: Known, time: float) -> HeatState | None:
         """Heat as it is believed to be at a later time [s], if all went as expected; None for a machine without."""
         preview = self._previews[0]
-        network = self._believed(preview, known.manager, known)
-        begun = preview.begin(known.time, known.manager, network, known.heat)
+        begun = self._begun(preview, known, known.manager)
         if begun.heat is None or time <= known.time:
             return begun.heat
         return preview.step(begun, time - known.time)[0].heat
@@ -155,13 +160,12 @@ class Forecaster:
             sigma = self._settings.charge_sigma if store.filter is None else store.filter.sigma
             stores.append(replace(store, soc=min(max(store.charge + shift * sigma, 0.0), 1.0), filter=None))
         shifted = replace(known.manager, stores=tuple(stores))
-        begun = preview.begin(known.time, shifted, self._believed(preview, shifted, known), known.heat)
-        return preview.run(begun, self._settings.step, self._settings.count)
+        return preview.run(self._begun(preview, known, shifted), self._settings.step, self._settings.count)
 
-    @staticmethod
-    def _believed(preview: Preview, manager: PowerManagerState, known: Known) -> NetworkState:
-        """The network at charges as a manager has them, its arrays as clean as is believed."""
-        return with_clean(preview.network, believed(preview.network, manager, known.readings), known.clean)
+    def _begun(self, preview: Preview, known: Known, manager: PowerManagerState) -> PreviewState:
+        """A preview at the charges that a manager has, arrays as clean and motors holding as is believed."""
+        network = with_clean(preview.network, believed(preview.network, manager, known.readings), known.clean)
+        return preview.begin(known.time, manager, network, known.heat, self._resting.of_loads(known.held))
 
     def _charge(self, step: PreviewStep) -> float:
         """Of all stores, which the step that empties one leaves a little below 0 [1]."""
@@ -177,7 +181,7 @@ class Forecaster:
         empty = next((step for step in expected if self._charge(step) <= 0.0), None)
         if empty is not None:
             text += f"; empty in {(empty.time - time) / SECONDS_PER_HOUR:.1f} h"
-        if self._previews[0].network.sources and all(step.offered == 0.0 for step in expected):
+        if self._previews[0].network.sources and all(step.network.offered == 0.0 for step in expected):
             text += "; no source gives anything"
         if earliest is not None and (found is None or earliest.time < found.time):
             text += f"; at the earliest {limit_text(earliest)} in {(earliest.time - time) / SECONDS_PER_HOUR:.1f} h"

@@ -47,6 +47,8 @@ class PreviewState(NamedTuple):
     """Of the step before."""
     heat: HeatState | None = None
     """Of a machine whose heat is looked at."""
+    held: FloatArray | float = 0.0
+    """Drawn by motors that stand, (loads,) or the same of all loads [W]."""
 
 
 class PreviewStep(NamedTuple):
@@ -54,8 +56,6 @@ class PreviewStep(NamedTuple):
 
     time: float
     """Its end, after the start of the run [s]."""
-    offered: float
-    """The most that all sources could give [W]."""
     network: NetworkOutput
     manager: PowerManagerOutput
     """At the beginning of the step."""
@@ -92,12 +92,19 @@ class Preview:
         self.around = around
 
     def begin(
-        self, time: float, manager: PowerManagerState, network: NetworkState, heat: HeatState | None = None
+        self,
+        time: float,
+        manager: PowerManagerState,
+        network: NetworkState,
+        heat: HeatState | None = None,
+        held: FloatArray | float = 0.0,
     ) -> PreviewState:
-        """At a time [s] with what is known of manager, network and heat; left out: heat as at the start of a run."""
+        """At a time [s] with what is known of manager, network, heat and motors that stand; left out: heat as at the
+        start of a run, motors that draw nothing.
+        """
         if self._warmth is not None and heat is None:
             heat = self._warmth.heat.initial_state()
-        return PreviewState(time, network, manager, self.network.at_rest(network), heat)
+        return PreviewState(time, network, manager, self.network.at_rest(network), heat, held)
 
     def initial_state(self, soc: float) -> PreviewState:
         """At the start of a run, all stores rested at a state of charge [0..1], the law told of it."""
@@ -111,9 +118,7 @@ class Preview:
         manager, commanded = law.step(params, manager, PowerManagerInput(self.readings(state)), dt)
         middle = state.time + 0.5 * dt
         around = self.around(middle)
-        sources = zip(network.sources, state.network.sources, strict=True)
-        offered = sum(source.point(before, around).power for source, before in sources)
-        demand = self._activities.demand(middle)
+        demand = np.maximum(self._activities.demand(middle), state.held)
         fractions = network.as_switched(np.array(commanded.fractions()))
         if self._warmth is not None and state.heat is not None:
             around = around._replace(round_stores=self._warmth.heat.store_surroundings(state.heat))
@@ -127,7 +132,6 @@ class Preview:
         stores = powered.stores
         shown = PreviewStep(
             state.time + dt,
-            offered,
             seen,
             commanded,
             tuple([store.soc for store in stores]),
@@ -135,7 +139,7 @@ class Preview:
             manager.sleep.requested,
             None if heat is None else heat.thermal.temperatures,
         )
-        return PreviewState(state.time + dt, powered, manager, seen, heat), shown
+        return PreviewState(state.time + dt, powered, manager, seen, heat, state.held), shown
 
     def run(self, state: PreviewState, dt: float, count: int) -> list[PreviewStep]:
         """So many steps of `dt` [s]."""
