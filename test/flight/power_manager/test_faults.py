@@ -120,6 +120,43 @@ def test_whole_strings_make_no_alarm(seed: int) -> None:
     assert alarm is None
 
 
+def steady(seed: int, current: float, fail_at: float, seconds: float) -> tuple[float | None, int]:
+    """The explorer's battery under a steady load, with the noise of its telemetry, ten readings a second; one of its
+    two strings fails at a time. Returns time of the alarm [s], and how many strings it names.
+    """
+    random, watch, dt = np.random.default_rng(seed), StringState(), 0.1
+    whole = BATTERY.model_copy(update={"resistance_ohmic": tuple(1.1 * ohm for ohm in BATTERY.resistance_ohmic)})
+    packs = [whole, whole.model_copy(update={"cells_parallel": 1})]
+    state = whole.initial_state(0.8, 290.0)
+    for k in range(int(seconds / dt)):
+        pack = packs[k * dt >= fail_at]
+        point = pack.point(state)
+        state = pack.step(state, current, dt)
+        reading = StoreReading(
+            0.01 * round((point.source - point.resistance * current + 0.01 * random.standard_normal()) / 0.01),
+            0.02 * round((current + 0.02 * random.standard_normal()) / 0.02),
+            290.0,
+        )
+        watch = string_watch.step(StringWatchParams(), BATTERY, watch, reading, dt)
+        if watch.failed:
+            return k * dt, watch.failed
+    return None, 0
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), current=st.floats(3.0, 8.0))
+def test_a_string_that_fails_at_a_steady_current_is_told_at_once(seed: int, current: float) -> None:
+    """Where no current steps nothing told of it: a drive over level ground ended before it was known."""
+    took, failed = steady(seed, current, 40.0, 60.0)
+    assert took is not None and 40.0 <= took < 45.0 and failed == 1
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), current=st.floats(-8.0, 8.0))
+def test_whole_strings_at_a_steady_current_make_no_alarm(seed: int, current: float) -> None:
+    assert steady(seed, current, 1e9, 120.0) == (None, 0)
+
+
 def test_a_string_that_is_back_ends_the_fault() -> None:
     watch, params = StringState(), StringWatchParams()
     resistance = BATTERY.point(BATTERY.initial_state(0.5, 290.0)).resistance
