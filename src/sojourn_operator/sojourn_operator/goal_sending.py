@@ -1,7 +1,7 @@
 """Sends a goal and follows it: for scripts/goal."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, Self
 
 from sojourn_config import command_line
@@ -148,19 +148,37 @@ class GoalClient(Desk):
             for name, message in messages:
                 senders[name].publish(encode(rows[name], message))
             return self._stopped_over_link()
-        told = [name for name, sender in senders.items() if self._is_heard(sender)]
-        for name, message in messages:
-            if name in told:
-                senders[name].publish(encode(topic(name), message))
-        waiting = [who for who, name in STOP_TOPICS.items() if name in told]
-        self.statuses.clear()
+        return self._halted(senders)
+
+    def _halted(self, senders: Mapping[str, Any]) -> tuple[bool, str]:
+        """Stop each as soon as it listens: who has not been found yet is not left out.
+
+        Args:
+            senders: of the stop messages, by topic.
+        """
+        messages, told = dict(stop_messages(0)), set[str]()
         end = time.monotonic() + STOPPED_S
         while time.monotonic() < end and not self.stop.is_set:
+            for who, name in STOP_TOPICS.items():
+                if who not in told and self._is_heard(senders[name]):
+                    senders[name].publish(encode(topic(name), messages[name]))
+                    self.statuses.pop(who, None)
+                    told.add(who)
             self.spin(0.05)
-            if all(self._stands(who) for who in waiting):
-                return True, ", ".join(f"{who}: {report_of(self.statuses[who]).state}" for who in waiting)
-        moving = " and ".join(who for who in waiting if not self._stands(who))
+            asked = self._asked_to_stop(told)
+            if told.issuperset(asked) and all(self._stands(who) for who in asked):
+                return True, ", ".join(f"{who}: {report_of(self.statuses[who]).state}" for who in asked)
+        asked = self._asked_to_stop(told)
+        silent = [who for who in asked if who not in told]
+        if silent:
+            return False, f"stop not heard by {' and '.join(silent)} within {STOPPED_S:g} s"
+        moving = " and ".join(who for who in asked if not self._stands(who))
         return False, f"stop sent, but {moving} did not say within {STOPPED_S:g} s that it stands"
+
+    def _asked_to_stop(self, told: Collection[str]) -> list[str]:
+        """Those who have been told, and those who take part: their hearts beat, or a process here holds their role."""
+        part = {*told, *self.beats, *self._held()}
+        return [who for who in STOP_TOPICS if who in part]
 
     def _stopped_over_link(self) -> tuple[bool, str]:
         """That a stop is on its way is all that can be said now: what comes of it is known two light times later."""

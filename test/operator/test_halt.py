@@ -1,0 +1,63 @@
+"""A stop reaches drive and arm, also who is found late on a busy machine."""
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from sojourn_contract.heartbeat import status_message
+from sojourn_contract.topic_types import Topic
+from sojourn_operator import goal_sending
+from sojourn_operator.goal_sending import STATUS_TOPICS, STOP_TOPICS, GoalClient
+
+
+class Busy(GoalClient):
+    """In place of the client of a running stack: its roles are found after so many looks.
+
+    Args:
+        found: by role, after how many looks. held: roles that run on this machine.
+    """
+
+    def __init__(self, found: dict[str, int], held: Sequence[str]) -> None:
+        super().__init__(0, "")
+        self.link: Any = SimpleNamespace(is_there=False)
+        self.found, self.held = found, held
+        self.looks = 0
+        self.sent: list[str] = []
+
+    def sender(self, row: Topic) -> Any:
+        return SimpleNamespace(topic_name=row.name, publish=lambda _: self.sent.append(row.name))
+
+    def spin(self, wall_s: float) -> None:
+        self.looks += 1
+        for who in STOP_TOPICS:
+            state = "stopped" if STOP_TOPICS[who] in self.sent else "moving"
+            if self.looks >= self.found.get(who, 10**9):
+                values = {"state": state, "goal_stamp": "0", "reason": "", "distance_to_go": "0"}
+                self.statuses[who] = status_message(20, STATUS_TOPICS[who], values)
+
+    def _is_heard(self, sender: Any) -> bool:
+        return any(
+            sender.topic_name == name and self.looks >= self.found.get(who, 10**9) for who, name in STOP_TOPICS.items()
+        )
+
+    def _held(self) -> list[str]:
+        return list(self.held)
+
+
+@pytest.mark.parametrize("found", [{"drive": 40, "arm": 0}, {"drive": 0, "arm": 40}, {"drive": 0, "arm": 0}])
+def test_who_is_found_late_is_stopped_too(found: dict[str, int]) -> None:
+    """The arm alone had been found, its word was "arm: stopped", the status 0, and the rover drove on."""
+    busy = Busy(found, ["drive", "arm"])
+    assert busy.halt() == (True, "drive: stopped, arm: stopped")
+    assert sorted(busy.sent) == ["/arm/stop", "/cmd_vel"]
+
+
+def test_a_machine_without_an_arm_is_stopped() -> None:
+    assert Busy({"drive": 0}, ["plant", "drive"]).halt() == (True, "drive: stopped")
+
+
+def test_who_never_listens_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(goal_sending, "STOPPED_S", 0.2)
+    assert Busy({"arm": 0}, ["drive", "arm"]).halt() == (False, "stop not heard by drive within 0.2 s")
