@@ -25,4 +25,4 @@ def test_it_goes_round_a_stone_that_only_its_cameras_tell_of(rover: str, tmp_pat
     assert np.hypot(x[-1] - 5.0, y[-1]) < 0.4
     assert np.hypot(x - STONE[0], y - STONE[1]).min() > 0.3, "its middle has gone round"
     last = bag["/drive/status"].statuses()[-1]
-    assert float(last["detours"]) >= 1.0 and last["outcome"] == "reached"
+    assert float(last["detours"]) >= 1.0 and last["state"] == "reached"
