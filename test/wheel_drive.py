@@ -167,9 +167,14 @@ def initial_wheels(*arguments: Any, **options: Any) -> WheelOdometry:
 
 
 def step_wheels(
-    params: OdometryParams, table: FloatArray, state: WheelOdometry, measured: WheelMeasured, dt: float
+    params: OdometryParams,
+    table: FloatArray,
+    state: WheelOdometry,
+    measured: WheelMeasured,
+    dt: float,
+    unread: float = 0.0,
 ) -> WheelOdometry:
-    """The odometry after a period of wheels that are measured so."""
+    """The odometry after a period of wheels that are measured so, in which no gyro was read for a while."""
     before, angles_before = state.wheel_positions, state.steer_angles
     if before is None or angles_before is None:
         before, angles_before = measured.wheel_positions - measured.wheel_rates * dt, measured.steer_angles
@@ -183,7 +188,7 @@ def step_wheels(
         v_x, v_y, yaw_rate, residual, fastest, measured.commanded_still, jumps,
         measured.slip, measured.slip_sigma, measured.turn_sigma,
     )  # fmt: skip
-    after = step_odometry(params, state, OdometryInput(motion, gyro, measured.roll_pitch), dt)
+    after = step_odometry(params, state, OdometryInput(motion, gyro, measured.roll_pitch, unread), dt)
     if after.standing_for >= params.standing_time:  # a creep adds up
         return _with_wheels(after, state.wheel_positions, state.steer_angles)
     return _with_wheels(after, measured.wheel_positions, measured.steer_angles)

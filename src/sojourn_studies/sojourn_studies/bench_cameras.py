@@ -125,7 +125,8 @@ def compare(machines: Sequence[Path], scenario: str, overrides: Sequence[str], t
     """Seconds of the processor that a second of simulated time takes on each machine, in turns: the median."""
     with tempfile.TemporaryDirectory(prefix="sojourn-bench-") as folder:
         loops = [
-            _Loop(scenario, (f"machine={machine}", *overrides), Path(folder) / machine.name) for machine in machines
+            _SeeingLoop(scenario, (f"machine={machine}", *overrides), Path(folder) / machine.name)
+            for machine in machines
         ]
         taken: list[list[float]] = [[] for _ in loops]
         for number in range(WARM_TURNS + turns):
@@ -138,7 +139,7 @@ def compare(machines: Sequence[Path], scenario: str, overrides: Sequence[str], t
     return [statistics.median(times) for times in taken]
 
 
-class _Loop:
+class _SeeingLoop:
     """The whole loop of a scenario with its recorder, and where it has come to."""
 
     def __init__(self, name: str, overrides: tuple[str, ...], bag: Path) -> None:

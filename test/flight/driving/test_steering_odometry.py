@@ -337,7 +337,7 @@ def test_what_a_machine_turns_while_no_gyro_is_read(
     wheels = wheels_from_twist(table, PlanarTwist(0.0, 0.0, rate), np.zeros(6))
     position = before.wheel_positions + wheels.wheel_rates * (gap - DT)  # and stands at the end of it
     stopped = WheelMeasured(position, np.zeros(6), wheels.steer_angles, (0.0, 0.0, 0.0), None, True)
-    after = step_wheels(params, table, before, stopped, gap)
+    after = step_wheels(params, table, before, stopped, gap, unread=gap - DT)
     error = after.yaw - before.yaw - turned
     sigma = math.sqrt(after.covariance[2, 2])
     assert abs(error) < 0.5 * turned

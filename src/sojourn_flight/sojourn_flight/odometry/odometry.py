@@ -59,7 +59,7 @@ from sojourn_flight.odometry.odometry_kernels import (
     rescaled,
     update_bias,
 )
-from sojourn_flight.odometry.odometry_params import SAMPLED_WITHIN, OdometryParams
+from sojourn_flight.odometry.odometry_params import OdometryParams
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
@@ -85,6 +85,8 @@ class OdometryInput:
     """Angular velocity of base_link in base_link [rad/s], None without a gyro."""
     roll_pitch: tuple[float, float] | None = None
     """Roll and pitch (REP 103, pitch positive nose down) [rad], None to take the ground as level."""
+    unread: float = 0.0
+    """Part of the period of which no reading of the gyro tells [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,7 +256,7 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
     pitch_rate = gyro[1] if gyro is not None else 0.0
     yaw_rate = body_rate if gyro is not None else motion.yaw_rate
     difference = motion.yaw_rate - yaw_rate
-    unfelt = difference * max(dt - SAMPLED_WITHIN, 0.0)  # turned in a gap, which the mobility alone knows
+    unfelt = difference * measured.unread  # turned in a gap, which the mobility alone knows
     yaw_rate += unfelt / dt
     body_x, body_y = body_arc(float(v_x), float(v_y), float(yaw_rate * dt), float(dt))
     cos_roll, sin_roll, cos_pitch, sin_pitch = (

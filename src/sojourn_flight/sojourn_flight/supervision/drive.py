@@ -39,6 +39,7 @@ from sojourn_flight.odometry.odometry import (
     message_covariances,
     step_odometry,
 )
+from sojourn_flight.odometry.odometry_params import SAMPLED_WITHIN
 from sojourn_flight.odometry.visual_state import VisualOdometryState, rolled_on
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.goal import Goal
@@ -338,7 +339,7 @@ class _Located(NamedTuple):
 def _locate(model: DriveModel, state: DriveState, inputs: DriveInput, motion: BodyMotion, dt: float) -> _Located:
     """The odometry with what Sun and cameras know."""
     params, felt = model.params, inputs.felt
-    told = OdometryInput(motion, felt.gyro, felt.roll_pitch)
+    told = OdometryInput(motion, felt.gyro, felt.roll_pitch, max(dt - SAMPLED_WITHIN, 0.0))
     odometry = step_odometry(params.odometry, state.odometry, told, dt)
     rolled, heading, terrain, visual = odometry, state.heading, state.terrain, state.visual
     if params.heading_fix is not None:
