@@ -289,3 +289,17 @@ def test_status_has_words_and_finite_numbers(model: WheelDrive, machine: Callabl
         for key, value in output.status.items():
             assert isinstance(value, str | float), key
             assert isinstance(value, str) or math.isfinite(value), key
+
+
+def test_what_it_turns_while_nothing_is_read_is_told_by_the_wheels(model: WheelDrive, machine: Callable) -> None:
+    """A busy machine: half a second of a turn on the spot without a reading, and the gyro's next one at rest again."""
+    rover = machine()
+    turning = TwistCommand(PlanarTwist(0.0, 0.0, 0.1), 0.0)
+    state, output = rover.run(model.initial_state(), 15.0, twist=turning)
+    begun = rover.yaw
+    for _ in range(25):
+        rover.move(output, DT)
+    assert rover.yaw - begun > 0.03
+    rover.yaw_rate = 0.0
+    state, output = model.step(state, rover.measure(), 25 * DT)
+    assert output.odometry.yaw == pytest.approx(rover.yaw, abs=0.3 * (rover.yaw - begun))
