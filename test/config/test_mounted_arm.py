@@ -123,7 +123,7 @@ def test_drives_and_encoders_fit_motors_and_gears_of_the_urdf(name: str) -> None
         (["machine=puma560", "machine.fixed_base=false"], ["fixed_base = false", "allowed is one of True"]),
         (["machine=skid", "machine.fixed_base=true"], ["fixed_base = true", "allowed is one of False"]),
         (["machine=skid", "machine.wheels=[]"], ["wheels", "fixed_base = true"]),
-        (["machine=skid", "drive=null"], ["drive = null", "unknown key"]),
+        (["machine=skid", "drive=null"], ["drive = null", "allowed is a table with the keys"]),
         (["machine=puma560", "machine.arm=null"], ["arm", "nothing moves on a fixed base"]),
         (
             ["machine=skid", "machine.arm=puma560", MOUNT],

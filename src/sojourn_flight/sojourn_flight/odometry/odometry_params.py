@@ -6,9 +6,6 @@ from pydantic import Field
 
 from sojourn_machine.params import Params
 
-SAMPLED_WITHIN = 0.1
-"""A reading of the IMU speaks for so long, in a drive ten times a second [s]; beyond it nobody has felt the motion."""
-
 
 class OdometryParams(Params):
     """How far wheels and gyro can be trusted. Sigmas are standard deviations."""

@@ -30,7 +30,7 @@ import numpy as np
 
 from sojourn_flight.mobility.rolling_lines import rolling_line
 from sojourn_flight.mobility.wheel_twist import velocity_kernel
-from sojourn_flight.odometry.odometry_params import SAMPLED_WITHIN
+from sojourn_flight.odometry.odometry_kernels import SAMPLED_WITHIN
 from sojourn_flight.odometry.slip_params import SlipParams, TractionCurve
 from sojourn_flight.odometry.speed_filter import (
     DRIFT,
