@@ -8,8 +8,6 @@ import numpy as np
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
-SAMPLED_WITHIN = 0.1
-"""A reading of the IMU speaks for so long, in a drive ten times a second [s]; beyond it nobody has felt the motion."""
 START_POSITION_VARIANCE = 1e-6
 """Variance of the start position [m^2]: zero by definition, but a covariance must be positive definite."""
 START_YAW_VARIANCE = 1.6e-7

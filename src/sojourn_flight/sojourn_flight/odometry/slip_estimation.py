@@ -30,7 +30,6 @@ import numpy as np
 
 from sojourn_flight.mobility.rolling_lines import rolling_line
 from sojourn_flight.mobility.wheel_twist import velocity_kernel
-from sojourn_flight.odometry.odometry_kernels import SAMPLED_WITHIN
 from sojourn_flight.odometry.slip_params import SlipParams, TractionCurve
 from sojourn_flight.odometry.speed_filter import (
     DRIFT,
@@ -73,6 +72,8 @@ UNKNOWN_SPEED_SIGMA = 0.1
 ROCKING_ACCELERATION = 0.3
 """Of a machine that has just stopped or changes its pace: in the one reading that gravity is taken from when the drive
 starts, and while no reading comes [m/s^2]."""
+SAMPLED_WITHIN = 0.1
+"""A reading of the IMU speaks for so long, in a drive ten times a second [s]; beyond it nobody has felt the motion."""
 HEADWAY_LOST, CERTAIN = 0.5, 2.0
 """Wheels spin without headway where at least this part of their way is lost, so many standard deviations from doubt: at
 the end of a way the wheels are so slow that a few mm/s of doubt are a slip of 1 [-]."""

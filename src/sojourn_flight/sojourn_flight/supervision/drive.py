@@ -39,7 +39,7 @@ from sojourn_flight.odometry.odometry import (
     message_covariances,
     step_odometry,
 )
-from sojourn_flight.odometry.odometry_kernels import SAMPLED_WITHIN
+from sojourn_flight.odometry.slip_estimation import SAMPLED_WITHIN
 from sojourn_flight.odometry.visual_state import VisualOdometryState, rolled_on
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.goal import Goal
