@@ -19,9 +19,11 @@ FLUSH = None
 Script = Sequence[tuple[int, int, bytes, int, int] | None]
 
 
-def written(kind: type[Writer], script: Script, compression: CompressionType, chunk_size: int) -> bytes:
-    """The file that a writer makes of messages and flushes; a channel is registered before its first message."""
-    stream, ids = io.BytesIO(), dict[int, int]()
+def written(kind: type[Writer], script: Script, compression: CompressionType, chunk_size: int) -> list[bytes]:
+    """The file that a writer makes of messages and flushes, as it is after each flush and at the end; a channel is
+    registered before its first message.
+    """
+    stream, ids, found = io.BytesIO(), dict[int, int](), list[bytes]()
     writer = kind(stream, compression=compression, chunk_size=chunk_size)
     writer.start(profile="ros2", library="test")
     writer.add_attachment(0, 0, "a", "text/plain", b"attached")
@@ -29,6 +31,7 @@ def written(kind: type[Writer], script: Script, compression: CompressionType, ch
     for entry in script:
         if entry is FLUSH:
             writer.flush()
+            found.append(stream.getvalue())
             continue
         channel, log_time, data, publish_time, sequence = entry
         if channel not in ids:
@@ -36,7 +39,7 @@ def written(kind: type[Writer], script: Script, compression: CompressionType, ch
         writer.add_message(ids[channel], log_time, data, publish_time, sequence)
     writer.add_metadata("end", {"of": "file"})
     writer.finish()
-    return stream.getvalue()
+    return [*found, stream.getvalue()]
 
 
 @given(
@@ -53,7 +56,7 @@ def test_file_is_that_of_the_library(script: Script, compression: CompressionTyp
 def test_messages_are_read_back() -> None:
     """By the library's reader, which goes by the indices."""
     script = [(number % CHANNELS, 1000 - number, bytes([number]), number, number) for number in range(100)]
-    data = written(QuickWriter, script, CompressionType.ZSTD, 200)
+    *_, data = written(QuickWriter, script, CompressionType.ZSTD, 200)
     read = [message for _, _, message in make_reader(io.BytesIO(data)).iter_messages()]
     found = [(message.log_time, message.data, message.publish_time, message.sequence) for message in read]
     assert found == sorted((entry[1], entry[2], entry[3], entry[4]) for entry in script)

@@ -83,4 +83,5 @@ class Shooting:
 
     def see(self, eye: Optics, turn: FloatArray, at: FloatArray):  # type: ignore[no-untyped-def]
         """Radiance and distance."""
-        return self.scenery.see(eye, Moment(self.sun, self.light, self.memory, self.body), turn, at)
+        (seen,) = self.scenery.see(eye, Moment(self.sun, self.light, self.memory, self.body), turn, [at])
+        return seen

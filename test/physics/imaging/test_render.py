@@ -15,7 +15,7 @@ from sojourn_physics.imaging.camera import StereoParams, expose, exposure_for, s
 from sojourn_physics.imaging.lens import project
 from sojourn_physics.imaging.photometry import Illumination
 from sojourn_physics.imaging.pixel_noise import pixel_noise
-from sojourn_physics.imaging.scenery import GroundLook
+from sojourn_physics.imaging.scenery import GroundLook, Moment
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_physics.terrain.memory_tiles import CHANNELS, DUG, TILE
@@ -154,6 +154,19 @@ def test_matching_the_pair_by_another_way_finds_the_depth_within_its_error() -> 
     assert known.mean() > 0.4
     assert abs(np.median(off)) < 0.1
     assert np.percentile(np.abs(off), 68.0) < PAIR.disparity_noise_px
+
+
+def test_cameras_that_look_at_once_see_what_each_would_alone() -> None:
+    """Shadows are worked out where a camera first looks: each has its own."""
+    field, light = rough(7), sun(12.0, 40.0)
+    eye, turn = camera(), looking(40.0, 20.0)
+    places = [ABOVE, ABOVE + 0.2 * turn[:, 0], ABOVE + 0.4 * turn[:, 0]]
+    scene = Shooting(field, light)
+    moment = Moment(scene.sun, scene.light, scene.memory, scene.body)
+    together = scene.scenery.see(eye, moment, turn, places)
+    for place, seen in zip(places, together, strict=True):
+        alone = Shooting(field, light).see(eye, turn, place)
+        assert np.array_equal(seen[0], alone[0]) and np.array_equal(seen[1], alone[1])
 
 
 def test_depth_of_the_pair_has_the_error_of_its_model() -> None:

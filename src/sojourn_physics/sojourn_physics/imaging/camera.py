@@ -128,7 +128,7 @@ def expose(eye: Optics, radiance: NDArray[np.float32], time: float, noise: Pixel
     return image
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _expose(
     radiance: NDArray[np.float32], dimming: NDArray[np.float32], noise: PixelNoise, detector: FloatArray
 ) -> NDArray[np.uint8]:
@@ -166,7 +166,7 @@ def stereo_depth(
     return depth
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _stereo_depth(
     distance: NDArray[np.float32],
     rays: NDArray[np.float32],

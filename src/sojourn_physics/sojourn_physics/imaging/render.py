@@ -35,7 +35,7 @@ Line = NDArray[np.float32]
 Image = NDArray[np.float32]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def render(scene: Scene, view: PlacedLens, eye: Eye, around: Panorama) -> tuple[Image, Image]:
     """Radiance of the whole spectrum [W/m2/sr] and distance [m] of each pixel, (rows, columns); infinite: the sky."""
     rows, columns, _ = view.rays.shape

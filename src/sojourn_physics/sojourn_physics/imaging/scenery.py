@@ -4,14 +4,17 @@ What is kept between images, walks and shadows, is a function of the scene alone
 """
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_machine.params import FloatArray
 from sojourn_machine.shapes import ALBEDO, Shapes
+from sojourn_physics.imaging.at_once import at_once
 from sojourn_physics.imaging.camera import Optics
 from sojourn_physics.imaging.echoes import Sounded, echoes
 from sojourn_physics.imaging.ground import DrawnGround, seen_ground, with_changes
@@ -27,6 +30,8 @@ from sojourn_physics.imaging.touch import way_ahead
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.memory import GroundMemory
 
+Seen: TypeAlias = tuple[NDArray[np.float32], NDArray[np.float32]]
+"""Radiance [W/m2/sr] and distance [m], infinite for the sky, of each pixel, (rows, columns)."""
 BIN = 1.2
 """Bins of a panorama, in pixels [-]."""
 SLOPE, CONTRAST = 0.05, 0.04
@@ -71,34 +76,24 @@ class Scenery:
         self._soils = soils_of(field, place.brightness)
         self._grain = grain(SLOPE, CONTRAST, field.resolution)
         self._look = Look(place.albedo, 1.0 if place.airless else 0.0)
-        self._shadows = lru_cache(maxsize=2)(self._shadows_of)
+        self._shadows = lru_cache(maxsize=4)(self._shadows_of)
 
-    def see(
-        self, eye: Optics, moment: Moment, turn: FloatArray, place: FloatArray
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Radiance [W/m2/sr] and distance [m], infinite for the sky, of each pixel, (rows, columns).
+    def see(self, eye: Optics, moment: Moment, turn: FloatArray, places: Sequence[FloatArray]) -> list[Seen]:
+        """What cameras that are turned alike see of a moment, all at once.
 
         Args:
-            turn: from the optical frame into map, (3, 3). place: of the camera in map, (3,) [m].
+            turn: from the optical frame into map, (3, 3). places: of the cameras in map, each (3,) [m].
         """
-        ground = self._now(moment.memory)
         rises = eye.rays @ turn[2].astype(np.float32)
-        around = panorama(BIN * eye.pixel, float(rises.min()), float(rises.max()))
-        scene = Scene(
-            ground,
-            self._soils,
-            self._look,
-            self._grain,
-            moment.light,
-            self._shadows(*(float(number) for number in moment.sun)),
-            moment.body,
-        )
-        at = np.array(place, dtype=np.float64)
-        fall = 0.5 / self._place.radius
-        found: tuple[NDArray[np.float32], NDArray[np.float32]] = render(
-            scene, PlacedLens(eye.rays, np.ascontiguousarray(turn), eye.pixel), Eye(at, FARTHEST, fall), around
-        )
-        return found
+        lowest, highest = float(rises.min()), float(rises.max())
+        view = PlacedLens(eye.rays, np.ascontiguousarray(turn), eye.pixel)
+
+        def looking_from(number: int) -> Callable[[], Seen]:
+            at = Eye(np.array(places[number], dtype=np.float64), FARTHEST, 0.5 / self._place.radius)
+            around, scene = panorama(BIN * eye.pixel, lowest, highest), self._scene(moment, number)
+            return lambda: render(scene, view, at, around)
+
+        return at_once([looking_from(number) for number in range(len(places))])
 
     def sound(
         self, beams: Beams, memory: GroundMemory, body: Shapes, turn: FloatArray, place: FloatArray
@@ -126,12 +121,25 @@ class Scenery:
         """Shortest way to the ground [m], as `touch.way_ahead`."""
         return float(way_ahead(self._now(memory), np.ascontiguousarray(places), np.array(ahead), farthest))
 
+    def _scene(self, moment: Moment, number: int) -> Scene:
+        """Of a moment, for one of the cameras that look at once."""
+        return Scene(
+            self._now(moment.memory),
+            self._soils,
+            self._look,
+            self._grain,
+            moment.light,
+            self._shadows(number, *(float(part) for part in moment.sun)),
+            moment.body,
+        )
+
     def _now(self, memory: GroundMemory) -> DrawnGround:
         if self._last[0] is not memory:
             self._last = memory, with_changes(self._ground, memory)
         return self._last[1]
 
-    def _shadows_of(self, x: float, y: float, z: float, disc: float) -> CastShadows:
+    def _shadows_of(self, number: int, x: float, y: float, z: float, disc: float) -> CastShadows:
+        """Each of the cameras that look at once fills in its own, so that none reads what another has half written."""
         bounds = self._ground.bounds
         middle = 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3])
         return shadows(self._ground, np.array([x, y, z, disc]), *middle)

@@ -129,14 +129,12 @@ class Camera(SeeingSensor[CameraSensorParams, tuple[NDArray[Any], ...]]):
         here = self.outlook(truth)
         turn, place = here.turn @ LINK_TO_OPTICAL, here.place
         moment = self.site.scene.moment(truth.stamp, place, ground, here.body)
-        shots: list[Shot] = []
-        time = 0.0
-        for name, right in aside.items():
-            radiance, distance = self.site.scene.scenery.see(self.optics, moment, turn, place + right * turn[:, 0])
-            time = time or exposure_for(self.optics, radiance)
-            noise = pixel_noise(self.site.seed, name, truth.stamp)
-            shots.append(Shot(expose(self.optics, radiance, time, noise), distance))
-        return shots
+        seen = self.site.scene.scenery.see(self.optics, moment, turn, [place + x * turn[:, 0] for x in aside.values()])
+        time = exposure_for(self.optics, seen[0][0])
+        return [
+            Shot(expose(self.optics, radiance, time, pixel_noise(self.site.seed, name, truth.stamp)), distance)
+            for name, (radiance, distance) in zip(aside, seen, strict=True)
+        ]
 
     def messages(self, stamp: int, reading: tuple[NDArray[Any], ...] | None) -> Iterator[tuple[str, Any]]:
         image, info = self.rows

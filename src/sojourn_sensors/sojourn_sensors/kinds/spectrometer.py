@@ -83,7 +83,7 @@ class Spectrometer(SeeingSensor[SpectrometerSensorParams, Named]):
         """Radiance of the spot [W/m2/sr]."""
         scene = self.site.scene
         moment = scene.moment(truth.stamp, here.place, ground, here.body)
-        radiance, _ = scene.scenery.see(self._eye, moment, here.turn @ LINK_TO_OPTICAL, here.place)
+        ((radiance, _),) = scene.scenery.see(self._eye, moment, here.turn @ LINK_TO_OPTICAL, [here.place])
         return float(radiance[0, 0])
 
     def messages(self, stamp: int, reading: Named | None) -> Iterator[tuple[str, Any]]:
