@@ -31,7 +31,7 @@ def test_a_key_that_kinds_share_has_the_bounds_of_the_kind_that_is_told(kind: st
 
 def test_an_unknown_key_is_answered_with_the_keys_of_its_own_kind() -> None:
     said = told("machine=explorer_cameras", "sensors.navcam.range=5")
-    assert said.endswith("allowed is one of detector, faults, kind, lens, link, stereo, timing")
+    assert said.endswith("allowed is one of detector, faults, kind, lens, link, on_demand, stereo, timing")
 
 
 def test_the_kind_that_is_told_counts_before_that_of_the_name() -> None:

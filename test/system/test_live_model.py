@@ -26,6 +26,8 @@ SET = {
     "duration_limit_s": "3600",
     "steps": "[{wait_s: 3600.0}]",
     "sensors.navcam.lens": "{columns: 32, rows: 24, horizontal_view_deg: 45.0}",
+    "sensors.navcam.on_demand": "true",
+    "drive.visual_odometry": "null",
     "sensors.front": "null",
     "sensors.rear": "null",
     "sensors.belly": "null",

@@ -101,7 +101,7 @@ class ReplayHarness:
         """Never spun: its subscriptions are only counted by the candidate."""
         self._executor.add_node(self._node)
         self._senders = {row.name: self._sender(row) for row in self.script.inputs}
-        self._outputs = self.script.table.outputs_of(self.script.role)
+        self._outputs = [row for row in self.script.table.outputs_of(self.script.role) if not row.on_demand]
         for row in self._outputs:
             self._listen(row)
         return self

@@ -199,6 +199,7 @@ def _check_topics(
     for row in outputs:
         if (
             not row.is_event
+            and not row.on_demand
             and row.name not in recorded
             and due_by(replace(row, lag=0), (periods - 1) * CONTROL_PERIOD_NS)
         ):

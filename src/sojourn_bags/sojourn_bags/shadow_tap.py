@@ -90,6 +90,8 @@ class Tap:
         for row in self.inputs:
             self._listen(node, row, self._hear)
         for row in table.outputs_of(role):
+            if row.on_demand:
+                continue  # nothing to compare, and to listen would be the demand
             if row.name != HEARTBEATS:
                 self.ours[row.name] = Messages(row.name, full_type(row.type))
                 self._listen(node, row, self._hear_ours)

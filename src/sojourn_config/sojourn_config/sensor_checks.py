@@ -38,11 +38,12 @@ def sensor_problems(sets: MachineSets) -> Iterator[Problem]:
     yield from _supply_problems(sensors, sets.joined.power, document)
     yield from _rate_problems(sensors, document)
     yield from _pair_problems(sets)
+    yield from _demand_problems(sets)
 
 
 def _rate_problems(sensors: SensorSuiteParams, document: YamlDocument) -> Iterator[Problem]:
     """A bag takes what all sensors say."""
-    rates = {name: params.bytes_a_second for name, params in sensors.named.items()}
+    rates = {name: params.bytes_a_second for name, params in sensors.named.items() if not params.on_demand}
     total = sum(rates.values())
     if total > MOST_BYTES_A_SECOND:
         largest = max(rates, key=lambda name: rates[name])
@@ -60,6 +61,18 @@ def _pair_problems(sets: MachineSets) -> Iterator[Problem]:
     if visual.camera not in pairs:
         allowed = "is no stereo pair of sensors.yaml: " + (names_text(visual.camera, pairs) or "it has none")
         yield sets.documents["flight"].problem(("drive", "visual_odometry", "camera"), visual.camera, allowed)
+
+
+def _demand_problems(sets: MachineSets) -> Iterator[Problem]:
+    """What a role acts on is there whoever else listens, and in the bag: without it nobody could replay the role."""
+    visual = None if sets.drive is None else sets.drive.visual_odometry
+    for name, params in sets.joined.sensors.named.items():
+        hearers = [role for row in params.own_rows for role in row.subscribers]
+        if visual is not None and visual.camera == name:
+            hearers.append("drive")
+        if params.on_demand and hearers:
+            told = f"is not possible: the role {hearers[0]} acts on what {name} says"
+            yield sets.documents["sensors"].problem((name, "on_demand"), "true", told)
 
 
 def _link_problems(sensors: SensorSuiteParams, urdf: UrdfSummary, document: YamlDocument) -> Iterator[Problem]:

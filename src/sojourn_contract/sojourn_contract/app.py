@@ -5,7 +5,7 @@ that a run can be saved, restored and branched; a node is the shell that gives i
 `app_node`).
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, Self, TypeAlias, TypeVar
 
@@ -33,6 +33,8 @@ class Period:
     """(topic, message) that take effect now."""
     last_refusal: str = ""
     """Why the last message was refused that was, in words."""
+    wanted: Collection[str] = frozenset()
+    """Topics on demand to which somebody outside of the run listens."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -131,7 +131,7 @@ class AppNode(ContractNode):
         if self._starts_again:
             self._starts_again = False
             self.state = self.app.started_again(self.state, stamp, self._read_kept())
-        period = Period(stamp, inputs, goals, self.counters.last_refusal)
+        period = Period(stamp, inputs, goals, self.counters.last_refusal, self.endpoints.wanted)
         self.state, answer = self.app.step(self.state, period)
         for topic, refusal in answer.refusals:
             self.refuse(topic, refusal)

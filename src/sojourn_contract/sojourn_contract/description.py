@@ -142,7 +142,13 @@ def _topic(row: Topic) -> dict[str, Any]:
         "joints": row.joints,
         "meaning": row.meaning,
         "fields": [_field(rule) for rule in row.fields],
-    } | ({} if row.delivery is None else {"delivery": _told(row.delivery)})
+    } | _if_any(row)
+
+
+def _if_any(row: Topic) -> dict[str, Any]:
+    """What most rows do not have, so that they stay as they were."""
+    told = {} if row.delivery is None else {"delivery": _told(row.delivery)}
+    return told | ({"on_demand": True} if row.on_demand else {})
 
 
 def _qos(row: Topic, lockstep: bool) -> str:

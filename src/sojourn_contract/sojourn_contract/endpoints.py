@@ -27,6 +27,7 @@ class Endpoints:
     Attributes:
         inputs: rows to subscribe: in lock-step what is awaited, in real time whoever may publish it; goals always.
         outputs: rows that the node publishes, by topic. senders, readers: of the ROS library, by topic.
+        wanted: topics on demand to which somebody listens.
         bundles: what goes to and comes from companions, nodes of the same run in other processes.
     """
 
@@ -42,9 +43,11 @@ class Endpoints:
         self.senders = {name: self._sender(row) for name, row in self.outputs.items()}
         self.bundles = Bundles(node, self.outputs.values(), take)
         self.readers = {row.name: self._reader(row, take) for row in self.inputs if not self.bundles.brings(row)}
+        self.wanted: Collection[str] = frozenset()
         self._neighbours: Neighbours | None = None
         self._near: Collection[str] = ()
         self._unheard: Collection[str] = ()
+        self._on_demand = [name for name, row in self.outputs.items() if row.on_demand]
 
     def join(self, neighbours: Neighbours, roles: Collection[str]) -> list[str]:
         """Hear what nodes of these roles say from them, not over the middleware. Returns those topics."""
@@ -55,7 +58,10 @@ class Endpoints:
         return direct
 
     def look(self) -> None:
-        """See which topics nobody hears but neighbours and companions, who hear them otherwise; those are not sent."""
+        """See which topics nobody hears but neighbours and companions, who hear them otherwise; those are not sent.
+        And of those on demand which somebody hears.
+        """
+        self.wanted = frozenset(name for name in self._on_demand if self.senders[name].get_subscription_count())
         if self._neighbours is not None or self.bundles.listeners:
             self._unheard = {
                 name

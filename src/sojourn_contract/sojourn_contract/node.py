@@ -166,8 +166,9 @@ class ContractNode(Node):
         return topic in self.endpoints.outputs
 
     def publish(self, topic: str, message: Message) -> None:
-        """Publish on a topic of the role and count it."""
-        self.counters.count_published(topic)
+        """Publish on a topic of the role and count it, unless it is on demand."""
+        if not self.endpoints.outputs[topic].on_demand:
+            self.counters.count_published(topic)
         self.endpoints.send(topic, message)
 
     # What the loop around the node calls
@@ -214,8 +215,6 @@ class ContractNode(Node):
     def unmatched(self) -> list[str]:
         """Endpoints of other participants that are not connected yet, in words."""
         return self.endpoints.unmatched()
-
-    # Inside
 
     def _waits_for(self) -> tuple[str, str]:
         """Role and topic that this node waits for in lock-step; empty where it waits for nobody."""

@@ -48,6 +48,8 @@ def table_of(scenario: KnownMachine) -> TopicTable:
     brought = heard_by_drive(scenario, [row for name, row in rows.items() if name not in STANDARD])
     table = STANDARD.joined_with(brought).for_things(things_of(scenario)).heard_by(TICK, scenario.fault_roles)
     table = table.delivered(_delivered(scenario, table))
+    asked = [name for name, params in sensors if params.on_demand]
+    table = table.on_demand({row.name for name in asked for row in rows_of_sensor(scenario, table, name)})
     check_disturbances(scenario.disturbances, table)
     if not isinstance(scenario, LoadedScenario | FlightScenario):
         return table

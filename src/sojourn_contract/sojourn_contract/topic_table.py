@@ -108,6 +108,12 @@ class TopicTable:
         others[CLOCK] = replace(clock, subscribers=tuple(role for role in ROLES if role in listeners))
         return TopicTable(others.get(row.name, row) for row in self.rows)
 
+    def on_demand(self, names: Collection[str]) -> "TopicTable":
+        """The table in which the rows of these names are said only while somebody outside of the run listens."""
+        if not names:
+            return self
+        return TopicTable(replace(row, logged=False, on_demand=True) if row.name in names else row for row in self.rows)
+
     def joined_with(self, rows: Iterable[Topic]) -> "TopicTable":
         """The table with further rows: of a further thing behind that of the thing before it, others behind the last
         one of their publisher. Raises TopicNameError.

@@ -93,6 +93,7 @@ class Topic:
         needs_listener: whether a run waits at its start until its subscribers hear it. Said by hand alone, so that a
             node that does nothing with it may leave it out, where not.
         delivery: when its messages are there, None where they come with their stamp.
+        on_demand: said only while somebody outside of the run listens, so neither logged nor counted; no role hears it.
     """
 
     name: str
@@ -115,6 +116,7 @@ class Topic:
     all_named: bool = False
     needs_listener: bool = True
     delivery: Delivery | None = None
+    on_demand: bool = False
 
     def is_in(self, participants: Collection[str]) -> bool:
         """Whether a run of these roles has the topic."""

@@ -16,7 +16,7 @@ from sojourn_machine.sensor_timing import SensorTimingParams
 SENSORS: "Registry[type[SensorParams]]" = Registry("sojourn.sensors", "kind of sensor")
 """Parameter sets of the kinds of sensors, by their names."""
 
-ASIDE = ("timing", "faults")
+ASIDE = ("timing", "faults", "on_demand")
 """Keys that every kind has beside its own; a table without them has none."""
 
 
@@ -42,6 +42,10 @@ class SensorParams(Params):
     timing: SensorTimingParams | None = Field(default=None, description="when it measures and when it is heard")
     faults: dict[str, SensorFaultParams] = Field(
         default_factory=dict, description="what is wrong with it, by any names"
+    )
+    on_demand: bool = Field(
+        default=False,
+        description="whether it measures only while somebody outside of the run listens, and is not in the bag",
     )
     speaks_on: ClassVar[tuple[Any, ...]] = ()
     """Rows of the topic table on which the first sensor speaks that has them; a further one has its name behind."""

@@ -1,6 +1,6 @@
 """The sensors without ROS: truth in, measurements out, from the sensors that the machine's file names."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -41,6 +41,8 @@ class SensorsState:
     """What is wrong with the readings of sensors, by the names of those that have faults."""
     waiting: Mapping[str, Sequence[LateReading]] = field(default_factory=dict)
     """Readings that are told later, by the names of the sensors that have a timing of their own."""
+    off: frozenset[str] = frozenset()
+    """Sensors on demand to which nobody listens: they neither measure nor speak."""
     measured_at: int = 0
     """Stamp of the last truth that could be used [ns]; zero where it is not known."""
 
@@ -58,6 +60,7 @@ class SensorsApp(App[SensorsState]):
             params.sensor(name, site) for name, params in self.params.sensors.items()
         )
         self._timings = [timing_of(sensor.rows, sensor.every) for sensor in self.sensors]
+        self._on_demand = [sensor for sensor in self.sensors if sensor.params.on_demand]
         self._is_timed = any(timing is not None for timing in self._timings)
         """Whether anything is told later than it is measured."""
         self._faults = SensorFaults(self.sensors, self._at_rest)
@@ -75,7 +78,8 @@ class SensorsApp(App[SensorsState]):
 
     def initial_state(self) -> SensorsState:
         """Before the first truth."""
-        return SensorsState(faulty=self._faults.initial_state())
+        off = frozenset(sensor.name for sensor in self._on_demand)
+        return SensorsState(faulty=self._faults.initial_state(), off=off)
 
     def check(self, row: Topic, message: Any) -> None:
         """Refuse faults that no sensor can have."""
@@ -99,13 +103,20 @@ class SensorsApp(App[SensorsState]):
         loads = period.inputs.get(LOADS)
         if loads is not None:
             state = replace(state, dead=without_power(self.params.powered_by, state.dead, loads))
+        if self._on_demand:
+            state = replace(state, off=self._unheard(period.wanted))
         state, refusals = self._measure(state, period)
         if state.sensors is None:  # nothing has been measured yet
             return state, Answer(refusals=refusals) if refusals else NOTHING
+        awake = [both for both in zip(self.sensors, state.readings, strict=True) if both[0].name not in state.off]
         late: Mapping[str, Sequence[LateReading]] = {}
         if self._is_timed:
             state, late = self._told(state, period.stamp // stamps.CONTROL_PERIOD_NS)
-        return state, Answer(self._messages(state.readings, late, period), refusals)
+        return state, Answer(self._messages(awake, late, period), refusals)
+
+    def _unheard(self, wanted: Collection[str]) -> frozenset[str]:
+        """Sensors on demand none of whose topics is wanted."""
+        return frozenset(one.name for one in self._on_demand if not any(row.name in wanted for row in one.rows))
 
     def _measure(self, state: SensorsState, period: Period) -> tuple[SensorsState, list[tuple[str, Exception]]]:
         """What the sensors say of a period; where its truth cannot be used what they said last, if anything."""
@@ -122,15 +133,18 @@ class SensorsApp(App[SensorsState]):
             else:
                 after, readings = list(state.sensors), list(state.readings)
             for place, sensor in enumerate(self.sensors):
-                if self._measures(place, number):
+                if sensor.name in state.off and not sensor.params.heard_rows:
+                    after[place] = None  # it begins anew when somebody listens
+                elif sensor.name not in state.off and self._measures(place, number):
+                    before = sensor.initial_state(truth) if after[place] is None else after[place]
                     read = sensor.step_without_power if sensor.name in state.dead else sensor.step
-                    after[place], readings[place] = read(after[place], truth, dt)
+                    after[place], readings[place] = read(before, truth, dt)
                 elif sensor.params.heard_rows:
                     after[place] = sensor.hear(after[place], truth)
         except (MachineError, RefusedMessageError) as error:
             return state, [("/truth/joint_states", error)]
         faulty = self._fault(state, readings, stamp) if state.faulty else state.faulty
-        return SensorsState(tuple(after), tuple(readings), state.dead, faulty, state.waiting, stamp), []
+        return replace(state, sensors=tuple(after), readings=tuple(readings), faulty=faulty, measured_at=stamp), []
 
     def _measures(self, place: int, number: int) -> bool:
         """Whether a sensor measures in a control period."""
@@ -141,7 +155,7 @@ class SensorsApp(App[SensorsState]):
         """Put faults on the readings that are of this stamp [ns]; the state of the faults after it."""
         faulty, number = dict(state.faulty), stamp // stamps.CONTROL_PERIOD_NS
         for place, sensor in enumerate(self.sensors):
-            if sensor.name in faulty and self._measures(place, number):
+            if sensor.name in faulty and sensor.name not in state.off and self._measures(place, number):
                 hook = self._faults.hooks[sensor.name]
                 faulty[sensor.name], readings[place] = hook.step(faulty[sensor.name], readings[place], stamp)
         return faulty
@@ -151,17 +165,20 @@ class SensorsApp(App[SensorsState]):
         told: dict[str, Sequence[LateReading]] = {}
         rest: dict[str, Sequence[LateReading]] = {}
         for sensor, timing, reading in zip(self.sensors, self._timings, state.readings, strict=True):
-            if timing is not None:
+            if timing is not None and sensor.name not in state.off:
                 waiting = timing.with_reading(state.waiting.get(sensor.name, ()), number, reading)
                 told[sensor.name] = [one for one in waiting if one.leaves <= number]
                 rest[sensor.name] = tuple(one for one in waiting if one.leaves > number)
         return replace(state, waiting=rest), told
 
     def _messages(
-        self, readings: tuple[Any, ...], late: Mapping[str, Sequence[LateReading]], period: Period
+        self,
+        readings: Sequence[tuple[Sensor[Any, Any, Any], Any]],
+        late: Mapping[str, Sequence[LateReading]],
+        period: Period,
     ) -> Iterator[tuple[str, Any]]:
         number = period.stamp // stamps.CONTROL_PERIOD_NS
-        for sensor, reading in zip(self.sensors, readings, strict=True):
+        for sensor, reading in readings:
             if sensor.name in late:
                 for one in late[sensor.name]:
                     yield from _said(sensor, one.measured * stamps.CONTROL_PERIOD_NS, one.reading, one.topics)

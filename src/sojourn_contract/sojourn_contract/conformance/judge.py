@@ -146,7 +146,7 @@ class Judge:
             row
             for name, row in self._rows.items()
             if name in self._rules and name in self._stamps and not row.is_event and row.publisher in self._judged
-            if self._lockstep or row.logged  # the recorder paces nobody in real time
+            if (self._lockstep or row.logged) and not row.on_demand  # the recorder paces nobody in real time
         ]
         if self._lockstep:
             inputs = {role: awaited_inputs(role, self._participants, self._table) for role in self._participants}
@@ -200,7 +200,8 @@ class Judge:
     def _finish_heartbeats(self, begin: int, until: int) -> None:
         name = heartbeats.HEARTBEATS
         ordered = {topic: sorted(self._rows[topic].all_heard_at(found)) for topic, found in self._stamps.items()}
-        uncounted, leaps = () if self._lockstep else (CLOCK,), self._leaps()
+        uncounted = tuple(row.name for row in self._table if row.on_demand)
+        uncounted, leaps = uncounted if self._lockstep else (CLOCK, *uncounted), self._leaps()
         for role in self._judged:
             outputs = self._table.outputs_of(role)
             beats = sorted(self._beats[role], key=lambda beat: beat.stamp)
