@@ -24,6 +24,7 @@ from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_flight.planning.goal import Goal
+from sojourn_machine.errors import InvalidValueError
 from sojourn_operator.steps.drive_route import DriveRouteStep
 from sojourn_studies.closed_loop import ClosedLoop
 
@@ -80,7 +81,10 @@ def drive(name: str, overrides: Sequence[str], seed: int) -> SeedResult:
     """One seed."""
     nominal = load_scenario(name, overrides)
     scenario = load_scenario(name, [*overrides, f"seed={seed}", *soil_of(nominal, seed)])
-    loop, goal = ClosedLoop(scenario), route_of(nominal)
+    try:
+        loop, goal = ClosedLoop(scenario), route_of(nominal)
+    except InvalidValueError as error:
+        raise UsageError(f"scenario {name}, seed {seed}: {error}") from None
     for _ in range(round(STANDING_S / CONTROL_PERIOD_S)):
         loop.step()
     output, distance, before = loop.step(goal=goal), 0.0, loop.true_pose

@@ -17,6 +17,7 @@ from sojourn_machine.power.fuel_cell import FuelCellParams
 from sojourn_machine.power.heat_engine import HeatEngineParams
 from sojourn_machine.power.heat_engines import carnot, otto
 from sojourn_machine.power.network import PowerNetwork
+from sojourn_machine.power.photovoltaic_array import PhotovoltaicArrayParams
 from sojourn_machine.power.power_params import PowerParams
 from sojourn_machine.power.radioisotope_generator import SECONDS_PER_YEAR, RadioisotopeGeneratorParams
 from sojourn_machine.power.solar_concentrator import SolarConcentratorParams
@@ -161,3 +162,23 @@ def test_a_gas_turbine_that_its_compressor_would_stop_is_refused(hotter: float) 
     cycle = {"cycle": "brayton", "pressure_ratio": 30.0, "temperature_ratio": hotter, "machine_efficiency": 0.7}
     with pytest.raises(ValidationError, match=r"temperature.ratio"):
         HeatEngineParams.model_validate(ENGINE.model_dump() | {"engine": cycle})
+
+
+@settings(max_examples=25)
+@given(st.lists(st.sampled_from((0, 1)), min_size=60, max_size=130), st.floats(0.0, 200.0))
+def test_what_sources_offer_is_worked_out_anew_when_it_is_another(which: list[int], asked: float) -> None:
+    """What has been worked out of the same surroundings stands while the array's state waits for its second."""
+    made = PowerParams(
+        battery=BatteryParams(**BATTERY),
+        bus=bus(load("motor", 500.0)),
+        sources={"array": load_params("parts", "mer_array", PhotovoltaicArrayParams), "asrg": ASRG},
+    )
+    network, lights = PowerNetwork(made), (NOON, NOON._replace(direct=400.0))
+    state = network.initial_state(0.5)
+    for number in which:
+        state, _ = network.step(state, [1.0], [asked], 0.02, lights[number])
+        before = state
+        state, output = network.step(before, [1.0], [asked], 0.02, lights[number])
+        true = [one.point(each, lights[number]) for one, each in zip(network.sources, before.sources, strict=True)]
+        assert list(state.offers) == true
+        assert output.offered == sum(offer.power for offer in true)

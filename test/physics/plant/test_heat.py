@@ -5,12 +5,14 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from sojourn_config.expected_heat import site_heat
 from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
+from sojourn_physics.plant.light import light_for_power
 from sojourn_physics.plant.state import PlantState, zeros_command
 from sojourn_physics.plant.step import step
 from sojourn_physics.plant.supply_kernels import HEAT, SWITCHED, in_base, with_period
@@ -92,6 +94,7 @@ def test_a_plan_of_its_days_says_the_same(stood: tuple[LoadedScenario, Any, list
 
 
 @settings(max_examples=50, deadline=None)
+@example([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.2e-313, 0.0, 0.0], 1.0)
 @given(st.lists(st.floats(-5.0, 50.0), min_size=9, max_size=9), st.floats(0.0, 3.0))
 def test_of_what_moves_the_machine_only_the_heat_of_its_motors_stays(energy: list[float], heat: float) -> None:
     """Shared among the loads of motors by what they turned over; the others' power is heat as it is."""
@@ -116,6 +119,25 @@ def test_the_machine_sees_the_sun_as_its_base_is_turned(numbers: list[float]) ->
     to_sun, up = in_base(np.array([3.0, -2.0, 0.5, *turn, 0.7]), direction)
     assert to_sun == pytest.approx(base_in_map.T @ direction, abs=1e-12)
     assert up == pytest.approx(base_in_map.T @ [0.0, 0.0, 1.0], abs=1e-12)
+
+
+def test_the_light_on_the_machine_is_looked_for_ten_times_a_second() -> None:
+    """It turns with the machine: what an array sees is at most 0.1 s old, and no array is lit by what never was."""
+    scenario = load_scenario("mars_sol", ["machine=explorer_solar"])
+    model, state = build_plant(scenario)
+    command, seen = zeros_command(len(model.joints.names), len(model.loads)), [state]
+    for number in range(12):
+        tilted = state.configuration.copy()
+        tilted[3:7] = pin.Quaternion(pin.rpy.rpyToMatrix(0.0, 0.001 * number, 0.0)).coeffs()
+        before = replace(state, configuration=tilted)
+        state, _ = step(model, before, command)
+        seen.append(state)
+        if before.tick % 5 == 0:
+            light = light_for_power(model, state)
+            to_sun, _ = in_base(state.configuration, light.direction)
+            assert state.power.surroundings.to_sun == pytest.approx(to_sun, abs=1e-4)
+    news = [k for k in range(1, 13) if seen[k].power.surroundings is not seen[k - 1].power.surroundings]
+    assert news == [1, 6, 11]
 
 
 def test_a_driving_machine_is_warmed_by_less_than_it_draws() -> None:

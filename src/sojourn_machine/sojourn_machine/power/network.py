@@ -211,9 +211,7 @@ class PowerNetwork:
         commanded, fuses = switches, state.fuses
         if fuses is not None:
             switches = switches * ~fuses.blown
-        offers = state.sources and [
-            source.point(before, surroundings) for source, before in zip(self.sources, state.sources, strict=True)
-        ]
+        offers = self._offers(state, surroundings) if state.sources else ()
         points = self._solve(state, _Asked(switches, asked, offers, dt))
         output = self._output(points, sum([offer.power for offer in offers]))
         warmth = surroundings.round_stores or (surroundings.temperature,) * len(self.stores)
@@ -239,8 +237,21 @@ class PowerNetwork:
             served=output.served,
             energy=self._energy(state.energy, points, output, dt),
             fuses=self._fuses_after(fuses, commanded, output.load_current, dt),
+            surroundings=surroundings,
+            offers=offers,
         )
         return new, output
+
+    def _offers(self, state: NetworkState, surroundings: PowerSurroundings) -> tuple[SourcePoint, ...]:
+        """What the sources can give; what one has worked out of the same surroundings stands as long as it holds."""
+        if surroundings is not state.surroundings or not state.offers:
+            return tuple([one.point(each, surroundings) for one, each in zip(self.sources, state.sources, strict=True)])
+        return tuple(
+            [
+                offer if source.holds(before) else source.point(before, surroundings)
+                for source, before, offer in zip(self.sources, state.sources, state.offers, strict=True)
+            ]
+        )
 
     def _fuses_after(
         self, before: FuseState | None, commanded: FloatArray, currents: FloatArray, dt: float

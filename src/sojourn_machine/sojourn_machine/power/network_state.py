@@ -6,7 +6,9 @@ from typing import Any, NamedTuple
 from sojourn_machine.params import FloatArray
 from sojourn_machine.power.fuses import FuseState
 from sojourn_machine.power.loads import BusState
+from sojourn_machine.power.sources import SourcePoint
 from sojourn_machine.power.stores import StoreState
+from sojourn_machine.power.surroundings import DARK, PowerSurroundings
 
 
 class NetworkEnergy(NamedTuple):
@@ -39,6 +41,10 @@ class NetworkState:
     energy: NetworkEnergy = NO_ENERGY
     fuses: FuseState | None = None
     """Of a network whose loads have some."""
+    surroundings: PowerSurroundings = DARK
+    """In the last period."""
+    offers: tuple[SourcePoint, ...] = ()
+    """Of the sources in the last period."""
 
 
 class NetworkOutput(NamedTuple):

@@ -242,6 +242,10 @@ class PhotovoltaicArrayParams(SourceParams):
         power = most_power_in_light(self._sheet, state.temperature, past, *lit)
         return SourcePoint(self.tracking_efficiency * self.strings * power)
 
+    def holds(self, state: ArrayState) -> bool:
+        """While its temperature, dust and age wait for their next step."""
+        return state.waited > 0.0
+
     def step(self, state: ArrayState, power: float, dt: float, surroundings: PowerSurroundings = DARK) -> ArrayState:
         """Warmer or colder, dustier and older by `dt` [s], having given `power` [W]."""
         require_step(power, dt)

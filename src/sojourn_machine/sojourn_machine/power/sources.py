@@ -54,6 +54,10 @@ class SourceParams(Params):
         """The source as its bus sees it for the next control period."""
         raise NotImplementedError
 
+    def holds(self, state: Any) -> bool:
+        """Whether its point is still that of the period before, where its surroundings are the same."""
+        return False
+
     def step(self, state: Any, power: float, dt: float, surroundings: PowerSurroundings = DARK) -> Any:
         """The state after it has given `power` [W] for `dt` [s].
 

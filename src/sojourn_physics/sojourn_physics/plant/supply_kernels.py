@@ -56,8 +56,10 @@ def with_period(
     after, turned = sums.copy(), 0.0
     for i in range(moves.size):
         turned += abs(moved[i]) if moves[i] else 0.0
-    share = heat / turned if turned > 0.0 else 0.0
     for i in range(moves.size):
-        after[HEAT, i] += share * abs(moved[i]) if moves[i] else power[i] * periods * period
+        if not moves[i]:
+            after[HEAT, i] += power[i] * periods * period
+        elif turned > 0.0:
+            after[HEAT, i] += heat * (abs(moved[i]) / turned)  # heat over next to nothing would be infinite
         after[SWITCHED, i] += periods * fractions[i]
     return after
