@@ -17,20 +17,15 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from sojourn_bags.recorded_run import RecordedRun
 from sojourn_config.collector import settle_collector
 from sojourn_config.paths import config_folder
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, CONTROL_PERIOD_S
-from sojourn_contract.topics import ROLES
 from sojourn_contract.values import JointState, Odometry
-from sojourn_operator.scenario_steps import absent_roles
 from sojourn_plant.start import build_plant
 from sojourn_sensors.sensor import SensorSite, Truth
-from sojourn_stack.apps import make_apps
-from sojourn_stack.recorder import DirectRecorder
-from sojourn_stack.stack import Stack
+from sojourn_studies.timed_loop import TURN, TimedLoop
 
 MACHINE = "explorer_cameras"
 LEVEL, RELIEF = "flat_drive", "lunar_sample"
@@ -46,8 +41,6 @@ MAST = {
 ODOMETRY = {"visual_odometry": {"extends": "visual_odometry", "camera": "navcam"}}
 STANDING = ("steps=[]", "duration_limit_s=3000.0")
 WARM_READINGS, WARM_TURNS = 3, 3
-TURN = round(1.0 / CONTROL_PERIOD_S)
-"""Periods of a turn: one pair."""
 PAIR_MS, SCAN_MS = "stereo pair 640 x 480 with depth, {} [ms]", "lidar of 30 080 beams, {} [ms]"
 KEPT = "loop with a pair a second keeps, {} [%]"
 TARGETS = {
@@ -126,42 +119,15 @@ def compare(machines: Sequence[Path], scenario: str, overrides: Sequence[str], t
     """Seconds of wall time that a second of simulated time takes on each machine, in turns: the median."""
     with tempfile.TemporaryDirectory(prefix="sojourn-bench-") as folder:
         loops = [
-            _SeeingLoop(scenario, (f"machine={machine}", *overrides), Path(folder) / machine.name)
+            TimedLoop(scenario, (f"machine={machine}", *overrides), time.perf_counter, Path(folder) / machine.name)
             for machine in machines
         ]
         taken: list[list[float]] = [[] for _ in loops]
         for number in range(WARM_TURNS + turns):
             for place in sorted(range(len(loops)), reverse=bool(number % 2)):
-                seconds = loops[place].turn()
+                seconds, _ = loops[place].turn()
                 if number >= WARM_TURNS:
                     taken[place].append(seconds)
         for loop in loops:
             loop.end()
     return [statistics.median(times) for times in taken]
-
-
-class _SeeingLoop:
-    """The whole loop of a scenario with its recorder, and where it has come to."""
-
-    def __init__(self, name: str, overrides: tuple[str, ...], bag: Path) -> None:
-        scenario = load_scenario(name, overrides)
-        roles = tuple(role for role in (*ROLES, "recorder") if role not in absent_roles(scenario))
-        apps = make_apps(scenario, roles)
-        for app in apps.values():
-            app.warm_up()
-        self._stack = Stack(apps, roles, table_of(scenario))
-        self._state, said = self._stack.begin()
-        self._recorder = DirectRecorder(bag, RecordedRun(name, overrides, roles, loaded=scenario))
-        self._recorder.take(said)
-
-    def turn(self) -> float:
-        """Another second; what it took [s]."""
-        begin = time.perf_counter()
-        for _ in range(TURN):
-            self._state, said = self._stack.step(self._state)
-            self._recorder.take(said)
-        return time.perf_counter() - begin
-
-    def end(self) -> None:
-        self._recorder.take(self._stack.farewells(self._state))
-        self._recorder.finish()

@@ -18,13 +18,8 @@ import yaml
 
 from sojourn_config.collector import settle_collector
 from sojourn_config.paths import config_folder
-from sojourn_config.scenario import load_scenario
-from sojourn_contract.run_table import table_of
-from sojourn_contract.stamps import CONTROL_PERIOD_S
-from sojourn_contract.topics import ROLES, topic
-from sojourn_operator.scenario_steps import absent_roles
-from sojourn_stack.apps import make_apps
-from sojourn_stack.stack import Stack, StackState
+from sojourn_contract.topics import topic
+from sojourn_studies.timed_loop import TURN, TimedLoop
 
 SCENARIO, PLAIN = "mars_sol", "explorer"
 LONG_DRIVE = (
@@ -33,8 +28,6 @@ LONG_DRIVE = (
     "duration_limit_s=3000.0",
 )
 """In place of the five metres of the scenario."""
-TURN = round(1.0 / CONTROL_PERIOD_S)
-"""Periods of a turn: one step of the thermal network."""
 WARM_TURNS = 3
 FORECAST = "/power/forecast"
 EACH_MINUTE = topic(FORECAST).every // TURN
@@ -121,37 +114,18 @@ def bench_network(turns: int) -> dict[str, float]:
     """
     with tempfile.TemporaryDirectory(prefix="sojourn-bench-") as folder:
         machines = {"plain": PLAIN, "rich": str(write_rich_machine(Path(folder)))}
-        loops = {name: _Loop(machine) for name, machine in machines.items()}
+        loops = {
+            name: TimedLoop(SCENARIO, (f"machine={machine}", *LONG_DRIVE), time.process_time)
+            for name, machine in machines.items()
+        }
     settle_collector()
     taken = {name: list[TimedTurn]() for name in loops}
     for number in range(WARM_TURNS + turns):
         for name in sorted(loops, reverse=bool(number % 2)):
-            turn = loops[name].turn()
+            turn = TimedTurn(*loops[name].turn(FORECAST))
             if number >= WARM_TURNS:
                 taken[name].append(turn)
     return figures(taken["plain"], taken["rich"])
-
-
-class _Loop:
-    """The whole loop on a machine, and where it has come to."""
-
-    def __init__(self, machine: str) -> None:
-        scenario = load_scenario(SCENARIO, [f"machine={machine}", *LONG_DRIVE])
-        absent = (*absent_roles(scenario), "recorder")
-        roles = tuple(role for role in ROLES if role not in absent)
-        apps = make_apps(scenario, roles)
-        for app in apps.values():
-            app.warm_up()
-        self._stack = Stack(apps, roles, table_of(scenario))
-        self._state: StackState = self._stack.begin()[0]
-
-    def turn(self) -> TimedTurn:
-        """Another second."""
-        looked, begin = False, time.process_time()
-        for _ in range(TURN):
-            self._state, said = self._stack.step(self._state)
-            looked = looked or any(row.name == FORECAST for row, _ in said)
-        return TimedTurn(time.process_time() - begin, looked)
 
 
 def figures(plain: Sequence[TimedTurn], rich: Sequence[TimedTurn]) -> dict[str, float]:

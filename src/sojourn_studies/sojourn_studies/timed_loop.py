@@ -1,0 +1,58 @@
+"""The whole loop of a scenario, all roles in one process, second by second: for benches that set one beside another."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from sojourn_bags.recorded_run import RecordedRun
+from sojourn_config.scenario import load_scenario
+from sojourn_contract.run_table import table_of
+from sojourn_contract.stamps import CONTROL_PERIOD_S
+from sojourn_contract.topics import ROLES
+from sojourn_operator.scenario_steps import absent_roles
+from sojourn_stack.apps import make_apps
+from sojourn_stack.recorder import DirectRecorder
+from sojourn_stack.stack import Stack
+
+TURN = round(1.0 / CONTROL_PERIOD_S)
+"""Periods of a turn, a second of simulated time."""
+
+
+class TimedLoop:
+    """A run and where it has come to.
+
+    Args:
+        name, overrides: of the scenario. clock: what counts, as `time.process_time` [s].
+        bag: folder that a recorder writes; None: the run has no recorder.
+    """
+
+    def __init__(
+        self, name: str, overrides: Sequence[str], clock: Callable[[], float], bag: Path | None = None
+    ) -> None:
+        scenario = load_scenario(name, overrides)
+        absent = (*absent_roles(scenario), "recorder") if bag is None else absent_roles(scenario)
+        roles = tuple(role for role in ROLES if role not in absent)
+        apps = make_apps(scenario, roles)
+        for app in apps.values():
+            app.warm_up()
+        self._clock, self._recorder = clock, None
+        self._stack = Stack(apps, roles, table_of(scenario))
+        self._state, said = self._stack.begin()
+        if bag is not None:
+            self._recorder = DirectRecorder(bag, RecordedRun(name, tuple(overrides), roles, loaded=scenario))
+            self._recorder.take(said)
+
+    def turn(self, awaited: str = "") -> tuple[float, bool]:
+        """Another second: what it took [s], and whether something was said in it on an awaited topic."""
+        heard, begin = False, self._clock()
+        for _ in range(TURN):
+            self._state, said = self._stack.step(self._state)
+            if self._recorder is not None:
+                self._recorder.take(said)
+            heard = heard or any(row.name == awaited for row, _ in said)
+        return self._clock() - begin, heard
+
+    def end(self) -> None:
+        """Close the bag."""
+        if self._recorder is not None:
+            self._recorder.take(self._stack.farewells(self._state))
+            self._recorder.finish()
