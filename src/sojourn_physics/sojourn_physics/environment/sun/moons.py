@@ -4,8 +4,11 @@ All but their tables' few are turned with their prime meridian to the planet, so
 and longitude 0 at all times, but for what its orbit's eccentricity e lets it swing (2 e: 3.3 deg on Titan and Iapetus,
 1 deg on Europa and Callisto, 1.7 deg on Phobos). The Moon's own motion is `lunar_orbit`.
 
-Sources: orientation: Archinal et al. (2018), table 2; distances: JPL Solar System Dynamics, "Planetary Satellite Mean
-Elements". Radii of planets: Archinal et al. (2018), table 4 (mean).
+Phobos comes nearer to Mars: its longitude gains 12.7 deg T^2 (T centuries since J2000), 0.8 deg in 25 years; that the
+angle M5 of its swing does so too is left out (0.06 deg in 2050).
+
+Sources: orientation: Archinal et al. (2018), table 2, of Phobos with its erratum of 2019; distances: JPL Solar System
+Dynamics, "Planetary Satellite Mean Elements". Radii of planets: Archinal et al. (2018), table 4 (mean).
 """
 
 from typing import NamedTuple
@@ -77,7 +80,9 @@ _J6, _J7, _J8 = _of_century(229.80, 64.3), _of_century(352.25, 2382.6), _of_cent
 _S3, _S5, _S6 = _of_century(177.40, -36505.5), _of_century(316.45, 506.2), _of_century(345.20, -1016.3)
 _U11, _U12, _U13 = _of_century(102.23, -2024.22), _of_century(316.41, 2863.96), _of_century(304.01, -51.94)
 _U14, _U15, _U16 = _of_century(308.71, -93.17), _of_century(340.82, -75.32), _of_century(259.14, -504.81)
-_M1, _M2 = (169.51, -0.4357640), (192.93, 1128.4096700)
+_M1, _M2 = _of_century(190.72646643, 15917.10818695), _of_century(21.46892470, 31834.27934054)
+_M3, _M4 = _of_century(332.86082793, 19139.89694742), _of_century(394.93256437, 38280.79631835)
+_M5 = _of_century(189.63271560, 41215158.18420050)
 
 
 def _twice(angle: tuple[float, float], times: int = 2) -> tuple[float, float]:
@@ -96,9 +101,25 @@ MOONS = {
         "mars",
         9.376e6,
         BodyAxes(
-            Angle(317.68, -0.108 / CENTURY, ((1.79, _M1),)),
-            Angle(52.90, -0.061 / CENTURY, ((-1.08, _M1),)),
-            Angle(35.06, 1128.8445850, ((-1.42, _M1), (-0.78, _M2))),
+            Angle(
+                317.67071657,
+                -0.10844326 / CENTURY,
+                ((-1.78428399, _M1), (0.02212824, _M2), (-0.01028251, _M3), (-0.00475595, _M4)),
+            ),
+            Angle(
+                52.88627266,
+                -0.06134706 / CENTURY,
+                ((-1.07516537, _M1), (0.00668626, _M2), (-0.00648740, _M3), (0.00281576, _M4)),
+            ),
+            Angle(
+                35.18774440,
+                1128.84475928,
+                (
+                    *((1.42421769, _M1), (-0.02273783, _M2), (0.00410711, _M3), (0.00631964, _M4)),
+                    (-1.143, _M5),
+                ),
+                12.72192797 / CENTURY**2,
+            ),
         ),
     ),
     "io": Moon(

@@ -1,10 +1,12 @@
 """How a body is turned in space: its pole and its prime meridian as functions of time.
 
-    alpha = alpha_0 + alpha_1 d + sum A sin theta_i,  delta likewise with cosines,  W = W_0 + W_1 d + sum A sin theta_i
+    alpha = alpha_0 + alpha_1 d + sum A sin theta_i,  delta likewise with cosines
+    W = W_0 + W_1 d + W_2 d^2 + sum A sin theta_i
 
 alpha and delta are right ascension and declination of the pole about which east is counted (the IAU's north pole of
 planets and their moons, the pole of right-handed rotation of small bodies); W goes eastward from the ascending node of
-the body's equator on that of J2000 to its prime meridian; theta_i = theta_0 + theta_1 d; d days of TT since J2000.
+the body's equator on that of J2000 to its prime meridian; theta_i = theta_0 + theta_1 d; d days of TT since J2000. W_2
+is that of moons which tides bring nearer to their planet or farther from it.
 
 Source: Archinal et al. (2018), "Report of the IAU Working Group on Cartographic Coordinates and Rotational Elements:
 2015", Celest. Mech. Dyn. Astr. 130:22.
@@ -27,6 +29,8 @@ class Angle(NamedTuple):
     per_day: float = 0.0
     """[deg/d]"""
     harmonics: Harmonics = ()
+    per_day_squared: float = 0.0
+    """[deg/d2]"""
 
 
 class BodyAxes(NamedTuple):
@@ -40,7 +44,7 @@ class BodyAxes(NamedTuple):
 
 def _at(angle: Angle, days: float, quarter: float = 0.0) -> float:
     """Value [rad]; harmonics are sines of their angles advanced by `quarter` [deg]."""
-    total = angle.at_epoch + angle.per_day * days
+    total = angle.at_epoch + (angle.per_day + angle.per_day_squared * days) * days
     for amplitude, (start, rate) in angle.harmonics:
         total += amplitude * math.sin(math.radians(start + rate * days + quarter))
     return math.radians(total)
