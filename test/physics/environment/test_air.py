@@ -118,7 +118,7 @@ def test_the_wind_in_jupiter_grows_to_4_bar_and_no_further() -> None:
 @pytest.mark.parametrize(
     ("name", "latitude", "allowed"),
     [("earth", 45.0, 1e-3), ("venus", 0.0, 8e-3), ("titan", 0.0, 0.018), ("jupiter", 6.5, 1e-3), ("saturn", 45.0, 0.02),
-     ("uranus", 34.0, 0.03), ("neptune", 38.0, 0.03)],
+     ("uranus", 32.0, 0.03), ("neptune", 38.0, 0.03)],
 )  # fmt: skip
 def test_every_layer_of_a_table_bears_the_ones_over_it(name: str, latitude: float, allowed: float) -> None:
     """ln p falls by the integral of g/(R T), T linear between the rows, by Simpson's rule; the giants' rows have one g

@@ -1,8 +1,16 @@
 """Moons: which planet each goes about, how far from it, and how it is turned.
 
-All but their tables' few are turned with their prime meridian to the planet, so a moon's planet stands over latitude
-and longitude 0 at all times, but for what its orbit's eccentricity e lets it swing (2 e: 3.3 deg on Titan and Iapetus,
-1 deg on Europa and Callisto, 1.7 deg on Phobos). The Moon's own motion is `lunar_orbit`.
+All but their tables' few are turned with their prime meridian to the planet, on average and to some degrees: a moon's
+planet stands over latitude 0 and the longitude
+
+    l = l_0 + sum A sin theta_i
+
+which swings as the moon's orbit is not round (2 e sin M, on Phobos with the swing of the body itself, which is against
+it). l_0 and the A are fits to the theory of Lainey, Duriez and Vienne (2004, Astron. Astrophys. 420:1171, in Astronomy
+Engine 2.1.19) for the moons of Jupiter, 1975 to 2055, within 0.13 deg, with arguments of Lieske (1998, Astron.
+Astrophys. Suppl. 129:205); for Titan of Meeus (1998), ch. 46, to some 0.3 deg. Of the other moons l is taken to be 0:
+the swing is 0.5 deg on Enceladus and Umbriel, below 0.3 deg on the rest, but 3.3 deg on Iapetus. The Moon's own motion
+is `lunar_orbit`.
 
 Phobos comes nearer to Mars: its longitude gains 12.7 deg T^2 (T centuries since J2000), 0.8 deg in 25 years; that the
 angle M5 of its swing does so too is left out (0.06 deg in 2050).
@@ -18,12 +26,14 @@ from sojourn_physics.environment.sun.orientation import Angle, BodyAxes
 
 
 class Moon(NamedTuple):
-    """A moon that keeps one face to its planet."""
+    """A moon that keeps one face to its planet, but for a swing."""
 
     planet: str
     distance: float
     """Semi-major axis of its orbit [m]."""
     orientation: BodyAxes
+    planet_longitude: Angle = Angle(0.0)
+    """East longitude over which the planet stands."""
 
 
 RADII = {
@@ -121,6 +131,7 @@ MOONS = {
                 12.72192797 / CENTURY**2,
             ),
         ),
+        Angle(0.0, 0.0, ((2.873, _M5),)),  # 1.73 of the orbit, e 0.0151, and 1.143 of the body
     ),
     "io": Moon(
         "jupiter",
@@ -130,6 +141,7 @@ MOONS = {
             Angle(64.50, 0.003 / CENTURY, ((0.040, _J3), (0.011, _J4))),
             Angle(200.39, 203.4889538, ((-0.085, _J3), (-0.022, _J4))),
         ),
+        Angle(-0.421, 0.0, ((0.475, (330.786, 204.2284621)),)),
     ),
     "europa": Moon(
         "jupiter",
@@ -139,6 +151,7 @@ MOONS = {
             Angle(64.51, 0.003 / CENTURY, ((0.468, _J4), (0.026, _J5), (0.007, _J6), (0.002, _J7))),
             Angle(36.022, 101.3747235, ((-0.980, _J4), (-0.054, _J5), (-0.014, _J6), (-0.008, _J7))),
         ),
+        Angle(-1.532, 0.0, ((1.066, (345.393, 102.1142311)),)),
     ),
     "ganymede": Moon(
         "jupiter",
@@ -147,6 +160,11 @@ MOONS = {
             Angle(268.20, -0.009 / CENTURY, ((-0.037, _J4), (0.431, _J5), (0.091, _J6))),
             Angle(64.57, 0.003 / CENTURY, ((-0.016, _J4), (0.186, _J5), (0.039, _J6))),
             Angle(44.064, 50.3176081, ((0.033, _J4), (-0.389, _J5), (-0.082, _J6))),
+        ),
+        Angle(
+            -2.408,
+            0.0,
+            ((0.161, (330.287, 50.3104819)), (0.098, (228.362, 50.3157692)), (-0.069, (352.696, 51.0571155))),
         ),
     ),
     "callisto": Moon(
@@ -157,6 +175,7 @@ MOONS = {
             Angle(64.83, 0.003 / CENTURY, ((-0.029, _J5), (0.254, _J6), (-0.004, _J8))),
             Angle(259.51, 21.5710715, ((0.061, _J5), (-0.533, _J6), (-0.009, _J8))),
         ),
+        Angle(0.877, 0.0, ((0.841, (87.454, 21.5692312)),)),
     ),
     "enceladus": Moon(
         "saturn",
@@ -186,7 +205,12 @@ MOONS = {
             Angle(235.16, 79.6900478, ((-3.08, _S6),)),
         ),
     ),
-    "titan": Moon("saturn", 1221.9e6, BodyAxes(Angle(39.4827), Angle(83.4279), Angle(186.5855, 22.5769768))),
+    "titan": Moon(
+        "saturn",
+        1221.9e6,
+        BodyAxes(Angle(39.4827), Angle(83.4279), Angle(186.5855, 22.5769768)),
+        Angle(2.11, 0.0, ((3.30, (163.54, 22.5755773)),)),
+    ),
     "iapetus": Moon(
         "saturn",
         3560.8e6,

@@ -42,7 +42,7 @@ class BodyAxes(NamedTuple):
     meridian: Angle
 
 
-def _at(angle: Angle, days: float, quarter: float = 0.0) -> float:
+def angle_at(angle: Angle, days: float, quarter: float = 0.0) -> float:
     """Value [rad]; harmonics are sines of their angles advanced by `quarter` [deg]."""
     total = angle.at_epoch + (angle.per_day + angle.per_day_squared * days) * days
     for amplitude, (start, rate) in angle.harmonics:
@@ -56,9 +56,9 @@ def into_body(vector: Vector, orientation: BodyAxes, days: float) -> Vector:
     Args:
         vector: in the axes of the equator of J2000. days: since J2000 [d].
     """
-    right_ascension = _at(orientation.right_ascension, days)
-    declination = _at(orientation.declination, days, 90.0)
-    meridian = _at(orientation.meridian, days)
+    right_ascension = angle_at(orientation.right_ascension, days)
+    declination = angle_at(orientation.declination, days, 90.0)
+    meridian = angle_at(orientation.meridian, days)
     x, y, z = vector
     towards_node = -math.sin(right_ascension) * x + math.cos(right_ascension) * y
     outward = math.cos(right_ascension) * x + math.sin(right_ascension) * y
