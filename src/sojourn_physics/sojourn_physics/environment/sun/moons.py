@@ -1,16 +1,16 @@
 """Moons: which planet each goes about, how far from it, and how it is turned.
 
-All but their tables' few are turned with their prime meridian to the planet, on average and to some degrees: a moon's
-planet stands over latitude 0 and the longitude
+Each keeps one face to its planet. Its prime meridian, which landmarks define, is some degrees off the middle of that
+face: the planet stands over latitude 0 and the longitude
 
     l = l_0 + sum A sin theta_i
 
 which swings as the moon's orbit is not round (2 e sin M, on Phobos with the swing of the body itself, which is against
 it). l_0 and the A are fits to the theory of Lainey, Duriez and Vienne (2004, Astron. Astrophys. 420:1171, in Astronomy
 Engine 2.1.19) for the moons of Jupiter, 1975 to 2055, within 0.13 deg, with arguments of Lieske (1998, Astron.
-Astrophys. Suppl. 129:205); for Titan of Meeus (1998), ch. 46, to some 0.3 deg. Of the other moons l is taken to be 0:
-the swing is 0.5 deg on Enceladus and Umbriel, below 0.3 deg on the rest, but 3.3 deg on Iapetus. The Moon's own motion
-is `lunar_orbit`.
+Astrophys. Suppl. 129:205); those of Saturn's are of the mean elements of JPL Solar System Dynamics and of Meeus (1998),
+ch. 46, to some 0.3 deg, swings of less than 1 deg left out. Of the other moons l is taken to be 0: not known here, and
+on Iapetus more than 10 deg off. The Moon's own motion is `lunar_orbit`.
 
 Phobos comes nearer to Mars: its longitude gains 12.7 deg T^2 (T centuries since J2000), 0.8 deg in 25 years; that the
 angle M5 of its swing does so too is left out (0.06 deg in 2050).
@@ -181,6 +181,7 @@ MOONS = {
         "saturn",
         238.0e6,
         BodyAxes(Angle(40.66, -0.036 / CENTURY), Angle(83.52, -0.004 / CENTURY), Angle(6.32, 262.7318996)),
+        Angle(-4.05),
     ),
     "tethys": Moon(
         "saturn",
@@ -195,6 +196,7 @@ MOONS = {
         "saturn",
         377.4e6,
         BodyAxes(Angle(40.66, -0.036 / CENTURY), Angle(83.52, -0.004 / CENTURY), Angle(357.6, 131.5349316)),
+        Angle(-0.64),
     ),
     "rhea": Moon(
         "saturn",
@@ -204,6 +206,7 @@ MOONS = {
             Angle(83.55, -0.004 / CENTURY, ((-0.35, _S6),)),
             Angle(235.16, 79.6900478, ((-3.08, _S6),)),
         ),
+        Angle(-2.75),
     ),
     "titan": Moon(
         "saturn",
