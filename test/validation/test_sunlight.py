@@ -66,6 +66,8 @@ def test_curiosity_landed_in_the_afternoon() -> None:
 # Contacts of the umbra, from the catalogue of F. Espenak, NASA GSFC [UTC]: the Moon's first limb in, all of it in,
 # the first limb out again, all of it out
 ECLIPSES = {
+    "2000-07-16": ("11:57:40", "13:02:11", "14:48:35", "15:53:58"),
+    "2018-07-27": ("18:24:27", "19:30:15", "21:13:12", "22:19:00"),
     "2025-03-14": ("05:09:40", "06:26:06", "07:31:26", "08:47:52"),
     "2028-12-31": ("15:07:44", "16:16:28", "17:28:20", "18:37:04"),
 }

@@ -145,3 +145,44 @@ def test_a_body_s_file_may_hold_a_polyhedron() -> None:
         )
     with pytest.raises(ValueError, match="centre of mass"):
         BodyParams.model_validate({**known, "attraction": table(mesh._replace(vertices=mesh.vertices + 30.0))})
+
+
+def potato(rounds: int) -> Mesh:
+    """A body with a hollow and a nose, off its middle; it is seen whole from the origin."""
+    round_one = ball(rounds, (1.0, 1.0, 1.0))
+    x, y, z = round_one.vertices.T
+    reach = 1.0 + 0.5 * x**3 - 0.45 * np.exp(-4.0 * ((y - 1.0) ** 2 + z**2)) + 0.2 * np.sin(3.0 * z)
+    return round_one._replace(vertices=round_one.vertices * reach[:, None])
+
+
+def as_points(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
+    """Points of mass that fill it, (n, 3), and their masses for a density of 1, (n,).
+
+    Each facet makes a tetrahedron with the origin: 16 equal triangles of it by Gauss's points of the radius.
+    """
+    at, weight = np.polynomial.legendre.leggauss(12)
+    at, weight = 0.5 * (at + 1.0), 0.5 * weight
+    thirds = [(3 * i + 1, 3 * j + 1) for i in range(4) for j in range(4 - i)]
+    thirds += [(3 * i + 2, 3 * j + 2) for i in range(3) for j in range(3 - i)]
+    shares = np.array([(u, v, 12 - u - v) for u, v in thirds]) / 12.0
+    on_facets = np.einsum("pc,fcx->fpx", shares, mesh.corners)
+    first, second, third = np.moveaxis(mesh.corners, 1, 0)
+    volumes = np.einsum("ij,ij->i", first, np.cross(second, third)) / 6.0
+    points = np.einsum("fpx,r->fprx", on_facets, at)
+    masses = np.einsum("f,r->fr", volumes, 3.0 * weight * at**2)[:, None, :] / 16.0
+    return points.reshape(-1, 3), np.broadcast_to(masses, points.shape[:3]).reshape(-1)
+
+
+@pytest.mark.parametrize("place", [(0.0, 1.1, 0.0), (2.0, 0.1, -0.3), (-0.7, -0.9, 1.0), (0.4, 0.3, -1.4)])
+def test_an_irregular_body_draws_as_the_points_that_fill_it(place: tuple[float, float, float]) -> None:
+    """One place is in the mouth of the hollow."""
+    mesh = potato(3)
+    points, masses = as_points(mesh)
+    assert masses.sum() == pytest.approx(mesh.volume, rel=1e-9)
+    away = points - np.array(place)
+    distances = np.linalg.norm(away, axis=1)
+    assert distances.min() > 0.2
+    attraction = of_density_one(mesh)
+    expected = (masses / distances**3) @ away
+    assert np.linalg.norm(attraction.acceleration(np.array(place)) - expected) < 1e-3 * np.linalg.norm(expected)
+    assert attraction.potential(np.array(place)) == pytest.approx(-float((masses / distances).sum()), rel=3e-4)

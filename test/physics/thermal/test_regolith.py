@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from collections.abc import Callable
 from typing import cast
 
 import numpy as np
@@ -13,6 +14,7 @@ from scipy.integrate import solve_ivp
 
 from sojourn_config.load import load_params
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.params import FloatArray
 from sojourn_physics.environment.body import BodyParams
 from sojourn_physics.thermal.regolith import Irradiation, advance, cut_ground, step
 from sojourn_physics.thermal.regolith_day import DayOfGround, SolarDay, irradiation_of_day, settled_day
@@ -130,31 +132,75 @@ def test_a_step_stores_what_comes_in(
     assert fluxes[0, 0] == pytest.approx(expected, abs=1e-9 * (1.0 + absorbed))
 
 
+class MethodOfLines:
+    """Another integrator: a grid of its own, heat capacity at the nodes, an implicit method of order 5."""
+
+    def __init__(self, params: RegolithParams, deepest: float, nodes: int) -> None:
+        self.params = params
+        self.z = deepest * np.linspace(0.0, 1.0, nodes) ** 2
+        middles = 0.5 * (self.z[1:] + self.z[:-1])
+        density = np.array([params.density(depth) for depth in self.z])
+        self.mass = density * np.diff(np.concatenate(([0.0], middles, [self.z[-1]])))
+        self.contact = np.array([params.contact_conductivity(depth) for depth in middles]) / np.diff(self.z)
+        self.c = np.polynomial.Polynomial(params.heat_capacity)
+
+    def run(self, start: FloatArray, span: float, absorbed: Callable[[float], float], times: FloatArray) -> FloatArray:
+        """Temperatures at times, shape (N, M) [K]. absorbed: sunlight and infrared light at a time [W/m2]."""
+
+        def rate(time: float, temperature: FloatArray) -> FloatArray:
+            middle = 0.5 * (temperature[1:] + temperature[:-1])
+            radiative = 1.0 + self.params.radiative_conductivity * (middle / 350.0) ** 3
+            down = -self.contact * radiative * np.diff(temperature)
+            top = absorbed(time) - self.params.emissivity * SIGMA * temperature[0] ** 4
+            fluxes = np.concatenate(([top], down, [-self.params.heat_flow]))
+            return -np.diff(fluxes) / (self.mass * self.c(temperature))
+
+        largest = 0.02 * span
+        lines = solve_ivp(rate, (0.0, span), start, "Radau", times, rtol=1e-5, atol=1e-4, max_step=largest)
+        return np.asarray(lines.y)
+
+
 def test_ground_cools_after_sunset_as_another_integrator_has_it() -> None:
-    """Method of lines on a grid of its own, heat capacity at the nodes, by an implicit method of order 5."""
-    params = LUNAR_REGOLITH
-    z = 0.6 * np.linspace(0.0, 1.0, 121) ** 2
-    dz, middles = np.diff(z), 0.5 * (z[1:] + z[:-1])
-    width = np.diff(np.concatenate(([0.0], middles, [z[-1]])))
-    density = np.array([params.density(depth) for depth in z])
-    contact = np.array([params.contact_conductivity(depth) for depth in middles])
-    c = np.polynomial.Polynomial(params.heat_capacity)
-
-    def rate(_: float, temperature: np.ndarray) -> np.ndarray:
-        middle = 0.5 * (temperature[1:] + temperature[:-1])
-        down = -contact * (1.0 + params.radiative_conductivity * (middle / 350.0) ** 3) * np.diff(temperature) / dz
-        top = -params.emissivity * SIGMA * temperature[0] ** 4
-        fluxes = np.concatenate(([top], down, [-params.heat_flow]))
-        return -np.diff(fluxes) / (density * width * c(temperature))
-
     span, steps = 5.0 * 86400.0, 2000
-    lines = solve_ivp(rate, (0.0, span), np.full(z.size, 280.0), method="Radau", rtol=1e-6, atol=1e-6)
-    ground = cut_ground(params, LUNAR_DAY)
-    dark = np.zeros((steps, 4))
-    found, _ = advance(ground, np.full(ground.depths.size, 280.0), dark, span / steps)
-    assert found[-1, 0] == pytest.approx(lines.y[0, -1], abs=0.5)
+    lines = MethodOfLines(LUNAR_REGOLITH, 0.6, 121)
+    others = lines.run(np.full(121, 280.0), span, lambda _: 0.0, np.array([span]))[:, -1]
+    ground = cut_ground(LUNAR_REGOLITH, LUNAR_DAY)
+    found, _ = advance(ground, np.full(ground.depths.size, 280.0), np.zeros((steps, 4)), span / steps)
+    assert found[-1, 0] == pytest.approx(others[0], abs=0.5)
     for depth in (0.02, 0.1, 0.3):
-        assert np.interp(depth, ground.depths, found[-1]) == pytest.approx(np.interp(depth, z, lines.y[:, -1]), abs=0.8)
+        assert np.interp(depth, ground.depths, found[-1]) == pytest.approx(np.interp(depth, lines.z, others), abs=0.8)
+
+
+@pytest.mark.parametrize(
+    ("params", "day", "infrared"),
+    [
+        (LUNAR_REGOLITH, SolarDay(LUNAR_DAY, 1361.0, math.radians(45.0)), 0.0),
+        (LUNAR_REGOLITH, SolarDay(LUNAR_DAY, 1361.0, math.radians(75.0)), 0.0),
+        (LUNAR_REGOLITH, SolarDay(LUNAR_DAY, 1361.0, math.radians(-85.0), math.radians(-1.5)), 0.0),
+        (uniform_regolith(220.0, 0.15), SolarDay(SOL, 490.0, math.radians(70.0), math.radians(24.0)), 25.0),
+        (uniform_regolith(220.0, 0.15), SolarDay(SOL, 717.0, math.radians(-30.0), math.radians(-24.0)), 39.0),
+    ],
+)
+def test_a_day_at_other_latitudes_is_that_of_another_integrator_and_repeats_in_it(
+    params: RegolithParams, day: SolarDay, infrared: float
+) -> None:
+    ground = cut_ground(params, day.length)
+    found = settled_day(ground, irradiation_of_day(params, day, 4000, Irradiation(0.0, infrared)), day.length)
+
+    def absorbed(time: float) -> float:
+        turned = math.cos(2.0 * math.pi * (time / day.length - 0.5))
+        sine = math.sin(day.latitude) * math.sin(day.declination)
+        sine += math.cos(day.latitude) * math.cos(day.declination) * turned
+        light = day.flux * sine * (1.0 - params.albedo(math.acos(sine))) if sine > 0.0 else 0.0
+        return light + params.emissivity * infrared
+
+    lines = MethodOfLines(params, float(ground.depths[-1]), 81)
+    start = np.interp(lines.z, ground.depths, found.temperatures[-1])
+    times = np.linspace(0.05, 1.0, 20) * day.length
+    surface = lines.run(start, day.length, absorbed, times)[0]
+    ours = np.interp(times / day.length, found.fractions, found.surface)
+    assert np.abs(ours - surface).max() < 0.35
+    assert surface[-1] == pytest.approx(start[0], abs=0.2)
 
 
 def test_one_step_is_the_first_of_many() -> None:

@@ -8,7 +8,8 @@ Finite volumes on nodes that start at the surface and grow with depth, backward 
 its end, solved by Newton's method with the conductivity of the last iterate: a tridiagonal matrix each. Heat is kept
 as the integral of c dT, so that what a step takes in is what its layers hold more, to the tolerance of the iteration
 (Patankar 1980, "Numerical Heat Transfer and Fluid Flow", ch. 4; Hayne et al. 2017, appendix A, for the grid).
-First order in time: steps of a thousandth of a day are within 0.3 K (`test/physics/thermal`).
+First order in time: steps of a thousandth of a day are within 0.3 K (`test/physics/thermal`), at sunrise and sunset on
+the Moon, where the surface turns by up to 5 K in a step, within 2.5 K.
 """
 
 import math

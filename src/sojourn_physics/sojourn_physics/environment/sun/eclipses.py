@@ -1,10 +1,12 @@
 """Bodies that may come before the Sun: the Earth on the Moon, a planet on its moons, the body below in a low orbit.
 
 Where such a body stands is a direction in map and an angular radius. Of a moon that keeps one face to its planet, the
-planet stands over latitude and longitude 0 at the moon's mean distance, as seen from the site itself. Left out are
-librations by the orbit's eccentricity (see `moons`), which shift an eclipse by some minutes, and planets' flattening.
+planet stands over latitude 0 and the longitude that `moons` has for it, at the moon's mean distance, as seen from the
+site itself. The middle of an eclipse is within 2 minutes on Io, 5 on Europa and Ganymede, 15 on Callisto; how long
+it lasts is within 3 %, as planets' flattening is left out.
 """
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -15,8 +17,9 @@ from sojourn_physics.environment.site import SiteFrame
 from sojourn_physics.environment.sun import lunar_orbit
 from sojourn_physics.environment.sun.ephemeris import body_axes
 from sojourn_physics.environment.sun.instant import Instant
-from sojourn_physics.environment.sun.moons import MOONS, RADII
+from sojourn_physics.environment.sun.moons import MOONS, RADII, Moon
 from sojourn_physics.environment.sun.orbits import ASTRONOMICAL_UNIT
+from sojourn_physics.environment.sun.orientation import angle_at
 from sojourn_physics.environment.sun.shadow import disc_radius
 
 
@@ -39,15 +42,18 @@ def covers_over(body: str, frame: SiteFrame) -> Callable[[Instant], Cover] | Non
     if body == "moon":
         return lambda at: _cover(frame, ASTRONOMICAL_UNIT * _earth_from_moon(at), RADII["earth"])
     if body in MOONS:
-        moon = MOONS[body]
-        fixed = _cover(frame, np.array((moon.distance, 0.0, 0.0)), RADII[moon.planet])
-        return lambda at: fixed
+        return lambda at: _cover(frame, _planet_from_moon(MOONS[body], at), RADII[MOONS[body].planet])
     return None
 
 
 def _earth_from_moon(at: Instant) -> FloatArray:
     x, y, z = lunar_orbit.geocentric(at.terrestrial)
     return np.array(body_axes("moon", (-x, -y, -z), at))
+
+
+def _planet_from_moon(moon: Moon, at: Instant) -> FloatArray:
+    longitude = angle_at(moon.planet_longitude, at.terrestrial)
+    return moon.distance * np.array((math.cos(longitude), math.sin(longitude), 0.0))
 
 
 def _cover(frame: SiteFrame, centre: FloatArray, radius: float) -> Cover:

@@ -6,11 +6,11 @@ r is the body's position from the Sun and r_0 that of what is seen, nothing for 
 earlier gives light time and the aberration by the body's motion (20" at the Earth) together. The point under it has the
 latitude asin s_z (planetocentric) and east longitude atan2(s_y, s_x).
 
-Sources: `orbits`, `lunar_orbit`, `orientation`; aberration: Meeus (1998), ch. 25 and 33. Accuracy of the Sun: 0.02 deg
-for Earth, Moon, Mercury, Venus and Mars, 0.2 deg for Jupiter, Saturn and their moons (which are taken to be where their
-planet is: another 0.15 deg for Callisto and Iapetus), 0.1 deg farther out; see `orbits` for small bodies. Of the Earth:
-0.02 deg from the Moon, 0.1 deg and 4e-4 au from Mars. Range: 1972 to 2100, in the last half century of it a few times
-less accurate.
+Sources: `orbits`, `lunar_orbit`, `orientation`; aberration: Meeus (1998), ch. 25 and 33. Accuracy of the Sun: 0.01 deg
+for Earth, Moon, Mercury and Venus, 0.03 deg for Mars, 0.08 deg for Phobos (the most found against DE421, 1973 to 2052);
+0.2 deg for Jupiter, Saturn and their moons (which are taken to be where their planet is: another 0.15 deg for Callisto
+and Iapetus), 0.1 deg farther out; see `orbits` for small bodies. Of the Earth: 0.04 deg from the Moon, 0.1 deg and 4e-4
+au from Mars. Range: 1972 to 2100, in the last half century of it a few times less accurate.
 """
 
 import math

@@ -1,11 +1,22 @@
 """Moons: which planet each goes about, how far from it, and how it is turned.
 
-All but their tables' few are turned with their prime meridian to the planet, so a moon's planet stands over latitude
-and longitude 0 at all times, but for what its orbit's eccentricity e lets it swing (2 e: 3.3 deg on Titan and Iapetus,
-1 deg on Europa and Callisto, 1.7 deg on Phobos). The Moon's own motion is `lunar_orbit`.
+Each keeps one face to its planet. Its prime meridian, which landmarks define, is some degrees off the middle of that
+face: the planet stands over latitude 0 and the longitude
 
-Sources: orientation: Archinal et al. (2018), table 2; distances: JPL Solar System Dynamics, "Planetary Satellite Mean
-Elements". Radii of planets: Archinal et al. (2018), table 4 (mean).
+    l = l_0 + sum A sin theta_i
+
+which swings as the moon's orbit is not round (2 e sin M, on Phobos with the swing of the body itself, which is against
+it). l_0 and the A are fits to the theory of Lainey, Duriez and Vienne (2004, Astron. Astrophys. 420:1171, in Astronomy
+Engine 2.1.19) for the moons of Jupiter, 1975 to 2055, within 0.13 deg, with arguments of Lieske (1998, Astron.
+Astrophys. Suppl. 129:205); those of Saturn's are of the mean elements of JPL Solar System Dynamics and of Meeus (1998),
+ch. 46, to some 0.3 deg, swings of less than 1 deg left out. Of the other moons l is taken to be 0: not known here, and
+on Iapetus more than 10 deg off. The Moon's own motion is `lunar_orbit`.
+
+Phobos comes nearer to Mars: its longitude gains 12.7 deg T^2 (T centuries since J2000), 0.8 deg in 25 years; that the
+angle M5 of its swing does so too is left out (0.06 deg in 2050).
+
+Sources: orientation: Archinal et al. (2018), table 2, of Phobos with its erratum of 2019; distances: JPL Solar System
+Dynamics, "Planetary Satellite Mean Elements". Radii of planets: Archinal et al. (2018), table 4 (mean).
 """
 
 from typing import NamedTuple
@@ -15,12 +26,14 @@ from sojourn_physics.environment.sun.orientation import Angle, BodyAxes
 
 
 class Moon(NamedTuple):
-    """A moon that keeps one face to its planet."""
+    """A moon that keeps one face to its planet, but for a swing."""
 
     planet: str
     distance: float
     """Semi-major axis of its orbit [m]."""
     orientation: BodyAxes
+    planet_longitude: Angle = Angle(0.0)
+    """East longitude over which the planet stands."""
 
 
 RADII = {
@@ -77,7 +90,9 @@ _J6, _J7, _J8 = _of_century(229.80, 64.3), _of_century(352.25, 2382.6), _of_cent
 _S3, _S5, _S6 = _of_century(177.40, -36505.5), _of_century(316.45, 506.2), _of_century(345.20, -1016.3)
 _U11, _U12, _U13 = _of_century(102.23, -2024.22), _of_century(316.41, 2863.96), _of_century(304.01, -51.94)
 _U14, _U15, _U16 = _of_century(308.71, -93.17), _of_century(340.82, -75.32), _of_century(259.14, -504.81)
-_M1, _M2 = (169.51, -0.4357640), (192.93, 1128.4096700)
+_M1, _M2 = _of_century(190.72646643, 15917.10818695), _of_century(21.46892470, 31834.27934054)
+_M3, _M4 = _of_century(332.86082793, 19139.89694742), _of_century(394.93256437, 38280.79631835)
+_M5 = _of_century(189.63271560, 41215158.18420050)
 
 
 def _twice(angle: tuple[float, float], times: int = 2) -> tuple[float, float]:
@@ -96,10 +111,27 @@ MOONS = {
         "mars",
         9.376e6,
         BodyAxes(
-            Angle(317.68, -0.108 / CENTURY, ((1.79, _M1),)),
-            Angle(52.90, -0.061 / CENTURY, ((-1.08, _M1),)),
-            Angle(35.06, 1128.8445850, ((-1.42, _M1), (-0.78, _M2))),
+            Angle(
+                317.67071657,
+                -0.10844326 / CENTURY,
+                ((-1.78428399, _M1), (0.02212824, _M2), (-0.01028251, _M3), (-0.00475595, _M4)),
+            ),
+            Angle(
+                52.88627266,
+                -0.06134706 / CENTURY,
+                ((-1.07516537, _M1), (0.00668626, _M2), (-0.00648740, _M3), (0.00281576, _M4)),
+            ),
+            Angle(
+                35.18774440,
+                1128.84475928,
+                (
+                    *((1.42421769, _M1), (-0.02273783, _M2), (0.00410711, _M3), (0.00631964, _M4)),
+                    (-1.143, _M5),
+                ),
+                12.72192797 / CENTURY**2,
+            ),
         ),
+        Angle(0.0, 0.0, ((2.873, _M5),)),  # 1.73 of the orbit, e 0.0151, and 1.143 of the body
     ),
     "io": Moon(
         "jupiter",
@@ -109,6 +141,7 @@ MOONS = {
             Angle(64.50, 0.003 / CENTURY, ((0.040, _J3), (0.011, _J4))),
             Angle(200.39, 203.4889538, ((-0.085, _J3), (-0.022, _J4))),
         ),
+        Angle(-0.421, 0.0, ((0.475, (330.786, 204.2284621)),)),
     ),
     "europa": Moon(
         "jupiter",
@@ -118,6 +151,7 @@ MOONS = {
             Angle(64.51, 0.003 / CENTURY, ((0.468, _J4), (0.026, _J5), (0.007, _J6), (0.002, _J7))),
             Angle(36.022, 101.3747235, ((-0.980, _J4), (-0.054, _J5), (-0.014, _J6), (-0.008, _J7))),
         ),
+        Angle(-1.532, 0.0, ((1.066, (345.393, 102.1142311)),)),
     ),
     "ganymede": Moon(
         "jupiter",
@@ -126,6 +160,11 @@ MOONS = {
             Angle(268.20, -0.009 / CENTURY, ((-0.037, _J4), (0.431, _J5), (0.091, _J6))),
             Angle(64.57, 0.003 / CENTURY, ((-0.016, _J4), (0.186, _J5), (0.039, _J6))),
             Angle(44.064, 50.3176081, ((0.033, _J4), (-0.389, _J5), (-0.082, _J6))),
+        ),
+        Angle(
+            -2.408,
+            0.0,
+            ((0.161, (330.287, 50.3104819)), (0.098, (228.362, 50.3157692)), (-0.069, (352.696, 51.0571155))),
         ),
     ),
     "callisto": Moon(
@@ -136,11 +175,13 @@ MOONS = {
             Angle(64.83, 0.003 / CENTURY, ((-0.029, _J5), (0.254, _J6), (-0.004, _J8))),
             Angle(259.51, 21.5710715, ((0.061, _J5), (-0.533, _J6), (-0.009, _J8))),
         ),
+        Angle(0.877, 0.0, ((0.841, (87.454, 21.5692312)),)),
     ),
     "enceladus": Moon(
         "saturn",
         238.0e6,
         BodyAxes(Angle(40.66, -0.036 / CENTURY), Angle(83.52, -0.004 / CENTURY), Angle(6.32, 262.7318996)),
+        Angle(-4.05),
     ),
     "tethys": Moon(
         "saturn",
@@ -155,6 +196,7 @@ MOONS = {
         "saturn",
         377.4e6,
         BodyAxes(Angle(40.66, -0.036 / CENTURY), Angle(83.52, -0.004 / CENTURY), Angle(357.6, 131.5349316)),
+        Angle(-0.64),
     ),
     "rhea": Moon(
         "saturn",
@@ -164,8 +206,14 @@ MOONS = {
             Angle(83.55, -0.004 / CENTURY, ((-0.35, _S6),)),
             Angle(235.16, 79.6900478, ((-3.08, _S6),)),
         ),
+        Angle(-2.75),
     ),
-    "titan": Moon("saturn", 1221.9e6, BodyAxes(Angle(39.4827), Angle(83.4279), Angle(186.5855, 22.5769768))),
+    "titan": Moon(
+        "saturn",
+        1221.9e6,
+        BodyAxes(Angle(39.4827), Angle(83.4279), Angle(186.5855, 22.5769768)),
+        Angle(2.11, 0.0, ((3.30, (163.54, 22.5755773)),)),
+    ),
     "iapetus": Moon(
         "saturn",
         3560.8e6,

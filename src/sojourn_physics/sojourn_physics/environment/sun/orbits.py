@@ -7,7 +7,7 @@ to its equator, the axes of the International Celestial Reference Frame, by the 
 
 Sources: planets and Pluto: Standish, "Keplerian elements for approximate positions of the major planets", JPL, table 1
 (1800 to 2050). Small bodies: osculating elements of the JPL Small-Body Database (epoch 2026 June 9; 67P of 2015), with
-the mean motion of two bodies. Accuracy, as direction to the Sun: planets to Mars 0.02 deg, Jupiter and Saturn 0.2 deg,
+the mean motion of two bodies. Accuracy, as direction to the Sun: planets to Mars 0.03 deg, Jupiter and Saturn 0.2 deg,
 Uranus and Neptune 0.05 deg (Standish, table of errors), Pluto 0.1 deg; small bodies 0.5 deg within ten years of their
 epoch and some degrees in fifty; 67P is pushed onto another orbit by each passage of Jupiter.
 """

@@ -1,10 +1,12 @@
 """How a body is turned in space: its pole and its prime meridian as functions of time.
 
-    alpha = alpha_0 + alpha_1 d + sum A sin theta_i,  delta likewise with cosines,  W = W_0 + W_1 d + sum A sin theta_i
+    alpha = alpha_0 + alpha_1 d + sum A sin theta_i,  delta likewise with cosines
+    W = W_0 + W_1 d + W_2 d^2 + sum A sin theta_i
 
 alpha and delta are right ascension and declination of the pole about which east is counted (the IAU's north pole of
 planets and their moons, the pole of right-handed rotation of small bodies); W goes eastward from the ascending node of
-the body's equator on that of J2000 to its prime meridian; theta_i = theta_0 + theta_1 d; d days of TT since J2000.
+the body's equator on that of J2000 to its prime meridian; theta_i = theta_0 + theta_1 d; d days of TT since J2000. W_2
+is that of moons which tides bring nearer to their planet or farther from it.
 
 Source: Archinal et al. (2018), "Report of the IAU Working Group on Cartographic Coordinates and Rotational Elements:
 2015", Celest. Mech. Dyn. Astr. 130:22.
@@ -27,6 +29,8 @@ class Angle(NamedTuple):
     per_day: float = 0.0
     """[deg/d]"""
     harmonics: Harmonics = ()
+    per_day_squared: float = 0.0
+    """[deg/d2]"""
 
 
 class BodyAxes(NamedTuple):
@@ -38,9 +42,9 @@ class BodyAxes(NamedTuple):
     meridian: Angle
 
 
-def _at(angle: Angle, days: float, quarter: float = 0.0) -> float:
+def angle_at(angle: Angle, days: float, quarter: float = 0.0) -> float:
     """Value [rad]; harmonics are sines of their angles advanced by `quarter` [deg]."""
-    total = angle.at_epoch + angle.per_day * days
+    total = angle.at_epoch + (angle.per_day + angle.per_day_squared * days) * days
     for amplitude, (start, rate) in angle.harmonics:
         total += amplitude * math.sin(math.radians(start + rate * days + quarter))
     return math.radians(total)
@@ -52,9 +56,9 @@ def into_body(vector: Vector, orientation: BodyAxes, days: float) -> Vector:
     Args:
         vector: in the axes of the equator of J2000. days: since J2000 [d].
     """
-    right_ascension = _at(orientation.right_ascension, days)
-    declination = _at(orientation.declination, days, 90.0)
-    meridian = _at(orientation.meridian, days)
+    right_ascension = angle_at(orientation.right_ascension, days)
+    declination = angle_at(orientation.declination, days, 90.0)
+    meridian = angle_at(orientation.meridian, days)
     x, y, z = vector
     towards_node = -math.sin(right_ascension) * x + math.cos(right_ascension) * y
     outward = math.cos(right_ascension) * x + math.sin(right_ascension) * y
