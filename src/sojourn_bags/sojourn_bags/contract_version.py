@@ -91,7 +91,8 @@ def table_of_bag(bag: Bag) -> TopicTable:
         table = STANDARD.joined_with(rows).heard_by(TICK, hearing)
         if LINK_STATUS.name in described:
             table = _with_telemetry(table, described)
-        return TopicTable(table.delivered(delivered), leap)
+        asked = {name for name, data in described.items() if data is not None and data.get("on_demand")}
+        return TopicTable(table.delivered(delivered).on_demand(asked), leap)
     except (TopicNameError, *_UNREADABLE) as error:
         raise OtherContractError(bag.path, f"its {CONTRACT_NAME} cannot be read: {error}") from error
 

@@ -56,6 +56,7 @@ def row_of_data(name: str, data: Mapping[str, Any]) -> Topic:
         tuple(data["frames"]),
         str(data["child_frame"]),
         str(data["joints"]),
+        on_demand=bool(data.get("on_demand")),
     )
     return delivered_by_data(row, data)
 
