@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_config.command_errors import CommandError
+from sojourn_contract.link_topics import on_earth
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Message, OccupancyGrid
 from sojourn_flight.planning.global_route import NoRouteError, SiteMap
@@ -19,6 +20,7 @@ REPLANS = 8
 """So often a route is planned anew."""
 CLOSED, NOT_KNOWN = 100, -1
 """In a cell of /local_costmap/costmap."""
+ODOMETRY = "/odom"
 COSTMAP = "/local_costmap/costmap"
 
 
@@ -71,15 +73,22 @@ class FoundCells:
 
 
 class RoverEars:
-    """Hears, at a desk, where the rover is and what it has found."""
+    """Hears, at a desk, where the rover is and what it has found.
 
-    def __init__(self, desk: Desk) -> None:
+    Args:
+        over_link: whether it hears what a link to Earth brings of it, some time later.
+    """
+
+    def __init__(self, desk: Desk, over_link: bool = False) -> None:
         self.place: Point | None = None
         """[m]; None before it has been heard."""
         self.found = FoundCells()
+        odometry, costmap = topic(ODOMETRY), topic(COSTMAP)
+        if over_link:
+            odometry, costmap = on_earth(odometry), on_earth(costmap)
         self._readers = [
-            desk.listen(topic("/odom"), self._stands, lockstep=False),
-            desk.listen(topic(COSTMAP), self.found.hear, lockstep=False),
+            desk.listen(odometry, self._stands, lockstep=False),
+            desk.listen(costmap, self.found.hear, lockstep=False),
         ]
 
     def _stands(self, message: Message) -> None:

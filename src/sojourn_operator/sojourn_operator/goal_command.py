@@ -72,11 +72,9 @@ def _drive_over(given: argparse.Namespace) -> int:
 
     site = site_of(given.over, given.overrides)
     with GoalClient(given.domain, given.namespace) as client:
-        driver = RouteClient(client, given.timeout)
         who, name = GOALS["route"]
         client.sender_to(who, topic(name))  # a stack that is starting is waited for
-        if client.has_link():
-            raise CommandError("--over: over a link to Earth nobody knows where the rover is now: send a route instead")
+        driver = RouteClient(client, given.timeout, client.has_link())
         if given.dry_run:
             try:
                 points = site.route(driver.here(), (given.x, given.y))
