@@ -1,5 +1,6 @@
 """A stack that runs at the pace of the wall: goals from another terminal, nodes that die, a second start beside it."""
 
+import itertools
 import json
 import os
 import signal
@@ -169,6 +170,40 @@ def test_stop_stops(stack: Stack, start: Callable[..., Program]) -> None:
     assert stop.wait() == 0, stop.text
     assert goal.wait() == 1
     assert goal.text.splitlines()[-1].startswith("stopped")
+
+
+def test_while_a_stranger_tells_another_time_no_goal_is_sent_and_nobody_is_misled(
+    stack: Stack, start: Callable[..., Program], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nodes go by the stamps of what they hear, the client by the clock alone."""
+    monkeypatch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(config_folder() / "nodes" / "fastdds.xml"))
+    context = rclpy.Context()
+    context.init(args=[], domain_id=stack.domain)
+    node = rclpy.create_node("stranger", context=context, enable_rosout=False)
+    clock, done = node.create_publisher(Clock, "clock", 1), threading.Event()
+
+    def speak() -> None:
+        for count in itertools.count():
+            if done.wait(0.01):
+                return
+            false = Clock()
+            false.clock.sec = (1000, 0)[count // 100 % 2]  # ahead for a second, then back at the start
+            clock.publish(false)
+
+    speaker = threading.Thread(target=speak)
+    speaker.start()
+    try:
+        goal = start("goal_client", "drive", "0.1", "0.0", "--frame", "base_link", "--domain", stack.domain)
+        assert goal.wait() == 1 and "2 nodes publish /clock" in goal.text, goal.text
+        stop = start("goal_client", "stop", "--domain", stack.domain)
+        assert stop.wait() == 0, stop.text
+    finally:
+        done.set()
+        speaker.join()
+        node.destroy_node()
+        context.try_shutdown()
+    goal = start("goal_client", "drive", "0.1", "0.0", "--frame", "base_link", "--domain", stack.domain)
+    assert goal.wait() == 0, goal.text
 
 
 def test_a_second_start_is_refused_and_the_first_goes_on(

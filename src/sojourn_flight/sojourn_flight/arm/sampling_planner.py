@@ -37,7 +37,8 @@ _SHORTER = 0.98
 
 def via_pose(params: NamedPoseParams, model: ArmModel, name: str) -> FloatArray:
     """Joint positions (n,) of a named pose to go by way of; a joint that does not move stays where it is."""
-    return np.clip(np.array(params.named_poses[name]), model.lower, model.upper)
+    named = np.array(params.named_poses[name])
+    return np.asarray(np.minimum(np.maximum(named, model.lower), model.upper), dtype=np.float64)
 
 
 @dataclass(slots=True)
