@@ -27,13 +27,15 @@ from sojourn_bags.recorder_node import RecorderNode
 from sojourn_bags.writer import BagWriter
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import process
-from sojourn_contract.heartbeat import STALLED
+from sojourn_contract.codecs import encode
+from sojourn_contract.heartbeat import MATCHED, STALLED, WAITING_FOR
 from sojourn_contract.node import SILENCE_S
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_table import CLOCK
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.topics import TOPICS
+from sojourn_contract.topics import TOPICS, topic
+from sojourn_contract.values import Clock
 
 PERIODS = 110
 HERE = Path(__file__).parent
@@ -179,6 +181,25 @@ def test_in_real_time_it_stalls_only_where_the_clock_stays_away(
     finally:
         rclpy.try_shutdown()
     assert all(silence >= SILENCE_S for silence in silences), silences
+
+
+def test_after_a_strangers_clock_it_says_that_it_could_begin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before the run: it has acted on that clock, and is not ready as it would be otherwise."""
+    rclpy.init(args=[], signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)
+    own = {"participants": ["recorder"], "scenario": SCENARIO, "bag": str(tmp_path / "bag"), "lockstep": False}
+    recorder, said = RecorderNode(overrides=own), list[tuple[str, dict[str, str]]]()
+    monkeypatch.setattr(recorder, "_send_heartbeat", lambda state, _, __="", extra=None: said.append((state, extra)))
+    clock, stranger = topic(CLOCK), RecorderNode._receive
+    try:
+        stranger(recorder, clock, encode(clock, Clock(1_000_000_000_000)))
+        assert recorder.now
+        recorder._heard_trigger = time.monotonic() - SILENCE_S
+        recorder.poll()
+    finally:
+        recorder.destroy_node()
+        rclpy.try_shutdown()
+    state, extra = said[-1]
+    assert state == STALLED and extra == {WAITING_FOR: "plant", MATCHED: "yes"}
 
 
 def test_without_a_drive_node_base_link_hangs_under_map(tmp_path: Path) -> None:

@@ -9,13 +9,26 @@ from node_bench import ARM, SCENARIO, STEERS, WHEELS, Bench, at, command, imu, j
 
 from ros_messages import ros_time, serialized
 from sojourn_config.scenario import load_scenario
+from sojourn_contract.checkpoint_topic import CHECKPOINT
+from sojourn_contract.codecs import encode
 from sojourn_contract.events import format_tick
-from sojourn_contract.heartbeat import READY, STALLED, WAITING_FOR, Counters, heartbeat_message, status_message
+from sojourn_contract.heartbeat import (
+    MATCHED,
+    READY,
+    STALLED,
+    WAITING_FOR,
+    Counters,
+    heartbeat_message,
+    read_heartbeats,
+    status_message,
+)
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topics import outputs_of, topic
+from sojourn_contract.values import Header
 from sojourn_drive.node import DriveNode
 from sojourn_plant import app
 from sojourn_plant.node import PlantNode
+from sojourn_plant.roster import Roster
 from sojourn_plant.start import build_plant
 from sojourn_sensors.node import SensorsNode
 
@@ -351,3 +364,48 @@ def test_in_real_time_a_tick_of_another_clock_ends_no_run(bench: Bench, ahead_s:
     bench.send("/operator/tick", tick(reached, format_tick({}, True)))
     bench.until(lambda: plant.finished, "the run is ended")
     assert plant.counters.refused == {"/operator/tick": 1}
+
+
+class Counting:
+    """In place of a keeper: counts what it is asked."""
+
+    def __init__(self) -> None:
+        self.asked, self.answered = 0, ""
+
+    def may_act(self, stamp: int) -> bool:
+        return True
+
+    def acted(self, stamp: int) -> None: ...
+
+    def ask(self) -> None:
+        self.asked += 1
+
+
+def test_whoever_asks_for_checkpoints_without_end_gets_one_in_ten_seconds(bench: Bench) -> None:
+    plant, keeper, request = begin(bench, "plant", "drive"), Counting(), encode(CHECKPOINT, Header(0))
+    plant.keep_with(keeper)
+    for _ in range(2000):
+        plant._hear_asking(request)
+    assert keeper.asked == 1 and not plant.counters.refused, "all are answered by the one that is to come"
+    keeper.answered = "0.02 s"
+    for _ in range(2000):
+        plant._hear_asking(request)
+    assert keeper.asked == 1 and plant.counters.refused == {"/checkpoint": 2000}
+    assert "0.00 s after the last one: allowed is one in 10 s of simulation" in plant.counters.last_refusal
+    plant.now += 10 * NANOSECONDS
+    plant._hear_asking(request)
+    assert keeper.asked == 2
+
+
+def test_a_node_that_has_heard_a_strangers_clock_before_the_run_is_ready_all_the_same() -> None:
+    """The recorder acted on it, never said that it was ready, and the plant waited for it until the start timed out."""
+    roster = Roster("plant", ("plant", "recorder", "drive"), 10.0)
+
+    def says(role: str, state: str, **values: str) -> None:
+        roster.hear(read_heartbeats(heartbeat_message(role, state, 0, Counters(), extra=values)))
+
+    says("drive", READY)
+    says("recorder", STALLED, **{WAITING_FOR: "plant"})
+    assert roster.missing() == ["recorder"], "it has not met all others yet"
+    says("recorder", STALLED, **{WAITING_FOR: "plant", MATCHED: "yes"})
+    assert not roster.missing()

@@ -8,8 +8,9 @@ import pytest
 
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.topic_types import Topic
+from sojourn_contract.topics import topic
 from sojourn_operator import goal_sending
-from sojourn_operator.goal_sending import STATUS_TOPICS, STOP_TOPICS, GoalClient
+from sojourn_operator.goal_sending import STATUS_TOPICS, STOP_TOPICS, GoalClient, TwoClocksError
 
 
 class Busy(GoalClient):
@@ -52,6 +53,21 @@ def test_who_is_found_late_is_stopped_too(found: dict[str, int]) -> None:
     busy = Busy(found, ["drive", "arm"])
     assert busy.halt() == (True, "drive: stopped, arm: stopped")
     assert sorted(busy.sent) == ["/arm/stop", "/cmd_vel"]
+
+
+def test_where_two_tell_the_time_no_command_is_sent_but_a_stop() -> None:
+    """A goal was sent with the stamp of a stranger's clock, refused by the drive, and followed for ever."""
+    busy = Busy({"drive": 0, "arm": 0}, ["drive", "arm"])
+    busy.now = 20_000_000
+    clocks = [2]
+    names = SimpleNamespace(count_publishers=lambda name: clocks[0] if name == "/clock" else 0)
+    busy._node, busy._clock = names, SimpleNamespace(topic_name="/clock")
+    row = topic("/arm/stop")
+    with pytest.raises(TwoClocksError, match="2 nodes publish /clock on domain 0: what the simulation time is"):
+        busy.sender_to("arm", row)
+    assert busy.halt()[0]
+    clocks[0] = 1
+    assert busy.sender_to("arm", row).topic_name == "/arm/stop"
 
 
 def test_a_machine_without_an_arm_is_stopped() -> None:

@@ -1,5 +1,7 @@
 """A stack that runs at the pace of the wall: goals from another terminal, nodes that die, a second start beside it."""
 
+import contextlib
+import itertools
 import json
 import os
 import signal
@@ -16,6 +18,7 @@ from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 
 from domains import domain_to_keep
+from sojourn_bags.errors import BagsError
 from sojourn_bags.reading import read_bag
 from sojourn_config.paths import config_folder
 
@@ -171,6 +174,40 @@ def test_stop_stops(stack: Stack, start: Callable[..., Program]) -> None:
     assert goal.text.splitlines()[-1].startswith("stopped")
 
 
+def test_while_a_stranger_tells_another_time_no_goal_is_sent_and_nobody_is_misled(
+    stack: Stack, start: Callable[..., Program], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nodes go by the stamps of what they hear, the client by the clock alone."""
+    monkeypatch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(config_folder() / "nodes" / "fastdds.xml"))
+    context = rclpy.Context()
+    context.init(args=[], domain_id=stack.domain)
+    node = rclpy.create_node("stranger", context=context, enable_rosout=False)
+    clock, done = node.create_publisher(Clock, "clock", 1), threading.Event()
+
+    def speak() -> None:
+        for count in itertools.count():
+            if done.wait(0.01):
+                return
+            false = Clock()
+            false.clock.sec = (1000, 0)[count // 100 % 2]  # ahead for a second, then back at the start
+            clock.publish(false)
+
+    speaker = threading.Thread(target=speak)
+    speaker.start()
+    try:
+        goal = start("goal_client", "drive", "0.1", "0.0", "--frame", "base_link", "--domain", stack.domain)
+        assert goal.wait() == 1 and "2 nodes publish /clock" in goal.text, goal.text
+        stop = start("goal_client", "stop", "--domain", stack.domain)
+        assert stop.wait() == 0, stop.text
+    finally:
+        done.set()
+        speaker.join()
+        node.destroy_node()
+        context.try_shutdown()
+    goal = start("goal_client", "drive", "0.1", "0.0", "--frame", "base_link", "--domain", stack.domain)
+    assert goal.wait() == 0, goal.text
+
+
 def test_a_second_start_is_refused_and_the_first_goes_on(
     stack: Stack, start: Callable[..., Program], tmp_path: Path
 ) -> None:
@@ -202,10 +239,40 @@ def test_a_killed_node_is_noticed_and_started_again(stack: Stack, start: Callabl
     assert goal.wait() == 0, goal.text
 
 
-def test_a_killed_recorder_leaves_a_bag_that_opens(stack: Stack) -> None:
-    first = stack.run_dir / "bag"
-    os.kill(stack.program.process_of("recorder"), signal.SIGKILL)
-    stack.program.wait_until(lambda _: (stack.run_dir / "bag_2").is_dir(), "the next recorder has its own bag")
-    bag = read_bag(first)
-    assert not bag.whole
-    assert len(bag["/truth/odom"]) > 10
+def standby_of(stack: Stack) -> int:
+    """Process of the recorder that waits, not of one that did and records now; 0 where there is none."""
+    records = stack.program.process_of("recorder")
+    for line in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):
+            words = line.read_bytes().split(b"\0")
+            is_other = int(line.parent.name) != records
+            if (
+                is_other
+                and b"sojourn_bags.standby" in words
+                and any(str(stack.run_dir).encode() in word for word in words)
+            ):
+                return int(line.parent.name)
+    return 0
+
+
+def test_a_killed_recorder_leaves_a_bag_that_opens_and_its_successor_was_there(stack: Stack) -> None:
+    """Twice: after the first death another one waits."""
+
+    def holds_some(bag: Path) -> bool:
+        with contextlib.suppress(BagsError):
+            return len(read_bag(bag)["/truth/odom"]) > 10
+        return False
+
+    bags = [stack.run_dir / name for name in ("bag", "bag_2", "bag_3")]
+    for bag in bags[:2]:
+        stack.program.wait_until(lambda _: standby_of(stack) > 0, "a recorder waits")
+        stack.program.wait_until(lambda _, bag=bag: holds_some(bag), "there is something to lose")
+        waits, killed = standby_of(stack), stack.program.process_of("recorder")
+        os.kill(killed, signal.SIGKILL)
+        words = f"recorder (process {killed}) was killed by SIGKILL: started again as process {waits}"
+        stack.program.wait_until(lambda text, words=words: words in text, "it takes over")
+        assert not read_bag(bag).whole
+    stack.program.wait_until(lambda _: holds_some(bags[2]), "the last one has its own bag")
+    stack.program.end()
+    assert not standby_of(stack)
+    assert read_bag(bags[2]).whole

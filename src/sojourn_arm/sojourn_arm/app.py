@@ -198,6 +198,6 @@ def _granted(switches: Any, loads: Sequence[str], before: float) -> float:
 def _messages(state: ArmAppState, stamp: int) -> Iterator[tuple[str, Any]]:
     if is_due(topic(STATUS), stamp // stamps.CONTROL_PERIOD_NS):
         values = state.goal.status(state.output) | state.base
-        level = 1 if values["state"] in ("refused", "failed") else 0
+        level = 1 if values["state"] in ("refused", "failed") or "failed_joints" in values else 0
         yield STATUS, status_message(stamp, "arm", values, values["reason"] or values["state"], level)
     yield "/arm_command", state.command.message(stamp)

@@ -100,6 +100,7 @@ class LastGoal:
                 "goals_refused": str(self.goals_refused),
             }
             | task_fields(self.report)
+            | ({"failed_joints": output.failed_joints} if output.failed_joints else {})
         )
 
 

@@ -129,6 +129,17 @@ class Completeness:
         }
 
 
+def published_by(record: Mapping[str, str]) -> dict[str, int | None] | None:
+    """Messages published, by topic, as the record of a bag has them (None where nobody counted); None where it cannot
+    be read: nothing in a file guards a metadata record.
+    """
+    try:
+        counts = {str(name): count["published"] for name, count in json.loads(record.get("topics", "{}")).items()}
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return None
+    return counts if all(count is None or type(count) is int for count in counts.values()) else None
+
+
 def account(
     rows: Iterable[Topic],
     recorded: Mapping[str, int],

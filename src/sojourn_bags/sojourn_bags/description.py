@@ -171,4 +171,7 @@ def _machine_of(resolved: dict[str, Any]) -> MachineConfig:
 def _urdf_of(bag: Bag, files: dict[str, str]) -> str:
     if COMPOSED_NAME in bag.attachments:
         return bag.attachments[COMPOSED_NAME].decode()
-    return next(text for name, text in files.items() if name.endswith(".urdf"))
+    found = [text for name, text in files.items() if name.endswith(".urdf")]
+    if len(found) > 1:  # of the machine and of what it carries, each alone: what they make together is lost
+        raise KeyError(COMPOSED_NAME)
+    return next(iter(found))

@@ -40,6 +40,8 @@ PACKAGES = (
     "mcap",
     "rosbags",
 )
+_NEEDED = {"lockstep", "participants"}
+"""Keys without which a bag does not say how its run was."""
 
 
 def attachments(scenario: LoadedScenario) -> list[Attachment]:
@@ -54,10 +56,11 @@ def run_attachment(run: Mapping[str, str]) -> Attachment:
 
 def run_of(bag: Bag) -> dict[str, str]:
     """Who took part in the run of a bag and how. Raises IncompleteConfigError where the bag does not say."""
-    if RUN_RECORD in bag.records:
+    if bag.records.get(RUN_RECORD, {}).keys() >= _NEEDED:
         return dict(bag.records[RUN_RECORD])
     try:
-        return {str(key): str(value) for key, value in json.loads(bag.attachments[RUN_NAME]).items()}
+        found = {str(key): str(value) for key, value in json.loads(bag.attachments[RUN_NAME]).items()}
+        return {**found, **{key: found[key] for key in _NEEDED}}
     except (KeyError, ValueError, AttributeError) as error:
         raise IncompleteConfigError(f"{bag.path} does not say which roles took part in its run") from error
 

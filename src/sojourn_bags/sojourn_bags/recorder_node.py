@@ -7,7 +7,7 @@ what comes. Besides it shows the machine to viewers, see `live_model`.
 
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from sojourn_bags.onset import TICK, TICK_PERIODS, RecordBeginning, counted_by
 from sojourn_bags.recorded_run import RecordedRun
 from sojourn_bags.recording import CLOCK, Recording
 from sojourn_config.errors import ConfigError
+from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_contract import process, stamps
 from sojourn_contract.codecs import encode
 from sojourn_contract.decoding import stamp_of
@@ -40,7 +41,7 @@ class RecorderNode(ContractNode):
 
     Args:
         context, overrides, namespace: as of every node. beginning: of a record which begins within a run; None: as the
-            parameter says.
+            parameter says. loaded: the scenario, where it has been read.
 
     Raises BagsError at the start if the bag cannot be written, ConfigError if the scenario is wrong, CheckpointError if
     the file is none of a beginning.
@@ -53,8 +54,10 @@ class RecorderNode(ContractNode):
         overrides: Mapping[str, Any] | None = None,
         namespace: str | None = None,
         beginning: RecordBeginning | None = None,
+        loaded: LoadedScenario | None = None,
     ) -> None:
         self._recording: Recording | None = None
+        self._loaded = loaded
         super().__init__("recorder", context=context, overrides=overrides, namespace=namespace)
         file = str(self.declare_parameter("beginning", "").value)
         begin = beginning or (_read_beginning(Path(file)) if file else RecordBeginning())
@@ -75,6 +78,10 @@ class RecorderNode(ContractNode):
         for name, message in begin.ahead:
             if name in heard:
                 self.hear(heard[name], message)
+
+    def read_scenario(self, name: str, overrides: Sequence[str]) -> LoadedScenario:
+        """See ContractNode."""
+        return load_scenario(name, overrides) if self._loaded is None else self._loaded
 
     def poll(self) -> None:
         """Wall-clock chores: readiness, a word when stalled, and the flush of each second."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_bags.afloat import base_motion
-from sojourn_bags.completeness import FOREIGN, RECORD
+from sojourn_bags.completeness import FOREIGN, RECORD, published_by
 from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import Run
 from sojourn_bags.detection import judge_faults, sentence
@@ -67,6 +67,7 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     charge = charges(bag)
     faults = judge_faults(bag, run.scenario.faults)
     complete = bag.whole and bag.records.get(RECORD, {}).get("complete") == "true"
+    complete = complete and published_by(bag.records[RECORD]) is not None
     distance = distance_driven(bag) if upright else None
     base = base_motion(bag, machine) if floats and machine is not None else None
     all_met = all(result.met for result in results) and not not_sent and not rolled_over
@@ -168,11 +169,11 @@ def max_sinkage(bag: Bag, supports: int) -> float | None:
 
 def messages(bag: Bag) -> dict[str, dict[str, int | None]]:
     """Messages published and recorded, by topic. Published is None where nobody counted."""
-    counted = json.loads(bag.records.get(RECORD, {}).get("topics", "{}"))
+    counted = published_by(bag.records.get(RECORD, {})) or {}
     names = [*counted, *(name for name in bag.topics if name not in counted and name != TRANSFORMS_TOPIC)]
     return {
         name: {
-            "published": counted.get(name, {}).get("published"),
+            "published": counted.get(name),
             "recorded": len(bag[name]) if name in bag else 0,
         }
         for name in names

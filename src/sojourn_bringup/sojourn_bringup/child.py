@@ -44,10 +44,12 @@ class Child:
 
     Args:
         role: row of the process table. command: program and arguments. environment: all of its variables.
-        log: file that takes what it prints; an earlier attempt's text is kept.
+        log: file that takes what it prints; an earlier attempt's text is kept. hears: it waits for a line, see `tell`.
     """
 
-    def __init__(self, role: str, command: list[str], environment: Mapping[str, str], log: Path) -> None:
+    def __init__(
+        self, role: str, command: list[str], environment: Mapping[str, str], log: Path, hears: bool = False
+    ) -> None:
         self.role = role
         self.log = log
         self.started_at = time.monotonic()
@@ -56,7 +58,7 @@ class Child:
             self._process = subprocess.Popen(
                 wrapper + command,
                 env=dict(environment),
-                stdin=subprocess.DEVNULL,
+                stdin=subprocess.PIPE if hears else subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 process_group=0,
@@ -85,6 +87,18 @@ class Child:
         """Send a signal to it and to whatever it has started."""
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(self.pid, number)
+
+    def tell(self) -> bool:
+        """Give it the line for which it waits; whether it could be told."""
+        pipe = self._process.stdin
+        if pipe is None:
+            return False
+        try:
+            with pipe:
+                pipe.write(b"begin\n")
+        except OSError:  # it has ended
+            return False
+        return True
 
     def wait(self, seconds: float) -> bool:
         """Wait for its end; whether it has ended."""

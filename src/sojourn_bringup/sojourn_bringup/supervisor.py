@@ -20,6 +20,8 @@ from sojourn_bringup.process_table import process
 from sojourn_bringup.run_folder import FolderWatch
 from sojourn_bringup.screen import Screen
 from sojourn_bringup.shadows import Shadows
+from sojourn_bringup.standby import ROLE as RECORDER
+from sojourn_bringup.standby import Standby
 from sojourn_config.ros_environment import ros_variables
 from sojourn_contract.heartbeat import ENDED
 from sojourn_contract.stamps import NANOSECONDS, seconds
@@ -52,6 +54,7 @@ class Supervisor:
         self._ros = {**ros_variables(plan.domain, plan.on_network), **(security or {})}
         self._deaths: dict[str, deque[float]] = {role: deque() for role in plan.started}
         self.shadows = Shadows(plan, screen, self._ros)
+        self._standby = Standby(plan, self._ros)
         self.stopwatch = RunStopwatch()
         self._logs = plan.run_dir / "logs"
         self._folder = FolderWatch(plan.run_dir)
@@ -108,11 +111,21 @@ class Supervisor:
         )
         self.nodes[role].pid = self.children[role].pid
 
+    def _start_again(self, role: str) -> None:
+        """In real time; of the recorder the one that waits."""
+        child = self._standby.take() if role == RECORDER else None
+        if child is None:
+            self._start(role)
+        else:
+            self.children[role], self.nodes[role].pid = child, child.pid
+
     def _watch(self, stop: StopFlag) -> Outcome:
         """Until the run has ended, failed or been interrupted."""
         started_at = time.monotonic()
         while not stop.is_set:
             self._look(LOOK_S)
+            if self._monitor.progress.stamp and RECORDER in self.nodes:
+                self._standby.prepare(self.nodes[RECORDER].restarts + 1)
             outcome = self._ended() or self._folder_gone() or self._checkpoints_failed() or self._failed()
             if outcome is not None:
                 return outcome
@@ -190,7 +203,7 @@ class Supervisor:
             if not process(role).restartable or self._restarts_too_often(role):
                 return self._outcome(FAILED, f"{words}, and is not started again")
             node.begin_again()
-            self._start(role)
+            self._start_again(role)
             self.screen.say(f"{words}: started again as process {node.pid}")
         return None
 
@@ -214,6 +227,7 @@ class Supervisor:
 
     def _stop_all(self, stop: StopFlag) -> None:
         """The plant first, the recorder last; a second Ctrl-C kills at once."""
+        self._standby.end()
         for roles in (("plant",), set(self.children) - {"plant", "recorder"}, ("recorder",)):
             self._stop([child for role, child in self.children.items() if role in roles], stop)
 

@@ -21,6 +21,8 @@ MOST_DIGITS = 18
 """Of a count: more are refused before Python, which takes long over them, sees them."""
 WAITING_FOR = "waiting for role"
 """Key of a heartbeat: the role whose message the node waits for in lock-step, before and during the run."""
+MATCHED = "matched"
+"""Key of a heartbeat of a node that is stalled in real time: it is connected with all others, and could begin."""
 
 
 @dataclass

@@ -26,6 +26,7 @@ from sojourn_contract.events import EventQueue, parse_tick
 from sojourn_contract.heard import Acted, Hearing
 from sojourn_contract.heartbeat import (
     ENDED,
+    MATCHED,
     READY,
     RUNNING,
     STALLED,
@@ -113,9 +114,8 @@ class ContractNode(Node):
         self.goes_on_from = 0
         """Of a run that goes on: the same, of the run before."""
         self.awaited = awaited_inputs(role, self.participants, self.table)
-        self.barrier: Barrier[Any] = Barrier(
-            self.awaited, every_period, self.table.longest_leap if self.lockstep else 0
-        )
+        longest_leap = self.table.longest_leap if self.lockstep else 0
+        self.barrier: Barrier[Any] = Barrier(self.awaited, every_period, longest_leap)
         self._awaited_by_name = {row.name: row for row in self.awaited}
         self._trigger = trigger_of(self.awaited)
         self._last_progress = self._heard_trigger = time.monotonic()
@@ -335,8 +335,8 @@ class ContractNode(Node):
         self.on_new_time()
 
     def _bear_silence(self, now: float) -> None:
-        """In real time, where the trigger stays away: say once a second for whom it waits, and act without where that
-        is wanted, at the whole seconds, so that the status tells of it.
+        """In real time, where the trigger stays away: say once a second for whom it waits, and act if that is wanted,
+        at whole seconds. One that a stranger's clock has set off before the run says that it could begin.
         """
         silent = now - self._heard_trigger
         if self.finished or not self._trigger or silent < SILENCE_S or now - self._complained < SILENCE_S:
@@ -345,8 +345,8 @@ class ContractNode(Node):
         stamp = (self.latest.timeline.now + int(silent * stamps.NANOSECONDS)) // stamps.NANOSECONDS * stamps.NANOSECONDS
         if self.acts_in_silence and silent > LOST_S and stamp > self.now:
             self.act(stamp, self.latest.at(stamp))
-        whom = self.table.topic(self._trigger).publisher
-        self._send_heartbeat(STALLED, self.now, f"waiting for {self._trigger} from {whom}", {WAITING_FOR: whom})
+        whom, met = self.table.topic(self._trigger).publisher, {} if self.unmatched() else {MATCHED: "yes"}
+        self._send_heartbeat(STALLED, self.now, f"waiting for {self._trigger} from {whom}", {WAITING_FOR: whom} | met)
 
     def _advance(self) -> None:
         """Act on every period whose inputs are in."""

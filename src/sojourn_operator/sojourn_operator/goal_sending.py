@@ -13,6 +13,7 @@ from sojourn_contract.fault_messages import FaultEvent
 from sojourn_contract.heartbeat import Heartbeat, read_heartbeats, status_values
 from sojourn_contract.link_topics import CANCEL, COMMANDS, on_earth
 from sojourn_contract.stamps import NANOSECONDS, seconds
+from sojourn_contract.topic_table import CLOCK
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, topic
 from sojourn_contract.values import Clock, DiagnosticArray, Header, Message
@@ -63,6 +64,10 @@ class NoStackError(CommandError):
     """Nobody answers."""
 
 
+class TwoClocksError(CommandError):
+    """More than one node tells the simulation time."""
+
+
 class GoalClient(Desk):
     """Talks to a running stack. A context manager.
 
@@ -84,7 +89,7 @@ class GoalClient(Desk):
 
     def __enter__(self) -> Self:
         super().__enter__()
-        self._clock = self.listen(topic("/clock"), self._on_clock, lockstep=False)
+        self._clock = self.listen(topic(CLOCK), self._on_clock, lockstep=False)
         self._readers = [self.listen(topic(name), self._keep(who)) for who, name in STATUS_TOPICS.items()]
         self._readers.append(self.listen(topic("/diagnostics"), self._hear))
         self.link = LinkView(self, STATUS_TOPICS)
@@ -93,7 +98,7 @@ class GoalClient(Desk):
     def send(self, who: str, name: str, message: Message) -> int:
         """Publish a goal on a topic once its role listens, over the link where the run has one. Its stamp [ns].
 
-        Raises NoStackError if nobody listens within ANSWER_S.
+        Raises NoStackError if nobody listens within ANSWER_S, TwoClocksError if somebody else tells the time, too.
         """
         row, sender = topic(name), self.sender_to(who, topic(name))
         self.over_link = self.has_link() and name in COMMANDS
@@ -124,12 +129,27 @@ class GoalClient(Desk):
         return self.link.is_there
 
     def sender_to(self, who: str, row: Topic) -> Any:
-        """Publisher of a row, once its role listens. Raises NoStackError if it does not within ANSWER_S."""
+        """Publisher of a row, once its role listens. Raises NoStackError if it does not in ANSWER_S, TwoClocksError."""
+        sender = self._sender_to_listener(who, row)
+        self.spin(STOP_SETTLE_S)  # whoever else tells the time is found a little later than the first
+        self._refuse_two_clocks()
+        return sender
+
+    def _sender_to_listener(self, who: str, row: Topic) -> Any:
+        """As `sender_to`, whoever tells the time."""
         sender = self.sender(row)
         if not self._await(lambda: bool(self._is_heard(sender) and self.now)):
             what = "its simulation time does not run" if self._is_heard(sender) else f"nobody acts on {row.name}"
             raise NoStackError(self._nobody(who, what))
         return sender
+
+    def _refuse_two_clocks(self) -> None:
+        clocks = self.node.count_publishers(self._clock.topic_name)
+        if clocks > 1:
+            raise TwoClocksError(
+                f"{clocks} nodes publish {CLOCK} on {self.place}: what the simulation time is nobody can tell, and no "
+                "command is sent (scripts/goal stop needs none)"
+            )
 
     def halt(self) -> tuple[bool, str]:
         """Stop whoever listens, drive and arm, and wait until their statuses say that they stand.
@@ -144,7 +164,7 @@ class GoalClient(Desk):
             raise NoStackError(self._nobody("drive or arm", f"nobody acts on {' or '.join(senders)}"))
         if self.has_link():
             rows = {name: on_earth(row) for name, row in rows.items()}
-            senders = {name: self.sender_to("the link to Earth", row) for name, row in rows.items()}
+            senders = {name: self._sender_to_listener("the link to Earth", row) for name, row in rows.items()}
             for name, message in messages:
                 senders[name].publish(encode(rows[name], message))
             return self._stopped_over_link()

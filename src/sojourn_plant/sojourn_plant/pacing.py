@@ -21,6 +21,7 @@ from sojourn_contract.role_state import RoleAtCheckpoint
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import Header, Message
+from sojourn_plant.asking import AskingLimit
 from sojourn_plant.checkpoints import AskingKeeper
 from sojourn_plant.roster import Roster
 
@@ -71,6 +72,7 @@ class PacingNode(AppNode):
         self._waiting_since = math.inf
         """Wall time since which the others are waited for: from the first look at them, as plants take long to make."""
         self._timer: Any = None
+        self._asking_limit = AskingLimit()
         self.keeper: Keeper | None = None
         """None: nobody keeps anything."""
         self.first_words: Sequence[tuple[str, Message]] | None = None
@@ -133,11 +135,10 @@ class PacingNode(AppNode):
         """What is asked of the keeper is none of the app's goals: a run is the same whether or not it is kept."""
         try:
             self._content(CHECKPOINT, data)
+            if self.keeper is not None and self._asking_limit.is_new(self.now, self.keeper.answered):
+                self.keeper.ask()
         except RefusedMessageError as refusal:
             self.refuse(CHECKPOINT.name, refusal)
-            return
-        if self.keeper is not None:
-            self.keeper.ask()
 
     def _goals_are_in(self) -> bool:
         return super()._goals_are_in() and (self.keeper is None or self.keeper.may_act(self.barrier.stamp))

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 from sojourn_contract.checkpoint_topic import RESUMED
 from sojourn_contract.errors import NotReadyError
-from sojourn_contract.heartbeat import READY, WAITING_FOR, WAITING_TO_MATCH, Heartbeat
+from sojourn_contract.heartbeat import MATCHED, READY, STALLED, WAITING_FOR, WAITING_TO_MATCH, Heartbeat
 
 RECORDER = "recorder"
 """It has no state from which it could go on."""
@@ -36,7 +36,8 @@ class Roster:
         for beat in beats:
             self.heard[beat.role] = beat
             self._heard_at[beat.role] = time.monotonic()
-            if beat.state == READY and self._goes_on(beat):
+            could_begin = beat.state == STALLED and MATCHED in beat.values  # a stranger has spoken before the run
+            if (beat.state == READY or could_begin) and self._goes_on(beat):
                 self._ready.add(beat.role)
             elif beat.state == WAITING_TO_MATCH:
                 self._ready.discard(beat.role)

@@ -127,6 +127,7 @@ def touched(params: ContactParams, model: ArmModel, tip: TipPose, known: Before,
             return f"the tool pressed with {force:.0f} N (at most {params.force:g} N is allowed)"
     if felt.torque is not None:
         beyond = np.abs(felt.torque) - known.torque - params.force * levers(model, tip) - _unknown(params, model)
+        beyond[list(model.held)] = -np.inf  # what a joint that does not move holds is no contact
         worst = int(np.argmax(beyond))
         if beyond[worst] > 0.0:
             unit = model.effort_unit(worst)
@@ -140,6 +141,7 @@ def yielding_rates(params: ContactParams, model: ArmModel, tip: TipPose, felt: F
     torque = np.zeros(count)
     if felt.torque is not None:
         torque = _beyond(felt.torque, _unknown(params, model))
+        torque[list(model.held)] = 0.0
     if felt.force is not None:
         size = length(felt.force)
         share = max(1.0 - params.released_force / size, 0.0) if size > 0.0 else 0.0

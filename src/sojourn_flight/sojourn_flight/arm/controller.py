@@ -17,6 +17,7 @@ follows the position and velocity given here and adds the effort.
 - A pause brings the motion to rest on its path, and resuming goes on from there (pace.py). Where less power is granted
   than the motion would draw, it is planned slower, or run slower from where it is.
 - A task may give the reference itself (`guide`): the arm then follows it and plans nothing.
+- A joint that does not move is found as dead_joints.py says; what follows is planned with it where it is.
 - Trim: at rest the position sent is reference + trim, with  d trim/dt = rate (reference - measured),
   limited in rate and size, and left alone within the deadband. It takes out what gravity model errors and
   friction leave to a PD servo. It is frozen in motion. The first step holds the measured position.
@@ -29,6 +30,16 @@ import math
 import numpy as np
 
 from sojourn_flight.arm.collision import check_posture
+from sojourn_flight.arm.dead_joints import (
+    arm_without,
+    known_dead,
+    refuse_run_away,
+    run_away,
+    stands_still,
+    tried_again,
+    with_words,
+    words,
+)
 from sojourn_flight.arm.deflection import joint_positions, motor_positions
 from sojourn_flight.arm.dynamics import rigid_effort
 from sojourn_flight.arm.feedforward import feedforward_effort
@@ -100,6 +111,9 @@ def step(
         InvalidValueError: a measurement or the gravity vector of wrong length or not finite.
     """
     _check_input(model, inputs, dt)
+    if state.dead:
+        state = _with_another_try(model, state, inputs)
+        model = arm_without(model, state.dead)
     positions = joint_positions(params, model, inputs.positions, inputs.gravity_in_base)
     if positions is not inputs.positions:
         inputs = replace(inputs, positions=positions)
@@ -118,7 +132,19 @@ def step(
     else:
         state = _advance(params, model, state, inputs, dt)
         events = (*events, *_ended(before, state))
+    if inputs.feels and inputs.allowed and isinstance(state.phase, Holding | Settling):
+        off = np.abs(state.reference.position + state.trim - inputs.positions)
+        dead = run_away(params, model, state.dead, off, inputs.positions)
+        state = state if dead is state.dead else replace(state, dead=dead)
     return state, _output(params, model, state, inputs, events)
+
+
+def _with_another_try(model: ArmModel, state: ArmState, inputs: ArmInput) -> ArmState:
+    """Without the dead joint that a goal tries again: the arm, at rest, begins where it is."""
+    dead = tried_again(state.dead, inputs.goal)
+    if len(dead) == len(state.dead) or not inputs.allowed or is_busy(state.phase):
+        return state
+    return _hold(model, replace(state, dead=dead), inputs.positions, "stopped", "")
 
 
 def _ended(before: ArmState, after: ArmState) -> tuple[GoalEvent, ...]:
@@ -196,15 +222,18 @@ def _take_goal(
             return pause(state), ACCEPTED
         if isinstance(goal, ResumeGoal):
             return resume(state), ACCEPTED
+        refuse_run_away(state.dead)
         departure = Departure(state.reference, state.target.joints, state.way_out)
         granted = with_granted_power(params, inputs.granted)
         plan = plan_goal(granted, model, goal, departure, inputs.ground, inputs.gravity_in_base)
     except GoalRefusedError as error:
+        why = with_words(str(error), state.dead)
         if is_busy(state.phase):
-            state = replace(state, reason=f"new goal refused: {error}")
+            state = replace(state, reason=f"new goal refused: {why}")
         else:
-            state = replace(state, phase=Holding("refused"), part_done=0.0, reason=str(error))
+            state = replace(state, phase=Holding("refused"), part_done=0.0, reason=why)
         return state, GoalEvent("refused", state.reason)
+    plan = replace(plan, note=with_words(plan.note, state.dead))
     return _start(replace(state, granted=inputs.granted), plan), ACCEPTED
 
 
@@ -234,6 +263,10 @@ def _go_on(
     worst = int(np.argmax(behind))
     if behind[worst] > params.following_error_limit:
         state, stopping = _yield(params, model, state, inputs, worst, float(behind[worst]))
+        if inputs.feels and stands_still(params, model, behind, inputs.velocities):
+            at = float(state.target.joints[worst])
+            dead = known_dead(state.dead, model, worst, at, True)
+            state = replace(state, dead=dead, reason=f"{state.reason}; {words(dead)}")
         return _go_on_stopping(state, stopping, dt)
     path = moving.plan.path
     if not runs_as_planned(moving):
@@ -344,4 +377,5 @@ def _output(
         goal_error=float(np.sqrt(offset @ offset)),
         joint_error=float(np.max(np.abs(inputs.positions - state.target.joints))),
         events=events,
+        failed_joints=words(state.dead),
     )

@@ -20,6 +20,9 @@ from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
+HELD_WITHIN = 0.02
+"""Of a joint that does not move: so near to where it is any goal has it there [rad or m]."""
+
 
 @dataclass(frozen=True, slots=True)
 class JointGoal:
@@ -194,8 +197,17 @@ def trajectory_target(
 
 
 def check_position_limits(model: ArmModel, values: FloatArray, columns: list[int], what: str) -> None:
-    """Refuse joint positions out of the URDF's limits (a rounding excess of 1e-6 is let pass)."""
+    """Refuse joint positions out of the URDF's limits (a rounding excess of 1e-6 is let pass), or elsewhere than where
+    a joint is that does not move.
+    """
     for value, column in zip(values, columns, strict=True):
+        if column in model.held:
+            here = model.lower[column]
+            if not abs(value - here) <= HELD_WITHIN:
+                raise GoalRefusedError(
+                    f"{what}: {model.joint_names[column]} = {value:.4f} {model.unit(column)}, but it is at {here:.4f}"
+                )
+            continue
         if not model.lower[column] - 1e-6 <= value <= model.upper[column] + 1e-6:
             raise GoalRefusedError(
                 f"{what}: {model.joint_names[column]} = {value:.4f} is out of its limits "

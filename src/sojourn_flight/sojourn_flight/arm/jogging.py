@@ -97,8 +97,8 @@ def begin_jog(
     turn, task = np.array(command.angular), _task(params, model, command)
     if np.any(turn) and task == POSITION:
         raise GoalRefusedError("angular velocity: this arm can be told the place of its tip alone: allowed is zero")
-    if np.any(turn) and task == POSE and model.joint_count < 6 and not _can_turn(params, model, command, posture):
-        raise GoalRefusedError(f"angular velocity: {model.joint_count} joints cannot turn the tool like that")
+    if np.any(turn) and task == POSE and model.moving_count < 6 and not _can_turn(params, model, command, posture):
+        raise GoalRefusedError(f"angular velocity: {model.moving_count} joints cannot turn the tool like that")
     if task == POINTING:
         tip = forward_kinematics(model, posture)
         tool = np.array(params.tool_axis) if command.of_tool else tip.tool_direction
@@ -184,7 +184,7 @@ def _can_turn(params: JoggingParams, model: ArmModel, command: JogCommand, posit
 def _least_singular_value(params: JoggingParams, model: ArmModel, command: JogCommand, positions: FloatArray) -> float:
     """Of the matrix [m], leaving out those that are always zero."""
     task = _task(params, model, command)
-    rank = min(3 if task == POSITION else 5 if task == POINTING else 6, model.joint_count)
+    rank = min(3 if task == POSITION else 5 if task == POINTING else 6, model.moving_count)
     return float(np.linalg.svd(_task_matrix(params, model, command, positions), compute_uv=False)[rank - 1])
 
 

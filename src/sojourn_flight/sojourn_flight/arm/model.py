@@ -57,19 +57,26 @@ class ArmModel:
     pair_reach: FloatArray  # (pairs, n) bound of the relative speed of a pair's points per joint rate [m/rad]
     shape_reach: FloatArray  # (arm_shapes, n) the same for each arm shape in base_link
     surface: SurfacePoints  # of the arm_shapes
+    turns: tuple[bool, ...]  # whether each joint turns, or slides; also of one that is held
+    held: tuple[int, ...] = ()  # joints that stay where they are: their limits, both
 
     @property
     def joint_count(self) -> int:
         """Number of joints [-]."""
         return len(self.joint_names)
 
+    @property
+    def moving_count(self) -> int:
+        """Number of joints that are not held [-]."""
+        return len(self.joint_names) - len(self.held)
+
     def unit(self, joint: int) -> str:
         """Of a joint's position, for texts."""
-        return "rad" if self.chain.revolute[joint] > 0.5 else "m"
+        return "rad" if self.turns[joint] else "m"
 
     def effort_unit(self, joint: int) -> str:
         """Of a joint's effort, for texts."""
-        return "N m" if self.chain.revolute[joint] > 0.5 else "N"
+        return "N m" if self.turns[joint] else "N"
 
 
 def reach_from_base(model: ArmModel) -> float:
@@ -141,6 +148,7 @@ def build_arm_model(urdf_xml: str, params: ArmParams) -> ArmModel:
         arm_shapes=moving,
         surface=surface_points(objects, tuple(index for index, _ in moving)),
         pair_reach=_pair_reach(shapes, reach),
+        turns=tuple(bool(flag > 0.5) for flag in chain.revolute),
         shape_reach=np.array([reach[i] for i, g in enumerate(objects) if g.parentJoint > 0]).reshape(-1, len(reach.T)),
     )
     _check_limits(arm, params, np.array(model.upperVelocityLimit))

@@ -29,6 +29,7 @@ from sojourn_flight.arm.goals import (
     PoseGoal,
     StopGoal,
     TrajectoryGoal,
+    check_position_limits,
     joint_target,
     pose_target,
     trajectory_target,
@@ -169,7 +170,9 @@ def _plan(
     elif isinstance(goal, NamedGoal):
         if goal.name not in params.named_poses:
             raise GoalRefusedError(f"unknown pose '{goal.name}': there are {', '.join(sorted(params.named_poses))}")
-        target = np.array(params.named_poses[goal.name])
+        named = np.array(params.named_poses[goal.name])
+        check_position_limits(model, named, list(range(model.joint_count)), f"pose '{goal.name}'")
+        target = np.clip(named, model.lower, model.upper)
     else:
         path = stop(model, departure.reference)
         end = path.sample(path.duration)[0]

@@ -42,7 +42,8 @@ class Sphere:
 def joint_centring(arm: ChainArm) -> Measure:
     """Minus the mean square of the joints' distance from mid-range, in half ranges: 0 in the middle, -1 at limits."""
     middle, half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
-    return lambda q: -float(np.mean(((q - middle) / half) ** 2))
+    ranges = np.where(half > 0.0, half, 1.0)  # of a joint that does not move there is no middle to be off
+    return lambda q: -float(np.mean(((q - middle) / ranges) ** 2))
 
 
 def manipulability_measure(arm: ChainArm) -> Measure:

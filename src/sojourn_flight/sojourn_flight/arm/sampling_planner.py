@@ -19,6 +19,7 @@ import numpy as np
 from sojourn_flight.arm.collision import check_posture, check_samples, refined
 from sojourn_flight.arm.law_params import WayParams
 from sojourn_flight.arm.model import ArmModel
+from sojourn_flight.arm.param_groups import NamedPoseParams
 from sojourn_flight.arm.relief import Ground
 from sojourn_machine.params import FloatArray
 
@@ -32,6 +33,12 @@ MARGINS = (0.003, 0.0)
 SHORTCUTS = 40
 _SHORTER = 0.98
 """A shortcut is taken where it takes less than this share of the time [-]."""
+
+
+def via_pose(params: NamedPoseParams, model: ArmModel, name: str) -> FloatArray:
+    """Joint positions (n,) of a named pose to go by way of; a joint that does not move stays where it is."""
+    named = np.array(params.named_poses[name])
+    return np.asarray(np.minimum(np.maximum(named, model.lower), model.upper), dtype=np.float64)
 
 
 @dataclass(slots=True)
@@ -96,7 +103,7 @@ class SamplingPlanner:
             return self._cut(self._joined(trees, 0, met))
         for name in self._params.via_poses:  # good places to come from, which a random posture seldom hits
             for tree in trees:
-                self._connect(tree, np.array(self._params.named_poses[name]))
+                self._connect(tree, via_pose(self._params, model, name))
         span = model.upper - model.lower
         while self.checked < MOST_POSTURES:
             drawn = model.lower + self._generator.random(model.joint_count) * span

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sojourn_flight.arm.dead_joints import DeadJoint
 from sojourn_flight.arm.goal_events import GoalEvent
 from sojourn_flight.arm.goals import ArmGoal
 from sojourn_flight.arm.params import ArmParams
@@ -39,6 +40,7 @@ class ArmInput:
     not_allowed_reason: str = ""
     ground: Ground | None = None
     granted: Granted = EVERYTHING
+    feels: bool = False  # what touches a link is felt, and ends a motion: a joint that stays behind is not blocked
     guide: TipMotion | None = None  # reference that a task gives for this period, in place of a planned motion
 
 
@@ -70,6 +72,8 @@ class ArmState:
     """In the last period."""
     granted: Granted = EVERYTHING
     """In the last period."""
+    dead: tuple[DeadJoint, ...] = ()
+    """Joints that do not do as they are told."""
 
     @property
     def started(self) -> bool:
@@ -117,6 +121,8 @@ class ArmOutput:
     joint_error: float  # largest difference of a measured joint from its target [rad or m]
     events: tuple[GoalEvent, ...] = ()
     """What became of goals in this period."""
+    failed_joints: str = ""
+    """Those that do not do as they are told, in words."""
 
 
 def initial_state(params: ArmParams) -> ArmState:

@@ -96,9 +96,9 @@ def timed_path(params: TipPlanParams, model: ArmModel, path: CheckedPath) -> Pla
 
 def task_of(params: PoseGoalParams, model: ArmModel, turning: bool) -> int:
     """What a motion of the tip asks of this arm: POSE, POINTING or POSITION; `turning`: a turn is asked for."""
-    if model.joint_count > 5 or (turning and params.goal_orientation == "full"):
+    if model.moving_count > 5 or (turning and params.goal_orientation == "full"):
         return POSE
-    return POINTING if model.joint_count == 5 else POSITION
+    return POINTING if model.moving_count == 5 else POSITION
 
 
 def _legs(params: PoseGoalParams, goal: PathGoal, tip: TipPose) -> list[TipPath]:

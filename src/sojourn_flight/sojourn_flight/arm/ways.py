@@ -21,7 +21,7 @@ from sojourn_flight.arm.motion_load import slower
 from sojourn_flight.arm.param_groups import NamedPoseParams
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground
-from sojourn_flight.arm.sampling_planner import MARGINS, Detours
+from sojourn_flight.arm.sampling_planner import MARGINS, Detours, via_pose
 from sojourn_flight.arm.trajectory import JointReference, TrajectoryError, at_rest, point_to_point, stop
 from sojourn_machine.params import FloatArray
 
@@ -57,7 +57,11 @@ class Departure:
 
 
 def _ways(
-    params: NamedPoseParams, target: FloatArray, approach: FloatArray | None, retreat: FloatArray | None
+    params: NamedPoseParams,
+    model: ArmModel,
+    target: FloatArray,
+    approach: FloatArray | None,
+    retreat: FloatArray | None,
 ) -> Iterator[tuple[list[FloatArray], str]]:
     """Corner postures of each way to a target, the target last, and a note for the operator."""
     tail = [target] if approach is None else [approach, target]
@@ -66,7 +70,7 @@ def _ways(
         yield [*head, *tail], ""
         for name in params.via_poses:
             yield (
-                [*head, np.array(params.named_poses[name]), *tail],
+                [*head, via_pose(params, model, name), *tail],
                 f"by way of '{name}', the direct way collides",
             )
 
@@ -164,7 +168,7 @@ def _first_way(
 ) -> Plan:
     """The first way to one of `ends` that keeps limits and collides with nothing."""
     reason = ""
-    candidates = [(end, way) for end in ends for way in _ways(params, *end, departure.retreat)]
+    candidates = [(end, way) for end in ends for way in _ways(params, model, *end, departure.retreat)]
     # Direct ways to every posture come before detours to any.
     candidates.sort(key=lambda candidate: bool(candidate[1][1]))
     for (_, approach), (corners, note) in candidates[: params.planning_attempts]:

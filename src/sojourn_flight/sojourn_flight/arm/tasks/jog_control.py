@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from sojourn_flight.arm.dead_joints import refuse_run_away, with_words
 from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent
 from sojourn_flight.arm.jogging import JogCommand, Surroundings, begin_jog, jog_on
 from sojourn_flight.arm.model import ArmModel
@@ -37,13 +38,14 @@ def take_jog(
             raise GoalRefusedError(f"not allowed to move: {inputs.arm.not_allowed_reason or 'no reason given'}")
         if isinstance(task, Relaxed) and not paused:
             raise GoalRefusedError(f"{task.reason}: no jog until the commands pause for {params.jog.pause:g} s")
+        refuse_run_away(state.arm.dead)
         posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
         jogging = begin_jog(params, model, command, posture, inputs.arm.ground)
     except GoalRefusedError as error:
         if isinstance(before, Jog):
             still = replace(before.jogging, command=JogCommand((0.0,) * 3, (0.0,) * 3))
             state = replace(state, activity=replace(before, jogging=still))
-        return state, GoalEvent("refused", str(error))
+        return state, GoalEvent("refused", with_words(str(error), state.arm.dead))
     if isinstance(before, Jog):
         jogging = replace(jogging, share=before.jogging.share, near=jogging.near and before.jogging.near)
     motion = motion_of(before)

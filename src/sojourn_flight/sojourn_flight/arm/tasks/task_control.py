@@ -32,6 +32,7 @@ from sojourn_flight.arm.contact_guard import (
     touched,
     yielding_rates,
 )
+from sojourn_flight.arm.dead_joints import arm_without, refuse_run_away, with_words
 from sojourn_flight.arm.deflection import joint_positions
 from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent, was
 from sojourn_flight.arm.goals import ArmGoal, PauseGoal, PoseGoal, ResumeGoal, StopGoal
@@ -90,6 +91,7 @@ def step(
         InvalidValueError: a measurement of wrong length or not finite.
     """
     check_wrench(inputs.wrench)
+    whole, model = model, arm_without(model, state.arm.dead)
     observer = _observe(params, model, state.observer, inputs, dt)
     state = replace(state, observer=observer, since_jog=state.since_jog + dt)
     if _is_watched(state):
@@ -105,9 +107,10 @@ def step(
             goal = StopGoal()  # a task that moves nothing has replaced what was under way
     is_of_task = goal is not None and inputs.arm.goal is None and not isinstance(goal, PauseGoal | ResumeGoal)
     asked = inputs.arm
-    if goal is not asked.goal or state.motion is not asked.guide:
-        asked = replace(asked, goal=goal, guide=state.motion)
-    arm, output = controller.step(params, model, state.arm, asked, dt)
+    feels = inputs.efforts is not None
+    if goal is not asked.goal or state.motion is not asked.guide or feels != asked.feels:
+        asked = replace(asked, goal=goal, guide=state.motion, feels=feels)
+    arm, output = controller.step(params, whole, state.arm, asked, dt)
     state = state if arm is state.arm else replace(state, arm=arm)
     if is_of_task and was("refused", output.events):
         state = replace(state, activity=_given_up(name_of(state.activity), arm.reason))
@@ -160,12 +163,13 @@ def _take_task(
         under_way = _under_way(state)
         if under_way and not request.preempt:
             raise GoalRefusedError(f"{request.task}: {under_way} is under way (preempt: true would replace it)")
+        refuse_run_away(state.arm.dead)
         posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
         gravity = float(np.linalg.norm(inputs.arm.gravity_in_base))
         feels, ground = inputs.wrench is not None, inputs.arm.ground
         task = request.begin(Beginning(params, model, posture, feels, ground, state.tool, gravity))
     except GoalRefusedError as error:
-        return state, GoalEvent("refused", str(error))
+        return state, GoalEvent("refused", with_words(str(error), state.arm.dead))
     return replace(state, activity=_doing(request.task, task, Doing(), state.motion)), ACCEPTED
 
 
