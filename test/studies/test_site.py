@@ -38,6 +38,11 @@ def test_the_lunar_pole_and_a_level_of_venus(capsys: pytest.CaptureFixture[str])
     assert mild["gravity"]["gravity"] < mild["gravity"]["mean of the body, GM/R2"]
 
 
+def test_the_winds_of_a_planet_go_by_the_latitude_of_the_place(capsys: pytest.CaptureFixture[str]) -> None:
+    for latitude, expected in (("0", 400.0), ("50", "not known")):
+        assert sheet(capsys, "saturn", "--lat", latitude)["air"]["mean wind towards the east"] == expected
+
+
 def test_the_ground_of_a_place_over_a_day(capsys: pytest.CaptureFixture[str]) -> None:
     """The Moon's equator: 385 to 395 K and 90 to 100 K (Hayne et al. 2017), coldest at sunrise. At 60 deg
     of latitude colder at noon by the fourth root of the cosine and of the part of slant light that it takes in."""

@@ -148,8 +148,8 @@ def test_energy_is_conserved_whatever_is_on_the_buses(
 def balance(stores: np.ndarray, sources: np.ndarray, power: float, conductance: float, voltage: float) -> float:
     """Power that the stores and sources give at a voltage, less what the loads ask [W]."""
     given = 0.0
-    for force, resistance, _, discharges, charges in stores:
-        current = (force - voltage) / resistance
+    for force, resistance, _, discharges, charges, largest in stores:
+        current = min((force - voltage) / resistance, largest)
         given += voltage * current if (discharges if current > 0.0 else charges) else 0.0
     given += sum(min(most, current * voltage) for most, current in sources)
     return given - power - conductance * voltage**2
@@ -158,19 +158,28 @@ def balance(stores: np.ndarray, sources: np.ndarray, power: float, conductance: 
 @settings(max_examples=200, deadline=None)
 @given(
     rows=st.lists(
-        st.tuples(st.floats(5.0, 40.0), st.floats(1e-2, 1.0), st.booleans(), st.booleans()), min_size=1, max_size=4
+        st.tuples(
+            st.floats(5.0, 40.0),
+            st.floats(1e-2, 1.0),
+            st.booleans(),
+            st.booleans(),
+            st.one_of(st.just(math.inf), st.floats(0.1, 50.0)),
+        ),
+        min_size=1,
+        max_size=4,
     ),
     sources=st.lists(st.tuples(st.floats(1.0, 100.0), st.floats(0.1, 10.0)), max_size=3),
     power=st.floats(0.0, 400.0),
     conductance=st.floats(0.0, 0.5),
 )
 def test_the_voltage_is_the_highest_at_which_all_powers_balance(
-    rows: list[tuple[float, float, bool, bool]],
+    rows: list[tuple[float, float, bool, bool, float]],
     sources: list[tuple[float, float]],
     power: float,
     conductance: float,
 ) -> None:
-    stores = np.array([(40.0, 0.5, 0.0, 1.0, 1.0), *((e, r, 0.0, d, c) for e, r, d, c in rows)])
+    first = (40.0, 0.5, 0.0, 1.0, 1.0, math.inf)
+    stores = np.array([first, *((e, r, 0.0, d, c, largest) for e, r, d, c, largest in rows)])
     table = np.array(sources).reshape(-1, 2)
     voltage, got = floating_voltage(stores, table, power, conductance)
     scan = np.linspace(1e-3, 60.0, 6001)

@@ -204,7 +204,7 @@ def test_rows_that_do_not_go_up_are_refused() -> None:
 
 
 def test_wind_that_no_source_tells_of_is_not_called_calm() -> None:
-    """Over 70 km of Venus, where the table of winds ends and the air goes on at some 90 m/s, and on Saturn."""
+    """Over 70 km of Venus, where the table ends and the air goes on at some 90 m/s, and Saturn without a place."""
     venus = load_params("bodies", "venus", BodyParams)
     known = [venus.air_at(SiteParams(latitude_deg=0.0, altitude_m=h)).zonal_wind for h in (50e3, 67.5e3, 70e3)]
     assert known == pytest.approx([-60.0, -92.5, -90.0])

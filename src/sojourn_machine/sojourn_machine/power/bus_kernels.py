@@ -5,11 +5,11 @@ share the bus at voltage V:
 
     sum_k (E_k - V) / R_k + sum_i min(P_i / V, I_i) = P / V + G V
 
-A store that may not be charged or not be discharged is left out where its current would flow that way, so the left
-side is made of pieces; its edges are E_k and P_i / I_i. In each piece stores add up to one force E behind one
-resistance R, and
+A store that may not be charged or not be discharged is left out where its current would flow that way, and one that
+limits its current to M_k gives that where it would be more, so the left side is made of pieces; its edges are E_k,
+E_k - R_k M_k and P_i / I_i. In each piece stores add up to one force E behind one resistance R, and
 
-    (1 + R G) V^2 - (E - R I0) V + R (P - sum P_i) = 0,    I0 = -sum I_i
+    (1 + R G) V^2 - (E - R I0) V + R (P - sum P_i) = 0,    I0 = -sum I_i - sum M_k
 
 Its upper root is the stable operating point (Middlebrook 1976, "Input filter considerations", IEEE IAS: a load of
 constant power has a negative incremental resistance); pieces are tried from the highest voltage down. Where none has
@@ -28,7 +28,7 @@ from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 from sojourn_machine.power.loads import LoadColumns
 
-FORCE, RESISTANCE, CEILING, DISCHARGES, CHARGES = range(5)
+FORCE, RESISTANCE, CEILING, DISCHARGES, CHARGES, MOST = range(6)
 """Columns of a table of stores, as `StorePoint`."""
 POWER, CURRENT = range(2)
 """Columns of a table of sources, as `SourcePoint`."""
@@ -65,8 +65,8 @@ def solve_bus(
 
 @njit(cache=True)
 def store_current(store: FloatArray, voltage: float) -> float:
-    """Out of a store of row (5,) at a bus voltage [A]."""
-    current = (store[FORCE] - voltage) / store[RESISTANCE]
+    """Out of a store of row (6,) at a bus voltage [A]."""
+    current = min((store[FORCE] - voltage) / store[RESISTANCE], store[MOST])
     return current if (store[DISCHARGES] if current > 0.0 else store[CHARGES]) > 0.0 else 0.0
 
 
@@ -75,13 +75,17 @@ def floating_voltage(stores: FloatArray, sources: FloatArray, power: float, cond
     """Voltage [V] of a bus that nothing holds, and the constant power that its loads get, net [W].
 
     Args:
-        stores: (n, 5). sources: (m, 2), all give what they can. power: asked, net [W]. conductance: [S].
+        stores: (n, 6). sources: (m, 2), all give what they can. power: asked, net [W]. conductance: [S].
     """
-    edges = np.empty(stores.shape[0] + sources.shape[0])
+    edges = np.empty(2 * stores.shape[0] + sources.shape[0])
     count = 0
     for store in stores:
         if store[CHARGES] != store[DISCHARGES]:
             edges[count] = store[FORCE]
+            count += 1
+        limited = store[FORCE] - store[RESISTANCE] * store[MOST]
+        if limited > 0.0:
+            edges[count] = limited
             count += 1
     for source in sources:
         if source[POWER] > 0.0 and np.isfinite(source[CURRENT]):
@@ -109,19 +113,22 @@ def floating_voltage(stores: FloatArray, sources: FloatArray, power: float, cond
 
 @njit(cache=True)
 def _together(stores: FloatArray, sources: FloatArray, voltage: float) -> tuple[float, float, float, float]:
-    """Around a voltage: force [V] and resistance [ohm] of all stores, 0 without one; power [W] and current [A] of
-    the sources.
+    """Around a voltage: force [V] and resistance [ohm] of all stores that follow it, 0 without one; power [W] and
+    current [A] of the sources, to which those stores belong that limit their current.
     """
     force, resistance, conductance, short, active = 0.0, 0.0, 0.0, 0.0, 0
+    power, current = 0.0, 0.0
     for store in stores:
         if (store[DISCHARGES] if store[FORCE] > voltage else store[CHARGES]) > 0.0:
+            if store[FORCE] - voltage > store[RESISTANCE] * store[MOST]:
+                current += store[MOST]
+                continue
             active += 1
             force, resistance = store[FORCE], store[RESISTANCE]
             conductance += 1.0 / resistance
             short += force / resistance
     if active > 1:
         force, resistance = short / conductance, 1.0 / conductance
-    power, current = 0.0, 0.0
     for source in sources:
         if source[CURRENT] * voltage < source[POWER]:
             current += source[CURRENT]

@@ -4,22 +4,16 @@ The stack works at its own temperature, which it is taken to hold; a regulator g
 voltage. Equations and their sources: `polarisation`. Auxiliaries (pumps, valves) take a part of what the stack makes.
 It gives nothing once either tank is empty; what the step that empties one takes too much shows as a mass below 0.
 
-    w' = 1/t_w while it gives power, -1/t_c while not, 0 <= w <= 1        most power = (p + (1 - p) w) of that when warm
-    V = V(i) - u,    u' = r_h while it gives power,  + r_s at each start from cold
-
-Start-up: a cold stack allows the part p of its power, and all of it after t_w of running; it is cold again after t_c
-without a load. Ageing: every cell loses voltage by the hours of its running and by its starts, 1 to 10 uV/h of good
-cells in steady running (de Bruijn, Dam and Janssen 2008, "Review: durability and degradation issues of PEM fuel cell
-components", Fuel Cells 8:3); a loss that is the same at all currents is an assumption. Both are linear, and off where
-their numbers are 0. Left out: purging, and how the voltage goes with pressure.
+Start-up and ageing: `cell_condition`. Left out: purging, and how the voltage goes with pressure.
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 from pydantic import Field
 
 from sojourn_machine.evolution import replace
+from sojourn_machine.power.cell_condition import CellCondition, CellConditionParams, worn_fuel_cell
 from sojourn_machine.power.polarisation import (
     CM2,
     HYDROGEN_PER_CHARGE,
@@ -29,10 +23,6 @@ from sojourn_machine.power.polarisation import (
 )
 from sojourn_machine.power.sources import SourceParams, SourcePoint, require_step
 from sojourn_machine.power.surroundings import DARK, PowerSurroundings
-
-SECONDS_PER_HOUR = 3600.0
-WEAR_STEP = 1e-5
-"""Wear for which a curve is made anew [V]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +45,7 @@ class FuelCellState:
     """u, lost by each cell [V]."""
 
 
-class FuelCellParams(SourceParams):
+class FuelCellParams(CellConditionParams, SourceParams):
     """One stack."""
 
     kind: str = "fuel_cell"
@@ -67,11 +57,6 @@ class FuelCellParams(SourceParams):
     oxygen: float = Field(ge=0.0, le=1e5, description="in its tank at the start [kg]")
     auxiliaries: float = Field(default=0.0, ge=0.0, lt=1.0, description="part of its power that pumps take [1]")
     regulator_efficiency: float = Field(default=1.0, gt=0.0, le=1.0, description="between stack and bus [1]")
-    warm_up_s: float = Field(default=0.0, ge=0.0, le=1e5, description="t_w; 0: it is always warm [s]")
-    cool_down_s: float = Field(default=3600.0, gt=0.0, le=1e7, description="t_c [s]")
-    cold_part: float = Field(default=0.2, gt=0.0, le=1.0, description="p [1]")
-    wear_per_hour: float = Field(default=0.0, ge=0.0, le=0.1, description="r_h, of each cell [V/h]")
-    wear_per_start: float = Field(default=0.0, ge=0.0, le=0.1, description="r_s, likewise [V]")
 
     @cached_property
     def best_density(self) -> float:
@@ -85,7 +70,7 @@ class FuelCellParams(SourceParams):
 
     def initial_state(self) -> FuelCellState:
         """Tanks as its file has them."""
-        return FuelCellState(self.hydrogen, self.oxygen)
+        return FuelCellState(self.hydrogen, self.oxygen, worn=self.worn_before)
 
     @property
     def milliwatts(self) -> float:
@@ -98,24 +83,19 @@ class FuelCellParams(SourceParams):
 
     def worn_curve(self, worn: float) -> tuple[FuelCellCurve, float]:
         """Curve of cells that have lost a voltage [V], and the density of their most power; by steps of 10 uV."""
-        steps = round(min(worn, self.curve.open_voltage) / WEAR_STEP)
-        return (self.curve, self.best_density) if steps == 0 else _worn(self.curve, self.largest_current_density, steps)
+        return worn_fuel_cell(self.curve, worn, self.largest_current_density)
 
     def point(self, state: FuelCellState, surroundings: PowerSurroundings = DARK) -> SourcePoint:
         """The most that the curve allows; nothing from an empty tank."""
         if state.hydrogen <= 0.0 or state.oxygen <= 0.0:
             return SourcePoint(0.0)
         curve, best = self.worn_curve(state.worn)
-        allowed = self.cold_part + (1.0 - self.cold_part) * self._warmth(state)
-        return SourcePoint(allowed * self.passed * self.milliwatts * best * curve.voltage(best))
+        return SourcePoint(self.allowed(state.warmth) * self.passed * self.milliwatts * best * curve.voltage(best))
 
     def voltage_at(self, power: float, worn: float = 0.0) -> float:
         """Of a cell while the bus is given a power [W], of cells that have lost a voltage [V] [V]."""
         curve, best = self.worn_curve(worn)
         return curve.voltage(curve.density_at(power / self.passed / self.milliwatts, best))
-
-    def _warmth(self, state: FuelCellState) -> float:
-        return state.warmth if self.warm_up_s > 0.0 else 1.0
 
     def step(
         self, state: FuelCellState, power: float, dt: float, surroundings: PowerSurroundings = DARK
@@ -123,10 +103,11 @@ class FuelCellParams(SourceParams):
         """Emptier by what it took to give `power` [W] for `dt` [s]."""
         require_step(power, dt)
         if power <= 0.0:
-            return replace(state, warmth=max(state.warmth - dt / self.cool_down_s, 0.0)) if state.warmth else state
+            if not state.warmth:
+                return state
+            return replace(state, warmth=self.after(CellCondition(state.warmth, state.worn), False, dt).warmth)
         charge = power / self.passed / self.voltage_at(power, state.worn) * dt  # through all cells, one after another
-        warmer = 1.0 if self.warm_up_s <= dt else min(state.warmth + dt / self.warm_up_s, 1.0)
-        started = self.wear_per_start if state.warmth == 0.0 else 0.0
+        condition = self.after(CellCondition(state.warmth, state.worn), True, dt)
         hydrogen, oxygen = HYDROGEN_PER_CHARGE * charge, OXYGEN_PER_CHARGE * charge
         return replace(
             state,
@@ -135,8 +116,8 @@ class FuelCellParams(SourceParams):
             water=state.water + hydrogen + oxygen,
             energy=state.energy + power * dt,
             energy_heat=state.energy_heat + THERMONEUTRAL * charge - power * dt,
-            warmth=warmer,
-            worn=state.worn + started + self.wear_per_hour * dt / SECONDS_PER_HOUR,
+            warmth=condition.warmth,
+            worn=condition.worn,
         )
 
     def heat_given(self, before: FuelCellState, after: FuelCellState) -> float:
@@ -145,12 +126,6 @@ class FuelCellParams(SourceParams):
 
     @property
     def most_power(self) -> float:
-        """With full tanks, warm and new [W]."""
-        return self.passed * self.stack_power(self.best_density)
-
-
-@lru_cache(maxsize=64)
-def _worn(curve: FuelCellCurve, largest: float, steps: int) -> tuple[FuelCellCurve, float]:
-    """A curve that has sunk by so many steps, and the density of its most power up to a largest one."""
-    sunk = curve.model_copy(update={"open_voltage": curve.open_voltage - steps * WEAR_STEP})
-    return sunk, sunk.most_power_density(largest)
+        """With full tanks, warm, and as worn as before the run [W]."""
+        curve, best = self.worn_curve(self.worn_before)
+        return self.passed * self.milliwatts * best * curve.voltage(best)

@@ -29,7 +29,7 @@ from sojourn_machine.power.stores import StoreParams
 from sojourn_machine.power.surroundings import DARK, PowerSurroundings
 
 NOTHING: FloatArray = np.zeros(0)
-NO_STORES: FloatArray = np.zeros((0, 5))
+NO_STORES: FloatArray = np.zeros((0, 6))
 NO_SOURCES: FloatArray = np.zeros((0, 2))
 NO_CONVERTER: FloatArray = np.zeros(2)
 FREE = BusState()

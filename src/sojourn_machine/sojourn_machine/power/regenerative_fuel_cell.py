@@ -9,20 +9,32 @@ eta_r: of the regulator. The regulator shows the bus a voltage that rises with t
 others. What is not electric is heat: 1.481 V less the voltage for each charge in a fuel cell, the voltage less 1.481 V
 in an electrolyser.
 
+The regulator gives no more than the cells do, nor lets sources charge with more than the electrolyser takes: most power
+of cells as warm and as worn as they are, `cell_condition`, of each of both where its table is there. Without one they
+are always warm and never wear. What other stores of the bus or motors put in is not held back.
+
 Published round trips lie near 50 % (Burke 2003, "Fuel cells for space science applications", NASA/TM-2003-212730: 45 to
-60 %). Valid at the working temperatures of both; start-up, losses of gas and the drying of gases are left out. The
-temperature is that of the surroundings.
+60 %). Valid at the working temperatures of both; what keeps cells warm, losses of gas and the drying of gases are left
+out. The temperature is that of the surroundings.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import isfinite
+from math import isfinite, sqrt
 from typing import Self
 
 from pydantic import Field, model_validator
 
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.evolution import replace
+from sojourn_machine.power.cell_condition import (
+    ALWAYS_WARM,
+    NEW,
+    CellCondition,
+    CellConditionParams,
+    worn_electrolyser,
+    worn_fuel_cell,
+)
 from sojourn_machine.power.polarisation import (
     CM2,
     HYDROGEN_PER_CHARGE,
@@ -48,6 +60,9 @@ class RegenerativeState:
     """Net energy through the terminals, out positive [J]."""
     energy_heat: float = 0.0
     """Released; a little less than nothing while an electrolyser runs slowly, which cools [J]."""
+    cells: CellCondition = NEW
+    """Of the stack."""
+    electrolyser: CellCondition = NEW
 
 
 class RegenerativeFuelCellParams(StoreParams):
@@ -69,11 +84,17 @@ class RegenerativeFuelCellParams(StoreParams):
     voltage_full: float = Field(gt=0.0, le=1e4, description="likewise, full [V]")
     resistance: float = Field(gt=0.0, le=100.0, description="droop of the regulator [ohm]")
     temperature_surroundings: float = Field(gt=20.0, lt=1000.0, description="temperature of its surroundings [K]")
+    condition: CellConditionParams | None = Field(
+        default=None, description="how the stack warms and wears; none: it is always warm and stays new"
+    )
+    electrolyser_condition: CellConditionParams | None = Field(default=None, description="likewise, the electrolyser")
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.voltage_full <= self.voltage_empty:
             raise InvalidValueError("voltage_full", self.voltage_full, f"above voltage_empty, {self.voltage_empty} V")
+        if self.most_discharge <= 0.0:
+            raise InvalidValueError("condition", self._stack.worn_before, "wear [V] that leaves the cells a voltage")
         return self
 
     @property
@@ -81,33 +102,56 @@ class RegenerativeFuelCellParams(StoreParams):
         """Part of the power that gets from cells to bus, or from bus to cells [1]."""
         return (1.0 - self.auxiliaries) * self.regulator_efficiency
 
-    @cached_property
-    def best_density(self) -> float:
-        """Current density of the most power of the stack [mA/cm2]."""
-        return self.fuel_cell.most_power_density(self.largest_current_density)
+    @property
+    def _stack(self) -> CellConditionParams:
+        return self.condition or ALWAYS_WARM
+
+    @property
+    def _electrolysis(self) -> CellConditionParams:
+        return self.electrolyser_condition or ALWAYS_WARM
 
     @cached_property
     def most_discharge(self) -> float:
-        """Power to the bus [W]."""
-        density = self.best_density
-        return self.passed * self.cells * self.area * WATTS * density * self.fuel_cell.voltage(density)
+        """Power to the bus, of warm cells as worn as before the run [W]."""
+        return self._discharge_of(self._stack.worn_before)
 
     @cached_property
     def most_charge(self) -> float:
-        """Power from the bus [W]."""
-        density = self.largest_electrolysis_density
-        taken = self.electrolyser_cells * self.electrolyser_area * WATTS * density * self.electrolyser.voltage(density)
-        return taken / self.passed
+        """Power from the bus, likewise [W]."""
+        return self._charge_of(self._electrolysis.worn_before)
 
-    def charge_of(self, power: float) -> float:
+    def _discharge_of(self, worn: float) -> float:
+        """The most to the bus of warm cells that have lost a voltage [V] [W]."""
+        curve, density = worn_fuel_cell(self.fuel_cell, worn, self.largest_current_density)
+        return self.passed * self.cells * self.area * WATTS * density * curve.voltage(density)
+
+    def _charge_of(self, worn: float) -> float:
+        """The most from the bus, likewise [W]."""
+        density = self.largest_electrolysis_density
+        volts = worn_electrolyser(self.electrolyser, worn).voltage(density)
+        return self.electrolyser_cells * self.electrolyser_area * WATTS * density * volts / self.passed
+
+    def charge_of(self, power: float, worn: float | None = None) -> float:
         """Charge that goes through all cells, one after another, while the bus is given a power, out positive; negative
         in the electrolyser [A].
+
+        Args:
+            power: [W]. worn: lost by each of the cells that work [V], by default what they had lost before the run.
+
+        Raises:
+            InvalidValueError: power of cells that have no voltage left.
         """
         if power >= 0.0:
+            lost = self._stack.worn_before if worn is None else worn
+            curve, best = worn_fuel_cell(self.fuel_cell, lost, self.largest_current_density)
             each = power / self.passed / (self.cells * self.area * WATTS)
-            return power / self.passed / self.fuel_cell.voltage(self.fuel_cell.density_at(each, self.best_density))
+            volts = curve.voltage(curve.density_at(each, best))
+            if volts <= 0.0:
+                raise InvalidValueError("power of worn cells [W]", power, "none: they are worn out")
+            return power / self.passed / volts
+        split = worn_electrolyser(self.electrolyser, self._electrolysis.worn_before if worn is None else worn)
         each = -power * self.passed / (self.electrolyser_cells * self.electrolyser_area * WATTS)
-        return power * self.passed / self.electrolyser.voltage(self.electrolyser.density_at(each))
+        return power * self.passed / split.voltage(split.density_at(each))
 
     @cached_property
     def _energy(self) -> float:
@@ -133,13 +177,22 @@ class RegenerativeFuelCellParams(StoreParams):
         start = self.temperature_surroundings if temperature is None else temperature
         if not (isfinite(start) and start > 0.0):
             raise InvalidValueError("temperature of the regenerative fuel cell [K]", start, "a finite number above 0")
-        return RegenerativeState(float(soc), float(start))
+        return RegenerativeState(
+            float(soc),
+            float(start),
+            cells=CellCondition(worn=self._stack.worn_before),
+            electrolyser=CellCondition(worn=self._electrolysis.worn_before),
+        )
 
     def point(self, state: RegenerativeState) -> StorePoint:
         """See `StoreParams`."""
         force = self.open_circuit_voltage(state.soc)
-        ceiling = min(self.voltage_full, force + self.resistance * self.most_charge / force)
-        return StorePoint(force, self.resistance, ceiling, state.soc > 0.0, state.soc < 1.0)
+        out = self._stack.allowed(state.cells.warmth) * self._discharge_of(state.cells.worn)
+        taken = self._electrolysis.allowed(state.electrolyser.warmth) * self._charge_of(state.electrolyser.worn)
+        # (force - R I) I = out of the current I out, V (V - force) / R = taken of the voltage V
+        most = 2.0 * out / (force + sqrt(max(force**2 - 4.0 * self.resistance * out, 0.0)))
+        ceiling = min(self.voltage_full, 0.5 * (force + sqrt(force**2 + 4.0 * self.resistance * taken)))
+        return StorePoint(force, self.resistance, ceiling, state.soc > 0.0 and out > 0.0, state.soc < 1.0, most)
 
     def step(
         self, state: RegenerativeState, current: float, dt: float, temperature_surroundings: float | None = None
@@ -153,13 +206,15 @@ class RegenerativeFuelCellParams(StoreParams):
         if not (isfinite(around) and around > 0.0):
             raise InvalidValueError("temperature of the regenerative fuel cell [K]", around, "a finite number above 0")
         power = (self.open_circuit_voltage(state.soc) - self.resistance * current) * current
-        charge = self.charge_of(power) * dt
+        charge = self.charge_of(power, (state.cells if power >= 0.0 else state.electrolyser).worn) * dt
         return replace(
             state,
             soc=state.soc - HYDROGEN_PER_CHARGE * charge / self.hydrogen,
             temperature=around,
             energy_terminal=state.energy_terminal + power * dt,
             energy_heat=state.energy_heat + THERMONEUTRAL * charge - power * dt,
+            cells=self._stack.after(state.cells, power > 0.0, dt),
+            electrolyser=self._electrolysis.after(state.electrolyser, power < 0.0, dt),
         )
 
     def heat_given(self, before: RegenerativeState, after: RegenerativeState) -> float:

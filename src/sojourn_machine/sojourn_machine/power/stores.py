@@ -5,6 +5,7 @@ with their source. It is registered by an entry point of the group `sojourn.powe
 says as `kind`. Nothing else changes: network, plant, contract and power manager know only what is here.
 """
 
+from math import inf
 from typing import Any, NamedTuple, Protocol
 
 from pydantic import Field
@@ -32,7 +33,7 @@ class StoreState(Protocol):
 
 class StorePoint(NamedTuple):
     """A store as its bus sees it for a control period; a row of the kernel's table. The current out of it at a bus
-    voltage V is (source - V) / resistance, unless it may not flow that way.
+    voltage V is (source - V) / resistance, at most `most`, unless it may not flow that way.
     """
 
     source: float
@@ -45,6 +46,8 @@ class StorePoint(NamedTuple):
     """Current may flow out."""
     charges: bool
     """Current may flow in."""
+    most: float = inf
+    """Current out of it that it limits itself to [A]."""
 
 
 class StoreParams(Params):

@@ -125,7 +125,7 @@ class BodyParams(Params):
         """
         if self.atmosphere is None:
             raise InvalidValueError("air", self.name, "a body whose file has a table `atmosphere`")
-        return self.atmosphere.at(0.0 if site is None else site.altitude_m)
+        return self.atmosphere.at(0.0) if site is None else self.atmosphere.over(site.latitude_deg, site.altitude_m)
 
     def magnetic_field_over(self, site: SiteParams | None) -> FloatArray:
         """Its own magnetic field in map over a site, east, north, up, shape (3,) [T]; zero of a body without.

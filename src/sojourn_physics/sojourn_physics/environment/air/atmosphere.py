@@ -54,6 +54,10 @@ class AtmosphereParams(Params):
         """
         raise NotImplementedError
 
+    def over(self, latitude_deg: float, altitude: float) -> Air:
+        """Likewise, at a latitude of the vertical [deg], by which a kind may know more. Raises as `at` does."""
+        return self.at(altitude)
+
     def _checked(self, altitude: float) -> float:
         low, high = self.altitudes
         if not low <= altitude <= high:

@@ -10,13 +10,14 @@ eq. 18, 33a and 33b). Range: the rows.
 
 import math
 from bisect import bisect_right
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import Params
 from sojourn_physics.environment.air.atmosphere import Air, AtmosphereParams
+from sojourn_physics.environment.air.cloud_winds import CloudWinds
 
 SAME = 1e-9
 """Two temperatures nearer than this are one, over the lower [1]."""
@@ -41,6 +42,14 @@ class TabulatedParams(AtmosphereParams):
     geopotential_radius: float | None = Field(
         default=None, gt=0.0, le=1e9, description="r, where altitudes of the rows are geopotential [m]"
     )
+    cloud_winds: CloudWinds | None = Field(
+        default=None, description="wind by latitude, where the rows have none; none: not known"
+    )
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_there(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """As its file: most have no winds by latitude."""
+        return {key: value for key, value in dump(self).items() if value is not None or key != "cloud_winds"}
 
     @model_validator(mode="after")
     def _goes_up(self) -> Self:
@@ -48,6 +57,8 @@ class TabulatedParams(AtmosphereParams):
             if not (above.altitude > below.altitude and above.pressure < below.pressure):
                 allowed = f"higher than {below.altitude:g} m with less than {below.pressure:g} Pa: rows go upwards"
                 raise InvalidValueError("rows", (above.altitude, above.pressure), allowed)
+        if self.cloud_winds is not None and any(row.zonal_wind is not None for row in self.rows):
+            raise InvalidValueError("cloud_winds", "a table", "none beside rows that have a zonal_wind")
         return self
 
     @property
@@ -70,6 +81,13 @@ class TabulatedParams(AtmosphereParams):
         else:
             part_of_fall = part
         return self._of(temperature, low.pressure * math.exp(fall * part_of_fall), _between(low, high, part))
+
+    def over(self, latitude_deg: float, altitude: float) -> Air:
+        """With the wind of the latitude, where winds are known by it."""
+        found = self.at(altitude)
+        if self.cloud_winds is None:
+            return found
+        return found._replace(zonal_wind=self.cloud_winds.at(latitude_deg, altitude))
 
     def _height(self, altitude: float) -> float:
         """Over the ellipsoid, of an altitude in the table [m]."""
