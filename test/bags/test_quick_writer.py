@@ -53,6 +53,21 @@ def test_file_is_that_of_the_library(script: Script, compression: CompressionTyp
     assert quick == written(Writer, script, compression, chunk_size)
 
 
+def test_a_file_may_end_with_a_chunk_that_has_just_become_full() -> None:
+    """Nothing but the end comes after it."""
+
+    def ended(kind: type[Writer]) -> bytes:
+        stream = io.BytesIO()
+        writer = kind(stream, compression=CompressionType.ZSTD, chunk_size=10)
+        writer.start(profile="ros2", library="test")
+        channel = writer.register_channel("/topic", "cdr", writer.register_schema("type", "ros2msg", b"float64 x"))
+        writer.add_message(channel, 1, b"some bytes", 1)
+        writer.finish()
+        return stream.getvalue()
+
+    assert ended(QuickWriter) == ended(Writer)
+
+
 def test_messages_are_read_back() -> None:
     """By the library's reader, which goes by the indices."""
     script = [(number % CHANNELS, 1000 - number, bytes([number]), number, number) for number in range(100)]

@@ -9,6 +9,7 @@ Source: MCAP specification (mcap.dev/spec), records Message (op 0x05) and Messag
 
 import struct
 import zlib
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import IO, Any
 
@@ -40,6 +41,7 @@ class QuickWriter(Writer):
         self._chunk, self._statistics = private["_Writer__chunk_builder"], private["_Writer__statistics"]
         self._chunk_size = private["_Writer__chunk_size"]
         self._packs = private["_Writer__compression"] is CompressionType.ZSTD
+        self._to_stream: Callable[[], None] = super()._Writer__flush  # type: ignore[misc]
         self._packer = ThreadPoolExecutor(1, "packer")
         self._full: tuple[ChunkBuilder, bytes, Future[tuple[bytes, int]]] | None = None
         """A chunk that is being packed: what is known of it, its content, that content packed and its checksum."""
@@ -67,36 +69,16 @@ class QuickWriter(Writer):
         if buffer.tell() > self._chunk_size:
             self._begin_to_pack() if self._packs else self.flush()
 
-    def flush(self) -> None:
-        """As the library's: all is with the stream."""
-        self._write_full()
-        super().flush()
-
     def finish(self) -> None:
-        """As the library's."""
+        """As the library's, which would put the end of the data before a chunk that is still being packed."""
         self._write_full()
         self._packer.shutdown()
         super().finish()
 
-    def add_attachment(self, *attachment: Any, **named: Any) -> None:
-        """As the library's."""
+    def _Writer__flush(self) -> None:
+        """The library's one way to the stream, whatever it writes: the chunk that is being packed comes before that."""
         self._write_full()
-        super().add_attachment(*attachment, **named)
-
-    def add_metadata(self, *metadata: Any, **named: Any) -> None:
-        """As the library's."""
-        self._write_full()
-        super().add_metadata(*metadata, **named)
-
-    def register_channel(self, *channel: Any, **named: Any) -> int:
-        """As the library's, which may end a chunk here."""
-        self._write_full()
-        return super().register_channel(*channel, **named)
-
-    def register_schema(self, *schema: Any, **named: Any) -> int:
-        """As the library's, which may end a chunk here."""
-        self._write_full()
-        return super().register_schema(*schema, **named)
+        self._to_stream()
 
     def _begin_to_pack(self) -> None:
         self._write_full()
@@ -111,13 +93,13 @@ class QuickWriter(Writer):
             return
         (chunk, data, packed), self._full = self._full, None
         content, checksum = packed.result()
-        private = vars(self)
+        private, to_stream = vars(self), self._to_stream
         stream, builder = private["_Writer__stream"], private["_Writer__record_builder"]
-        stream.write(builder.end())
+        to_stream()
         begin, first, last = stream.tell(), chunk.message_start_time, chunk.message_end_time
         Chunk("zstd", content, last, first, checksum, len(data)).write(builder)
         length = builder.count
-        stream.write(builder.end())
+        to_stream()
         indices, offsets = stream.tell(), dict[int, int]()
         for channel, index in chunk.message_indices.items():
             offsets[channel] = indices + builder.count
@@ -135,7 +117,7 @@ class QuickWriter(Writer):
         )
         private["_Writer__chunk_indices"].append(known)
         self._statistics.chunk_count += 1
-        stream.write(builder.end())
+        to_stream()
 
 
 def _packed(data: bytes) -> tuple[bytes, int]:
