@@ -5,6 +5,7 @@ in one process.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from sojourn_bags.completeness import Completeness
 from sojourn_bags.onset import WHOLE
@@ -14,7 +15,7 @@ from sojourn_contract.run_table import table_of
 from sojourn_operator.script import StepResult
 from sojourn_stack.apps import make_apps
 from sojourn_stack.recorder import DirectRecorder, onset_of
-from sojourn_stack.stack import Stack, StackState
+from sojourn_stack.stack import Said, Stack, StackState
 
 OPERATOR = "operator"
 
@@ -51,13 +52,17 @@ class Result:
     completeness: Completeness | None
 
 
-def run(spec: RunSpec, goes_on: Callable[[StackState], bool] = lambda state: True) -> Result:
-    """Run until the operator is through, or as long as `goes_on`, asked after each control period, says so.
+class BegunRun(NamedTuple):
+    """A run before its first period: what has been said of that is not recorded yet."""
 
-    Raises:
-        ConfigError, MachineError: the scenario is wrong. BagsError: the bag cannot be written.
-        WaitingError: a role waits for what nobody sends. MisfitError: it cannot go on from where it is to begin.
-    """
+    stack: Stack
+    state: StackState
+    said: list[Said]
+    recorder: DirectRecorder | None
+
+
+def begun(spec: RunSpec) -> BegunRun:
+    """A run that somebody else steps. Raises as `run`, but for WaitingError."""
     scenario = spec.loaded or load_scenario(spec.scenario, spec.overrides)
     apps = make_apps(scenario, spec.participants)
     for app in apps.values():
@@ -65,11 +70,21 @@ def run(spec: RunSpec, goes_on: Callable[[StackState], bool] = lambda state: Tru
     table = table_of(scenario)
     stack = Stack(apps, spec.participants, table)
     state, said = stack.begin() if spec.begin is None else (spec.begin, stack.resume(spec.begin))
-    recorder = None
-    if spec.bag is not None:
-        onset = WHOLE if spec.begin is None else onset_of(state, table)
-        recorded = RecordedRun(spec.scenario, spec.overrides, spec.participants, loaded=scenario, onset=onset)
-        recorder = DirectRecorder(spec.bag, recorded)
+    if spec.bag is None:
+        return BegunRun(stack, state, said, None)
+    onset = WHOLE if spec.begin is None else onset_of(state, table)
+    recorded = RecordedRun(spec.scenario, spec.overrides, spec.participants, loaded=scenario, onset=onset)
+    return BegunRun(stack, state, said, DirectRecorder(spec.bag, recorded))
+
+
+def run(spec: RunSpec, goes_on: Callable[[StackState], bool] = lambda state: True) -> Result:
+    """Run until the operator is through, or as long as `goes_on`, asked after each control period, says so.
+
+    Raises:
+        ConfigError, MachineError: the scenario is wrong. BagsError: the bag cannot be written.
+        WaitingError: a role waits for what nobody sends. MisfitError: it cannot go on from where it is to begin.
+    """
+    stack, state, said, recorder = begun(spec)
     try:
         while True:
             if recorder is not None:

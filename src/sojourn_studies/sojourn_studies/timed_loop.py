@@ -3,15 +3,11 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from sojourn_bags.recorded_run import RecordedRun
 from sojourn_config.scenario import load_scenario
-from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_contract.topics import ROLES
 from sojourn_operator.scenario_steps import absent_roles
-from sojourn_stack.apps import make_apps
-from sojourn_stack.recorder import DirectRecorder
-from sojourn_stack.stack import Stack
+from sojourn_stack.run import RunSpec, begun
 
 TURN = round(1.0 / CONTROL_PERIOD_S)
 """Periods of a turn, a second of simulated time."""
@@ -31,14 +27,10 @@ class TimedLoop:
         scenario = load_scenario(name, overrides)
         absent = (*absent_roles(scenario), "recorder") if bag is None else absent_roles(scenario)
         roles = tuple(role for role in ROLES if role not in absent)
-        apps = make_apps(scenario, roles)
-        for app in apps.values():
-            app.warm_up()
-        self._clock, self._recorder = clock, None
-        self._stack = Stack(apps, roles, table_of(scenario))
-        self._state, said = self._stack.begin()
-        if bag is not None:
-            self._recorder = DirectRecorder(bag, RecordedRun(name, tuple(overrides), roles, loaded=scenario))
+        spec = RunSpec(name, roles, tuple(overrides), bag, scenario)
+        self._clock = clock
+        self._stack, self._state, said, self._recorder = begun(spec)
+        if self._recorder is not None:
             self._recorder.take(said)
 
     def turn(self, awaited: str = "") -> tuple[float, bool]:
