@@ -20,11 +20,13 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from sojourn_bags.completeness import RECORD
+from sojourn_bags.definitions import ChannelSpec
 from sojourn_bags.description import Run
 from sojourn_bags.errors import BagExistsError, UnreadableBagError, UnwritableBagError
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.recorder_node import RecorderNode
-from sojourn_bags.writer import BagWriter
+from sojourn_bags.salvage import counts_in
+from sojourn_bags.writer import FLUSH_REALTIME_S, BagWriter
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import process
 from sojourn_contract.codecs import encode
@@ -190,6 +192,7 @@ def test_after_a_strangers_clock_it_says_that_it_could_begin(tmp_path: Path, mon
     recorder, said = RecorderNode(overrides=own), list[tuple[str, dict[str, str]]]()
     monkeypatch.setattr(recorder, "_send_heartbeat", lambda state, _, __="", extra=None: said.append((state, extra)))
     clock, stranger = topic(CLOCK), RecorderNode._receive
+    assert recorder.recording.writer.flush_s == FLUSH_REALTIME_S
     try:
         stranger(recorder, clock, encode(clock, Clock(1_000_000_000_000)))
         assert recorder.now
@@ -305,6 +308,20 @@ def test_a_bag_that_is_removed_while_it_is_written_is_noticed_at_once(tmp_path: 
     writer._last_flush -= 10.0
     with pytest.raises(UnwritableBagError, match="has been removed"):
         writer.flush_if_due()
+
+
+def test_what_is_older_than_the_writer_may_hold_is_on_the_disk(tmp_path: Path) -> None:
+    row = topic(CLOCK)
+    writer = BagWriter(tmp_path / "bag", [ChannelSpec(row.name, row.type, {})])
+    writer.flush_s = 1000.0
+    writer.write(0, 1, 1, encode(row, Clock(1)))
+    size = writer.path.stat().st_size
+    writer.flush_if_due()
+    assert writer.path.stat().st_size == size, "nothing is written before its time"
+    writer._last_flush -= writer.flush_s
+    writer.flush_if_due()
+    assert writer.path.stat().st_size > size
+    assert counts_in(writer.path) == {CLOCK: 1}
 
 
 def test_bag_is_never_written_over(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from sojourn_bags.live_model import LiveModel
 from sojourn_bags.onset import TICK, TICK_PERIODS, RecordBeginning, counted_by
 from sojourn_bags.recorded_run import RecordedRun
 from sojourn_bags.recording import CLOCK, Recording
+from sojourn_bags.writer import FLUSH_REALTIME_S
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_contract import process, stamps
@@ -84,7 +85,7 @@ class RecorderNode(ContractNode):
         return load_scenario(name, overrides) if self._loaded is None else self._loaded
 
     def poll(self) -> None:
-        """Wall-clock chores: readiness, a word when stalled, and the flush of each second."""
+        """Wall-clock chores: readiness, a word when stalled, and the flush."""
         self.recording.writer.flush_if_due()
         if not self.lockstep:
             self.recording.write_window()
@@ -123,7 +124,10 @@ class RecorderNode(ContractNode):
     def _open(self, folder: str) -> Recording:
         if not folder:
             raise BagsError("parameter 'bag' is empty: give the folder to write the bag into")
-        return self._run().open(Path(folder), self.refuse, self._offered)
+        recording = self._run().open(Path(folder), self.refuse, self._offered)
+        if not self.lockstep:
+            recording.writer.flush_s = FLUSH_REALTIME_S
+        return recording
 
     def _offered(self, spec: ChannelSpec) -> list[dict[str, Any]]:
         """Profiles of those who publish a topic; none for what the recorder itself adds."""

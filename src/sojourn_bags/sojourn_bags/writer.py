@@ -1,8 +1,8 @@
 """Writes one bag: a folder with an MCAP file (profile ros2, zstd chunks) and rosbag2's metadata.yaml.
 
-The file can be read however the writer ends: each second of wall time the chunk in progress is finished and
-handed to the operating system, and metadata.yaml is there from the start. Killed, the bag lacks its last
-second and its summary, and a reader of streams still opens it.
+The file can be read however the writer ends: each second of wall time (in real time three times) the chunk in progress
+is finished and handed to the operating system, and metadata.yaml is there from the start. Killed, the bag lacks what
+came since, and its summary, and a reader of streams still opens it.
 """
 
 import json
@@ -25,6 +25,9 @@ from sojourn_bags.salvage import counts_in
 
 FLUSH_S = 0.8
 """Wall time after which a chunk is finished, so that with the poll of the loop it stays under a second."""
+FLUSH_REALTIME_S = 0.3
+"""In real time, where a successor goes on at once: a recorder that dies loses this, what it holds for the order of the
+file, and the time until the other one listens, which together is to stay under a second."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,8 @@ class BagWriter:
         self.folder = folder.absolute()
         self.path = self.folder / f"{self.folder.name}_0.mcap"
         self.closed = False
+        self.flush_s = FLUSH_S
+        """Wall time after which the chunk in progress is finished [s]."""
         self._channels = tuple(channels)
         self._offered = [[spec.qos] for spec in self._channels]
         self._ask_offered = offered
@@ -107,9 +112,9 @@ class BagWriter:
             raise self._failure(error) from error
 
     def flush_if_due(self) -> None:
-        """Finish the chunk once a second of wall time; call it some times a second."""
+        """Finish the chunk once it is `flush_s` old; call it some times as often."""
         now = time.monotonic()
-        if now - self._last_flush >= FLUSH_S:
+        if now - self._last_flush >= self.flush_s:
             self._last_flush = now
             if not self.closed and not self.path.exists():
                 self.closed = True
