@@ -11,6 +11,7 @@ from sojourn_arm.command import Command, command_of
 from sojourn_arm.goals import GoalReader, LastGoal
 from sojourn_arm.ground import GroundWatch, KnownGround
 from sojourn_arm.measurements import IMU, JOINTS, MEASUREMENTS, Measured, Measurements
+from sojourn_arm.restart import RESTARTED, dead_of, goal_of, kept_values
 from sojourn_arm.rover import Rover, RoverWatch
 from sojourn_arm.stand import LastLoads, Stand
 from sojourn_arm.tasks import Request, task_input
@@ -23,6 +24,7 @@ from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.hazcam import TOPIC as CLOUD
 from sojourn_contract.hazcam import newest_cloud
 from sojourn_contract.heartbeat import status_message, status_values
+from sojourn_contract.kept_data import Kept
 from sojourn_contract.switches import fraction_of
 from sojourn_contract.topics import topic
 from sojourn_flight.arm.goals import StopGoal
@@ -31,6 +33,7 @@ from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import EVERYTHING, ArmInput, ArmOutput, Granted
 from sojourn_flight.arm.tasks import task_control
 from sojourn_flight.arm.tasks.task_control import TaskState
+from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.evolution import replace
 
 STATUS, SWITCHES = "/arm/status", "/power/switches"
@@ -90,6 +93,21 @@ class ArmApp(FlightApp[ArmAppState]):
         return ArmAppState(
             task_control.initial_state(self.params, self.model, self._tool), self._ground.initial_state()
         )
+
+    def to_keep(self, state: ArmAppState) -> dict[str, Any]:
+        """The joints that do not do as they are told, and whether the arm is on its way to a goal."""
+        return kept_values(state.tasks.arm.dead, state.goal)
+
+    def started_again(self, state: ArmAppState, stamp: int, kept: Kept | None) -> ArmAppState:
+        """With the joints that the process before knew of; its goal is lost."""
+        try:
+            if kept is None:
+                return replace(state, goal=LastGoal(reason=RESTARTED))
+            dead, goal = dead_of(kept.values, self.model), goal_of(kept.values)
+        except InvalidValueError as error:
+            return replace(state, goal=LastGoal(reason=f"{RESTARTED}, and what was kept cannot be used: {error}"))
+        tasks = replace(state.tasks, arm=replace(state.tasks.arm, dead=dead))
+        return replace(state, tasks=tasks, goal=goal)
 
     def step(self, state: ArmAppState, period: Period) -> tuple[ArmAppState, Answer]:
         """One step of the arm's control, with the measurements of this period."""

@@ -13,6 +13,7 @@ import pytest
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_flight.arm.footing import Footing, FootingLoads
 from sojourn_flight.arm.goals import ArmGoal, JointGoal
+from sojourn_flight.arm.jogging import JogCommand
 from sojourn_flight.arm.kinematics import inverse_kinematics
 from sojourn_flight.arm.model import ArmModel, build_arm_model
 from sojourn_flight.arm.state import ArmInput, ArmOutput
@@ -67,7 +68,9 @@ class RoverArm:
         """base_link to map, (3, 3)."""
         return np.array(pin.Quaternion(self.plant.configuration[3:7]).toRotationMatrix())
 
-    def period(self, goal: ArmGoal | None = None, task: TaskRequest | None = None) -> None:
+    def period(
+        self, goal: ArmGoal | None = None, task: TaskRequest | None = None, jog: JogCommand | None = None
+    ) -> None:
         """One control period."""
         model, params = self.model, self.scenario.arm
         columns = model.reference_rows(list(params.joint_names))
@@ -89,6 +92,7 @@ class RoverArm:
             measured.effort[places] if self.output is not None else None,
             self._reading(measured),
             self.loads,
+            jog,
         )
         self.tasks, self.said, self.report = task_control.step(params, self.arm, self.tasks, inputs, DT)
         command = zeros_command(len(model.joints.names), len(model.loads))

@@ -26,6 +26,7 @@ The state is a value: copy it, save it, go on from it; nothing is kept elsewhere
 """
 
 import math
+from contextlib import suppress
 
 import numpy as np
 
@@ -260,13 +261,8 @@ def _go_on(
     params: ArmParams, model: ArmModel, state: ArmState, moving: Moving, inputs: ArmInput, dt: float
 ) -> ArmState:
     behind = np.abs(state.reference.position + state.trim - inputs.positions)
-    worst = int(np.argmax(behind))
-    if behind[worst] > params.following_error_limit:
-        state, stopping = _yield(params, model, state, inputs, worst, float(behind[worst]))
-        if inputs.feels and stands_still(params, model, behind, inputs.velocities):
-            at = float(state.target.joints[worst])
-            dead = known_dead(state.dead, model, worst, at, True)
-            state = replace(state, dead=dead, reason=f"{state.reason}; {words(dead)}")
+    if float(np.max(behind)) > params.following_error_limit:
+        state, stopping = give_way(params, model, state, inputs, behind)
         return _go_on_stopping(state, stopping, dt)
     path = moving.plan.path
     if not runs_as_planned(moving):
@@ -288,22 +284,30 @@ def _go_on_stopping(state: ArmState, stopping: Stopping, dt: float) -> ArmState:
     return replace(state, phase=Holding("stopped"), reference=at_rest(state.target.joints))
 
 
-def _yield(
-    params: FollowingParams, model: ArmModel, state: ArmState, inputs: ArmInput, joint: int, behind: float
+def give_way(
+    params: FollowingParams, model: ArmModel, state: ArmState, inputs: ArmInput, behind: FloatArray
 ) -> tuple[ArmState, Stopping]:
-    """Give way: bring the reference back to the measured position. The state, and its phase."""
+    """Bring the reference back to the measured position, as a joint is too far from it. The state, and its phase.
+
+    Args:
+        behind: sizes of the following errors (n,) [rad or m]. Where contacts are felt, as `inputs` say, a joint that
+            alone stands still does not move any more, and is known by that from now on.
+    """
+    joint = int(np.argmax(behind))
     reason = (
-        f"stopped: {model.joint_names[joint]} is {behind:.3f} {model.unit(joint)} from its reference "
+        f"stopped: {model.joint_names[joint]} is {behind[joint]:.3f} {model.unit(joint)} from its reference "
         f"(limit {params.following_error_limit:.3f}): something holds it"
     )
-    stopped, stopping = _begin_stop(model, state, reason)
+    given_way, stopping = _begin_stop(model, state, reason)
     here = np.clip(inputs.positions, model.lower, model.upper)
-    try:
-        back = Stopping(point_to_point(model, state.reference, here))
-    except TrajectoryError:
-        return stopped, stopping
-    target = replace(stopped.target, joints=here, tip=forward_kinematics(model, here).position)
-    return replace(stopped, phase=back, target=target), back
+    with suppress(TrajectoryError):
+        stopping = Stopping(point_to_point(model, state.reference, here))
+        target = replace(given_way.target, joints=here, tip=forward_kinematics(model, here).position)
+        given_way = replace(given_way, phase=stopping, target=target)
+    if inputs.feels and stands_still(params, model, behind, inputs.velocities):
+        dead = known_dead(state.dead, model, joint, float(given_way.target.joints[joint]), True)
+        given_way = replace(given_way, dead=dead, reason=f"{reason}; {words(dead)}")
+    return given_way, stopping
 
 
 def _trimmed(settings: TrimParams, trim: FloatArray, error: FloatArray, dt: float) -> FloatArray:

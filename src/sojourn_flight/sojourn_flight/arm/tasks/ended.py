@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 
 from sojourn_flight.arm.force_control import hybrid_velocity
+from sojourn_flight.arm.tasks.activity import RunningTask
 from sojourn_flight.arm.tasks.task import Doing, TaskView
 from sojourn_machine.params import FloatArray
 
@@ -32,3 +33,8 @@ class Released:
         """See `Task`."""
         velocity = hybrid_velocity(view.control, self.direction, 0.0, view.force, np.zeros(3))
         return self, Doing(velocity=velocity, state="failed", reason=self.reason)
+
+
+def given_up(name: str, reason: str) -> RunningTask:
+    """A task that was given up, and holds still."""
+    return RunningTask(name, Ended(reason), Doing(state="failed", reason=reason))

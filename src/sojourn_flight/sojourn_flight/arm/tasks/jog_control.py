@@ -1,18 +1,16 @@
 """A jog in the place of a task: taken or refused, and carried on a period at a time."""
 
-import numpy as np
-
 from sojourn_flight.arm.dead_joints import refuse_run_away, with_words
 from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent
 from sojourn_flight.arm.jogging import JogCommand, Surroundings, begin_jog, jog_on
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.pace import with_granted_power
-from sojourn_flight.arm.param_groups import FollowingParams
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.phases import Holding
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmState, Target
 from sojourn_flight.arm.tasks.activity import Jog, RunningTask, motion_of
+from sojourn_flight.arm.tasks.joint_watch import held_back
 from sojourn_flight.arm.tasks.relaxed import Relaxed
 from sojourn_flight.arm.tasks.task import Doing
 from sojourn_flight.arm.tasks.task_state import TaskInput, TaskState
@@ -80,15 +78,3 @@ def _rested(arm: ArmState, joints: JointReference, tip: FloatArray) -> ArmState:
     if not arm.started:
         return arm
     return replace(arm, phase=Holding("stopped"), reference=joints, target=Target(joints.position, tip))
-
-
-def held_back(params: FollowingParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> str:
-    """Which joint is too far from its reference, in words; empty where none is."""
-    if not state.arm.started:
-        return ""
-    behind = np.abs(state.arm.reference.position + state.arm.trim - inputs.arm.positions)
-    worst = int(np.argmax(behind))
-    if behind[worst] <= params.following_error_limit:
-        return ""
-    off = f"{behind[worst]:.3f} {model.unit(worst)}"
-    return f"{model.joint_names[worst]} is {off} from its reference: something holds it"

@@ -22,7 +22,6 @@ import numpy as np
 
 from sojourn_flight.arm import controller
 from sojourn_flight.arm.contact_guard import (
-    Felt,
     JointReading,
     MomentumObserver,
     before,
@@ -36,7 +35,7 @@ from sojourn_flight.arm.dead_joints import arm_without, refuse_run_away, with_wo
 from sojourn_flight.arm.deflection import joint_positions
 from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent, was
 from sojourn_flight.arm.goals import ArmGoal, PauseGoal, PoseGoal, ResumeGoal, StopGoal
-from sojourn_flight.arm.kinematics import TipPose, forward_kinematics
+from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.pace import granted_velocity
 from sojourn_flight.arm.params import ArmParams
@@ -45,9 +44,10 @@ from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput, ArmOutput
 from sojourn_flight.arm.tasks.activity import GuidedTask, Jog, NoTask, PausedTask, RunningTask, motion_of, name_of
 from sojourn_flight.arm.tasks.contact_sense import check_wrench
-from sojourn_flight.arm.tasks.ended import Ended, Released
+from sojourn_flight.arm.tasks.ended import Ended, Released, given_up
 from sojourn_flight.arm.tasks.guided_pace import GuidedPace, next_pace, pace_limits
-from sojourn_flight.arm.tasks.jog_control import go_on_with_jog, held_back, take_jog
+from sojourn_flight.arm.tasks.jog_control import go_on_with_jog, take_jog
+from sojourn_flight.arm.tasks.joint_watch import feel, held_back, without_dead
 from sojourn_flight.arm.tasks.outcome import report_of, with_outcome
 from sojourn_flight.arm.tasks.relaxed import Relaxed
 from sojourn_flight.arm.tasks.requests import Pause, Resume, TaskRequest
@@ -94,6 +94,9 @@ def step(
     whole, model = model, arm_without(model, state.arm.dead)
     observer = _observe(params, model, state.observer, inputs, dt)
     state = replace(state, observer=observer, since_jog=state.since_jog + dt)
+    if state.motion is not None:
+        known, state = state.arm.dead, without_dead(params, model, state, inputs)
+        model = model if state.arm.dead is known else arm_without(whole, state.arm.dead)
     if _is_watched(state):
         state = _watch(params, model, state, inputs)
     elif state.known is not None:
@@ -113,7 +116,7 @@ def step(
     arm, output = controller.step(params, whole, state.arm, asked, dt)
     state = state if arm is state.arm else replace(state, arm=arm)
     if is_of_task and was("refused", output.events):
-        state = replace(state, activity=_given_up(name_of(state.activity), arm.reason))
+        state = replace(state, activity=given_up(name_of(state.activity), arm.reason))
     elif inputs.arm.goal is not None and was("accepted", output.events):
         state = replace(state, activity=NoTask())
     state, output = with_outcome(state, output, answer, is_of_task)
@@ -200,14 +203,6 @@ def _observe(
     return observe(model, observer, rotors, reading, arm.gravity_in_base, rate, dt)
 
 
-def _feel(model: ArmModel, state: TaskState, inputs: TaskInput, tip: TipPose) -> Felt:
-    """What acts on the arm from outside; `tip`: as measured."""
-    force = None
-    if inputs.wrench is not None:
-        force = state.sense.contact(model, tip, inputs.wrench, inputs.arm.gravity_in_base)
-    return Felt(force, state.observer.residual)
-
-
 def _is_watched(state: TaskState) -> bool:
     """Whether a motion is under way that is to touch nothing."""
     if state.motion is None:
@@ -218,7 +213,7 @@ def _is_watched(state: TaskState) -> bool:
 def _watch(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> TaskState:
     """Give up a motion that meets something."""
     tip = forward_kinematics(model, inputs.arm.positions)
-    felt = _feel(model, state, inputs, tip)
+    felt = feel(model, state, inputs, tip)
     known = faded(state.known or before(felt, model.joint_count), felt)
     reason = touched(params.contact, model, tip, known, felt)
     if not reason and inputs.loads is not None and felt.force is not None:
@@ -254,7 +249,7 @@ def _work(
     state = replace(state, sense=sense, tool_command=doing.tool or state.tool_command)
     guided = motion_of(activity)
     if doing.gives_way and guided is not None:
-        rates = yielding_rates(params.contact, model, view.tip, _feel(model, state, inputs, view.tip))
+        rates = yielding_rates(params.contact, model, view.tip, feel(model, state, inputs, view.tip))
         yielding = turn_joints(model, guided, rates, dt)
         return replace(state, activity=GuidedTask(activity.name, task, doing, yielding)), None
     if doing.velocity is None:
@@ -265,7 +260,7 @@ def _work(
     try:
         following = _led(params, model, following, doing.velocity, inputs, view, dt)
     except CannotFollowError as error:
-        return replace(state, activity=_given_up(activity.name, str(error))), StopGoal()
+        return replace(state, activity=given_up(activity.name, str(error))), StopGoal()
     return replace(state, activity=following), None
 
 
@@ -330,10 +325,6 @@ def _why_ended(
         return Released(tips, -view.force / force)
     held = held_back(params, model, state, inputs)
     return Ended(held) if held else None
-
-
-def _given_up(name: str, reason: str) -> RunningTask:
-    return RunningTask(name, Ended(reason), Doing(state="failed", reason=reason))
 
 
 def _view(params: ArmParams, model: ArmModel, state: TaskState, inputs: TaskInput) -> TaskView:
