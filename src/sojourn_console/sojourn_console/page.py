@@ -29,6 +29,7 @@ from sojourn_console.panels.sequence import SequencePanel
 from sojourn_console.panels.telemetry_panel import TelemetryPanel
 from sojourn_console.panels.time_line import TimeLinePanel
 from sojourn_console.sequence_board import SequenceBoard
+from sojourn_console.uplink import Uplink
 from sojourn_console.views.all_views import VIEWS
 from sojourn_console.views.ground_view import GroundView
 from sojourn_console.world import World
@@ -65,7 +66,9 @@ class Page:
         self._first = RunScene(odom_height=height + MachineShape(world.scenario.urdf_xml).standing())
         alarms = AlarmBoard(Watch(limits_of(world.scenario, limits), world.table), who)
         sequences = SequenceBoard(world, feed, who)
-        self.bench = Workbench(server, world, feed, CommandDesk(feed, height), alarms, sequences, scene=self._first)
+        uplink = Uplink(feed, world.scenario.link, world.table)
+        desk = CommandDesk(uplink, height)
+        self.bench = Workbench(server, world, feed, desk, alarms, sequences, uplink, scene=self._first)
         server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="medium")
         self._views = tuple(view(server, world) for view in VIEWS)
         self._head: list[Panel] = [HeadPanel(self.bench)]
@@ -133,6 +136,7 @@ class Page:
 
     def _clear(self) -> None:
         self.bench.scene = self._first
+        self.bench.desk.forget()
         for view in self._views:
             if isinstance(view, GroundView):
                 view.clear()
