@@ -37,6 +37,11 @@ from sojourn_operator.alarms.watch import Watch, limits_of
 
 FRAMES = 30.0
 """Scenes a second."""
+REST_S = 0.02
+"""Wall time at least between two looks, however long they take. While a look is drawn nothing goes to the browsers, so
+that they have whole ones, and viser sends 60 times a second: without a rest longer than that a page stands still on a
+machine that is too slow for 30 scenes a second.
+"""
 SLOW = 6
 """Of so many scenes one is shown to the panels: text need not flicker."""
 ALWAYS = ("/odom", "/joint_states", "/battery_state", "/diagnostics", *STATUSES)
@@ -98,7 +103,7 @@ class Page:
             before = now
             self.look()
             due = max(due + 1.0 / FRAMES, now)
-            time.sleep(max(due - time.monotonic(), 0.0))
+            time.sleep(max(due - time.monotonic(), REST_S))
 
     def look(self) -> None:
         """Take what has come, and show it."""

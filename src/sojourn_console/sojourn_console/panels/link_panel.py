@@ -31,9 +31,9 @@ class LinkPanel(QuietPanel):
         self._over: Any = gui.add_checkbox(
             "Over the link", bench.uplink.is_used, visible=self._commands, hint="Goals, STOP, Pause, Resume and Cancel"
         )
-        self._words = gui.add_html(table_html(NONE) if self._ahead is None else "")
         self._which: Any = gui.add_dropdown("Waits on Earth", (ALL,), visible=False)
         self._back = gui.add_button("Take back", icon=viser.Icon.ARROW_BACK_UP, visible=False)
+        self._words = gui.add_html(table_html(NONE) if self._ahead is None else "")
         self._over.on_update(lambda event: self._switch(event.client))
         self._back.on_click(lambda event: bench.commanding(event.client, self._taken_back))
 
