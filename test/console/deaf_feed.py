@@ -24,6 +24,9 @@ class DeafFeed:
     def has_jumped(self) -> bool:
         return False
 
+    def silence(self) -> str:
+        return ""
+
     def refusal(self) -> str:
         return ""
 

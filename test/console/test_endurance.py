@@ -1,14 +1,19 @@
 """A bag on end, and what is told of it."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from sojourn_bags.reading import Bag
 from sojourn_console.bench import main
 from sojourn_console.endless_feed import EndlessFeed
-from sojourn_console.endurance import Endurance, growth
+from sojourn_console.endurance import Endurance, endurance, growth
 from sojourn_console.errors import ConsoleError
 from sojourn_console.world import World
+
+REFERENCE = Path(__file__).parents[1] / "replay" / "short_goals"
 
 
 def test_time_goes_on_when_the_bag_begins_anew(reference: Bag, world: World) -> None:
@@ -32,6 +37,15 @@ def test_growth_is_that_of_the_run_and_not_of_its_beginning() -> None:
         "a scene takes 3.00 ms of the processor: 9 % of a core",
         "memory 400 MB at the end, growing by -0.1 MB an hour",
     ]
+
+
+def test_a_run_that_is_broken_off_is_judged_by_what_it_has() -> None:
+    """Of two minutes, which are 3600 scenes with a sample every 60."""
+    told: list[str] = []
+    found = endurance(REFERENCE, 1.0 / 30.0, told.append, lambda: len(told) < 6)
+    assert found.scenes == 360 and len(told) == 6 and re.fullmatch(r" *0\.00 h of 0\.0333333: \d+\.\d MB", told[0])
+    with pytest.raises(ConsoleError, match="broken off after 0 scenes: growth is told from 300 on"):
+        endurance(REFERENCE, 1.0 / 30.0, told.append, lambda: False)
 
 
 def test_what_is_no_bag_is_refused() -> None:

@@ -11,7 +11,9 @@ from sojourn_console.control import Control
 from sojourn_console.desk import CommandDesk
 from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
+from sojourn_console.gate import GuardedServer
 from sojourn_console.model import BasePose, RunScene
+from sojourn_console.page import Page
 from sojourn_console.panels.goals import foresight_rows
 from sojourn_console.panels.head import head_html
 from sojourn_console.panels.panel import table_html
@@ -109,6 +111,20 @@ def test_the_arm_pauses_by_itself(feed: DeafFeed) -> None:
     assert desk.pause(arm) == "arm paused"
     assert desk.resume() == "arm goes on"
     assert [message.status[0].name for _, message in feed.said] == ["pause", "resume"]
+
+
+def test_what_was_paused_in_a_run_does_not_go_on_in_the_next(world: World, feed: DeafFeed) -> None:
+    page = Page(GuardedServer("again", 8910), world, feed)
+    try:
+        desk = page.bench.desk
+        desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
+        desk.pause(MOVING)
+        feed.has_jumped = lambda: True
+        page.look()
+        said = len(feed.said)
+        assert desk.resume() == "nothing is paused" and len(feed.said) == said
+    finally:
+        page.close()
 
 
 def test_cancel_ends_what_is_under_way_alone(feed: DeafFeed) -> None:

@@ -7,7 +7,7 @@ import pytest
 from sojourn_bags.reading import Bag
 from sojourn_console.bag_feed import BagFeed
 from sojourn_console.gate import GuardedServer
-from sojourn_console.page import Page
+from sojourn_console.page import FRAMES, Page
 from sojourn_console.views.way_view import ABOVE, on_ground
 from sojourn_console.world import World
 
@@ -38,6 +38,25 @@ def test_time_goes_on_and_jumps(page: Page, world: World) -> None:
     feed.jump(feed.end)
     page.look()
     assert len(bench.scene.track) >= driven
+
+
+def test_a_slow_machine_leaves_the_browsers_their_turn(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Looks of a tenth of a second, on a clock that only they and sleep move on: viser sends every 1/60 s."""
+    now, rests = [100.0], list[float]()
+
+    def look() -> None:
+        now[0] += 0.1 if len(rests) < 5 else 0.004
+
+    def sleep(time: float) -> None:
+        rests.append(time)
+        now[0] += time
+
+    monkeypatch.setattr(page, "look", look)
+    monkeypatch.setattr("sojourn_console.page.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("sojourn_console.page.time.sleep", sleep)
+    page.run(lambda: len(rests) < 10)
+    assert min(rests) > 1.0 / 60.0
+    assert rests[-1] == pytest.approx(1.0 / FRAMES - 0.004)  # a fast one has its frames
 
 
 def test_the_machine_stands_on_its_ground(page: Page, world: World) -> None:

@@ -170,6 +170,23 @@ def test_a_stop_goes_before_what_waits() -> None:
     assert order[0] == "/arm/stop"
 
 
+def test_a_stop_takes_back_the_goals_that_wait_for_whoever_it_stops() -> None:
+    """Sent in a closed window after them it goes up first: they would set the machine in motion behind it."""
+    bench = Bench("{light_time_s: 1.0, windows: [{kind: times, from_s: 20.0, to_s: 400.0}]}")
+    tip = drive_goal(0, (0.9, 0.0), None, "base_link", 0.2)
+    goals = [("/earth/goal_pose", GOAL), ("/earth/waypoints", route_goal(0, [(2.0, 0.0)], None))]
+    question = ("/earth/drive/question", route_goal(0, [(3.0, 0.0)], None))
+    bench.run(1.0, [*goals, ("/earth/arm/goal_pose", tip), question])
+    bench.run(1.0, [("/earth/cmd_vel", stop_messages(0)[0][1])])
+    bench.run(1.0, [("/earth/goal_pose", drive_goal(0, (5.0, 0.0), None))])
+    bench.run(40.0)
+    assert [goal.position[0] for _, goal in bench.of("/goal_pose")] == [5.0] and not bench.of("/waypoints")
+    assert len(bench.of("/cmd_vel")) == len(bench.of("/arm/goal_pose")) == len(bench.of("/drive/question")) == 1
+    assert bench.of("/cmd_vel")[0][0] <= bench.of("/goal_pose")[0][0]
+    first = bench.commands()["command 1"]
+    assert (first["state"], first["reason"]) == ("cancelled", "/cmd_vel was sent after it")
+
+
 def test_a_lost_command_is_never_acknowledged() -> None:
     bench = Bench("{light_time_s: 1.0, up: {loss: 1.0}}")
     bench.run(60.0, [("/earth/goal_pose", GOAL)])

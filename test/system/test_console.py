@@ -194,3 +194,38 @@ def test_a_sequence_runs_and_an_alarm_is_acknowledged(
     run.send(signal.SIGINT)
     assert run.wait() == 0
     assert len(read_bag(tmp_path / "run")["/goal_pose"]) == 1
+
+
+@in_a_browser
+def test_a_goal_goes_over_the_link_and_its_way_is_told(
+    tmp_path: Path, start: Callable[..., Program], domain: int, browser_page: Page
+) -> None:
+    """Out of a window it waits, and is taken back; round the link it is carried out at once."""
+    page = browser_page
+    link = "link={light_time_s: 3.0, windows: [{kind: times, from_s: 3000.0, to_s: 3100.0}]}"
+    sets = ("--set", link, "--set", "waypoints={near: {x: 0.12, y: 0.0}}", "--set", "steps=[]")
+    waiting = (*sets, "--set", "duration_limit_s=3600", "--realtime", "--composed", "--console")
+    run = start("start", SHORT_RUN, *PATIENT, *waiting, "--domain", domain, "--run-dir", tmp_path / "run")
+    page.goto(told(run, "the console is at"))
+    told(run, "the run is heard")
+    expect(page.get_by_text("idle").first).to_be_visible()
+    choose(page, "A click is", "drive to a place")
+    choose(page, "Waypoint", "near")
+    expect(page.get_by_text("Drag to move")).to_be_attached()
+    press(page, "Send")
+    expect(page.get_by_text("over the link, which is closed: it waits on Earth")).to_be_attached()
+    expect(page.get_by_text(re.compile("^waits on Earth since"))).to_be_attached()  # in the tab Goals
+    open_tab(page, "Link")
+    expect(page.get_by_text(re.compile("^closed, opens in .* at 3000 s"))).to_be_attached()
+    expect(page.get_by_text(re.compile(r"^drive to \(0.12, 0.00\): waits on Earth"))).to_be_attached()
+    press(page, "Take back")
+    expect(page.get_by_text("cancelled (before it was sent)").first).to_be_attached()
+    page.get_by_role("checkbox", name="Over the link").dispatch_event("click")
+    expect(page.get_by_text("round the link, at once")).to_be_attached()
+    open_tab(page, "Goals")
+    press(page, "Send")
+    expect(page.get_by_text("reached").first).to_be_attached()
+    run.send(signal.SIGINT)
+    assert run.wait() == 130  # the operator's role, which carries the link, would have waited on
+    bag = read_bag(tmp_path / "run")
+    assert len(bag["/earth/goal_pose"]) == len(bag["/earth/cancel"]) == len(bag["/goal_pose"]) == 1

@@ -88,6 +88,9 @@ class BagFeed:
         jumped, self._jumped = self._jumped, False
         return jumped
 
+    def silence(self) -> str:
+        return ""
+
     def refusal(self) -> str:
         return "a bag is played: it has happened"
 

@@ -26,9 +26,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from sojourn_console.endurance import endurance
     from sojourn_console.errors import ConsoleError
     from sojourn_console.page import FRAMES
+    from sojourn_contract.stop_flag import StopFlag
 
+    stop = StopFlag().install()
     try:
-        found = endurance(given.bag, given.hours)
+        found = endurance(given.bag, given.hours, command_line.say, lambda: not stop.is_set)
     except BagsError as error:
         raise ConsoleError(str(error)) from error
     print("\n".join(found.lines(FRAMES)))

@@ -5,13 +5,14 @@ that have been passed. The arm knows one.
 """
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
-from sojourn_console.feed import Feed
+from sojourn_console.feed import Mouth
 from sojourn_console.model import RunScene
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.values import TwistStamped
@@ -45,26 +46,26 @@ class CommandDesk:
     """Of one run.
 
     Args:
-        feed: to the run. start_height: of the ground at the start of the run [m].
+        mouth: to the run. start_height: of the ground at the start of the run [m].
     """
 
-    def __init__(self, feed: Feed, start_height: float = 0.0) -> None:
-        self._feed, self._start_height = feed, start_height
+    def __init__(self, mouth: Mouth, start_height: float = 0.0) -> None:
+        self._mouth, self._start_height = mouth, start_height
         self.driven: Sent | None = None
         self._arm_is_paused = False
 
     def send(self, draft: Draft) -> int:
         """Send a goal. Returns its stamp [ns], by which its role reports on it. Raises GoalError."""
-        stamp = self._feed.now
-        self._feed.send(*draft.message(stamp, self._start_height))
+        stamp = self._mouth.now
+        self._mouth.send(*draft.message(stamp, self._start_height))
         if draft.is_way:
             self.driven = Sent(draft, stamp)
         return stamp
 
     def ask(self, draft: Draft) -> int:
         """Ask the drive what a goal would take. Returns the stamp of the question [ns]. Raises GoalError."""
-        stamp = self._feed.now
-        self._feed.send(QUESTION, draft.question(stamp, self._start_height))
+        stamp = self._mouth.now
+        self._mouth.send(QUESTION, draft.question(stamp, self._start_height))
         return stamp
 
     def stop(self) -> None:
@@ -73,19 +74,23 @@ class CommandDesk:
         messages, problems = stop_messages(0), []  # without a stamp, so that none is too old
         for name, message in messages:
             try:
-                self._feed.send(name, message)
+                self._mouth.send(name, message)
             except GoalError as error:
                 problems.append(error)
         if len(problems) == len(messages):
             raise problems[0]
 
-    def cancel(self, scene: RunScene) -> str:
-        """End the goal that is under way. Returns what was ended, in words. Raises GoalError."""
+    def cancel(self, scene: RunScene, sent: Collection[str] = ()) -> str:
+        """End the goal that is under way. Returns what was ended, in words. Raises GoalError.
+
+        Args:
+            sent: roles to which a goal is on its way.
+        """
         self.driven, self._arm_is_paused = None, False
         ended = []
         for role, (name, message) in zip(("drive", "arm"), stop_messages(0), strict=True):
-            if scene.status(f"/{role}/status").get("state") == MOVING:
-                self._feed.send(name, message)
+            if role in sent or scene.status(f"/{role}/status").get("state") == MOVING:
+                self._mouth.send(name, message)
                 ended.append(role)
         return f"goal of {' and '.join(ended)} cancelled" if ended else "there is no goal under way"
 
@@ -93,11 +98,11 @@ class CommandDesk:
         """Come to rest, to go on. Returns what was paused, in words. Raises GoalError."""
         paused = []
         if scene.status("/drive/status").get("state") == MOVING and self.driven is not None:
-            self._feed.send("/cmd_vel", TwistStamped(0, "base_link", np.zeros(3), np.zeros(3)))
+            self._mouth.send("/cmd_vel", TwistStamped(0, "base_link", np.zeros(3), np.zeros(3)))
             self.driven = replace(self.driven, is_paused=True)
             paused.append("drive")
         if scene.status("/arm/status").get("state") == MOVING:
-            self._feed.send("/arm/task", status_message(self._feed.now, "pause", {}))
+            self._mouth.send("/arm/task", status_message(self._mouth.now, "pause", {}))
             self._arm_is_paused = True
             paused.append("arm")
         if paused:
@@ -112,9 +117,13 @@ class CommandDesk:
             going.append("drive")
         if self._arm_is_paused:
             self._arm_is_paused = False
-            self._feed.send("/arm/task", status_message(self._feed.now, "resume", {}))
+            self._mouth.send("/arm/task", status_message(self._mouth.now, "resume", {}))
             going.append("arm")
         return f"{' and '.join(going)} goes on" if going else "nothing is paused"
+
+    def forget(self) -> None:
+        """Another run has begun: what was sent belongs to the one before."""
+        self.driven, self._arm_is_paused = None, False
 
     def look(self, scene: RunScene) -> None:
         """See which points of the way have been passed."""

@@ -21,6 +21,10 @@ from sojourn_physics.terrain.height_field import HeightField
 Point = tuple[float, float, float]
 """x, y, z in map, or for the arm in base_link [m]."""
 Kind = Literal["drive", "route", "arm", "task"]
+TOPICS: Mapping[Kind, str] = {
+    "drive": "/goal_pose", "route": "/waypoints", "arm": "/arm/goal_pose", "task": "/arm/task",
+}  # fmt: skip
+"""On which each is sent."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +78,11 @@ class Draft:
         return self.kind in ("drive", "route")
 
     @property
+    def topic(self) -> str:
+        """On which it is sent."""
+        return TOPICS[self.kind]
+
+    @property
     def length(self) -> float:
         """Between its points [m]."""
         return sum(math.dist(one[:2], other[:2]) for one, other in itertools.pairwise(self.points))
@@ -101,17 +110,26 @@ class Draft:
     def message(self, stamp: int, start_height: float = 0.0) -> tuple[str, Message]:
         """Topic and message of it. start_height: of the ground at the start of the run [m]."""
         if self.kind == "task":
-            return "/arm/task", status_message(stamp, self.task, dict(self.values))
+            return self.topic, status_message(stamp, self.task, dict(self.values))
         if self.kind == "arm":
-            return "/arm/goal_pose", pose_message(stamp, "base_link", self.points[0], UPRIGHT)
-        way = self._way(stamp, start_height)
-        return ("/goal_pose" if isinstance(way, PoseStamped) else "/waypoints"), way
+            return self.topic, pose_message(stamp, "base_link", self.points[0], UPRIGHT)
+        return self.topic, self._way(stamp, start_height)
 
     def question(self, stamp: int, start_height: float = 0.0) -> Path:
         """What asks the drive what it would take. Raises GoalError for a goal of the arm."""
         if not self.is_way:
             raise GoalError(self.kind, "the drive can be asked about ways alone")
         return question_message(self._way(stamp, start_height))
+
+    def words(self) -> str:
+        """What it is, in a few words."""
+        if self.kind == "task":
+            return f"task {self.task}"
+        x, y, z = self.points[-1]
+        if self.kind == "arm":
+            return f"arm to ({x:.2f}, {y:.2f}, {z:.2f})"
+        way = "drive" if self.kind == "drive" else f"route of {len(self.points)} points"
+        return f"{way} to ({x:.2f}, {y:.2f})"
 
     def step(self) -> dict[str, Any]:
         """As a step of a scenario or a sequence."""

@@ -4,11 +4,12 @@ A bag is played on end to the page, scene by scene without a pause, as many as t
 are asked for; nobody draws them. Told are the processor time of a scene, of which thirty make the share of a core that
 the page's process takes, and the memory that the process holds (resident; Linux alone tells) over the
 run: what it holds at the end over what it held after the first fifth, in which tracks, plots and caches fill. The line
-through the last four fifths by least squares is the growth an hour.
+through the last four fifths by least squares is the growth an hour. Each sample is told as it is taken, and a run that
+is broken off (Ctrl-C) is judged by those that it has.
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,6 +25,8 @@ from sojourn_console.page import FRAMES, Page
 from sojourn_console.world import world_of_bag
 
 SAMPLES = 60
+FEWEST = 5
+"""By which growth can be told."""
 FILLING = 0.2
 """Part of the run in which what is bounded may fill."""
 
@@ -53,26 +56,38 @@ def growth(hours: Sequence[float], held: Sequence[float]) -> float:
     return float(np.polyfit(hours[begin:], held[begin:], 1)[0])
 
 
-def endurance(bag: Path, hours: float) -> Endurance:
-    """Play a bag to a page for so long. Raises ConsoleError, BagsError."""
+def endurance(bag: Path, hours: float, tell: Callable[[str], None], goes_on: Callable[[], bool]) -> Endurance:
+    """Play a bag to a page for so long, or until it does not go on.
+
+    Args:
+        bag: a run's. hours: of scenes. tell: called with what each sample has found, in words. goes_on: asked before
+            each scene.
+
+    Raises:
+        ConsoleError: broken off before growth could be told. BagsError: the bag cannot be read.
+    """
     rich.get_console().quiet = True  # viser would print an address, without the token
     recorded = read_bag(bag)
     world = world_of_bag(recorded)
     feed = EndlessFeed(recorded, world.table)
     page = Page(GuardedServer("bench"), world, feed)
     scenes = max(SAMPLES, round(hours * 3600.0 * FRAMES))
-    at, held = [], []
+    at, held, count = list[float](), list[float](), 0
     begin = time.process_time()
     try:
-        for count in range(1, scenes + 1):
+        while count < scenes and goes_on():
+            count += 1
             feed.advance(1.0 / FRAMES)
             page.look()
             if count % (scenes // SAMPLES) == 0:
                 at.append(count / FRAMES / 3600.0)
                 held.append(memory_mb())
+                tell(f"{at[-1]:6.2f} h of {hours:g}: {held[-1]:.1f} MB")
     except OSError as error:
         raise ConsoleError(f"memory is measured on Linux alone: {error}") from error
     finally:
         page.close()
-    took = 1e3 * (time.process_time() - begin) / scenes
-    return Endurance(scenes, took, held[-1], growth(at, held))
+    if len(held) < FEWEST:
+        raise ConsoleError(f"broken off after {count} scenes: growth is told from {FEWEST * scenes // SAMPLES} on")
+    took = 1e3 * (time.process_time() - begin) / count
+    return Endurance(count, took, held[-1], growth(at, held))

@@ -16,6 +16,19 @@ class FeedMessage(NamedTuple):
     """When it was said [ns of simulation]; of a live message its stamp."""
 
 
+class Mouth(Protocol):
+    """Says something to a run."""
+
+    @property
+    def now(self) -> int:
+        """Simulation time [ns], 0 as long as it is not known."""
+        ...
+
+    def send(self, name: str, message: Message) -> None:
+        """Say something on a topic of the operator. Raises GoalError."""
+        ...
+
+
 class Feed(Protocol):
     """A source of messages. What is shown needs the newest of each topic; what is plotted needs all of some."""
 
@@ -34,6 +47,10 @@ class Feed(Protocol):
 
     def has_jumped(self) -> bool:
         """Whether time has jumped since the last time that this was asked, so that nothing of before holds."""
+        ...
+
+    def silence(self) -> str:
+        """That nothing is heard any more of a run that was heard, in words; empty where it is."""
         ...
 
     def refusal(self) -> str:

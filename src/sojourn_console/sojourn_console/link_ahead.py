@@ -5,7 +5,9 @@ for how long at least they stay as they are, for an ephemeris 10 s; the search g
 so that no one look of the page waits for it.
 """
 
-from sojourn_contract.stamps import NANOSECONDS
+from datetime import UTC, datetime, timedelta
+
+from sojourn_contract.stamps import NANOSECONDS, seconds
 from sojourn_physics.link.params import LinkParams
 from sojourn_physics.link.window import NEVER, AnyOf, Sky
 
@@ -21,14 +23,15 @@ class LinkAhead:
     """Of one run.
 
     Args:
-        link: as the scenario has it. sky: over the site.
+        link: as the scenario has it. sky: over the site. begin: date of the start of the run, where it has one.
 
     Raises:
         InvalidValueError: a window does not fit the site.
     """
 
-    def __init__(self, link: LinkParams, sky: Sky) -> None:
+    def __init__(self, link: LinkParams, sky: Sky, begin: datetime | None = None) -> None:
         self._sky, self._light_time_s = sky, link.light_time_s
+        self.link, self._begin = link, begin
         self._windows = AnyOf([window.build(self._sky) for window in link.windows])
         self.is_open = False
         self.changes_at: int | None = None
@@ -62,6 +65,16 @@ class LinkAhead:
                 self.changes_at, self.is_over = self._at, True
             else:
                 self._at = until
+
+    def lasts(self, now: int) -> int:
+        """For how long at least it stays as it is from a time on, as far as has been looked [ns]."""
+        return max((self._at or now) - now, 0)
+
+    def date(self, time: int) -> str:
+        """Of a time of the run [ns], in UTC; empty where the run has none."""
+        if self._begin is None:
+            return ""
+        return f"{self._begin.astimezone(UTC) + timedelta(seconds=seconds(time)):%Y-%m-%d %H:%M:%S} UTC"
 
     def forget(self) -> None:
         """Time has jumped."""

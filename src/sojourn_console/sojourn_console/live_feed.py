@@ -11,6 +11,7 @@ import queue
 import threading
 from collections import deque
 from collections.abc import Callable, Collection
+from time import monotonic
 from typing import Any
 
 import rclpy
@@ -25,6 +26,7 @@ from sojourn_contract import qos
 from sojourn_contract.codecs import encode
 from sojourn_contract.decoding import stamp_of
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.link_topics import BY_HAND, EARTH, OPERATOR
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.types import message_class
@@ -34,6 +36,10 @@ CLOCK = "/clock"
 ROLE = "console"
 MOST_WAITING = 20_000
 """Messages of a topic that is wanted in full, at most, until they are fetched."""
+SILENT_S = 5.0
+"""Wall time without a word after which a run counts as silent."""
+CLAIM_S = 1.0
+"""Wall time from one attempt to have the control to the next."""
 _SPIN_S = 0.02
 _MATCH_S = 2.0
 """Wall time within which whoever acts on a goal must have been found."""
@@ -56,14 +62,10 @@ class LiveFeed:
         self._looked_at: frozenset[str] = frozenset()
         self._in_full: frozenset[str] = frozenset()
         self._is_on = True
-        self._refusal = ""
+        self._heard_at = monotonic()
         self._jumped = False
         self._token = RoleTokens(domain, namespace, (ROLE,))
-        try:
-            self._token.__enter__()
-        except RoleInUseError as error:
-            who = f"process {error.holder}" if error.holder else "another process"
-            self._refusal = f"{who} is a console with the control here: this one looks on"
+        self._refusal, self._claimed_at = self._claimed(), monotonic()
         os.environ.update(ros_variables(domain))
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         self._node = rclpy.create_node(
@@ -91,8 +93,9 @@ class LiveFeed:
                 except RefusedMessageError:
                     found.append(FeedMessage(row, data, self.now))  # who reads it counts it
         found.sort(key=lambda heard: heard.time)
-        if found:
-            newest = found[-1].time
+        clocks = [heard.time for heard in found if heard.row.name == CLOCK]
+        if clocks:  # stamps of what has come over a link to Earth are of long ago
+            newest = clocks[-1]
             self._jumped = self._jumped or newest < self.now - 1_000_000_000  # another run has begun on the domain
             self.now = newest if self._jumped else max(self.now, newest)
         return [heard for heard in found if heard.row.name != CLOCK]
@@ -107,18 +110,26 @@ class LiveFeed:
         jumped, self._jumped = self._jumped, False
         return jumped
 
+    def silence(self) -> str:
+        quiet = monotonic() - self._heard_at
+        if not self.is_heard or quiet < SILENT_S:
+            return ""
+        return f"nothing is heard of the run for {quiet:.0f} s: what is shown is of {self.now * 1e-9:.1f} s"
+
     def refusal(self) -> str:
+        if self._refusal and monotonic() > self._claimed_at + CLAIM_S:  # whoever had it may have gone
+            self._refusal, self._claimed_at = self._claimed(), monotonic()
         if self._refusal:
             return self._refusal
         return "" if self.is_heard else "no run is heard yet"
 
     def send(self, name: str, message: Message) -> None:
         row = self._table.topic(name)
-        if not row.is_event or row.publisher != "operator":
+        if not row.is_event or row.publisher not in (OPERATOR, BY_HAND):
             raise GoalError(name, "allowed is a topic on which operators speak")
-        if self.refusal():
-            raise GoalError(name, self.refusal())
         data, done = encode(row, message), threading.Event()
+        if self.refusal() and not (self.is_heard and _is_stop(name, message)):
+            raise GoalError(name, self.refusal())
         problems: list[str] = []
         self._tasks.put(lambda: self._publish(row, data, problems, done))
         if not done.wait(_MATCH_S + 1.0):
@@ -133,6 +144,15 @@ class LiveFeed:
         self._node.destroy_node()
         rclpy.try_shutdown()
         self._token.__exit__(None, None, None)
+
+    def _claimed(self) -> str:
+        """Take the control of the domain; who has it, in words, where that cannot be."""
+        try:
+            self._token.__enter__()
+        except RoleInUseError as error:
+            who = f"process {error.holder}" if error.holder else "another process"
+            return f"{who} is a console with the control here: this one looks on, and can stop"
+        return ""
 
     def _run(self) -> None:
         while self._is_on:
@@ -164,8 +184,10 @@ class LiveFeed:
         def hear(data: bytes) -> None:
             if name in waiting:
                 waiting[name].append(data)
-            if name == CLOCK and not self.now:
-                self.now = 1
+            if name == CLOCK:
+                self._heard_at = monotonic()
+                if not self.now:
+                    self.now = 1
 
         profile = qos.profile(row, lockstep=name != CLOCK)
         kind = message_class(row.type)
@@ -189,3 +211,9 @@ class LiveFeed:
         else:
             problems.append(f"nobody acts on it: is the role {' or '.join(row.subscribers)} there?")
         done.set()
+
+
+def _is_stop(name: str, message: Message) -> bool:
+    """Whether it is everybody's: a stop of drive or arm, over a link to Earth or not."""
+    own = name.removeprefix(EARTH)
+    return own == "/arm/stop" or (own == "/cmd_vel" and not message.linear.any() and not message.angular.any())

@@ -29,6 +29,7 @@ from sojourn_console.panels.sequence import SequencePanel
 from sojourn_console.panels.telemetry_panel import TelemetryPanel
 from sojourn_console.panels.time_line import TimeLinePanel
 from sojourn_console.sequence_board import SequenceBoard
+from sojourn_console.uplink import Uplink
 from sojourn_console.views.all_views import VIEWS
 from sojourn_console.views.ground_view import GroundView
 from sojourn_console.world import World
@@ -36,6 +37,11 @@ from sojourn_operator.alarms.watch import Watch, limits_of
 
 FRAMES = 30.0
 """Scenes a second."""
+REST_S = 0.02
+"""Wall time at least between two looks, however long they take. While a look is drawn nothing goes to the browsers, so
+that they have whole ones, and viser sends 60 times a second: without a rest longer than that a page stands still on a
+machine that is too slow for 30 scenes a second.
+"""
 SLOW = 6
 """Of so many scenes one is shown to the panels: text need not flicker."""
 ALWAYS = ("/odom", "/joint_states", "/battery_state", "/diagnostics", *STATUSES)
@@ -65,7 +71,9 @@ class Page:
         self._first = RunScene(odom_height=height + MachineShape(world.scenario.urdf_xml).standing())
         alarms = AlarmBoard(Watch(limits_of(world.scenario, limits), world.table), who)
         sequences = SequenceBoard(world, feed, who)
-        self.bench = Workbench(server, world, feed, CommandDesk(feed, height), alarms, sequences, scene=self._first)
+        uplink = Uplink(feed, world.scenario.link, world.table)
+        desk = CommandDesk(uplink, height)
+        self.bench = Workbench(server, world, feed, desk, alarms, sequences, uplink, scene=self._first)
         server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="medium")
         self._views = tuple(view(server, world) for view in VIEWS)
         self._head: list[Panel] = [HeadPanel(self.bench)]
@@ -95,7 +103,7 @@ class Page:
             before = now
             self.look()
             due = max(due + 1.0 / FRAMES, now)
-            time.sleep(max(due - time.monotonic(), 0.0))
+            time.sleep(max(due - time.monotonic(), REST_S))
 
     def look(self) -> None:
         """Take what has come, and show it."""
@@ -133,6 +141,7 @@ class Page:
 
     def _clear(self) -> None:
         self.bench.scene = self._first
+        self.bench.desk.forget()
         for view in self._views:
             if isinstance(view, GroundView):
                 view.clear()

@@ -13,6 +13,7 @@ from sojourn_console.draft import Draft, Kind, Point
 from sojourn_console.errors import GoalError
 from sojourn_console.far_way import FarWay
 from sojourn_console.ground_tiles import heights_of
+from sojourn_console.link_words import command_words
 from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import RunScene
 from sojourn_console.panels.panel import QuietPanel, Workbench, table_html
@@ -65,7 +66,8 @@ class GoalsPanel(QuietPanel):
         self._line, self._ball = Shown(), Shown()
         self._handles: list[Any] = []
         self._asked: int | None = None
-        self._sent: tuple[str, int] | None = None
+        self._sent: tuple[str, str, int] | None = None
+        """Topic of the status, topic of the goal, and its stamp."""
         self._words = ""
         self._rehearser = Rehearser()
         self._foreseen: list[tuple[str, str]] = []
@@ -81,9 +83,12 @@ class GoalsPanel(QuietPanel):
         if self._foreseen and self._sent is None:
             self._say(table_html([*self._foreseen, *rehearsal_rows(self._rehearser)]))
         if self._sent is not None:
-            topic, stamp = self._sent
-            status = scene.status(topic)
-            if status.get("goal_stamp") == str(stamp):
+            topic, goal, stamp = self._sent
+            status, command = scene.status(topic), self._bench.uplink.command(goal, stamp)
+            if command:
+                words = command_words(command, scene.stamp, self._bench.uplink.moment())
+                self._say(table_html([(f"command {command['number']}", words)]))
+            elif status.get("goal_stamp") == str(stamp):
                 told = [("goal", status.get("state", "")), ("", status.get("reason", ""))]
                 self._say(table_html(told + ([("map", self._far.told)] if self._far and self._far.told else [])))
         self._go_on(scene)
@@ -204,12 +209,14 @@ class GoalsPanel(QuietPanel):
     def _sending(self) -> str:
         draft = self._bench.checked_draft()
         stamp = self._bench.desk.send(draft)
-        self._sent = ("/drive/status" if draft.is_way else "/arm/status", stamp)
+        self._bench.uplink.name(draft.topic, stamp, draft.words())
+        self._sent = ("/drive/status" if draft.is_way else "/arm/status", draft.topic, stamp)
         if draft.is_way:
             self._far = FarWay(self._bench.world.site, draft, self._heights) if draft.over_map else None
         self._asked, self._foreseen = None, []
         self._rehearser.end()
-        return f"{self._mode.value}: sent"
+        aside = self._bench.uplink.aside()
+        return f"{self._mode.value}: sent" + (f" {aside}" if aside else "")
 
     def _go_on(self, scene: RunScene) -> None:
         """Where the drive has found a way over the map closed, send it along another."""
@@ -219,13 +226,13 @@ class GoalsPanel(QuietPanel):
             return
         far.hear(scene.costmap)
         status = scene.status("/drive/status")
-        if status.get("goal_stamp") != str(driven.stamp):
+        if status.get("goal_stamp") != self._bench.uplink.machine_stamp(driven.draft.topic, driven.stamp):
             return
         before = far.way
         is_over, way = far.after(status, _point(scene.pose.position))
         if way is not None:
             try:
-                self._sent = ("/drive/status", self._bench.desk.send(way))
+                self._sent = ("/drive/status", way.topic, self._bench.desk.send(way))
             except GoalError as error:
                 is_over, far.told = True, str(error)
             if self._bench.draft == before:

@@ -10,10 +10,13 @@ from sojourn_console.bag_feed import BagFeed
 from sojourn_console.model import RunScene
 from sojourn_console.panels.alarms import band_html
 from sojourn_console.panels.panel import QuietPanel, Workbench, put
+from sojourn_console.uplink import Uplink
 from sojourn_contract.heartbeat import RUNNING
 
 COLORS = {"moving": "#409cff", "reached": "#30d158", "idle": "#8e8e93", "refused": "#ff453a", "failed": "#ff453a"}
 OTHER = "#ff9f0a"
+QUIET = "font-size:.8em;opacity:.75"
+LOUD = f"font-size:.9em;font-weight:bold;color:{OTHER}"
 
 
 class HeadPanel(QuietPanel):
@@ -38,14 +41,15 @@ class HeadPanel(QuietPanel):
         words = head_html(scene, self._bench.world.scenario.name, self._bench.world.scenario.config.machine)
         holder = self._bench.control.holder
         pages = len(self._bench.server.get_clients())
-        note = refusal or (f"page {holder} has the control" if holder is not None and pages > 1 else "")
+        silence = self._bench.feed.silence()
+        note = silence or refusal or (f"page {holder} has the control" if holder is not None and pages > 1 else "")
         self._take.visible = holder is not None and pages > 1
         put(self._band, band_html(self._bench.alarms.open))
         if (words, note) != self._told:
             self._told = (words, note)
             self._words.content = words
             self._note.content = (
-                f'<div style="font-size:.8em;opacity:.75;margin:0 14px 4px">{html.escape(note)}</div>' if note else ""
+                f'<div style="{LOUD if silence else QUIET};margin:0 14px 4px">{html.escape(note)}</div>' if note else ""
             )
 
     def _add_buttons(self) -> None:
@@ -57,10 +61,21 @@ class HeadPanel(QuietPanel):
 
     def _stop(self) -> str:
         self._bench.desk.stop()
-        if not self._bench.sequences.is_under_way:
-            return "stop sent to drive and arm"
-        self._bench.sequences.hold()
-        return "stop sent to drive and arm, the sequence is held"
+        if self._bench.sequences.is_under_way:
+            self._bench.sequences.hold()
+            return "stop sent to drive and arm, the sequence is held"
+        return _aside("stop sent to drive and arm", self._bench.uplink)
+
+    def _cancel(self) -> str:
+        bench, uplink = self._bench, self._bench.uplink
+        waiting = uplink.waiting() if uplink.is_used else ()
+        back = uplink.take_back(waiting) if waiting else ""
+        moves = uplink.moves() if uplink.is_used else frozenset()
+        if back and not moves:
+            bench.desk.driven = None
+            return back
+        ended = bench.desk.cancel(bench.scene, moves)
+        return _aside(f"{back}; {ended}" if back else ended, uplink)
 
     def _taken(self, client: viser.ClientHandle | None) -> str:
         if client is not None:
@@ -70,8 +85,8 @@ class HeadPanel(QuietPanel):
     def _act(self, what: str) -> str:
         desk, scene = self._bench.desk, self._bench.scene
         if what == "Pause":
-            return desk.pause(scene)
-        return desk.resume() if what == "Resume" else desk.cancel(scene)
+            return _aside(desk.pause(scene), self._bench.uplink)
+        return _aside(desk.resume(), self._bench.uplink) if what == "Resume" else self._cancel()
 
 
 def head_html(scene: RunScene, name: str, machine: str) -> str:
@@ -91,6 +106,12 @@ def head_html(scene: RunScene, name: str, machine: str) -> str:
     if late:
         lines.append(f'<div style="color:{OTHER}">{html.escape(", ".join(late))}</div>')
     return f'<div style="font-size:.86em;line-height:1.5;margin:4px 14px 2px">{"".join(lines)}</div>'
+
+
+def _aside(told: str, uplink: Uplink) -> str:
+    """What was done, and how it goes there."""
+    aside = uplink.aside()
+    return f"{told}, {aside}" if aside else told
 
 
 def _way(drive: Mapping[str, str]) -> str:

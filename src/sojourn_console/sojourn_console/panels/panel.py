@@ -16,6 +16,7 @@ from sojourn_console.draft import Draft
 from sojourn_console.feed import Feed, FeedMessage
 from sojourn_console.model import RunScene
 from sojourn_console.sequence_board import SequenceBoard
+from sojourn_console.uplink import Uplink
 from sojourn_console.world import World
 
 
@@ -26,7 +27,8 @@ class Workbench:
     Args:
         server: of the page. world: of the run. feed: to it. desk: its commands.
 
-        alarms: of the run. sequences: carried out from here.
+        alarms: of the run. sequences: carried out from here. uplink: the way of what is said, where a link stands
+            between Earth and machine.
 
     Attributes:
         lock: held while anything here changes; viser calls from threads of its own.
@@ -39,6 +41,7 @@ class Workbench:
     desk: CommandDesk
     alarms: AlarmBoard
     sequences: SequenceBoard
+    uplink: Uplink
     lock: threading.RLock = field(default_factory=threading.RLock)
     scene: RunScene = field(default_factory=RunScene)
     control: Control = field(default_factory=Control)

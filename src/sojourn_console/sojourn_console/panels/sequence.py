@@ -98,6 +98,8 @@ class SequencePanel(QuietPanel):
 
     def _run(self) -> str:
         self._checked()
+        if self._bench.uplink.is_used:
+            raise SequenceError("a sequence goes round the link to Earth: switch off “Over the link” in the tab Link")
         return self._board.begin(self._text.value, self._name)
 
     def _told(self) -> str:

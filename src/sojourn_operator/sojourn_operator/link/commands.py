@@ -38,6 +38,8 @@ ANSWERS: dict[str, tuple[str, Callable[[DiagnosticArray], GoalReport], tuple[str
     "/power/request": ("/power/status", request_report_of, ("done", "waiting", "refused")),
 }
 """Of each topic where its answer is told, how that is read, and with which states it is over."""
+MOVES = tuple(name for name, answer in ANSWERS.items() if answer in (_DRIVE, _ARM))
+"""Goals that set drive or arm in motion."""
 
 
 class SentCommand(NamedTuple):
@@ -149,7 +151,7 @@ def reports_on_earth(reports: Mapping[str, GoalReport], log: Iterable[SentComman
     }
     last = {command.role: command for command in log if command.topic not in VELOCITIES}
     for role, command in last.items():
-        if command.state == EXECUTED and ANSWERS[command.topic] in (_DRIVE, _ARM):
+        if command.state == EXECUTED and command.topic in MOVES:
             found[role] = GoalReport(command.outcome, command.stamp, command.reason)
         elif command.state in UNDONE:
             found[role] = GoalReport("failed", command.stamp, f"{command.state} on the way: {command.reason}")

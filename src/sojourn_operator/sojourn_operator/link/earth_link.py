@@ -25,6 +25,7 @@ from sojourn_operator.link.commands import (
     EXPIRED,
     FIRST,
     KEPT,
+    MOVES,
     RECEIVED,
     ROLE_OF,
     SENT,
@@ -153,6 +154,8 @@ class EarthLink:
         return replace(state, by_hand=()) if state.by_hand else state
 
     def _queued(self, state: LinkState, now: int, name: str, message: Message) -> LinkState:
+        if name in FIRST:
+            state = self._overtaken(state, now, name)
         deadline = None if self._expires is None else now + self._expires
         message = message if message.stamp else stamped(message, now)
         keep, priority = (1 if name in VELOCITIES else KEPT), int(name not in FIRST)
@@ -163,14 +166,27 @@ class EarthLink:
         log = (*dropped, SentCommand(packet.number, name, message.stamp, now, known=now))[-KEPT:]
         return replace(state, up=up, log=log)
 
+    def _overtaken(self, state: LinkState, now: int, name: str) -> LinkState:
+        """Without the goals of a role that wait while a stop or a velocity for it is sent: that goes before them, and
+        would be undone by them.
+        """
+        for packet in state.up.waiting:
+            goal = packet.content.topic
+            if ROLE_OF[goal] == ROLE_OF[name] and goal in MOVES:
+                state = self._without(state, now, packet.number, f"{name} was sent after it")
+        return state
+
     def _cancelled(self, state: LinkState, now: int, number: str) -> LinkState:
         """Without what waits: the command of a number, or all where none is said."""
         for packet in state.up.waiting:
             if number in ("", str(packet.number)):
-                up, _ = self._up.cancelled(state.up, packet.number)
-                log = _marked(state.log, {packet.number}, CANCELLED, now, "before it was sent")
-                state = replace(state, up=up, log=log)
+                state = self._without(state, now, packet.number, "before it was sent")
         return state
+
+    def _without(self, state: LinkState, now: int, number: int, reason: str) -> LinkState:
+        """A command that waits is taken back."""
+        up, _ = self._up.cancelled(state.up, number)
+        return replace(state, up=up, log=_marked(state.log, {number}, CANCELLED, now, reason))
 
 
 def _marked(
