@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from functools import cache
 from typing import Any
 
+import fault_defects  # noqa: F401  # its defects come into the list of app_defects
 import pytest
 from app_defects import APP_DEFECTS, AppDefect
 from defects import DEFECTS

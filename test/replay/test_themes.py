@@ -15,10 +15,13 @@ from sojourn_bringup.references import THEMES, ReferenceBag, references_folder
 from sojourn_stack.replay import replay
 
 RENEW = "if this is meant, renew the bags: scripts/record_reference"
-MOST_BYTES = 5_000_000
-"""Of all theme bags, as git packs them."""
+MOST_BYTES = 9_000_000
+"""Of all theme bags, as git packs them: some 0.3 MB for each of 32 machines, tasks and faults. A third is what the
+machine measures at 50 Hz, which no role can be replayed without."""
 PLACE, JUMP = "/initialpose", "the change of pose"
 """An operator's word moves the estimate at once, which no velocity explains."""
+SILENCED = "themes/restarts"
+"""Its drive does not hear, or hears late, what moves it: its odometry stands still and leaps."""
 NAMES = [theme.name for theme in THEMES]
 CASES = [(theme.name, role) for theme in THEMES for role in theme.roles]
 
@@ -39,6 +42,7 @@ def test_a_bag_is_thinned_whole_and_clean(theme: ReferenceBag) -> None:
     assert not [name for name in bag.topics if name.startswith("/truth")]
     report, run = judge_bag(bag)
     told = [line for line in report.lines() if not (PLACE in bag and line.startswith("/odom at ") and JUMP in line)]
+    told = [line for line in told if not (theme.name == SILENCED and line.startswith("/odom"))]
     assert not told and report.messages
     assert any("the others were not judged" in note for note in run.notes)
     assert (references_folder() / theme.name / DIGEST).read_text(encoding="utf-8") == digest(bag), RENEW

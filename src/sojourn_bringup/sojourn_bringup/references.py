@@ -23,8 +23,11 @@ class ReferenceBag:
 
 UNFOLDED = "arm.named_poses={stow: [0.0, -0.95, 1.85, -0.9, 0.0], unfold: [0.0, -1.0, 1.9, -0.9, 0.0]}"
 """The arm of the explorer stands unfolded when the run begins, so that the bag is short."""
-
-
+RARE_CLOUDS = "sensors.hazcam.timing.rate=2.0"
+"""Clouds are half of a small bag."""
+KALMAN = "power_manager.estimator=kalman"
+WEAK_BUS = "arm.power_limit=60"
+OBSTACLE = "arm.obstacles=[[4.0, 1.0, 2.0, 0.5]]"
 SMALL_IMAGES = (
     "sensors.navcam.lens.columns=128",
     "sensors.navcam.lens.rows=128",
@@ -70,8 +73,25 @@ THEMES = (
     _theme("night", ("power",), "waited done waited"),
     _theme("detour", ("drive",), "done"),
     _theme("sight", ("drive",), "done", *SMALL_IMAGES),
+    _theme("wrong_words", ("drive", "arm", "power"), "done " * 57),
+    _theme("restarts", ("drive",), "done done done"),
+    _theme("loose", ("drive",), "done done"),
+    _theme("keep_out", ("drive",), "done done done done", RARE_CLOUDS),
+    _theme("closed", ("drive",), "done done jogged", RARE_CLOUDS),
+    _theme("cylindrical", ("arm",), "done done done jogged done done", "arm.secondary_task=manipulability"),
+    _theme("table", ("arm",), "done " * 7, "arm.urdf=dh/puma560.yaml", "arm.secondary_task=centred", WEAK_BUS),
+    _theme("redundant", ("arm",), "done done done jogged done", "arm.secondary_task=clear", OBSTACLE),
+    _theme("drill", ("arm",), "reached done done reached done", UNFOLDED),
+    _theme("gripper", ("arm",), "done done reached done done reached", UNFOLDED),
+    _theme("touch", ("arm",), "reached " + "done " * 13 + "waited " + "done " * 6, UNFOLDED),
+    _theme("arm_faults", ("arm",), "done done done done", UNFOLDED),
+    _theme("round", ("arm",), "waited done done done done done"),
+    _theme(
+        "strings", ("power",), "waited done waited done waited jogged waited jogged waited waited done waited", KALMAN
+    ),
+    _theme("dust", ("power",), "waited"),
 )
-"""Of what one bag cannot show: a kind of mobility, a limit, a refusal, a task."""
+"""Of what one bag cannot show: a kind of mobility, a limit, a refusal, a task, a fault."""
 
 
 def references_folder() -> Path:

@@ -34,8 +34,7 @@ def run_coverage(given: argparse.Namespace) -> int:
     from sojourn_stack.exercise import FLIGHT_ROLES, folders_of  # not above: after the variable
 
     roles = (given.node,) if given.node else FLIGHT_ROLES
-    bags = given.bag or [references_folder() / reference.name for reference in (*REFERENCES, *THEMES)]
-    found, differs = measure(bags, roles)
+    found, differs = measure(given.bag or reference_bags(), roles, with_starts=not given.bag)
     folders = [folder for role in roles for folder in folders_of(role)]
     print("\n".join(lines_of_table(found, folders)))
     if given.missed:
@@ -45,12 +44,22 @@ def run_coverage(given: argparse.Namespace) -> int:
     return 1 if differs else 0
 
 
-def measure(bags: Sequence[Path], roles: Sequence[str]) -> tuple[list["Exercise"], list[str]]:
+def reference_bags() -> list[Path]:
+    """All that there are."""
+    return [references_folder() / reference.name for reference in (*REFERENCES, *THEMES)]
+
+
+def measure(
+    bags: Sequence[Path], roles: Sequence[str], with_starts: bool = False
+) -> tuple[list["Exercise"], list[str]]:
     """Replay bags through our apps of some roles.
 
+    Args:
+        with_starts: start them with each of the wrong values besides (`wrong_values`).
+
     Returns:
-        What they go through, by file; and of which bags a role gave other answers, in words. A role that did not take
-        part, or whose topics the bag does not have, is passed over.
+        What they go through, by file; and of which bags a role gave other answers, or which wrong values it took, in
+        words. A role that did not take part, or whose topics the bag does not have, is passed over.
 
     Raises:
         UsageError: a bag cannot be replayed.
@@ -59,6 +68,7 @@ def measure(bags: Sequence[Path], roles: Sequence[str]) -> tuple[list["Exercise"
     from sojourn_bags.comparison_result import Verdict
     from sojourn_bags.thinning import roles_of
     from sojourn_bringup.replay_run import replay_directly
+    from sojourn_bringup.wrong_values import not_refused
     from sojourn_stack.exercise import exercised, folders_of, functions_of_apps
 
     differs: list[str] = []
@@ -72,6 +82,7 @@ def measure(bags: Sequence[Path], roles: Sequence[str]) -> tuple[list["Exercise"
                 comparison = replay_directly(bag, role).comparison
                 if comparison.verdict is Verdict.DIFFERENT:
                     differs.append(f"{bag.path}: {role} answers otherwise than recorded: {comparison.divergence()}")
+        differs.extend(not_refused(roles) if with_starts else ())
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of infinities, which compiled kernels pass over in silence

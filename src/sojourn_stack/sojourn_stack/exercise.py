@@ -2,9 +2,9 @@
 
 Only statements inside functions count, for all others run when a module is imported; of apps and flight laws only
 functions that the apps can come to (`reachable`): what stands beside them for the tools of analysis is none of a
-replay's business. Kernels count where the process was started with NUMBA_DISABLE_JIT=1, so that they run as Python;
-else files of kernels cannot be told and are left out, as the shells of nodes always are. The measurement is
-coverage.py's (Batchelder), in the process itself.
+replay's business, and neither is a body that only says that it is not implemented. Kernels count where the process was
+started with NUMBA_DISABLE_JIT=1, so that they run as Python; else files of kernels cannot be told and are left out, as
+the shells of nodes always are. The measurement is coverage.py's (Batchelder), in the process itself.
 """
 
 import ast
@@ -118,11 +118,21 @@ def _in_functions(path: Path, counted: Collection[int] | None) -> tuple[frozense
     functions = (node for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.FunctionDef))
     statements, refusals = set(), set()
     for function in (node for node in functions if counted is None or node.lineno in counted):
+        if _is_abstract(function):
+            continue
         for node in _below(function.body):
             statements.add(node.lineno)
             if isinstance(node, ast.Raise):
                 refusals.add(node.lineno)
     return frozenset(statements), frozenset(refusals)
+
+
+def _is_abstract(function: ast.FunctionDef) -> bool:
+    """Whether it only says what those that stand for it are to do: a docstring, and that it is not implemented."""
+    last = function.body[-1]
+    if not isinstance(last, ast.Raise) or any(not isinstance(node, ast.Expr) for node in function.body[:-1]):
+        return False
+    return isinstance(last.exc, ast.Name) and last.exc.id == NotImplementedError.__name__
 
 
 def _below(body: Sequence[ast.stmt]) -> Iterator[ast.stmt]:

@@ -25,7 +25,7 @@ from sojourn_contract.codecs import decode
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.topic_table import TopicTable
 from sojourn_stack.answers import OwnAnswers
-from sojourn_stack.apps import APPS
+from sojourn_stack.apps import APPS, make_apps
 from sojourn_stack.errors import WaitingError
 from sojourn_stack.heard_replay import replay_as_heard
 from sojourn_stack.recorded_role import recorded_role
@@ -33,8 +33,10 @@ from sojourn_stack.stack import Said, Stack
 
 
 def app_of(role: str, configuration: RunConfiguration) -> App[Any]:
-    """The app of a role, as its node makes it of a bag's configuration. Raises ConfigError."""
-    app = APPS[role].of(load_scenario(configuration.scenario, configuration.overrides))
+    """The app of a role, as its node makes it of a bag's configuration: what a fault of the run has done to messages on
+    their way is done to them again. Raises ConfigError.
+    """
+    app = make_apps(load_scenario(configuration.scenario, configuration.overrides), (role,))[role]
     app.warm_up()
     return app
 

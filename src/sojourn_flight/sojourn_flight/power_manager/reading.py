@@ -1,9 +1,11 @@
 """Telemetry of one store."""
 
 from dataclasses import dataclass
-from math import isfinite
 
 from sojourn_machine.errors import InvalidValueError
+
+LARGEST = 1e6
+"""Of volts, amperes and kelvins that any sensor of a store can mean; squares of what is far beyond are no numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +22,9 @@ class StoreReading:
     def require_numbers(self, name: str) -> None:
         """Raise InvalidValueError for what no sensor can mean; `name`: of the store."""
         for quantity, value in (("voltage [V]", self.voltage), ("current [A]", self.current)):
-            if not isfinite(value):
-                raise InvalidValueError(f"{name} {quantity}", value, "a finite number")
-        if not isfinite(self.temperature) or self.temperature <= 0.0:
-            raise InvalidValueError(f"{name} temperature [K]", self.temperature, "a finite number above 0")
+            if not abs(value) <= LARGEST:
+                raise InvalidValueError(f"{name} {quantity}", value, f"a number within {LARGEST:g}")
+        if not 0.0 < self.temperature <= LARGEST:
+            raise InvalidValueError(
+                f"{name} temperature [K]", self.temperature, f"a number above 0, at most {LARGEST:g}"
+            )
