@@ -18,7 +18,8 @@ before = set(sys.modules)
 rclpy.init(args=[])
 given = {"participants": ["plant", "recorder"], "scenario": "flat_drive", "bag": sys.argv[1], "lockstep": False}
 node = RecorderNode(loaded=loaded, overrides=given)
-print(*(name for name in sys.modules if name not in before and name.startswith(("rosbags.typesys", "rosidl", "sojourn"))))
+new = [name for name in sys.modules if name not in before]
+print(*(name for name in new if name.startswith(("rosbags.typesys", "rosidl", "sojourn"))))
 node.destroy_node()
 """
 

@@ -139,6 +139,28 @@ def said(message: DiagnosticArray, time: int = 400) -> FeedMessage:
     return FeedMessage(LINK_STATUS, encode(LINK_STATUS, message), time * NANOSECONDS)
 
 
+@pytest.mark.parametrize(
+    ("of_link", "of_command"),
+    [
+        ({"light_time_s": "soon"}, {}),
+        ({"up_waiting": "1.5"}, {}),
+        ({"down_waiting_bits": ""}, {}),
+        ({}, {"goal_stamp": "now"}),
+        ({}, {"state": "sent", "sent_s": "then"}),
+        (None, {}),
+    ],
+)
+def test_a_stranger_s_word_on_the_link_is_passed_over(
+    linked: Page, feed: DeafFeed, of_link: dict[str, str] | None, of_command: dict[str, str]
+) -> None:
+    before = hear(linked, feed, said(status(state="sent", sent_s="100.00")))
+    sound = status(**of_command)
+    link, command = sound.status
+    values = () if of_link is None else tuple((dict(link.values) | of_link).items())
+    after = hear(linked, feed, said(DiagnosticArray(8, (DiagnosticStatus("link", values, ""), command))))
+    assert "command 3" in before and after == before
+
+
 def test_the_page_shows_what_comes(linked: Page, feed: DeafFeed) -> None:
     panel, table = panel_of(linked), linked.bench.world.table
     assert panel.topics() == {LINK_STATUS.name, *(f"/earth{name}" for name in STATUSES)}

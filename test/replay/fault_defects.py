@@ -16,8 +16,10 @@ from app_defects import (
     without_task,
 )
 
+import sojourn_arm.app
 import sojourn_drive.app
 import sojourn_flight.arm.controller
+import sojourn_flight.arm.tasks.joint_watch
 import sojourn_flight.power_manager.string_watch
 import sojourn_flight.power_manager.switch_watch
 import sojourn_flight.supervision.drive
@@ -39,6 +41,16 @@ def fingers_close_with_half_the_force(app: Any, patch: Patch) -> None:
 @defect("arm_faults", "arm", "/arm/status.status.values.failed_joints")
 def a_joint_that_stands_still_is_not_noticed(app: Any, patch: Patch) -> None:
     patch.setattr(sojourn_flight.arm.controller, "stands_still", lambda *given: False)
+
+
+@defect("arm_again", "arm", "/arm/status.status.values.failed_joints")
+def a_joint_that_dies_under_a_task_is_not_noticed(app: Any, patch: Patch) -> None:
+    patch.setattr(sojourn_flight.arm.tasks.joint_watch, "stands_still", lambda *given: False)
+
+
+@defect("arm_again", "arm", "/arm/status.status.values.failed_joints")
+def an_arm_that_is_started_again_knows_of_no_dead_joint(app: Any, patch: Patch) -> None:
+    patch.setattr(sojourn_arm.app, "dead_of", lambda kept, model: ())
 
 
 @defect("redundant", "arm", "/arm_command.position")

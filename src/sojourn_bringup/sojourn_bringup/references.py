@@ -85,6 +85,7 @@ THEMES = (
     _theme("gripper", ("arm",), "done done reached done done reached", UNFOLDED),
     _theme("touch", ("arm",), "reached " + "done " * 13 + "waited " + "done " * 6, UNFOLDED),
     _theme("arm_faults", ("arm",), "done done done done", UNFOLDED),
+    _theme("arm_again", ("arm",), "done done done", UNFOLDED, RARE_CLOUDS),
     _theme("round", ("arm",), "waited done done done done done"),
     _theme(
         "strings", ("power",), "waited done waited done waited jogged waited jogged waited waited done waited", KALMAN

@@ -21,6 +21,8 @@ from sojourn_physics.link.params import LinkParams
 
 NUMBER = "command "
 """Before the number of a command in /link/status."""
+TIMES = ("queued_s", "sent_s", "received_s")
+"""Of a command there [s]; empty for what has not been."""
 
 
 class LinkMoment(NamedTuple):
@@ -106,9 +108,9 @@ class Uplink:
                 self._received[one.row.name] = one
             if one.row.name == LINK_STATUS.name:
                 try:
-                    self._status = decode(one.row, one.data)
-                except RefusedMessageError:
-                    continue  # the scene counts it
+                    self._status = _checked(decode(one.row, one.data))
+                except (RefusedMessageError, KeyError, ValueError):
+                    continue  # the scene counts it; a stranger's has not the numbers
                 for _, values in self.commands():
                     self._said.pop((values.get("topic", ""), int(values.get("goal_stamp", "0"))), None)
 
@@ -182,3 +184,17 @@ class Uplink:
         self._status = None
         self._received.clear()
         self._said.clear()
+
+
+def _checked(status: DiagnosticArray) -> DiagnosticArray:
+    """The same, if its numbers can be read. Raises KeyError, ValueError."""
+    link = status_values(status)
+    float(link["light_time_s"])
+    for way in ("up", "down"):
+        int(link[f"{way}_waiting"]), float(link[f"{way}_waiting_bits"])
+    for command in status.status[1:]:
+        values = dict(command.values)
+        int(values.get("goal_stamp", "0"))
+        for name in TIMES:
+            float(values.get(name) or "0")
+    return status
