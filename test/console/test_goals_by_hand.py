@@ -15,7 +15,7 @@ from sojourn_console.gate import GuardedServer
 from sojourn_console.model import BasePose, RunScene
 from sojourn_console.page import Page
 from sojourn_console.panels.goals import foresight_rows
-from sojourn_console.panels.head import head_html
+from sojourn_console.panels.head import HeadPanel, head_html
 from sojourn_console.panels.panel import table_html
 from sojourn_console.world import World
 from sojourn_contract.codecs import encode
@@ -79,10 +79,10 @@ def test_a_place_far_away_becomes_a_route_over_the_map(world: World) -> None:
 
 def test_a_stop_goes_to_both_without_a_stamp(feed: DeafFeed) -> None:
     desk = CommandDesk(feed)
-    desk.stop()
+    assert desk.stop() == ("drive", "arm")
     assert [(name, message.stamp) for name, message in feed.said] == [("/cmd_vel", 0), ("/arm/stop", 0)]
     feed.deaf = {"/arm/stop"}
-    desk.stop()  # a machine without an arm is stopped all the same
+    assert desk.stop() == ("drive",)  # a machine without an arm is stopped all the same
     feed.deaf = {"/arm/stop", "/cmd_vel"}
     with pytest.raises(GoalError, match="nobody acts"):
         desk.stop()
@@ -111,6 +111,19 @@ def test_the_arm_pauses_by_itself(feed: DeafFeed) -> None:
     assert desk.pause(arm) == "arm paused"
     assert desk.resume() == "arm goes on"
     assert [message.status[0].name for _, message in feed.said] == ["pause", "resume"]
+
+
+def test_a_stop_says_who_does_not_hear_it(world: World, feed: DeafFeed) -> None:
+    page = Page(GuardedServer("stop", 8920), world, feed)
+    try:
+        head = page._head[0]
+        assert isinstance(head, HeadPanel) and head._stop() == "stop sent to drive and arm"
+        feed.deaf = {"/arm/stop"}
+        assert head._stop() == "stop sent to drive, not to the arm: nobody acts on it"
+        feed.deaf = {"/cmd_vel"}
+        assert head._stop() == "stop sent to arm, not to the drive: nobody acts on it"
+    finally:
+        page.close()
 
 
 def test_what_was_paused_in_a_run_does_not_go_on_in_the_next(world: World, feed: DeafFeed) -> None:

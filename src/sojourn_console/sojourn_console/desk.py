@@ -21,6 +21,8 @@ from sojourn_operator.goal_messages import QUESTION, stop_messages
 PASSED = 0.6
 """A point of a route counts as passed within so much of it [m]."""
 MOVING = "moving"
+ROLES = ("drive", "arm")
+"""That are stopped, in the order of `stop_messages`."""
 
 
 @dataclass(frozen=True)
@@ -68,17 +70,19 @@ class CommandDesk:
         self._mouth.send(QUESTION, draft.question(stamp, self._start_height))
         return stamp
 
-    def stop(self) -> None:
-        """Stop drive and arm, softly, as their own limits have it. Raises GoalError where neither hears it."""
+    def stop(self) -> tuple[str, ...]:
+        """Stop drive and arm, softly, as their own limits have it. Returns who hears it. Raises GoalError: nobody."""
         self.driven, self._arm_is_paused = None, False
-        messages, problems = stop_messages(0), []  # without a stamp, so that none is too old
-        for name, message in messages:
+        problems, told = list[GoalError](), list[str]()
+        for role, (name, message) in zip(ROLES, stop_messages(0), strict=True):  # without a stamp: never too old
             try:
                 self._mouth.send(name, message)
+                told.append(role)
             except GoalError as error:
                 problems.append(error)
-        if len(problems) == len(messages):
+        if not told:
             raise problems[0]
+        return tuple(told)
 
     def cancel(self, scene: RunScene, sent: Collection[str] = ()) -> str:
         """End the goal that is under way. Returns what was ended, in words. Raises GoalError.
@@ -88,7 +92,7 @@ class CommandDesk:
         """
         self.driven, self._arm_is_paused = None, False
         ended = []
-        for role, (name, message) in zip(("drive", "arm"), stop_messages(0), strict=True):
+        for role, (name, message) in zip(ROLES, stop_messages(0), strict=True):
             if role in sent or scene.status(f"/{role}/status").get("state") == MOVING:
                 self._mouth.send(name, message)
                 ended.append(role)

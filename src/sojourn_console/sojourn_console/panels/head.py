@@ -60,11 +60,17 @@ class HeadPanel(QuietPanel):
         row.on_click(lambda event: bench.commanding(event.client, lambda: self._act(row.value)))
 
     def _stop(self) -> str:
-        self._bench.desk.stop()
-        if self._bench.sequences.is_under_way:
-            self._bench.sequences.hold()
-            return "stop sent to drive and arm, the sequence is held"
-        return _aside("stop sent to drive and arm", self._bench.uplink)
+        bench = self._bench
+        told = bench.desk.stop()
+        words = f"stop sent to {' and '.join(told)}"
+        if "arm" not in told and bench.world.scenario.arm is not None:
+            words += ", not to the arm: nobody acts on it"
+        if "drive" not in told:
+            words += ", not to the drive: nobody acts on it"
+        if bench.sequences.is_under_way:
+            bench.sequences.hold()
+            return f"{words}; the sequence is held"
+        return _aside(words, bench.uplink)
 
     def _cancel(self) -> str:
         bench, uplink = self._bench, self._bench.uplink
