@@ -23,6 +23,7 @@ import sojourn_flight.arm.tasks.joint_watch
 import sojourn_flight.power_manager.string_watch
 import sojourn_flight.power_manager.switch_watch
 import sojourn_flight.supervision.drive
+import sojourn_power.app
 from sojourn_flight.hazards.keep_out import KeepOut
 
 # Arm
@@ -108,6 +109,11 @@ def slip_does_not_slow_the_rover(app: Any, patch: Patch) -> None:
     change_params(app, patch, "slip_policy", lambda policy: None)
 
 
+@defect("astern", "drive", "/drive/status.status.values.reason")
+def a_dead_wheel_is_never_drawn_behind(app: Any, patch: Patch) -> None:
+    patch.setattr(app.model.mobility, "rather_astern", lambda state: False)
+
+
 @defect("keep_out", "drive", "/drive/status.status.values.asked_reason")
 def zones_are_forgotten(app: Any, patch: Patch) -> None:
     swap(patch, app.model, "avoidance", changed(app.model.avoidance, "keep_out", lambda zones: KeepOut(())))
@@ -144,7 +150,7 @@ def voltages_are_trusted_too_much(app: Any, patch: Patch) -> None:
 
 @defect("dust", "power", "/power/status.status.values.arrays_clean")
 def dust_is_not_believed(app: Any, patch: Patch) -> None:
-    patch.setattr(app._forecaster, "clean_after", lambda known: known.clean)
+    patch.setattr(sojourn_power.app.Forecaster, "clean_after", lambda forecaster, known: known.clean)
 
 
 @defect("wrong_words", "power", "/power/status.status.values.request_reason")

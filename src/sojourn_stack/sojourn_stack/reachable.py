@@ -156,7 +156,8 @@ class _Scope:
 
 @cache
 def _scope(module: str) -> _Scope:
-    names, modules = {}, {}
+    names: dict[str, _Name] = {}
+    modules: dict[str, str] = {}
     tree = _tree(_path(module))
     for node in _executed(tree):
         if isinstance(node, ast.Import):
