@@ -42,6 +42,11 @@ class IdealStore(StoreParams):
         """Nothing changes."""
         return state
 
+    @property
+    def charge_capacity(self) -> float:
+        """So much that it is never empty."""
+        return 1e12
+
     def open_circuit_voltage(self, soc: float) -> float:
         """28 V."""
         return 28.0

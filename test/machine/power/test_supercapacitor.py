@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 from sojourn_config.load import load_params
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.evolution import replace
 from sojourn_machine.power.flywheel import FlywheelParams
 from sojourn_machine.power.loads import BusParams, LoadParams
 from sojourn_machine.power.network import PowerNetwork
@@ -23,11 +24,16 @@ BANK = SupercapacitorParams(
 WHEEL = load_params("parts", "flywheel_glenn", FlywheelParams)
 
 
-def charge_after(store: StoreParams, soc: float, power: float, duration: float, dt: float) -> float:
-    """On a bus with a load of so many watts alone, or a motor that returns them [1]."""
+def network_of(stores: dict[str, StoreParams]) -> PowerNetwork:
+    """On one bus, with a motor alone."""
     motor = LoadParams(name="motor", kind="commanded", power_w=500.0, essential=False, priority=1)
     bus = BusParams(loads=(motor,), lockout_voltage=0.0, lockout_reset_voltage=1.0, lockout_reset_time=1.0)
-    network = PowerNetwork(PowerParams(stores={"store": store}, bus=bus))
+    return PowerNetwork(PowerParams(stores=stores, bus=bus))
+
+
+def charge_after(store: StoreParams, soc: float, power: float, duration: float, dt: float) -> float:
+    """On a bus with a load of so many watts alone, or a motor that returns them [1]."""
+    network = network_of({"store": store})
     state = network.initial_state(soc)
     for _ in range(round(duration / dt)):
         state, _ = network.step(state, (1.0,), (power,), dt)
@@ -87,3 +93,32 @@ def test_no_numbers_are_refused(asked: float, dt: float) -> None:
         BANK.step(BANK.initial_state(0.5), asked, dt)
     with pytest.raises(InvalidValueError):
         BANK.initial_state(-0.1)
+
+
+@pytest.mark.parametrize("dt", [1.0, 60.0, 600.0, 3600.0])
+@pytest.mark.parametrize(("first", "second"), [(0.9, 0.3), (0.2, 0.95)])
+def test_two_banks_level_each_other_out_however_long_the_step(first: float, second: float, dt: float) -> None:
+    """Two capacitances in parallel share their charge, but for what leaks: closed form. Neither passes the other."""
+    small, large = BANK.model_copy(update={"capacitance": 30.0, "leak_resistance": 1e9}), BANK
+    large = large.model_copy(update={"capacitance": 900.0, "leak_resistance": 1e9})
+    network = network_of({"small": small, "large": large})
+    begun = (small.initial_state(first), large.initial_state(second))
+    state = replace(network.initial_state(0.5), stores=begun)
+    for _ in range(max(4, round(1000.0 / dt))):
+        state, _ = network.step(state, (1.0,), (0.0,), dt)
+        charges = [store.soc for store in state.stores]
+        assert min(first, second) - 1e-9 <= min(charges) and max(charges) <= max(first, second) + 1e-9
+    shared = (30.0 * first + 900.0 * second) / 930.0
+    assert charges == pytest.approx([shared, shared], abs=2e-3)
+
+
+def test_levelling_out_follows_the_circuit() -> None:
+    """In short steps: the difference of two equal banks decays with R C."""
+    same = BANK.model_copy(update={"leak_resistance": 1e9})
+    network = network_of({"one": same, "other": same})
+    state = replace(network.initial_state(0.5), stores=(same.initial_state(0.8), same.initial_state(0.6)))
+    for _ in range(450):
+        state, _ = network.step(state, (1.0,), (0.0,), 0.02)
+    left = math.exp(-9.0 / (same.resistance * same.capacitance))
+    one, other = (store.soc for store in state.stores)
+    assert one - other == pytest.approx(0.2 * left, rel=0.01) and one + other == pytest.approx(1.4, abs=1e-6)

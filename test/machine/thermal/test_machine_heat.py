@@ -1,5 +1,6 @@
 """Heat beside power: what heaters draw is heat in their node, stores feel what is round them."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -76,7 +77,7 @@ class Run:
     def step(self, fractions: FloatArray, around: ThermalSurroundings, dt: float) -> None:
         """One step of both networks."""
         switches = self.heat.through_thermostats(self.warm, fractions)
-        lit = DARK._replace(round_stores=self.heat.store_surroundings(self.warm))
+        lit = DARK._replace(round_stores=self.heat.store_surroundings(self.warm, self.powered.stores, dt))
         after, output = self.network.step(self.powered, switches, np.zeros(3), dt, lit)
         self.drawn.append(output.load_power.tolist())
         supplied = Supplied(self.powered, after, fractions, output.load_power)
@@ -165,7 +166,49 @@ def test_a_store_comes_to_the_temperature_of_what_is_round_it() -> None:
     cells: Any = run.powered.stores[0]
     assert cells.temperature == pytest.approx(run.temperatures[0], abs=0.5)
     other = Run(COLD_BOX.model_copy(update={"warms": {}}), power())
-    assert other.heat.store_surroundings(other.warm) == (None,)
+    assert other.heat.store_surroundings(other.warm, other.powered.stores, 60.0) == (None,)
+
+
+def closed_box(capacity: float, temperature: float, *stores: str) -> ThermalParams:
+    """A node [J/K], [K] with stores in it, and no other way for heat."""
+    node = {"heat_capacity": capacity, "temperature": temperature}
+    return ThermalParams.model_validate({"nodes": {"box": node}, "warms": dict.fromkeys(stores, "box")})
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    dt=st.floats(0.02, 1e5),
+    capacity=st.floats(20.0, 1e5),
+    conductance=st.floats(0.01, 50.0),
+    box=st.floats(150.0, 350.0),
+)
+def test_a_store_and_its_node_by_themselves_go_to_one_temperature_however_long_the_step(
+    dt: float, capacity: float, conductance: float, box: float
+) -> None:
+    """Two bodies and a conductor, in closed form. Other than by their exchange the box is closed."""
+    run = Run(closed_box(capacity, box, "battery"), power(thermal_conductance=conductance))
+    cells: Any = run.powered.stores[0]
+    begin, of_store = cells.temperature, run.network.stores[0].exchange[1]
+    both = (of_store * begin + capacity * box) / (of_store + capacity)
+    for count in range(1, 4):
+        run.step(np.zeros(3), COLD, dt)
+        left = math.exp(-count * dt * conductance * (1.0 / of_store + 1.0 / capacity))
+        cells = run.powered.stores[0]
+        assert cells.temperature == pytest.approx(both + (begin - both) * left, abs=1e-6)
+        assert run.temperatures[0] == pytest.approx(both + (box - both) * left, abs=1e-6)
+
+
+def test_two_stores_in_a_small_box_do_not_run_away() -> None:
+    """Steps of an hour, the box of a hundredth of a cell's heat capacity: never out of the range of the beginning."""
+    plain = power(thermal_conductance=5.0)
+    two = plain.model_copy(update={"stores": {"second": plain.battery.model_copy()}})
+    run = Run(closed_box(40.0, 200.0, "battery", "second"), two)
+    warmest = max(store.temperature for store in run.powered.stores)
+    for _ in range(100):
+        run.step(np.zeros(3), COLD, 3600.0)
+        now = [*run.temperatures, *(store.temperature for store in run.powered.stores)]
+        assert min(now) >= 200.0 - 1e-6 and max(now) <= warmest + 1e-6
+    assert max(now) - min(now) < 0.5
 
 
 def test_a_thermal_switch_opens_in_the_cold() -> None:

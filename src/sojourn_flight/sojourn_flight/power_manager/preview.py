@@ -121,7 +121,9 @@ class Preview:
         demand = np.maximum(self._activities.demand(middle), state.held)
         fractions = network.as_switched(np.array(commanded.fractions()))
         if self._warmth is not None and state.heat is not None:
-            around = around._replace(round_stores=self._warmth.heat.store_surroundings(state.heat))
+            around = around._replace(
+                round_stores=self._warmth.heat.store_surroundings(state.heat, state.network.stores, dt)
+            )
             switches = self._warmth.heat.through_thermostats(state.heat, fractions)
             powered, seen = network.step(state.network, switches, demand, dt, around)
             supplied = Supplied(state.network, powered, fractions, seen.load_power)

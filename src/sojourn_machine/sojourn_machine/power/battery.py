@@ -222,6 +222,11 @@ class BatteryParams(StoreParams):
         """See `soc_from_open_circuit_voltage`."""
         return soc_from_open_circuit_voltage(self, voltage)
 
+    @property
+    def exchange(self) -> tuple[float, float]:
+        """See StoreParams."""
+        return self.tables.conductance, self.tables.heat_capacity
+
     def heat_given(self, before: Any, after: Any) -> float:
         """What was released in the cells and did not warm them [J]."""
         warmed = self.tables.heat_capacity * (after.temperature - before.temperature)

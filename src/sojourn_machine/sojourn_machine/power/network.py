@@ -4,9 +4,13 @@ The plant steps it as the truth; what the power manager believes is the same par
 kernel (`bus_kernels`). Converters make a tree of the buses: a bus is solved before the one that feeds it, which so
 knows what is drawn from it, and once more where that one cannot give all of it. With one bus there is one solution.
 
+Stores that share a bus level each other out, a small one beside a large one in less than a step of a forecast. So where
+there are several, the force of each is that of the end of the step (implicit Euler): the charge that flows out of it
+lowers the force by its elastance, which the solution has as so much more resistance, elastance times dt.
+
 Energy is conserved: over a period sources + stores = loads + heat of converters + shunts, to rounding
 (`NetworkEnergy`). A store's own account is exact too; its terminal energy differs from what its bus saw by what its
-voltage moves within the period: one part in 10^5 for a battery and 20 ms.
+voltage moves within the period: one part in 10^5 for a battery and 20 ms, in longer steps what levelling out costs.
 """
 
 import copy
@@ -18,7 +22,17 @@ import numpy as np
 
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray, IntArray
-from sojourn_machine.power.bus_kernels import DRAWN, FED, FLOWS, SERVED, SHUNT, USED, VOLTAGE, operating_point
+from sojourn_machine.power.bus_kernels import (
+    DRAWN,
+    FED,
+    FLOWS,
+    RESISTANCE,
+    SERVED,
+    SHUNT,
+    USED,
+    VOLTAGE,
+    operating_point,
+)
 from sojourn_machine.power.converters import ConverterParams
 from sojourn_machine.power.fuses import Fuses, FuseState
 from sojourn_machine.power.loads import BusParams, BusState, LoadColumns, LoadParams
@@ -296,6 +310,8 @@ class PowerNetwork:
         stores, sources, converter = NO_STORES, NO_SOURCES, NO_CONVERTER
         if bus.stores:
             stores = np.array([self.stores[k].point(state.stores[k]) for k in bus.stores], dtype=np.float64)
+            if len(bus.stores) > 1:
+                stores[:, RESISTANCE] += [period.dt * self.stores[k].elastance(state.stores[k]) for k in bus.stores]
         if bus.sources:
             sources = np.array([period.offers[k] for k in bus.sources], dtype=np.float64)
         if bus.feeder is not None:

@@ -17,6 +17,8 @@ MAIN = "main"
 """The bus on which a member is whose file names none."""
 STORES: "Registry[type[StoreParams]]" = Registry("sojourn.power_stores", "kind of store")
 """Parameter sets of the kinds of stores, by their names."""
+_SLOPE_STEP = 0.005
+"""Of the state of charge, either way, over which the slope of the force is taken [1]."""
 
 
 class StoreState(Protocol):
@@ -93,6 +95,17 @@ class StoreParams(Params):
             InvalidValueError: a number that is not finite, dt not positive.
         """
         raise NotImplementedError
+
+    def elastance(self, state: Any) -> float:
+        """By how much its force falls with the charge out of it, where it is [V/C]."""
+        middle = min(max(state.soc, _SLOPE_STEP), 1.0 - _SLOPE_STEP)
+        rise = self.open_circuit_voltage(middle + _SLOPE_STEP) - self.open_circuit_voltage(middle - _SLOPE_STEP)
+        return rise / (2.0 * _SLOPE_STEP * self.charge_capacity)
+
+    @property
+    def exchange(self) -> tuple[float, float]:
+        """Conductance to its surroundings [W/K] and heat capacity [J/K]; zeros where it is as warm as they are."""
+        return 0.0, 0.0
 
     def heat_given(self, before: Any, after: Any) -> float:
         """Heat that went into its surroundings between two of its states, 0 where the kind keeps no account [J]."""

@@ -5,15 +5,19 @@
     heaters      a thermostat is a contact in series with the load of its name: the part of a step for which it was
                  closed (its duty) is the part of its power that the load may take in the next one
     stores       have a temperature of their own and lose heat to the node that `warms` names, which is what is round
-                 them; a store that is not named has the surroundings of its own parameters
+                 them; a store that is not named has the surroundings of its own parameters. A store of capacity C with
+                 conductance G to a node of capacity N (its part of it, where it shares the node) approaches in a step
+                 T + (T_N - T) k, with k = N/(N + C) (1 - exp(-G dt (1/C + 1/N)))/(1 - exp(-G dt/C)): so it comes as far
+                 as the two do by themselves, and however long the step, no further than where both are as warm
     sources      give their waste heat to the node that `warms` names
 
 So all electrical energy of a heater is heat in its node, one step later. The step is the plant's control period or a
 minute of a forecast alike.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import expm1
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -22,6 +26,7 @@ from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 from sojourn_machine.power.network_state import NetworkState
 from sojourn_machine.power.power_params import PowerParams
+from sojourn_machine.power.stores import StoreParams, StoreState
 from sojourn_machine.thermal.network import ThermalNetwork, ThermalState, ThermalSurroundings
 from sojourn_machine.thermal.thermal_params import ThermalParams
 
@@ -47,6 +52,23 @@ class Supplied(NamedTuple):
     """Switch of each load as it was commanded, mean of the step, (loads,) [1]."""
     power: FloatArray
     """Taken by each load, or of what moves the machine the part that stays in it, mean of the step, (loads,) [W]."""
+
+
+class Exchange(NamedTuple):
+    """Of heat between a store and its node."""
+
+    conductance: float
+    """[W/K]"""
+    store: float
+    """Heat capacity [J/K]."""
+    node: float
+    """Likewise, the part of it for this store [J/K]."""
+
+    def share(self, dt: float) -> float:
+        """k of the module, in a step of `dt` [s] [1]."""
+        alone = self.conductance * dt / self.store
+        both = alone * (1.0 + self.store / self.node)
+        return self.node / (self.node + self.store) * expm1(-both) / expm1(-alone)
 
 
 class MachineHeat:
@@ -75,6 +97,18 @@ class MachineHeat:
             if name in params.warms
         ]
         self._store_nodes = [nodes[params.warms[name]] if name in params.warms else None for name in power.all_stores]
+        self._exchanges = [
+            self._exchange(store, node) for store, node in zip(self._stores, self._store_nodes, strict=True)
+        ]
+
+    def _exchange(self, store: StoreParams, node: int | None) -> Exchange | None:
+        """None for a store that is as warm as what is round it, or exchanges nothing."""
+        conductance, capacity = store.exchange
+        if node is None or conductance * capacity == 0.0:
+            return None
+        there = [self._stores[place] for place, other in enumerate(self._store_nodes) if other == node]
+        of_node = list(self.network.params.nodes.values())[node].heat_capacity
+        return Exchange(conductance, capacity, of_node / sum(other.exchange[0] > 0.0 for other in there))
 
     def initial_state(self) -> HeatState:
         """Nodes at their temperatures of the start, thermostats as these have them."""
@@ -93,9 +127,20 @@ class MachineHeat:
         node = self.network.params.warms.get(name)
         return None if node is None else self.network.names.index(node)
 
-    def store_surroundings(self, state: HeatState) -> tuple[float | None, ...]:
-        """Temperature of what is round each store; None for that of its own parameters [K]."""
-        return tuple([None if node is None else float(state.thermal.temperatures[node]) for node in self._store_nodes])
+    def store_surroundings(self, state: HeatState, stores: Sequence[StoreState], dt: float) -> tuple[float | None, ...]:
+        """What is round each store in a step of `dt` [s]; None for the temperature of its own parameters [K].
+
+        Args:
+            stores: at the beginning of the step.
+        """
+        around = list[float | None]()
+        for store, node, exchange in zip(stores, self._store_nodes, self._exchanges, strict=True):
+            if node is None:
+                around.append(None)
+                continue
+            there = float(state.thermal.temperatures[node])
+            around.append(store.temperature + (there - store.temperature) * exchange.share(dt) if exchange else there)
+        return tuple(around)
 
     def step(self, state: HeatState, around: ThermalSurroundings, supplied: Supplied, dt: float) -> HeatState:
         """After a step of `dt` [s] of the power network. Raises InvalidValueError as the thermal network does."""

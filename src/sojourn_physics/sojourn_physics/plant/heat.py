@@ -71,9 +71,14 @@ class PlantHeat:
     def _held(self, nodes: HeatState, power: NetworkState) -> PlantHeatState:
         """What holds from a step of the thermal network on."""
         contacts = self.machine.through_thermostats(nodes, np.ones(self._loads))
-        return PlantHeatState(
-            nodes, power, contacts, self.machine.store_surroundings(nodes), np.zeros((2, self._loads))
-        )
+        around = self.machine.store_surroundings(nodes, power.stores, self._every * self._period)
+        return PlantHeatState(nodes, power, contacts, around, np.zeros((2, self._loads)))
+
+    def round_stores(self, state: PlantHeatState, power: NetworkState, periods: int) -> tuple[float | None, ...]:
+        """What is round each store in the periods that begin; where the clock leaps, for so long [K]."""
+        if periods <= self._every:
+            return state.round_stores
+        return self.machine.store_surroundings(state.nodes, power.stores, periods * self._period)
 
     def round_drives(self, state: PlantHeatState, loads: Sequence[str]) -> list[float | None]:
         """Temperature of the nodes that the loads of drives warm; None where one warms none [K]."""

@@ -23,7 +23,7 @@ def powered(
     demand = moved.energy / period
     if model.heat is None or heat is None:
         return *model.power.step(before, fractions, demand, period, _surroundings(model, state, (), periods)), None
-    surroundings = _surroundings(model, state, heat.round_stores, periods)
+    surroundings = _surroundings(model, state, model.heat.round_stores(heat, before, periods), periods)
     network, supply = model.power.step(before, fractions * heat.contacts, demand, period, surroundings)
     light = light_for_power(model, state) if model.heat.is_due(heat, periods) else None
     supplied = Supplied(before, network, fractions, supply.load_power)
