@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
+import numpy as np
+
 from sojourn_config.expected_heat import heat_at_start
 from sojourn_config.expected_light import expected_light
 from sojourn_config.flight import FlightScenario
@@ -21,7 +23,7 @@ from sojourn_contract.topics import topic
 from sojourn_contract.values import BatteryState
 from sojourn_flight.power_manager import law
 from sojourn_flight.power_manager.faults import Fault
-from sojourn_flight.power_manager.forecast import Forecaster, Known
+from sojourn_flight.power_manager.forecast import COLUMNS, Forecaster, Known, PowerForecast
 from sojourn_flight.power_manager.law import PowerManagerInput, PowerManagerOutput, PowerManagerState
 from sojourn_flight.power_manager.reading import StoreReading
 from sojourn_machine.errors import MachineError
@@ -104,22 +106,36 @@ class PowerApp(FlightApp[PowerState]):
         dt = PERIOD_S if state.stepped_at is None else (stamp - state.stepped_at) * 1e-9
         manager, output = law.step(self.params, state.manager, PowerManagerInput(readings), dt)
         state = replace(state, manager=manager, stepped_at=stamp)
-        messages = list[tuple[str, Any]]()
+        messages, errors = list[tuple[str, Any]](), list[str]()
         due = is_due(topic(FORECAST), stamp // CONTROL_PERIOD_NS)
         if due or not state.ahead:  # the words do not wait for the first minute to end
-            known = Known(stamp * 1e-9, manager, readings, self._heat_now(state, stamp, readings), state.clean)
-            known = known._replace(held=state.held)
-            if due:
-                known = known._replace(held=self._forecaster.held_after(known))
-                known = known._replace(clean=self._forecaster.clean_after(known))
-            forecast, least = self._forecaster.forecast(known), self._forecaster.least_asleep(known)
-            if least is not None:
-                manager = law.foreseen(self.params, manager, least)
-            believed = {"heat": known.heat, "clean": known.clean, "held": known.held}
-            state = replace(state, ahead=forecast.words, manager=manager, looked_at=stamp, **believed)
+            try:
+                state, forecast = self._looked_ahead(state, stamp, readings, due)
+            except (MachineError, ArithmeticError) as error:  # for what was measured; the switches are set all the same
+                forecast = PowerForecast(np.zeros(0), np.zeros((0, len(COLUMNS))), f"nothing can be foreseen: {error}")
+                state = replace(state, ahead=forecast.words, looked_at=stamp)
+                errors.append(forecast.words)
             if due:
                 messages.append((FORECAST, forecast_message(stamp, forecast)))
-        return state, Answer(chain(self._messages(state, stamp, readings, output), messages), refusals)
+        return state, Answer(chain(self._messages(state, stamp, readings, output), messages), refusals, errors)
+
+    def _looked_ahead(
+        self, state: PowerState, stamp: int, readings: Sequence[StoreReading], due: bool
+    ) -> tuple[PowerState, PowerForecast]:
+        """With what is foreseen. due: a minute has ended, of which it is known what was drawn and what dust there is.
+
+        Raises:
+            MachineError, ArithmeticError: the network cannot be reckoned with from these readings on.
+        """
+        known = Known(stamp * 1e-9, state.manager, readings, self._heat_now(state, stamp, readings), state.clean)
+        known = known._replace(held=state.held)
+        if due:
+            known = known._replace(held=self._forecaster.held_after(known))
+            known = known._replace(clean=self._forecaster.clean_after(known))
+        forecast, least = self._forecaster.forecast(known), self._forecaster.least_asleep(known)
+        manager = state.manager if least is None else law.foreseen(self.params, state.manager, least)
+        believed = {"heat": known.heat, "clean": known.clean, "held": known.held}
+        return replace(state, ahead=forecast.words, manager=manager, looked_at=stamp, **believed), forecast
 
     def _heat_now(self, state: PowerState, stamp: int, readings: Sequence[StoreReading]) -> HeatState | None:
         """Followed from what was believed at the last look ahead."""
