@@ -27,6 +27,7 @@ RARE_CLOUDS = "sensors.hazcam.timing.rate=2.0"
 """Clouds are half of a small bag."""
 KALMAN = "power_manager.estimator=kalman"
 WEAK_BUS = "arm.power_limit=60"
+LITTLE_POWER = "power_manager.load_limits={arm: 20.0}"
 OBSTACLE = "arm.obstacles=[[4.0, 1.0, 2.0, 0.5]]"
 SMALL_IMAGES = (
     "sensors.navcam.lens.columns=128",
@@ -86,7 +87,7 @@ THEMES = (
     _theme("gripper", ("arm",), "done done reached done done reached", UNFOLDED),
     _theme("touch", ("arm",), "reached " + "done " * 13 + "waited " + "done " * 6, UNFOLDED),
     _theme("arm_faults", ("arm",), "done done done done", UNFOLDED),
-    _theme("arm_again", ("arm",), "done done done", UNFOLDED, RARE_CLOUDS),
+    _theme("arm_again", ("arm",), "done done done", UNFOLDED, RARE_CLOUDS, LITTLE_POWER),
     _theme("round", ("arm",), "waited done done done done done"),
     _theme(
         "strings", ("power",), "waited done waited done waited jogged waited jogged waited waited done waited", KALMAN
