@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
-import numpy as np
-
 from sojourn_config.expected_heat import heat_at_start
 from sojourn_config.expected_light import expected_light
 from sojourn_config.flight import FlightScenario
@@ -23,7 +21,7 @@ from sojourn_contract.topics import topic
 from sojourn_contract.values import BatteryState
 from sojourn_flight.power_manager import law
 from sojourn_flight.power_manager.faults import Fault
-from sojourn_flight.power_manager.forecast import COLUMNS, Forecaster, Known, PowerForecast
+from sojourn_flight.power_manager.forecast import Forecaster, Known, PowerForecast, nothing_foreseen
 from sojourn_flight.power_manager.law import PowerManagerInput, PowerManagerOutput, PowerManagerState
 from sojourn_flight.power_manager.reading import StoreReading
 from sojourn_machine.errors import MachineError
@@ -112,7 +110,7 @@ class PowerApp(FlightApp[PowerState]):
             try:
                 state, forecast = self._looked_ahead(state, stamp, readings, due)
             except (MachineError, ArithmeticError) as error:  # for what was measured; the switches are set all the same
-                forecast = PowerForecast(np.zeros(0), np.zeros((0, len(COLUMNS))), f"nothing can be foreseen: {error}")
+                forecast = nothing_foreseen(str(error))
                 state = replace(state, ahead=forecast.words, looked_at=stamp)
                 errors.append(forecast.words)
             if due:

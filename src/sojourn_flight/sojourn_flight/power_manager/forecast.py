@@ -46,6 +46,11 @@ class PowerForecast(NamedTuple):
     """What comes first that limits the machine, if all goes as expected and at the earliest."""
 
 
+def nothing_foreseen(why: str) -> PowerForecast:
+    """Of a machine that cannot be reckoned with."""
+    return PowerForecast(np.zeros(0), np.zeros((0, len(COLUMNS))), f"nothing can be foreseen: {why}")
+
+
 class Known(NamedTuple):
     """What a forecast begins with."""
 

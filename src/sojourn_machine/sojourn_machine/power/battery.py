@@ -1,8 +1,7 @@
 """A rechargeable battery pack: open-circuit voltage, one polarisation pair, heat, state of charge.
 
-Equations (Plett 2015, "Battery Management Systems", vol. 1, ch. 2, equivalent circuit with one RC pair).
-The current I is positive out of the pack (discharge). Pack of n_s cells in series and n_p strings in
-parallel, cells alike:
+Equations (Plett 2015, "Battery Management Systems", vol. 1, ch. 2, circuit with one RC pair). The current I is positive
+out of the pack (discharge). Pack of n_s cells in series and n_p strings in parallel, cells alike:
 
     d soc/dt = -eta I / Q            Q = n_p capacity 3600 s/h; eta = 1 in discharge, efficiency in charge
     dv/dt    = I / C1 - v / (R1 C1)  polarisation voltage v, solved exactly for a current constant over dt
@@ -10,20 +9,19 @@ parallel, cells alike:
     H dT/dt  = heat - G (T - T_surroundings)
     heat     = R0 I^2 + v^2 / R1 + OCV times the charging current that is not stored
 
-OCV is linear between the points of its table, so that the stored chemical energy, the integral of Q OCV
-d(soc), and the inverse of OCV are closed forms, and the energy balance of a step is exact to rounding:
-chemical energy out = terminal energy + heat + growth of the energy C1 v^2 / 2 in the polarisation
-capacitor. R0 and R1 are linear between the points of their tables of temperature and constant beyond them;
-within a step they keep the value of its start.
+OCV is linear between the points of its table, so that the stored chemical energy, the integral of Q OCV d(soc), and the
+inverse of OCV are closed forms, and the energy balance of a step is exact to rounding: chemical energy out = terminal
+energy + heat + growth of the energy C1 v^2 / 2 in the polarisation capacitor. R0 and R1 are linear between the points
+of their tables of temperature and constant beyond them; within a step they keep the value of its start.
 
-Assumptions: cells at one temperature; no entropic heat, no hysteresis; ageing only before the run (`age`); of cells
-out of balance the emptiest ends a discharge and the fullest a charge (`imbalance`). Low temperature shows as
-resistance, not as lost capacity, until the electrolyte is frozen: then no current flows in or out, and after the thaw
-the pack is as it was (cells in liquid nitrogen gave nothing even when abused, and had lost little of capacity and
-resistance after five times: Grandjean, Groenewald and Marco 2019, J. Energy Storage 21:202; what frost breaks in
-other cells, and in what holds them, is left out). Once full, charge is not stored: it becomes heat. Below empty the OCV
-table is extrapolated, so that the last step keeps its energy balance; `thevenin` then reports a source of 0 V (the
-protection switch has opened), which keeps a caller from drawing more.
+Assumptions: cells at one temperature; no entropic heat, no hysteresis; ageing only before the run (`age`); of cells out
+of balance the emptiest ends a discharge and the fullest a charge (`imbalance`). Low temperature shows as resistance,
+not as lost capacity, until the electrolyte is frozen: then no current flows in or out, and after the thaw the pack is
+as it was (cells in liquid nitrogen gave nothing even when abused, and had lost little of capacity and resistance after
+five times: Grandjean, Groenewald and Marco 2019, J. Energy Storage 21:202; what frost breaks in other cells, and in
+what holds them, is left out). Once full, charge is not stored: it becomes heat. Below empty the OCV table is
+extrapolated, so that the last step keeps its energy balance; `thevenin` then reports a source of 0 V (the protection
+switch has opened), which keeps a caller from drawing more.
 Valid for currents up to a few times the capacity per hour, steps short against a minute for the temperature.
 """
 
@@ -196,8 +194,7 @@ class BatteryParams(StoreParams):
             return StorePoint(source, resistance, source, False, False)
         ceiling = source
         if state.temperature >= self.temperature_charge_min:
-            pack = self.pack
-            ceiling = min(source + resistance * pack.largest_charge, pack.full_voltage)
+            ceiling = min(source + resistance * self.pack.largest_charge, self.pack.full_voltage)
         return StorePoint(source, resistance, ceiling, discharges, True)
 
     def step(
@@ -224,7 +221,7 @@ class BatteryParams(StoreParams):
 
     @property
     def exchange(self) -> tuple[float, float]:
-        """See StoreParams."""
+        """See `StoreParams`."""
         return self.tables.conductance, self.tables.heat_capacity
 
     def heat_given(self, before: Any, after: Any) -> float:
@@ -234,13 +231,11 @@ class BatteryParams(StoreParams):
 
     def settled_resistance(self, temperature: float) -> float:
         """Ohmic and polarisation resistance together [ohm]."""
-        ohmic, polarisation = resistances(self, temperature)
-        return ohmic + polarisation
+        return sum(resistances(self, temperature))
 
     def polarisation(self, temperature: float) -> tuple[float, float]:
         """Resistance of the polarisation pair of the pack [ohm] and its time constant [s]."""
-        _, resistance = resistances(self, temperature)
-        return resistance, resistance * self.capacitance
+        return (resistance := resistances(self, temperature)[1]), resistance * self.capacitance
 
     def limits_exceeded(self, temperature: float, current: float) -> tuple[str, ...]:
         """See `limits_exceeded`."""

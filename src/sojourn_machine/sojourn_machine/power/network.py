@@ -3,10 +3,7 @@
 The plant steps it as the truth; what the power manager believes is the same parameters. Each bus is solved by a
 kernel (`bus_kernels`). Converters make a tree of the buses: a bus is solved before the one that feeds it, which so
 knows what is drawn from it, and once more where that one cannot give all of it. With one bus there is one solution.
-
-Stores that share a bus level each other out, a small one beside a large one in less than a step of a forecast. So where
-there are several, the force of each is that of the end of the step (implicit Euler): the charge that flows out of it
-lowers the force by its elastance, which the solution has as so much more resistance, elastance times dt.
+Stores that share a bus have the forces of the end of the period (`StoreParams.levelled`).
 
 Energy is conserved: over a period sources + stores = loads + heat of converters + shunts, to rounding
 (`NetworkEnergy`). A store's own account is exact too; its terminal energy differs from what its bus saw by what its
@@ -22,17 +19,7 @@ import numpy as np
 
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray, IntArray
-from sojourn_machine.power.bus_kernels import (
-    DRAWN,
-    FED,
-    FLOWS,
-    RESISTANCE,
-    SERVED,
-    SHUNT,
-    USED,
-    VOLTAGE,
-    operating_point,
-)
+from sojourn_machine.power.bus_kernels import DRAWN, FED, FLOWS, SERVED, SHUNT, USED, VOLTAGE, operating_point
 from sojourn_machine.power.converters import ConverterParams
 from sojourn_machine.power.fuses import Fuses, FuseState
 from sojourn_machine.power.loads import BusParams, BusState, LoadColumns, LoadParams
@@ -309,9 +296,8 @@ class PowerNetwork:
         """One bus, its lockout included. `most`: what its converter can give where that is less than its rating [W]."""
         stores, sources, converter = NO_STORES, NO_SOURCES, NO_CONVERTER
         if bus.stores:
-            stores = np.array([self.stores[k].point(state.stores[k]) for k in bus.stores], dtype=np.float64)
-            if len(bus.stores) > 1:
-                stores[:, RESISTANCE] += [period.dt * self.stores[k].elastance(state.stores[k]) for k in bus.stores]
+            at_end = period.dt if len(bus.stores) > 1 else 0.0
+            stores = np.array([self.stores[k].levelled(state.stores[k], at_end) for k in bus.stores], dtype=np.float64)
         if bus.sources:
             sources = np.array([period.offers[k] for k in bus.sources], dtype=np.float64)
         if bus.feeder is not None:

@@ -102,6 +102,16 @@ class StoreParams(Params):
         rise = self.open_circuit_voltage(middle + _SLOPE_STEP) - self.open_circuit_voltage(middle - _SLOPE_STEP)
         return rise / (2.0 * _SLOPE_STEP * self.charge_capacity)
 
+    def levelled(self, state: Any, dt: float) -> StorePoint:
+        """As `point`, with the force of the end of a period of `dt` [s]; 0: as it is now.
+
+        Stores on one bus level each other out, a small one beside a large one in less than a step of a forecast, which
+        with the forces of its beginning would run away. Implicit Euler: the charge that flows out lowers the force by
+        the elastance, which is so much more resistance.
+        """
+        point = self.point(state)
+        return point if dt == 0.0 else point._replace(resistance=point.resistance + dt * self.elastance(state))
+
     @property
     def exchange(self) -> tuple[float, float]:
         """Conductance to its surroundings [W/K] and heat capacity [J/K]; zeros where it is as warm as they are."""
