@@ -112,6 +112,12 @@ def test_two_banks_level_each_other_out_however_long_the_step(first: float, seco
     assert charges == pytest.approx([shared, shared], abs=2e-3)
 
 
+@pytest.mark.parametrize("soc", [-0.1, 0.0, 0.4, 1.0])
+def test_the_elastance_of_a_bank_is_the_slope_of_its_force(soc: float) -> None:
+    state = replace(BANK.initial_state(0.5), soc=soc)
+    assert BANK.elastance(state) == pytest.approx(StoreParams.elastance(BANK, state), rel=1e-12)
+
+
 def test_levelling_out_follows_the_circuit() -> None:
     """In short steps: the difference of two equal banks decays with R C."""
     same = BANK.model_copy(update={"leak_resistance": 1e9})

@@ -79,6 +79,10 @@ class SupercapacitorParams(StoreParams):
         ceiling = min(self.voltage_full, force + self.resistance * self.current_limit)
         return StorePoint(force, self.resistance, ceiling, state.soc > 0.0, True)
 
+    def elastance(self, state: CapacitorState) -> float:
+        """See `StoreParams`."""
+        return 1.0 / self.capacitance
+
     def step(
         self, state: CapacitorState, current: float, dt: float, temperature_surroundings: float | None = None
     ) -> CapacitorState:
