@@ -111,7 +111,7 @@ class PowerApp(FlightApp[PowerState]):
                 state, forecast = self._looked_ahead(state, stamp, readings, due)
             except (MachineError, ArithmeticError) as error:  # for what was measured; the switches are set all the same
                 forecast = nothing_foreseen(str(error))
-                state = replace(state, ahead=forecast.words, looked_at=stamp)
+                state = replace(state, ahead=forecast.words)  # heat is followed from the look before
                 errors.append(forecast.words)
             if due:
                 messages.append((FORECAST, forecast_message(stamp, forecast)))

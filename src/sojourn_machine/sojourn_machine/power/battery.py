@@ -17,11 +17,10 @@ of their tables of temperature and constant beyond them; within a step they keep
 Assumptions: cells at one temperature; no entropic heat, no hysteresis; ageing only before the run (`age`); of cells out
 of balance the emptiest ends a discharge and the fullest a charge (`imbalance`). Low temperature shows as resistance,
 not as lost capacity, until the electrolyte is frozen: then no current flows in or out, and after the thaw the pack is
-as it was (cells in liquid nitrogen gave nothing even when abused, and had lost little of capacity and resistance after
-five times: Grandjean, Groenewald and Marco 2019, J. Energy Storage 21:202; what frost breaks in other cells, and in
-what holds them, is left out). Once full, charge is not stored: it becomes heat. Below empty the OCV table is
-extrapolated, so that the last step keeps its energy balance; `thevenin` then reports a source of 0 V (the protection
-switch has opened), which keeps a caller from drawing more.
+as it was (cells in liquid nitrogen gave nothing when abused, and had lost little after five times: Grandjean,
+Groenewald and Marco 2019, J. Energy Storage 21:202; what frost breaks elsewhere is left out). Once full, charge is not
+stored: it becomes heat. Below empty the OCV table is extrapolated, so that the last step keeps its energy balance;
+`thevenin` then reports a source of 0 V (the protection switch has opened), which keeps a caller from drawing more.
 Valid for currents up to a few times the capacity per hour, steps short against a minute for the temperature.
 """
 
@@ -235,7 +234,8 @@ class BatteryParams(StoreParams):
 
     def polarisation(self, temperature: float) -> tuple[float, float]:
         """Resistance of the polarisation pair of the pack [ohm] and its time constant [s]."""
-        return (resistance := resistances(self, temperature)[1]), resistance * self.capacitance
+        _, resistance = resistances(self, temperature)
+        return resistance, resistance * self.capacitance
 
     def limits_exceeded(self, temperature: float, current: float) -> tuple[str, ...]:
         """See `limits_exceeded`."""

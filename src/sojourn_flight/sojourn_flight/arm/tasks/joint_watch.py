@@ -42,10 +42,10 @@ def without_dead(params: ArmParams, model: ArmModel, state: TaskState, inputs: T
 
     While the tool presses on something, what holds a joint may be that; a motion that touches nothing will tell.
     """
-    if inputs.efforts is None or not inputs.arm.allowed or not held_back(params, model, state, inputs):
+    if inputs.efforts is None or not inputs.arm.allowed or not state.arm.started:
         return state
     behind = _behind(state, inputs)
-    if not stands_still(params, model, behind, inputs.arm.velocities):
+    if behind.max() <= params.following_error_limit or not stands_still(params, model, behind, inputs.arm.velocities):
         return state
     tip = forward_kinematics(model, inputs.arm.positions)
     if touched(params.contact, model, tip, Before(0.0, np.zeros(model.joint_count)), feel(model, state, inputs, tip)):
