@@ -76,7 +76,7 @@ SPINNING_SPEED = 0.01
 STEADY = 0.9
 """|D| beyond which the motion counts as steady, so that its power is what the slips say [-]."""
 QUADRATURE_POINTS = 6
-"""Points on each side of the angle of greatest stress; test_wheel_on_soil states the error."""
+"""Points on each side of θm: to 1e-4 of the force as a rule, 5e-3 at worst, 3e-2 where θm > 0.7 θ1."""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(QUADRATURE_POINTS)
 # On (0, 1), half the weight of the usual (-1, 1).
