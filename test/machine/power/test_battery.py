@@ -13,8 +13,10 @@ from pydantic import ValidationError
 from sojourn_config.scenario import load_scenario
 from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.power import battery
-from sojourn_machine.power.battery import BatteryParams, PackState
+from sojourn_machine.power.battery import BatteryParams
 from sojourn_machine.power.network import PowerNetwork
+from sojourn_machine.power.pack import PackState
+from sojourn_machine.power.stores import StoreParams
 from sojourn_machine.power.surroundings import DARK, PowerSurroundings
 
 
@@ -268,3 +270,16 @@ def test_a_frozen_pack_gives_and_takes_nothing_and_lives_again_after_the_thaw() 
     _, seen = network.step(replace(state, stores=(thawed,)), on, demand, 1.0, DARK)
     assert seen.store_currents[0] > 1.0 and seen.load_power.sum() > 50.0
     assert next(iter(power.all_stores.values())).limits_exceeded(150.0, 0.0) == ("frozen",)
+
+
+def at(soc: float) -> PackState:
+    return PackState(soc=soc, polarisation_voltage=0.0, temperature=290.0)
+
+
+@pytest.mark.parametrize("soc", [-0.01, 0.0, 0.05, 0.3, 0.8, 1.0])
+def test_elastance_is_the_slope_of_the_force(soc: float) -> None:
+    assert make().elastance(at(soc)) == pytest.approx(StoreParams.elastance(make(), at(soc)), rel=1e-9)
+
+
+def test_elastance_at_a_point_of_the_table_is_that_of_one_side() -> None:
+    assert make().elastance(at(0.5)) in [make().elastance(at(soc)) for soc in (0.4, 0.6)]

@@ -145,6 +145,21 @@ def test_energy_is_conserved_whatever_is_on_the_buses(
         assert 0.0 <= power <= min(kind.power, kind.current * output.voltages[place]) * (1.0 + 1e-12)
 
 
+@pytest.mark.parametrize("power", [1e-308, 1e-14])
+def test_a_store_that_may_not_discharge_gives_nothing_to_a_dead_bus(power: float) -> None:
+    """What is left of the sum of the others is rounding, and the voltage that it was divided by next to none."""
+    params = PowerParams(
+        stores={"keel": ideal(), "spare": ideal(discharges=False, charges=False, bus="side")},
+        sources={"speck": IdealSource(power=power, current=2.0, bus="side")},
+        converters={"converter": ConverterParams(input="main", output="side", rating_w=1.0, efficiency=1.0)},
+        bus=bus(load("motor", 300.0)),
+        buses={"side": bus(load("arm", 300.0), load("lamp", 1.0, "resistive"), voltage=5.0)},
+    )
+    state, output = stepped(params, (0.0, 2.0, 0.0), (IdealState(28.0, 0.1), IdealState(5.0, 1.0)))
+    assert output.store_currents[1] == 0.0
+    assert imbalance(state) < 1e-9
+
+
 def balance(stores: np.ndarray, sources: np.ndarray, power: float, conductance: float, voltage: float) -> float:
     """Power that the stores and sources give at a voltage, less what the loads ask [W]."""
     given = 0.0

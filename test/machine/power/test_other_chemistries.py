@@ -9,10 +9,11 @@ from pydantic import ValidationError
 from test_network import BATTERY, IdealSource, bus, imbalance, load
 
 from sojourn_config.load import load_params
-from sojourn_machine.power.battery import BatteryParams, PackState
+from sojourn_machine.power.battery import BatteryParams
 from sojourn_machine.power.cell_losses import SelfDischarge
 from sojourn_machine.power.network import PowerNetwork
 from sojourn_machine.power.nickel_battery import NickelCadmiumParams, NickelHydrogenParams
+from sojourn_machine.power.pack import PackState
 from sojourn_machine.power.power_params import PowerParams
 from sojourn_machine.power.primary_battery import PrimaryBatteryParams
 from sojourn_machine.power.stores import STORES

@@ -24,8 +24,8 @@ stored: it becomes heat. Below empty the OCV table is extrapolated, so that the 
 Valid for currents up to a few times the capacity per hour, steps short against a minute for the temperature.
 """
 
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
 
@@ -44,6 +44,7 @@ from sojourn_machine.power.battery_kernels import (
 )
 from sojourn_machine.power.cell_losses import CellLosses
 from sojourn_machine.power.lithium_age import LithiumAge
+from sojourn_machine.power.pack import Pack, PackState
 from sojourn_machine.power.stores import StoreParams, StorePoint
 
 SECONDS_PER_HOUR = 3600.0
@@ -122,7 +123,7 @@ class BatteryParams(StoreParams):
         return self
 
     @cached_property
-    def pack(self) -> "Pack":
+    def pack(self) -> Pack:
         """The numbers of a cell scaled to the pack, made once."""
         scale = self.cells_series / self.cells_parallel * (1.0 if self.age is None else self.age.resistance)
         tables = PackTables(
@@ -137,8 +138,9 @@ class BatteryParams(StoreParams):
             heat_capacity=self.heat_capacity * self.cells_series * self.cells_parallel,
             conductance=self.thermal_conductance,
         )
+        falls = np.diff(tables.ocv) / np.diff(tables.soc) / self.charge_capacity
         full = self.cells_series * self.ocv_points[-1]
-        return Pack(tables, full, self.charge_current_limit * self.cells_parallel)
+        return Pack(tables, tuple(falls.tolist()), full, self.charge_current_limit * self.cells_parallel)
 
     @property
     def tables(self) -> PackTables:
@@ -177,11 +179,11 @@ class BatteryParams(StoreParams):
         """Cells in parallel [1]."""
         return self.cells_parallel
 
-    def initial_state(self, soc: float, temperature: float | None = None) -> "PackState":
+    def initial_state(self, soc: float, temperature: float | None = None) -> PackState:
         """See `initial_state`."""
         return initial_state(self, soc, temperature)
 
-    def point(self, state: "PackState") -> StorePoint:
+    def point(self, state: PackState) -> StorePoint:
         """Open-circuit voltage less polarisation, behind the ohmic resistance; sources charge it up to the voltage of
         the full pack and the limit of its current, and not where it is too cold. Empty, it is not discharged.
         """
@@ -197,18 +199,22 @@ class BatteryParams(StoreParams):
         return StorePoint(source, resistance, ceiling, discharges, True)
 
     def step(
-        self, state: "PackState", current: float, dt: float, temperature_surroundings: float | None = None
-    ) -> "PackState":
+        self, state: PackState, current: float, dt: float, temperature_surroundings: float | None = None
+    ) -> PackState:
         """See `step`."""
         return step(self, state, current, dt, temperature_surroundings)
 
-    def losses(self, state: "PackState", current: float, dt: float) -> CellLosses:
+    def losses(self, state: PackState, current: float, dt: float) -> CellLosses:
         """Of the next `dt` [s] at a current, out positive [A]; other chemistries have others."""
         return CellLosses(self.coulombic_efficiency)
 
     def stored_energy(self, soc: float) -> float:
         """See `stored_energy`."""
         return stored_energy(self, soc)
+
+    def elastance(self, state: PackState) -> float:
+        """See `StoreParams`: the slope of the table where it stands."""
+        return self.pack.falls[bisect_right(self.soc_points, state.soc, 1, len(self.soc_points) - 1) - 1]
 
     def open_circuit_voltage(self, soc: float) -> float:
         """See `open_circuit_voltage`."""
@@ -241,35 +247,6 @@ class BatteryParams(StoreParams):
         """See `limits_exceeded`."""
         telemetry = PackState(soc=1.0, polarisation_voltage=0.0, temperature=temperature)
         return limits_exceeded(self, telemetry, current)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Pack:
-    """What the kernels are given of a pack that does not change. Parameters are compared without it."""
-
-    tables: PackTables
-    full_voltage: float
-    """Of the rested full pack [V]."""
-    largest_charge: float
-    """Limit of the charging current [A]."""
-
-
-@dataclass(frozen=True, slots=True)
-class PackState:
-    """What a pack remembers. Energies and charge are sums since `initial_state`."""
-
-    soc: float
-    """State of charge [1]; a little below 0 is possible in the step that empties the pack."""
-    polarisation_voltage: float
-    """Voltage of the polarisation pair of the pack, positive in discharge [V]."""
-    temperature: float
-    """Temperature of the cells [K]."""
-    charge_drawn: float = 0.0
-    """Net charge through the terminals, out positive [C]."""
-    energy_terminal: float = 0.0
-    """Net energy through the terminals, out positive [J]."""
-    energy_heat: float = 0.0
-    """Heat released in the cells [J]."""
 
 
 def initial_state(params: BatteryParams, soc: float, temperature: float | None = None) -> PackState:

@@ -20,6 +20,7 @@ import numpy as np
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_machine.power.bus_kernels import DRAWN, FED, FLOWS, SERVED, SHUNT, USED, VOLTAGE, operating_point
+from sojourn_machine.power.bus_tree import Bus, buses_of, upwards
 from sojourn_machine.power.converters import ConverterParams
 from sojourn_machine.power.fuses import Fuses, FuseState
 from sojourn_machine.power.loads import BusParams, BusState, LoadColumns, LoadParams
@@ -34,20 +35,6 @@ NO_STORES: FloatArray = np.zeros((0, 6))
 NO_SOURCES: FloatArray = np.zeros((0, 2))
 NO_CONVERTER: FloatArray = np.zeros(2)
 FREE = BusState()
-
-
-class Bus(NamedTuple):
-    """One bus with what is on it, by places in the lists of the network."""
-
-    name: str
-    params: BusParams
-    loads: slice
-    stores: tuple[int, ...]
-    sources: tuple[int, ...]
-    feeder: int | None
-    """The converter that holds its voltage."""
-    feeds: tuple[int, ...]
-    """Converters that draw from it."""
 
 
 class _Asked(NamedTuple):
@@ -88,7 +75,7 @@ class PowerNetwork:
         self.stores: tuple[StoreParams, ...] = tuple(params.all_stores.values())
         self.sources: tuple[SourceParams, ...] = tuple(params.sources.values())
         self.converters: tuple[ConverterParams, ...] = tuple(params.converters.values())
-        self.buses: tuple[Bus, ...] = tuple(self._buses())
+        self.buses = buses_of(params)
         places = {bus.name: place for place, bus in enumerate(self.buses)}
         self.store_bus = tuple(places[store.bus] for store in self.stores)
         counts = [len(bus.params.loads) for bus in self.buses]
@@ -101,7 +88,7 @@ class PowerNetwork:
         self._outputs = tuple(places[converter.output] for converter in self.converters)
         self._shorts: dict[str, LoadColumns] = {}
         """Of each bus that has a short: its loads with one more."""
-        self._upwards = tuple(sorted(range(len(self.buses)), key=self._depth, reverse=True))
+        self._upwards = upwards(self.buses, self._inputs)
 
     def shorted(self, bus: str, resistance: float) -> "PowerNetwork":
         """The same with a resistance from a bus to the frame [ohm], which no switch takes off."""
@@ -112,30 +99,6 @@ class PowerNetwork:
         pairs = zip(columns, one.index.columns._replace(rated=np.array([1.0 / resistance])), strict=True)
         other._shorts = {**self._shorts, bus: LoadColumns(*(np.append(*pair) for pair in pairs))}
         return other
-
-    def _buses(self) -> list[Bus]:
-        found, first = [], 0
-        for name, params in self.params.all_buses.items():
-            last = first + len(params.loads)
-            feeders = [place for place, converter in enumerate(self.converters) if converter.output == name]
-            found.append(
-                Bus(
-                    name=name,
-                    params=params,
-                    loads=slice(first, last),
-                    stores=tuple(place for place, store in enumerate(self.stores) if store.bus == name),
-                    sources=tuple(place for place, source in enumerate(self.sources) if source.bus == name),
-                    feeder=feeders[0] if feeders else None,
-                    feeds=tuple(place for place, one in enumerate(self.converters) if one.input == name),
-                )
-            )
-            first = last
-        return found
-
-    def _depth(self, place: int) -> int:
-        """Converters between a bus and the one that all is drawn from."""
-        feeder = self.buses[place].feeder
-        return 0 if feeder is None else 1 + self._depth(self._inputs[feeder])
 
     def initial_state(self, soc: float) -> NetworkState:
         """All stores rested at a state of charge [0..1], nothing switched on yet. Raises InvalidValueError."""
@@ -376,8 +339,11 @@ class PowerNetwork:
 
 
 def _current_of_the_only_store(point: _Point) -> float:
-    """Out of the only store of a bus [A]: what the others leave, so that the bus adds up."""
+    """Out of the only store of a bus [A]: what the others leave, so that the bus adds up. One that gives and takes
+    nothing leaves them nothing to round, over a voltage that may be next to none."""
     flows, current = point.flows, float(point.current.sum())
+    if flows[FLOWS] == 0.0:
+        return 0.0
     others = flows[DRAWN] - flows[FED] + flows[SHUNT] - sum(flows[FLOWS + 1 :])
     return current + others / flows[VOLTAGE] if others != 0.0 else current
 

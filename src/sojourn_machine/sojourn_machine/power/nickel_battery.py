@@ -13,8 +13,9 @@ proportion to the pressure, so to the charge); Zimmerman 2009, "Nickel-hydrogen 
 
 from pydantic import Field
 
-from sojourn_machine.power.battery import BatteryParams, PackState
+from sojourn_machine.power.battery import BatteryParams
 from sojourn_machine.power.cell_losses import CellLosses, SelfDischarge
+from sojourn_machine.power.pack import PackState
 
 SECONDS_PER_DAY = 86400.0
 LEAST = 1e-3

@@ -19,8 +19,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from sojourn_machine.params import require_rising
-from sojourn_machine.power.battery import SECONDS_PER_HOUR, BatteryParams, PackState
+from sojourn_machine.power.battery import SECONDS_PER_HOUR, BatteryParams
 from sojourn_machine.power.cell_losses import CellLosses, SelfDischarge
+from sojourn_machine.power.pack import PackState
 from sojourn_machine.power.radioisotope_generator import SECONDS_PER_YEAR
 from sojourn_machine.power.stores import StorePoint
 

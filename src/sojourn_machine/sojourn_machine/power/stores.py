@@ -110,7 +110,9 @@ class StoreParams(Params):
         the elastance, which is so much more resistance.
         """
         point = self.point(state)
-        return point if dt == 0.0 else point._replace(resistance=point.resistance + dt * self.elastance(state))
+        if dt == 0.0:
+            return point
+        return StorePoint(point.source, point.resistance + dt * self.elastance(state), *point[2:])
 
     @property
     def exchange(self) -> tuple[float, float]:
