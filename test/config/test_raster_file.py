@@ -167,7 +167,7 @@ def test_a_number_can_be_named_as_a_hole(tmp_path: Path) -> None:
         ({"crs": LOCAL}, "has a local projection: allowed is a map projection, or none and the key cell"),
         ({"crs": None}, "does not say its projection: if its unit is the metre, give its pixel, 0.5"),
         ({"transform": from_origin(EAST, NORTH, 0.5, 0.6)}, "pixels of 0.5 x 0.6 m: allowed are square ones"),
-        ({"transform": Affine.translation(EAST, NORTH) * Affine.rotation(20.0) * Affine.scale(0.5, -0.5)}, "is turned"),
+        ({"transform": from_origin(EAST, NORTH, 0.5, 0.5) @ Affine.rotation(20.0)}, "is turned"),
         ({"transform": from_origin(EAST, NORTH, 3000.0, 3000.0)}, "has pixels of 3000 m: allowed is 0.001 to 1000 m"),
         ({"count": 3}, "has 3 bands: allowed is 1"),
     ],

@@ -156,7 +156,8 @@ def _draw_wrist(axes: Axes, bag: Bag) -> None:
     scale.plot(*thinned(wrench.times, force), color="black", linewidth=0.9, alpha=0.6, label="wrist")
     scale.set_ylabel("force at the wrist [N], black")
     scale.set_ylim(bottom=0.0)
-    axes.legend(fontsize=7, loc="upper left", ncols=3, framealpha=0.85)  # the other axis has the place beside it
+    if axes.lines:
+        axes.legend(fontsize=7, loc="upper left", ncols=3, framealpha=0.85)  # the other axis has the place beside it
 
 
 def _draw_attitude(axes: Axes, bag: Bag) -> None:

@@ -178,7 +178,7 @@ def test_depth_of_the_pair_has_the_error_of_its_model() -> None:
     scale = eye.lens.focal_length * PAIR.baseline
     for low, high in ((1.5, 2.0), (3.0, 4.0), (5.0, 6.0)):
         chosen = (depth > 0.0) & (true > low) & (true < high)
-        off = (scale / depth - scale / true)[chosen]
+        off = scale / depth[chosen] - scale / true[chosen]
         assert chosen.sum() > 300 and off.std() == pytest.approx(0.25, rel=0.1)
         assert (depth - true)[chosen].std() == pytest.approx(0.25 * (true[chosen] ** 2).mean() / scale, rel=0.25)
     assert (depth[(true > 13.0) | ~np.isfinite(true)] == 0.0).mean() > 0.95
