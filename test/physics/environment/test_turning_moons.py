@@ -153,6 +153,34 @@ def test_a_moon_of_jupiter_is_eclipsed_when_its_theory_has_it(body: str, middle:
     assert dark[-1] - dark[0] == pytest.approx(minutes, abs=3.5)
 
 
+# Orbits [km, days] of NASA's planetary fact sheets; equinoxes of Saturn and Uranus, solstices.
+IN_SEASON = [
+    ("tethys", 294_660.0, 1.887802, 58_232.0, "2025-05-06"), ("dione", 377_400.0, 2.736915, 58_232.0, "2025-05-06"),
+    ("rhea", 527_040.0, 4.518212, 58_232.0, "2025-05-06"), ("miranda", 129_390.0, 1.413479, 25_362.0, "2007-12-07"),
+    ("ariel", 191_020.0, 2.520379, 25_362.0, "2007-12-07"), ("umbriel", 266_300.0, 4.144177, 25_362.0, "2007-12-07"),
+]  # fmt: skip
+OUT_OF_SEASON = {"saturn": "2017-05-24", "uranus": "2030-04-19"}
+
+
+@pytest.mark.parametrize(("body", "distance", "days", "radius", "equinox"), IN_SEASON)
+def test_moons_of_saturn_and_uranus_are_eclipsed_each_turn_at_equinox_and_never_at_solstice(
+    body: str, distance: float, days: float, radius: float, equinox: str
+) -> None:
+    """Through the middle of the shadow for asin(R/a)/pi of the orbit; Miranda's own tilt takes some off."""
+    times = np.arange(0.0, days * 86400.0, 240.0)
+
+    def dark_seconds(day: str) -> float:
+        start = datetime.fromisoformat(f"{day}T00:00:00+00:00")
+        sun = SunOver(SunParams(time=start), load_params("bodies", body, BodyParams), SiteParams(latitude_deg=0.0))
+        return 240.0 * sum(
+            sun.light(float(time), 0.0, 0.0).visible < 0.5 for time in times if sun.direction(float(time))[2] > 0.0
+        )
+
+    expected = math.asin(radius / distance) / math.pi * days * 86400.0
+    assert 0.9 * expected - 480.0 < dark_seconds(equinox) < expected + 480.0
+    assert dark_seconds(OUT_OF_SEASON["saturn" if radius > 5e4 else "uranus"]) == 0.0
+
+
 # JPL Solar System Dynamics, planetary satellite mean elements for 2000 January 1.5: pole of the Laplace plane [deg],
 # eccentricity, inclination, node, argument of the pericentre, mean anomaly [deg], motion [deg/d].
 OF_SATURN = {
