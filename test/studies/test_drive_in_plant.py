@@ -76,3 +76,21 @@ def test_the_forecast_is_what_the_plant_takes(slope_deg: float) -> None:
     assert forecast.total == pytest.approx(spent.motion + spent.house, rel=0.2)
     assert forecast.motion == pytest.approx(spent.motion, rel=0.2)
     assert forecast.seconds == pytest.approx(spent.seconds, rel=0.1)
+
+
+def test_near_its_goal_it_waits_for_the_correction_of_its_place() -> None:
+    """It went on, arrived where it was said to be, and had to come again, and again on a slope that it slides down."""
+    loop = ClosedLoop(load_scenario("flat_drive"))
+    for _ in range(25):
+        loop.step()
+    loop.drive_state = replace(loop.drive_state, behind=(0.0, 0.25, 0.0))
+    goal, output, attempts, texts = Goal.at(0.8, 0.0), loop.output, 0, set[str]()
+    output = loop.step(goal=goal)
+    while not output.outcomes and loop.period < 3000:
+        output = loop.step()
+        texts.add(loop.drive_state.text.split(" by ")[0])
+        way = loop.drive_state.follower
+        attempts = max(attempts, way.attempts if way is not None else 0)
+    assert output.outcomes[0].kind == "reached" and attempts == 0
+    assert "waits: its place is being corrected" in texts
+    assert math.dist(loop.true_pose[:2], goal.points[-1]) < loop.scenario.drive.follower.position_tolerance

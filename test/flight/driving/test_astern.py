@@ -9,8 +9,8 @@ import pytest
 from rolling_rover import DT, RollingRover
 
 from sojourn_config.scenario import load_scenario
+from sojourn_flight.planning.follower_state import FollowerPhase, FollowerState
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState
 from sojourn_flight.supervision.astern import choose_sense, is_answered
 from sojourn_flight.supervision.drive_types import DriveState
 from wheel_drive import WheelDrive

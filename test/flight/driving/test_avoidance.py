@@ -12,8 +12,9 @@ from sojourn_flight.mobility.turning_limits import turning_limits
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.odometry.odometry import OdometryState, initial_odometry
 from sojourn_flight.planning.clothoid import Pose
+from sojourn_flight.planning.follower_state import FollowerLimits, FollowerState
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.planning.goal_follower import FollowerLimits, FollowerState, accept, follow, rerouted
+from sojourn_flight.planning.goal_follower import accept, follow, rerouted
 from sojourn_flight.supervision.avoidance import (
     accepted,
     from_loose_ground,

@@ -16,8 +16,9 @@ from sojourn_flight.hazards.keep_out import NO_ZONES, KeepOut
 from sojourn_flight.hazards.zone_params import KeepOutZone, first_in
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.clothoid import Pose
+from sojourn_flight.planning.follower_state import FollowerState
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.planning.goal_follower import FollowerState, accept
+from sojourn_flight.planning.goal_follower import accept
 from sojourn_flight.supervision.avoidance import accepted, guarded, guide, initial_avoidance, see
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState
 from sojourn_flight.supervision.path_check import closed_ahead

@@ -15,8 +15,9 @@ from test_avoidance import AVOIDANCE, DRIVE, TURNING, at, facing_a_block, sent
 from sojourn_config.scenario import load_scenario
 from sojourn_flight.hazards.occupancy import CLOSED, NOT_KNOWN, OPEN, occupancy
 from sojourn_flight.planning.clothoid import Pose
+from sojourn_flight.planning.follower_state import FollowerPhase, FollowerState
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState, accept, turned_about
+from sojourn_flight.planning.goal_follower import accept, turned_about
 from sojourn_flight.planning.way_back import way_back
 from sojourn_flight.supervision.avoidance import initial_avoidance, see
 from sojourn_flight.supervision.drive import DriveModel

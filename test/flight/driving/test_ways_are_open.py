@@ -11,8 +11,8 @@ from test_avoidance import AVOIDANCE, at, sent
 from sojourn_flight.hazards.clearance import clearance_in
 from sojourn_flight.hazards.obstacle_map import COUNT
 from sojourn_flight.hazards.traversability import STEP
+from sojourn_flight.planning.follower_state import FollowerState
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.planning.goal_follower import FollowerState
 from sojourn_flight.supervision.avoidance import HURRY, guide, initial_avoidance, judged_anew
 from sojourn_flight.supervision.avoidance_types import AvoidanceState
 from sojourn_flight.supervision.path_check import closed_ahead

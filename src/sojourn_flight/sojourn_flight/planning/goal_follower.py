@@ -11,7 +11,8 @@ Phases: align (turn on the spot to the leg's heading) -> drive -> the next leg, 
   shaper of Singer and Seering, ASME J. Dynamic Systems, Measurement and Control 112 (1990) 76, spread over a period).
 - Turn on the spot: rate = yaw_gain x error, bounded by the limit and by sqrt(2 deceleration error).
 - A leg ends arrive_fraction x tolerance before its end. The goal is reached when the rover stands still inside the
-  position (and yaw) tolerance; if not, the path is planned anew from where it stands.
+  position (and yaw) tolerance; if not, the path is planned anew from where it stands. So it is where a rover that
+  stands is too far beside the end of its path to come back to it: a turn on the spot on a slope moves it downhill.
 - Astern the same path is driven backwards: what counts is the heading of the motion, which is that of the rover and pi.
 - It ends as stopped when there is no progress: slip scales the motion but does not change where the law leads, so
   only a rover that cannot move at all stays behind.
@@ -22,15 +23,14 @@ the path. Source of the speeds: Aicardi, Casalino, Bicchi, Balestrino, IEEE Robo
 [rad]."""
 
 import math
-from dataclasses import dataclass
-from enum import StrEnum
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from sojourn_flight.mobility.ability import TurningLimits
 from sojourn_flight.mobility.rate_limiter import stopping_speed
 from sojourn_flight.odometry.odometry import wrap_angle
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.follower_params import GoalFollowerParams
+from sojourn_flight.planning.follower_state import FollowerLimits, FollowerPhase, FollowerState, FollowerStep
 from sojourn_flight.planning.goal import Goal, GoalOutcome, refusal
 from sojourn_flight.planning.path import NearestPoint, PlannedPath
 from sojourn_flight.planning.path_planner import plan_path
@@ -45,100 +45,10 @@ DRIFT_LENGTH = 0.5
 """Distance over which the drift is smoothed [m]."""
 
 
+BESIDE = 5.0
+"""Times its distance from the path a rover needs to come back to it [-]."""
 SAME_POINT = 1e-6
 """Points so near to each other are one [m]."""
-
-
-class FollowerPhase(StrEnum):
-    """What the follower is doing."""
-
-    ALIGN = "align"
-    DRIVE = "drive"
-    FINAL_ALIGN = "final_align"
-    SETTLE = "settle"
-
-
-@dataclass(frozen=True, slots=True)
-class FollowerState:
-    """One goal on its way."""
-
-    goal: Goal
-    path: PlannedPath
-    phase: FollowerPhase
-    leg: int = 0
-    """Leg of the path."""
-    on_leg: float = 0.0
-    """Distance gone on it [m]."""
-    passed: int = 0
-    """Waypoints passed."""
-    elapsed: float = 0.0
-    """Time since the goal was accepted [s]."""
-    phase_elapsed: float = 0.0
-    """Time in this phase [s]."""
-    distance_to_go: float = 0.0
-    """Along the path [m]; at its end the distance to the goal."""
-    yaw_error: float = 0.0
-    """Heading still to turn in the present phase [rad]."""
-    lateral_error: float = 0.0
-    """Position to the left of the path [m]."""
-    lateral_max: float = 0.0
-    """Greatest size of it so far [m]."""
-    lateral_square: float = 0.0
-    """Integral of its square over the distance followed [m^3]."""
-    followed: float = 0.0
-    """Distance driven on the path, all plans together [m]."""
-    drift: float = 0.0
-    """Angle by which the rover slides off its heading, to the left [rad]."""
-    best_distance: float = math.inf
-    """distance_to_go at the last progress [m]."""
-    drive_stall: float = 0.0
-    """Time of driving since then [s]."""
-    best_yaw_error: float = math.inf
-    """|yaw_error| at the last progress of this turn [rad]."""
-    turn_stall: float = 0.0
-    """Time of turning since then [s]."""
-    attempts: int = 0
-    """Times the rover stood still and was not within tolerance."""
-    astern: bool = False
-    """It is driven backwards."""
-    trails: bool = False
-    """It is to be driven backwards wherever that can be, see `supervision.astern`."""
-
-    @property
-    def index(self) -> int:
-        """Waypoint the rover drives to."""
-        return min(self.passed, len(self.goal.points) - 1)
-
-    @property
-    def lateral_rms(self) -> float:
-        """Root mean square of the lateral error so far [m]."""
-        return math.sqrt(self.lateral_square / self.followed) if self.followed > 0.0 else 0.0
-
-
-class FollowerLimits(NamedTuple):
-    """What the machine can do at the moment."""
-
-    speed: float
-    """[m/s]"""
-    yaw_rate: float
-    """[rad/s]"""
-    deceleration: float
-    """At the rim of a wheel [m/s^2]."""
-    yaw_deceleration: float
-    """Of a point turn [rad/s^2]."""
-    turning: TurningLimits
-
-
-class FollowerStep(NamedTuple):
-    """Result of one period."""
-
-    state: FollowerState
-    v_x: float
-    """Wanted speed [m/s]."""
-    yaw_rate: float
-    """Wanted yaw rate [rad/s]."""
-    outcome: GoalOutcome | None
-    """Not None when the goal has ended."""
 
 
 def accept(params: GoalFollowerParams, machine: TurningLimits, goal: Goal, pose: Pose) -> FollowerState | GoalOutcome:
@@ -280,16 +190,33 @@ def _finish(
     if distance <= params.position_tolerance and yaw_met:
         heading = "" if goal.yaw is None else f", {abs(state.yaw_error):.3f} rad off the heading"
         return state, _outcome("reached", state, f"{distance:.3f} m from the goal{heading}")
-    if state.attempts + 1 >= params.settle_attempts:
+    return _approach(params, state, limits, pose)
+
+
+def _approach(
+    params: GoalFollowerParams, state: FollowerState, limits: FollowerLimits, pose: Pose
+) -> tuple[FollowerState, GoalOutcome | None]:
+    """Once more to the goal, from where the rover stands; the end where it has been tried often enough."""
+    goal, (x, y) = state.goal, state.goal.points[-1]
+    distance = math.hypot(x - pose.x, y - pose.y)
+    state = replace(state, attempts=state.attempts + 1)
+    if state.attempts >= params.settle_attempts:
         reason = f"not within tolerance after {params.settle_attempts} approaches, {distance:.3f} m from the goal"
         return state, stop(state, reason)
-    state = replace(state, attempts=state.attempts + 1)
-    if distance <= params.position_tolerance and limits.turning.on_the_spot:
-        return _enter(state, FollowerPhase.FINAL_ALIGN), None
+    if distance <= params.position_tolerance and (goal.yaw is None or limits.turning.on_the_spot):
+        return _enter(state, FollowerPhase.SETTLE if goal.yaw is None else FollowerPhase.FINAL_ALIGN), None
     path = plan_path(params, limits.turning, pose, replace(goal, points=goal.points[-1:]))
     if isinstance(path, str):
         return state, stop(state, f"{distance:.3f} m from the goal, and no path from there: {path}")
     return _on_path(params, replace(state, astern=False), path, pose), None
+
+
+def _is_beside(params: GoalFollowerParams, state: FollowerState) -> bool:
+    """Whether the rover stands beside its way, too near to its end to come back to it: a turn on the spot has moved
+    it, or it was not where it was thought to be.
+    """
+    aside = abs(state.lateral_error)
+    return aside > (1.0 - params.arrive_fraction) * params.position_tolerance and state.distance_to_go < BESIDE * aside
 
 
 def _before_arrival(params: GoalFollowerParams, state: FollowerState) -> float:
@@ -369,8 +296,13 @@ def _followed(
         if abs(yaw_error) <= 0.5 * params.yaw_tolerance or not limits.turning.on_the_spot:
             return FollowerStep(_enter(state, FollowerPhase.SETTLE), 0.0, 0.0, None)
         return FollowerStep(state, 0.0, _turn(params, yaw_error, limits), None)
+    aligned = state.phase is FollowerPhase.ALIGN and abs(yaw_error) <= params.align_tolerance
+    starts = aligned or (state.phase is FollowerPhase.DRIVE and not moving)
+    if starts and not state.astern and _is_beside(params, state):
+        state, outcome = _approach(params, state, limits, pose)
+        return FollowerStep(state, 0.0, 0.0, outcome)
     if state.phase is FollowerPhase.ALIGN:
-        if abs(yaw_error) <= params.align_tolerance:
+        if aligned:
             return FollowerStep(_enter(state, FollowerPhase.DRIVE), 0.0, 0.0, None)
         return FollowerStep(state, 0.0, _turn(params, yaw_error, limits), None)
     arrived = _arrived(params, state, pose)

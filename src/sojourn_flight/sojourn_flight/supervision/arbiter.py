@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 from sojourn_flight.mobility.twist import NO_MOTION, PlanarTwist
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.planning.energy_forecast import EnergyLeft, EnergyUse, account_step, shortage
+from sojourn_flight.planning.follower_state import FollowerState
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.planning.goal_follower import FollowerState, stop
+from sojourn_flight.planning.goal_follower import stop
 from sojourn_flight.supervision.avoidance import guarded
 from sojourn_flight.supervision.avoidance_types import AvoidanceState
 from sojourn_flight.supervision.drive_types import Mode, TwistCommand

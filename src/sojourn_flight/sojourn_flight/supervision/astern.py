@@ -22,7 +22,8 @@ import numpy as np
 
 from sojourn_flight.hazards.obstacle_map import HIDDEN
 from sojourn_flight.odometry.odometry import OdometryState
-from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState, turned_about
+from sojourn_flight.planning.follower_state import FollowerPhase, FollowerState
+from sojourn_flight.planning.goal_follower import turned_about
 from sojourn_flight.planning.route import advanced
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState
 from sojourn_flight.supervision.driven_machine import DrivenMachine

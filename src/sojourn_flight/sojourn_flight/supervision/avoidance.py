@@ -37,8 +37,9 @@ from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.detour import Maps, plan_detour
 from sojourn_flight.planning.detour_search import Slopes, static_costs, sure_slopes
+from sojourn_flight.planning.follower_state import FollowerPhase, FollowerState
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState, accept, rerouted, stop
+from sojourn_flight.planning.goal_follower import accept, rerouted, stop
 from sojourn_flight.planning.route import advanced, route_of
 from sojourn_flight.planning.way_back import driven_on, go_back, way_back
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, ClosedPlace, Guidance

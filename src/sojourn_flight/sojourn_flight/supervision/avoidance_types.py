@@ -17,8 +17,8 @@ from sojourn_flight.mobility.ability import TurningLimits
 from sojourn_flight.mobility.twist import PlanarTwist
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.follower_params import GoalFollowerParams
+from sojourn_flight.planning.follower_state import FollowerState
 from sojourn_flight.planning.goal import GoalOutcome
-from sojourn_flight.planning.goal_follower import FollowerState
 from sojourn_flight.planning.route import Route
 from sojourn_flight.planning.way_back import Track, WayBack
 from sojourn_machine.params import FloatArray

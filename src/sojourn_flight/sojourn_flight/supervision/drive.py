@@ -42,8 +42,10 @@ from sojourn_flight.odometry.odometry import (
 from sojourn_flight.odometry.slip_estimation import SAMPLED_WITHIN
 from sojourn_flight.odometry.visual_state import VisualOdometryState, rolled_on
 from sojourn_flight.planning.clothoid import Pose
+from sojourn_flight.planning.follower_params import GoalFollowerParams
+from sojourn_flight.planning.follower_state import FollowerLimits, FollowerPhase, FollowerState
 from sojourn_flight.planning.goal import Goal
-from sojourn_flight.planning.goal_follower import FollowerLimits, FollowerPhase, follow, stop
+from sojourn_flight.planning.goal_follower import BESIDE, follow, stop
 from sojourn_flight.supervision.arbiter import Arbiter
 from sojourn_flight.supervision.astern import choose_sense, is_answered
 from sojourn_flight.supervision.avoidance import (
@@ -63,6 +65,8 @@ from sojourn_machine.errors import InvalidValueError
 
 LONGEST_PERIOD = 1.0
 """Longest period a step accepts [s]."""
+LAST_STRETCH = 2.0
+"""Of its way, on which a machine that stands waits until the correction of its place is in [m]."""
 
 
 class DriveModel(DrivenMachine):
@@ -160,6 +164,17 @@ class _Going(NamedTuple):
     """It would get on better backwards."""
     sight: float
     """Part of its speed that the hazard camera leaves [-]."""
+    behind: float
+    """Correction of its place that is not in the published pose yet [m]."""
+
+
+def _would_miss(follower: GoalFollowerParams, way: FollowerState, behind: float, moving: bool) -> bool:
+    """Whether the machine is so near to the end of its way that the correction to come [m] would find it beside its
+    goal, with no way left to steer to it.
+    """
+    room = (1.0 - follower.arrive_fraction) * follower.position_tolerance
+    near = BESIDE * behind if moving else LAST_STRETCH
+    return way.phase is FollowerPhase.DRIVE and behind > room and way.distance_to_go < near
 
 
 def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going: _Going, dt: float) -> PlanarTwist:
@@ -186,9 +201,12 @@ def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going:
         if guidance.twist is not None:
             arbiter.text, arbiter.waits = guidance.text, True
             return guidance.twist
+    moving = not going.still or math.hypot(odometry.v_x, odometry.v_y) > model.params.odometry.standing_speed
+    if _would_miss(model.params.follower, way, going.behind, moving):
+        arbiter.text, arbiter.waits = f"waits: its place is being corrected by {going.behind:.2f} m", True
+        return NO_MOTION
     limits = model.params.limits
     pace = going.sight * (power if policy is None else power * speed_part(policy, slip))
-    moving = not going.still or math.hypot(odometry.v_x, odometry.v_y) > model.params.odometry.standing_speed
     ability = model.mobility.ability
     able = FollowerLimits(
         limits.max_speed * pace,
@@ -264,7 +282,9 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     slip_now = _mean_slip(model, state, mobility, odometry, dt)
     if arbiter.follower is not None:
         sight = 1.0 if params.obstacles is None else speed_left(params.obstacles.camera, camera)
-        going = _Going(inputs.power_limit, slip_now, health.no_headway != "", motion.commanded_still, astern, sight)
+        behind = math.hypot(*located.behind[:2])
+        ahead = health.no_headway != "", motion.commanded_still, astern
+        going = _Going(inputs.power_limit, slip_now, *ahead, sight, behind)
         wanted = _follow(model, arbiter, published, going, dt)
     wanted = arbiter.keep_clear(model, wanted, published)
 

@@ -17,8 +17,8 @@ from sojourn_flight.odometry.key_frames import TerrainMatchState
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.odometry.visual_state import StereoImages, VisualOdometryState
 from sojourn_flight.planning.energy_forecast import EnergyLeft, EnergyUse
+from sojourn_flight.planning.follower_state import FollowerState
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.planning.goal_follower import FollowerState
 from sojourn_flight.supervision.avoidance_types import AvoidanceState
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray

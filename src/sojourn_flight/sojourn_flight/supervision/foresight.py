@@ -14,8 +14,9 @@ from sojourn_flight.hazards.settling import settled
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.energy_forecast import SECONDS_PER_HOUR, EnergyLeft, Forecast, forecast_way, shortage
+from sojourn_flight.planning.follower_state import FollowerState
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.planning.goal_follower import FollowerState, accept
+from sojourn_flight.planning.goal_follower import accept
 from sojourn_flight.planning.path import PlannedPath, thinned
 from sojourn_flight.supervision.avoidance import accepted
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState

@@ -9,8 +9,8 @@ from sojourn_flight.hazards.keep_out import KEEP_OUT
 from sojourn_flight.hazards.settling import settled, tilts_along
 from sojourn_flight.hazards.traversability import SLOPES, Obstacle, obstacle_at
 from sojourn_flight.planning.clothoid import Pose
+from sojourn_flight.planning.follower_state import FollowerPhase, FollowerState
 from sojourn_flight.planning.goal import Point
-from sojourn_flight.planning.goal_follower import FollowerPhase, FollowerState
 from sojourn_flight.supervision.avoidance_types import Avoidance, AvoidanceState, ClosedPlace
 from sojourn_machine.params import FloatArray
 

@@ -12,8 +12,9 @@ from sojourn_flight.hazards.keep_out import KeepOut
 from sojourn_flight.hazards.zone_params import first_in
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.planning.clothoid import Pose
+from sojourn_flight.planning.follower_state import FollowerState
 from sojourn_flight.planning.goal import Goal, GoalOutcome
-from sojourn_flight.planning.goal_follower import FollowerState, rerouted
+from sojourn_flight.planning.goal_follower import rerouted
 from sojourn_flight.planning.path import PlannedPath
 from sojourn_flight.planning.route import route_of
 from sojourn_flight.supervision.avoidance import detour
