@@ -41,6 +41,11 @@ class GoalFollowerParams(Params):
     max_range: float = Field(..., gt=0.0, le=1e5, description="longest path to a goal [m]")
     max_waypoints: int = Field(..., ge=1, le=100_000, description="most points of a path [-]")
 
+    @property
+    def room(self) -> float:
+        """By how much a machine that has arrived may be found elsewhere, and its goal is met [m]."""
+        return (1.0 - self.arrive_fraction) * self.position_tolerance
+
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if not self.align_tolerance < self.realign_angle:

@@ -43,8 +43,6 @@ SLOWEST_STOP = 0.1
 """Smallest speed of a stop as a fraction of the approach speed, so that it ends [-]."""
 DRIFT_LENGTH = 0.5
 """Distance over which the drift is smoothed [m]."""
-
-
 BESIDE = 5.0
 """Times its distance from the path a rover needs to come back to it [-]."""
 SAME_POINT = 1e-6
@@ -216,7 +214,7 @@ def _is_beside(params: GoalFollowerParams, state: FollowerState) -> bool:
     it, or it was not where it was thought to be.
     """
     aside = abs(state.lateral_error)
-    return aside > (1.0 - params.arrive_fraction) * params.position_tolerance and state.distance_to_go < BESIDE * aside
+    return aside > params.room and state.distance_to_go < BESIDE * aside
 
 
 def _before_arrival(params: GoalFollowerParams, state: FollowerState) -> float:

@@ -172,9 +172,8 @@ def _would_miss(follower: GoalFollowerParams, way: FollowerState, behind: float,
     """Whether the machine is so near to the end of its way that the correction to come [m] would find it beside its
     goal, with no way left to steer to it.
     """
-    room = (1.0 - follower.arrive_fraction) * follower.position_tolerance
     near = BESIDE * behind if moving else LAST_STRETCH
-    return way.phase is FollowerPhase.DRIVE and behind > room and way.distance_to_go < near
+    return way.phase is FollowerPhase.DRIVE and behind > follower.room and way.distance_to_go < near
 
 
 def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going: _Going, dt: float) -> PlanarTwist:
@@ -283,8 +282,8 @@ def step(model: DriveModel, state: DriveState, inputs: DriveInput, dt: float) ->
     if arbiter.follower is not None:
         sight = 1.0 if params.obstacles is None else speed_left(params.obstacles.camera, camera)
         behind = math.hypot(*located.behind[:2])
-        ahead = health.no_headway != "", motion.commanded_still, astern
-        going = _Going(inputs.power_limit, slip_now, *ahead, sight, behind)
+        stuck, still = health.no_headway != "", motion.commanded_still
+        going = _Going(inputs.power_limit, slip_now, stuck, still, astern, sight, behind)
         wanted = _follow(model, arbiter, published, going, dt)
     wanted = arbiter.keep_clear(model, wanted, published)
 
