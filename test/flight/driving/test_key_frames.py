@@ -11,7 +11,7 @@ from sojourn_flight.mobility.steering_geometry import SteeringGeometryParams
 from sojourn_flight.odometry import key_frames
 from sojourn_flight.odometry.key_frames import TerrainMatcher, TerrainMatchState, match_ground, match_status
 from sojourn_flight.odometry.odometry import OdometryState
-from sojourn_flight.odometry.odometry_kernels import AddedVariances, cloned, propagate, widened
+from sojourn_flight.odometry.odometry_kernels import AddedVariances, Ways, cloned, propagate, widened
 from sojourn_flight.odometry.relative_fix import Fix
 from sojourn_flight.odometry.terrain_match import Match
 from sojourn_flight.supervision.params import DriveParams
@@ -186,12 +186,12 @@ def test_the_covariance_grows_as_the_product_of_matrices_says() -> None:
     """The kernel leaves out what is zero: against F P F^T + Q in full."""
     factor = np.random.default_rng(7).standard_normal((12, 12))
     covariance = factor @ factor.T
-    move, side, gain, kept = (0.02, -0.01), (0.01, 0.02), 0.02, 0.99
+    move, told, side, gain, kept = (0.02, -0.01), (0.05, -0.025), (0.01, 0.02), 0.02, 0.99
     noise = (1e-3, 2e-3, 3e-3, 4e-3, 5e-3)
-    found = propagate(covariance, move, side, gain, kept, AddedVariances(*noise))
+    found = propagate(covariance, Ways(move, told, side), gain, kept, AddedVariances(*noise))
     jacobian = np.eye(12)
-    jacobian[0, 2:6] = -move[1], -move[0], side[0], 0.5 * gain * move[1]
-    jacobian[1, 2:6] = move[0], -move[1], side[1], -0.5 * gain * move[0]
+    jacobian[0, 2:6] = -move[1], -told[0], side[0], 0.5 * gain * move[1]
+    jacobian[1, 2:6] = move[0], -told[1], side[1], -0.5 * gain * move[0]
     jacobian[2, 5] = -gain
     jacobian[3, 3] = jacobian[4, 4] = kept
     slip, drift, travel, yaw, bias = noise

@@ -15,10 +15,11 @@ turned into the odom frame by Rz(yaw) Ry(pitch) Rx(roll), with the tilt from the
 
 Errors. P is the covariance of e = [x, y, yaw, slip, side slip, gyro bias]: the pose and three lasting errors
 that its growth has to remember (a consider filter): within slip_length the pose error grows with distance,
-over longer ways, where the soil changes, with its square root. With the displacement D and its sideways
-companion S in odom, the way d and the period's gyro gain g = dt cos roll / cos pitch:
+over longer ways, where the soil changes, with its square root. With the displacement D, what it
+would be without the correction of slip, T (below), its sideways companion S, all in odom, the way d and the period's
+gyro gain g = dt cos roll / cos pitch:
 
-    e_x += -D_y (e_yaw - g e_bias / 2) - D_x e_slip + S_x e_side,   e_y likewise,   e_yaw += -g e_bias,
+    e_x += -D_y (e_yaw - g e_bias / 2) - T_x e_slip + S_x e_side,   e_y likewise,   e_yaw += -g e_bias,
     e_slip *= exp(-d / slip_length),  e_side likewise,              P' = F P F^T + Q;
 
 Q: travel_sigma^2 per metre and turn_sigma^2 per radian in x and y; gyro random walk per second (or wheel_yaw_sigma^2
@@ -27,7 +28,7 @@ per metre); the bias walks; slip and drift are renewed so that their variances s
 The sun sensor corrects heading and bias in between, see `heading_fix`; cameras pose, slip and drift, see
 `key_frames` and `visual_odometry`.
 What a measurement has told of e_slip and e_side is kept as slip_error and side_error, which fade like them, and is
-taken off the way: D (1 - slip_error), S side_error.
+taken off the way: D = (1 - slip_error) T, S side_error.
 
 Standing still (supports and gyro below thresholds for standing_time, and nothing commanded) freezes
 the pose and lets the gyro measure its own bias: a Kalman update of the bias alone (Schmidt gain, Joseph
@@ -53,6 +54,7 @@ from sojourn_flight.odometry.odometry_kernels import (
     START_POSITION_VARIANCE,
     START_YAW_VARIANCE,
     AddedVariances,
+    Ways,
     body_arc,
     covariances_of,
     propagate,
@@ -250,15 +252,15 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
         slip_error = min(max(ratio * slip_error, LEAST_SLIP_ERROR), LARGEST_SLIP_ERROR)
     if side_sigma != state.side_sigma:
         before = rescaled(before, 4, side_sigma / state.side_sigma)
-    ground *= 1.0 - slip_error
     drift = (state.side_error - params.side_slip_per_grade * math.sin(roll)) * abs(v_x) * ground
-    v_x, v_y = v_x * ground, v_y * ground + drift
+    gripped = 1.0 - slip_error
+    told_x, told_y = v_x * ground, v_y * ground + drift
     pitch_rate = gyro[1] if gyro is not None else 0.0
     yaw_rate = body_rate if gyro is not None else motion.yaw_rate
     difference = motion.yaw_rate - yaw_rate
     unfelt = difference * measured.unread  # turned in a gap, which the mobility alone knows
     yaw_rate += unfelt / dt
-    body_x, body_y = body_arc(float(v_x), float(v_y), float(yaw_rate * dt), float(dt))
+    body_x, body_y = body_arc(float(told_x), float(told_y), float(yaw_rate * dt), float(dt))
     cos_roll, sin_roll, cos_pitch, sin_pitch = (
         math.cos(roll),
         math.sin(roll),
@@ -268,9 +270,10 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
     cos_yaw, sin_yaw = math.cos(state.yaw), math.sin(state.yaw)
     level_x = cos_pitch * body_x + sin_pitch * sin_roll * body_y
     level_y = cos_roll * body_y
-    move_x = cos_yaw * level_x - sin_yaw * level_y
-    move_y = sin_yaw * level_x + cos_yaw * level_y
-    travel = math.hypot(body_x, body_y)
+    way_x = cos_yaw * level_x - sin_yaw * level_y
+    way_y = sin_yaw * level_x + cos_yaw * level_y
+    move = gripped * way_x, gripped * way_y
+    travel = gripped * math.hypot(body_x, body_y)
     bias_gain = cos_roll / cos_pitch * dt if gyro is not None else 0.0
     kept = math.exp(-travel / params.slip_length)
     renewed = 1.0 - kept * kept
@@ -283,16 +286,16 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
         bias=params.gyro_bias_walk**2 * dt if gyro is not None else 0.0,
     )
     side = (-sin_yaw * travel, cos_yaw * travel)
-    covariance = propagate(before, (move_x, move_y), side, bias_gain, kept, added)
+    covariance = propagate(before, Ways(move, (way_x, way_y), side), bias_gain, kept, added)
     return OdometryState(
-        x=state.x + move_x,
-        y=state.y + move_y,
-        z=state.z - sin_pitch * body_x + cos_pitch * sin_roll * body_y,
+        x=state.x + move[0],
+        y=state.y + move[1],
+        z=state.z + gripped * (cos_pitch * sin_roll * body_y - sin_pitch * body_x),
         roll=roll,
         pitch=pitch,
         yaw=wrap_angle(state.yaw + (pitch_rate * sin_roll + yaw_rate * cos_roll) / cos_pitch * dt),
-        v_x=v_x,
-        v_y=v_y,
+        v_x=gripped * told_x,
+        v_y=gripped * told_y,
         yaw_rate=yaw_rate,
         distance=state.distance + travel,
         covariance=covariance,
@@ -350,12 +353,13 @@ def message_covariances(params: OdometryParams, state: OdometryState, dt: float)
         [rad/s] in base_link. Errors of height grow with distance times the error of tilt.
     """
     speed = math.hypot(state.v_x, state.v_y)
+    told = speed / max(1.0 - state.slip_error, LEAST_GROUND)
     pose, twist = covariances_of(
         state.covariance,
         params.tilt_sigma,
         float(state.distance),
         params.travel_sigma**2 * speed / dt,
-        float(state.covariance[3, 3]) * speed**2,
+        float(state.covariance[3, 3]) * told**2,
         (state.side_sigma * speed) ** 2,
         params.gyro_random_walk**2 / dt + float(state.covariance[5, 5]),
     )

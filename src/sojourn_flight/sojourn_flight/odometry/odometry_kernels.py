@@ -33,6 +33,17 @@ class AddedVariances(NamedTuple):
     """[rad^2/s^2]"""
 
 
+class Ways(NamedTuple):
+    """Of a period, in odom: x, y [m]."""
+
+    moved: tuple[float, float]
+    """D: the displacement."""
+    told: tuple[float, float]
+    """T: what it would be without the correction of slip."""
+    side: tuple[float, float]
+    """S: as far as D, to the left of it."""
+
+
 @njit(cache=True)
 def body_arc(v_x: float, v_y: float, turn: float, dt: float) -> tuple[float, float]:
     """Displacement in the body plane at the start of a period [m] while the body turns by `turn` [rad]."""
@@ -48,8 +59,7 @@ def body_arc(v_x: float, v_y: float, turn: float, dt: float) -> tuple[float, flo
 @njit(cache=True)
 def propagate(
     covariance: FloatArray,
-    move: tuple[float, float],
-    side: tuple[float, float],
+    ways: Ways,
     bias_gain: float,
     slip_kept: float,
     added: AddedVariances,
@@ -57,19 +67,19 @@ def propagate(
     """F P F^T + Q for one period. States beyond the six of the odometry are constants.
 
     Args:
-        move: displacement D in odom [m]. side: its sideways companion S [m].
         bias_gain: g [s]. slip_kept: what is left of the old slip [-].
     """
-    move_x, move_y = move
-    side_x, side_y = side
+    move_x, move_y = ways.moved
+    told_x, told_y = ways.told
+    side_x, side_y = ways.side
     result = covariance.copy()
     # F differs from the identity in its first five rows only: F P row by row, and the same once more for the columns.
     # The bias turns the heading while the rover moves: half of the period's turn counts for its displacement.
     for _ in range(2):
         for j in range(covariance.shape[0]):
             turned = result[2, j] - 0.5 * bias_gain * result[5, j]
-            result[0, j] += -move_y * turned - move_x * result[3, j] + side_x * result[4, j]
-            result[1, j] += move_x * turned - move_y * result[3, j] + side_y * result[4, j]
+            result[0, j] += -move_y * turned - told_x * result[3, j] + side_x * result[4, j]
+            result[1, j] += move_x * turned - told_y * result[3, j] + side_y * result[4, j]
             result[2, j] -= bias_gain * result[5, j]
             result[3, j] *= slip_kept
             result[4, j] *= slip_kept

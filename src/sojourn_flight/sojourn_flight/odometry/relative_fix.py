@@ -21,7 +21,8 @@ is first taken for ground that slips otherwise: the covariance is widened by a s
 since the last match, as a motor that has died or a soil that has changed makes them. It is used if it fits then, and
 if the next one says so, too (`key_frames`): a single edge on even ground fits in more than one place. A way shorter
 than LEAST_WAY says nothing of the ground: a machine that turns on the spot or starts may have been dragged by as much,
-and then its place is widened, not its slip.
+and then its place is widened, not its slip. Ground that has changed so on the way between two matches may change back
+on the way to the next one: after such a match slip and drift are unknown by as much as it has changed them.
 
 Sources: Roumeliotis & Burdick (2002), IEEE ICRA, p. 1788 (stochastic cloning); Bar-Shalom, Li & Kirubarajan (2001),
 Estimation with Applications to Tracking and Navigation, sec. 5.4 (gate). Assumptions: small errors of heading; slip and
@@ -44,6 +45,9 @@ from sojourn_machine.params import FloatArray
 
 LARGEST_SIGMA = 0.03
 """A direction in which a match is worse carries no information [m, rad]."""
+
+SLIP, SIDE_SLIP = 3, 4
+"""Where they are in the covariance."""
 
 LEAST_WAY = 0.08
 """Way since the last match from which on the ground may be said to slip otherwise [m]."""
@@ -149,6 +153,9 @@ def fix_way(params: RelativeFixParams, odometry: OdometryState, seen: Seen, sinc
     for row, value, variance in zip(rows, innovation, noise, strict=True):
         more, covariance = update_all(covariance, row, float(variance), float(value - row @ change))
         change += more
+    if lost and math.hypot(*since) >= LEAST_WAY:
+        covariance[SLIP, SLIP] += change[SLIP] ** 2
+        covariance[SIDE_SLIP, SIDE_SLIP] += change[SIDE_SLIP] ** 2
     return Fix(corrected(odometry, change, covariance), off, deviation, lost)
 
 
