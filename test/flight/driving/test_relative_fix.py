@@ -80,7 +80,7 @@ def test_ground_that_slips_otherwise_may_change_back(drive_params: DriveParams) 
     gone = SINCE[0] * (1.0 - slip), SINCE[1]
     covariance = propagate(slipping.covariance, Ways(gone, SINCE, (0.0, gone[0])), 0.0, 1.0, unchanged)
     further = replace(slipping, x=slipping.x + gone[0], covariance=covariance)
-    gripping = fix_way(drive_params.terrain_match, further, Seen(0, seen + (0.04, 0.0), information), SINCE)
+    gripping = fix_way(drive_params.terrain_match, further, Seen(0, seen - (-0.04, 0.0), information), SINCE)
     assert gripping.odometry is not None and not gripping.widened
     assert abs(gripping.odometry.slip_error) < 0.5 * slip
     assert gripping.odometry.covariance[3, 3] < 0.5 * slipping.covariance[3, 3]
