@@ -63,7 +63,7 @@ def _power(axis: Axes, found: PowerDays) -> None:
         axis.plot(found.hours, found.given, color="0.1", linewidth=1.6, label="sources give")
     top = 1.4 * max(found.used.sum(axis=1).max(), found.offered.max())  # room for the legend
     axis.set(ylabel="W", ylim=(0.0, top), title="What loads take, and what sources give")
-    axis.legend(fontsize=8, ncols=3)
+    axis.legend(fontsize=8, ncols=3, loc="upper right")
 
 
 def _charge(axis: Axes, found: PowerDays) -> None:
@@ -94,4 +94,4 @@ def _temperatures(axis: Axes, found: PowerDays) -> None:
     for name, kelvin in found.nodes.items():
         axis.plot(found.hours, kelvin - CELSIUS, linewidth=1.0, linestyle="--", label=name.replace("_", " "))
     axis.set(ylabel="°C", title="Temperatures")
-    axis.legend(fontsize=8, ncols=4)
+    axis.legend(fontsize=8, ncols=4, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, frameon=False)
