@@ -405,3 +405,32 @@ def test_a_load_that_nothing_can_feed_is_named() -> None:
     params = PowerParams(sources={"sun": IdealSource(power=50.0)}, bus=bus(load("motor", 60.0), voltage=12.0))
     ((path, value, allowed),) = params.load_problems()
     assert path == ("bus", "loads", 0, "power_w") and value == 60.0 and "50 W" in allowed
+
+
+def test_a_load_behind_a_converter_gets_no_more_than_what_is_before_it() -> None:
+    """A converter rated for 60 kW made 50 kW of a battery seem enough for any load."""
+    far = bus(load("drill", 50.0), load("lamp", 45.0), voltage=5.0)
+    converter = ConverterParams(output="far", rating_w=1000.0, efficiency=0.98, standby_w=1.0)
+    fed: dict[str, Any] = {"buses": {"far": far}, "converters": {"down": converter}}
+    near = bus(load("motor", 10.0), voltage=12.0)
+    params = PowerParams(sources={"sun": IdealSource(power=50.0)}, bus=near, **fed)
+    assert params.most_power("far") == pytest.approx(0.98 * 49.0)
+    ((path, value, allowed),) = params.load_problems()
+    assert path == ("buses", "far", "loads", 0, "power_w") and value == 50.0 and "48.02 W" in allowed
+    assert not list(PowerParams(stores={"one": ideal()}, bus=bus(load("motor", 10.0)), **fed).load_problems())
+
+
+def test_a_converter_that_goes_both_ways_feeds_its_input() -> None:
+    far = bus(load("lamp", 5.0), voltage=5.0)
+    converter = ConverterParams(output="far", rating_w=30.0, efficiency=0.9, both_ways=True)
+    battery = IdealSource(power=100.0, bus="far")
+    near = bus(load("motor", 60.0), voltage=12.0)
+    params = PowerParams(
+        sources={"sun": IdealSource(power=40.0), "far_one": battery},
+        bus=near,
+        buses={"far": far},
+        converters={"down": converter},
+    )
+    assert params.most_power("main") == pytest.approx(40.0 + 30.0)
+    assert params.most_power("far") == pytest.approx(100.0 + 30.0)
+    assert not list(params.load_problems())

@@ -14,7 +14,7 @@ own `voltage`, as a regulator between solar array and battery or between battery
 can. Assumptions: losses that go by the power alone; no dynamics.
 """
 
-from math import sqrt
+from math import inf, sqrt
 
 from pydantic import Field
 
@@ -40,6 +40,8 @@ class ConverterParams(Params):
 
     def given(self, drawn: float) -> float:
         """The most that it can give from `drawn` at its input [W]; nothing from less than its standby power."""
+        if drawn == inf:
+            return self.rating_w
         left = max(drawn - self.standby_w, 0.0)
         if self.ohmic_loss == 0.0:
             return min(left * self.efficiency, self.rating_w)

@@ -85,12 +85,25 @@ class PowerParams(Params):
             copied.__dict__.pop(name, None)
         return copied
 
-    def most_power(self, bus: str) -> float:
-        """That a bus can ever be given [W]; infinite where a store has no resistance."""
+    def most_power(self, bus: str, *beyond: str) -> float:
+        """That a bus can ever be given [W]; infinite where a store has no resistance.
+
+        Args:
+            beyond: buses that are not asked: what they can give is for them.
+        """
         sources = [source.most_power for source in self.sources.values() if source.bus == bus]
         stores = [store.most_power for store in self.stores_on(bus).values()]
-        feeder = self.feeders.get(bus)
-        return sum(sources) + sum(stores) + (0.0 if feeder is None else feeder.rating_w)
+        converters = [
+            one.given(self.most_power(one.input, bus, *beyond))
+            for one in self.converters.values()
+            if one.output == bus and one.input not in beyond
+        ]
+        back = [
+            min(one.rating_w, one.efficiency * self.most_power(one.output, bus, *beyond))
+            for one in self.converters.values()
+            if one.both_ways and one.input == bus and one.output not in beyond
+        ]
+        return sum((*sources, *stores, *converters, *back))
 
     def load_problems(self) -> Iterator[Place]:
         """Loads that are larger than all that can ever feed them, or than their fuses carry."""
