@@ -61,6 +61,7 @@ class SensorsApp(App[SensorsState]):
         )
         self._timings = [timing_of(sensor.rows, sensor.every) for sensor in self.sensors]
         self._on_demand = [sensor for sensor in self.sensors if sensor.params.on_demand]
+        self._all_unheard = frozenset(sensor.name for sensor in self._on_demand)
         self._is_timed = any(timing is not None for timing in self._timings)
         """Whether anything is told later than it is measured."""
         self._faults = SensorFaults(self.sensors, self._at_rest)
@@ -78,8 +79,7 @@ class SensorsApp(App[SensorsState]):
 
     def initial_state(self) -> SensorsState:
         """Before the first truth."""
-        off = frozenset(sensor.name for sensor in self._on_demand)
-        return SensorsState(faulty=self._faults.initial_state(), off=off)
+        return SensorsState(faulty=self._faults.initial_state(), off=self._all_unheard)
 
     def check(self, row: Topic, message: Any) -> None:
         """Refuse faults that no sensor can have."""
@@ -104,7 +104,8 @@ class SensorsApp(App[SensorsState]):
         if loads is not None:
             state = replace(state, dead=without_power(self.params.powered_by, state.dead, loads))
         if self._on_demand:
-            state = replace(state, off=self._unheard(period.wanted))
+            off = self._unheard(period.wanted) if period.wanted else self._all_unheard
+            state = state if off == state.off else replace(state, off=off)
         state, refusals = self._measure(state, period)
         if state.sensors is None:  # nothing has been measured yet
             return state, Answer(refusals=refusals) if refusals else NOTHING
