@@ -180,7 +180,7 @@ class ThermalNetwork:
             ("share that heaters are fed [1]", supply, self._thermostats.power),
             ("temperatures [K]", state.temperatures, rows.capacity),
         ):
-            if array.shape != like.shape or not np.isfinite(array).all():
+            if array.shape != like.shape or not _is_finite(array):
                 raise InvalidValueError(name, array, f"{like.size} finite numbers")
         rows = self._switched(state.temperatures)
         radioisotope = self.radioisotope_heat(state.age + 0.5 * dt)
@@ -206,6 +206,11 @@ class ThermalNetwork:
             before.outside + float(account[1]),
         )
         return ThermalState(temperatures, heating, state.age + dt, after, energy)
+
+
+def _is_finite(array: FloatArray) -> bool:
+    """Whether all of a few numbers are: their sum tells, but where it is too large for a number."""
+    return math.isfinite(sum(array.tolist())) or bool(np.isfinite(array).all())
 
 
 def _switches(params: ThermalParams) -> list[tuple[int, int, float, float, float]]:
