@@ -62,6 +62,10 @@ def lies_in_the_dark(scenario: LoadedScenario) -> bool:
     return all(one.direct <= 0.0 and one.diffuse <= 0.0 for one in lights)
 
 
-def expected_light(scenario: FlightScenario) -> Around:
-    """As the machine's computer expects it: of the ground about it nothing is known before it has been seen."""
-    return light_on_machine(scenario, light_at_start(scenario))
+def expected_light(scenario: FlightScenario, light: LightAtStart | None = None) -> Around:
+    """As the machine's computer expects it: of the ground about it nothing is known before it has been seen.
+
+    Args:
+        light: where the machine starts, which keeps the moments that its heat asks for as well (`heat_at_start`).
+    """
+    return light_on_machine(scenario, light or light_at_start(scenario))

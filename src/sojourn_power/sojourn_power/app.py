@@ -8,7 +8,7 @@ from itertools import chain
 from typing import Any
 
 from sojourn_config.expected_heat import heat_at_start
-from sojourn_config.expected_light import light_at_start, light_on_machine
+from sojourn_config.expected_light import expected_light, light_at_start
 from sojourn_config.flight import FlightScenario
 from sojourn_contract.app import Answer, FlightApp, Period, Refusal
 from sojourn_contract.barrier import is_due
@@ -68,8 +68,8 @@ class PowerApp(FlightApp[PowerState]):
 
     def __init__(self, known: FlightScenario) -> None:
         self.params = known.power_manager
-        light = light_at_start(known)  # one for both: it keeps the moments that both ask for
-        around, warmth = light_on_machine(known, light), heat_at_start(known, light)
+        light = light_at_start(known)
+        around, warmth = expected_light(known, light), heat_at_start(known, light)
         self._forecaster = Forecaster(self.params, known.activities, around, warmth)
         table = table_of(known)
         self._stores = tuple(row.name for row in table.each(BUS))

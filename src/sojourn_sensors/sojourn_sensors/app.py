@@ -104,7 +104,7 @@ class SensorsApp(App[SensorsState]):
         if loads is not None:
             state = replace(state, dead=without_power(self.params.powered_by, state.dead, loads))
         if self._on_demand:
-            off = self._unheard(period.wanted) if period.wanted else self._all_unheard
+            off = self._unheard(period.wanted)
             state = state if off == state.off else replace(state, off=off)
         state, refusals = self._measure(state, period)
         if state.sensors is None:  # nothing has been measured yet
@@ -117,6 +117,8 @@ class SensorsApp(App[SensorsState]):
 
     def _unheard(self, wanted: Collection[str]) -> frozenset[str]:
         """Sensors on demand none of whose topics is wanted."""
+        if not wanted:
+            return self._all_unheard
         return frozenset(one.name for one in self._on_demand if not any(row.name in wanted for row in one.rows))
 
     def _measure(self, state: SensorsState, period: Period) -> tuple[SensorsState, list[tuple[str, Exception]]]:

@@ -177,7 +177,9 @@ def power_days(scenario: LoadedScenario, days: float, step: float) -> PowerDays:
     light = light_at_start(scenario, scenario.height_field)
     around = light_on_machine(scenario, light)
     preview = Preview(params, PowerNetwork(scenario.power), planned, around, heat_at_start(scenario, light))
-    forecaster = Forecaster(params, scenario.config.activities, expected_light(known), heat_at_start(known))
+    expected = light_at_start(known)
+    ahead = expected_light(known, expected), heat_at_start(known, expected)
+    forecaster = Forecaster(params, scenario.config.activities, *ahead)
     state, steps = preview.initial_state(scenario.config.battery_soc), []
     looked = -FORECAST_EVERY
     for _ in range(max(round(days * scenario.body.solar_day / step), 1)):

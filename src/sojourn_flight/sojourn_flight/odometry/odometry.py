@@ -69,6 +69,8 @@ LEAST_GROUND = 0.1
 """Way over ground for a travel of the wheels, below which the errors of slip and drift grow no further [-]."""
 SMALLEST_SLIP_SIGMA = 1e-3
 """So that the covariance stays positive definite [-]."""
+SLIP, SIDE_SLIP = 3, 4
+"""Where their errors are in the covariance."""
 MOUNTING = 6
 """Where the sun sensor's mounting and levelling are in the covariance: places 6 to 12, see `heading_fix`."""
 LEAST_SLIP_ERROR, LARGEST_SLIP_ERROR = -1.0, 1.0
@@ -248,10 +250,10 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
         side_sigma = params.side_slip_sigma * over_ground
     if slip_sigma != state.slip_sigma:
         ratio = slip_sigma / state.slip_sigma
-        before = rescaled(before, 3, ratio)
+        before = rescaled(before, SLIP, ratio)
         slip_error = min(max(ratio * slip_error, LEAST_SLIP_ERROR), LARGEST_SLIP_ERROR)
     if side_sigma != state.side_sigma:
-        before = rescaled(before, 4, side_sigma / state.side_sigma)
+        before = rescaled(before, SIDE_SLIP, side_sigma / state.side_sigma)
     drift = (state.side_error - params.side_slip_per_grade * math.sin(roll)) * abs(v_x) * ground
     gripped = 1.0 - slip_error
     told_x, told_y = v_x * ground, v_y * ground + drift
@@ -336,8 +338,8 @@ def corrected(odometry: OdometryState, change: FloatArray, covariance: FloatArra
         x=odometry.x + float(change[0]),
         y=odometry.y + float(change[1]),
         yaw=wrap_angle(odometry.yaw + float(change[2])),
-        slip_error=min(max(odometry.slip_error + float(change[3]), LEAST_SLIP_ERROR), LARGEST_SLIP_ERROR),
-        side_error=odometry.side_error + float(change[4]),
+        slip_error=min(max(odometry.slip_error + float(change[SLIP]), LEAST_SLIP_ERROR), LARGEST_SLIP_ERROR),
+        side_error=odometry.side_error + float(change[SIDE_SLIP]),
         gyro_bias=odometry.gyro_bias + float(change[5]),
         mounting=mounting,
         keys=keys,
@@ -359,7 +361,7 @@ def message_covariances(params: OdometryParams, state: OdometryState, dt: float)
         params.tilt_sigma,
         float(state.distance),
         params.travel_sigma**2 * speed / dt,
-        float(state.covariance[3, 3]) * told**2,
+        float(state.covariance[SLIP, SLIP]) * told**2,
         (state.side_sigma * speed) ** 2,
         params.gyro_random_walk**2 / dt + float(state.covariance[5, 5]),
     )

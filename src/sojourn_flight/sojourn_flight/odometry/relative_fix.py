@@ -37,7 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_flight.odometry.attitude import rotation_of
-from sojourn_flight.odometry.odometry import OdometryState, corrected, wrap_angle
+from sojourn_flight.odometry.odometry import SIDE_SLIP, SLIP, OdometryState, corrected, wrap_angle
 from sojourn_flight.odometry.odometry_kernels import cloned, update_all, widened
 from sojourn_flight.odometry.relative_fix_params import RelativeFixParams
 from sojourn_machine.errors import InvalidValueError
@@ -45,9 +45,6 @@ from sojourn_machine.params import FloatArray
 
 LARGEST_SIGMA = 0.03
 """A direction in which a match is worse carries no information [m, rad]."""
-
-SLIP, SIDE_SLIP = 3, 4
-"""Where they are in the covariance."""
 
 LEAST_WAY = 0.08
 """Way since the last match from which on the ground may be said to slip otherwise [m]."""
@@ -141,7 +138,8 @@ def fix_way(params: RelativeFixParams, odometry: OdometryState, seen: Seen, sinc
     rows, noise = along @ rows, 1.0 / values[used]
     innovation = along @ (gone - believed[:told])
 
-    changed = params.slip_walk * math.sqrt(math.hypot(*since))
+    way = math.hypot(*since)
+    changed = params.slip_walk * math.sqrt(way)
     covariance = widened(odometry.covariance, *since, changed)
     off, lost = float(np.linalg.norm((along.T @ innovation)[:2])), False
     deviation = _deviation(covariance, rows, innovation, noise)
@@ -153,7 +151,7 @@ def fix_way(params: RelativeFixParams, odometry: OdometryState, seen: Seen, sinc
     for row, value, variance in zip(rows, innovation, noise, strict=True):
         more, covariance = update_all(covariance, row, float(variance), float(value - row @ change))
         change += more
-    if lost and math.hypot(*since) >= LEAST_WAY:
+    if lost and way >= LEAST_WAY:
         covariance[SLIP, SLIP] += change[SLIP] ** 2
         covariance[SIDE_SLIP, SIDE_SLIP] += change[SIDE_SLIP] ** 2
     return Fix(corrected(odometry, change, covariance), off, deviation, lost)

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.finite import all_finite
 from sojourn_machine.params import FloatArray, IntArray
 from sojourn_machine.power.bus_kernels import DRAWN, FED, FLOWS, SERVED, SHUNT, USED, VOLTAGE, operating_point
 from sojourn_machine.power.bus_tree import Bus, buses_of, upwards
@@ -360,7 +361,6 @@ def _require_array(name: str, values: Sequence[float] | FloatArray, count: int) 
     array = np.asarray(values, dtype=np.float64)
     if array.shape != (count,):
         raise InvalidValueError(f"shape of {name}", array.shape, f"({count},), one for each load")
-    # A sum is not finite where one of its numbers is not, and may be too large where all are.
-    if not isfinite(sum(array.tolist())) and not np.isfinite(array).all():
+    if not all_finite(array):
         raise InvalidValueError(name, array.tolist(), "finite numbers")
     return array

@@ -93,17 +93,15 @@ class PowerParams(Params):
         """
         sources = [source.most_power for source in self.sources.values() if source.bus == bus]
         stores = [store.most_power for store in self.stores_on(bus).values()]
-        converters = [
-            one.given(self.most_power(one.input, bus, *beyond))
-            for one in self.converters.values()
-            if one.output == bus and one.input not in beyond
-        ]
+        feeder, fed = self.feeders.get(bus), 0.0
+        if feeder is not None and feeder.input not in beyond:
+            fed = feeder.given(self.most_power(feeder.input, bus, *beyond))
         back = [
             min(one.rating_w, one.efficiency * self.most_power(one.output, bus, *beyond))
             for one in self.converters.values()
             if one.both_ways and one.input == bus and one.output not in beyond
         ]
-        return sum((*sources, *stores, *converters, *back))
+        return sum((*sources, *stores, fed, *back))
 
     def load_problems(self) -> Iterator[Place]:
         """Loads that are larger than all that can ever feed them, or than their fuses carry."""

@@ -26,6 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.finite import all_finite
 from sojourn_machine.params import FloatArray
 from sojourn_machine.thermal.thermal_kernels import ACCOUNT, Account, Outside, Rows, Thermostats, step_kernel
 from sojourn_machine.thermal.thermal_params import GROUND, ThermalParams
@@ -180,7 +181,7 @@ class ThermalNetwork:
             ("share that heaters are fed [1]", supply, self._thermostats.power),
             ("temperatures [K]", state.temperatures, rows.capacity),
         ):
-            if array.shape != like.shape or not _is_finite(array):
+            if array.shape != like.shape or not all_finite(array):
                 raise InvalidValueError(name, array, f"{like.size} finite numbers")
         rows = self._switched(state.temperatures)
         radioisotope = self.radioisotope_heat(state.age + 0.5 * dt)
@@ -206,11 +207,6 @@ class ThermalNetwork:
             before.outside + float(account[1]),
         )
         return ThermalState(temperatures, heating, state.age + dt, after, energy)
-
-
-def _is_finite(array: FloatArray) -> bool:
-    """Whether all of a few numbers are: their sum tells, but where it is too large for a number."""
-    return math.isfinite(sum(array.tolist())) or bool(np.isfinite(array).all())
 
 
 def _switches(params: ThermalParams) -> list[tuple[int, int, float, float, float]]:

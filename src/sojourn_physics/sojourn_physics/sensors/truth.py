@@ -1,10 +1,7 @@
 """What every emulator asks of the truth that it is given."""
 
-from math import isfinite
-
-import numpy as np
-
 from sojourn_machine.errors import InvalidValueError
+from sojourn_machine.finite import all_finite
 from sojourn_machine.params import FloatArray
 
 
@@ -13,5 +10,5 @@ def require_numbers(name: str, value: FloatArray, shape: tuple[int, ...]) -> Non
     if value.shape != shape:
         raise InvalidValueError(f"shape of {name}", value.shape, str(shape))
     # A sum is not finite where one of its numbers is not, and may be too large where all are.
-    if not isfinite(sum(value.ravel().tolist())) and not np.isfinite(value).all():
+    if not all_finite(value):
         raise InvalidValueError(name, value.tolist(), "finite numbers")
