@@ -16,6 +16,7 @@ from programs import LONGEST_S, PATIENT, SHORT_RUN, Program
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
+from verdicts import faults_of_nodes
 
 from domains import domain_to_keep
 from sojourn_bags.errors import BagsError
@@ -118,10 +119,7 @@ def test_the_stack_is_judged_while_it_runs(stack: Stack, start: Callable[..., Pr
     verdict = json.loads(file.read_text(encoding="utf-8"))
     assert status == (1 if verdict["violations"] else 0), check.text
     assert not verdict["lockstep"] and set(verdict["participants"]) >= {"plant", "sensors", "drive", "arm", "power"}
-    of_time = {"rate", "answer", "heartbeat", "counter", "rate of change"}
-    ages = [group for group in verdict["groups"] if group["rule"] == "stamp" and group["first"][0]["field"] == "age"]
-    others = [group for group in verdict["groups"] if group["rule"] not in of_time and group not in ages]
-    assert not others, check.text
+    assert not faults_of_nodes(verdict), check.text
     assert verdict["topics"]["/odom"]["messages"] > 50
 
 
