@@ -9,6 +9,7 @@ be, and all in one direction.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -30,6 +31,8 @@ from sojourn_machine.power.power_params import PowerParams
 from sojourn_machine.power.surroundings import PowerSurroundings
 from sojourn_machine.thermal.machine_heat import HeatState
 
+MOMENTS = 4096
+"""That are kept of light and warmth: a look asks for the hours that those before it asked for."""
 COLUMNS = ("charge", "charge_low", "charge_high", "offered_w", "used_w")
 """Of a forecast: charge of all stores as expected and its bounds [1], the most that all sources could give and what all
 loads take, as expected [W]."""
@@ -89,12 +92,14 @@ class Forecaster:
         self._params, self._settings = params, params.law.forecast
         planned = Activities(params, activities)
         more, brighter = self._settings.load_error, self._settings.light_error
+        if warmth is not None:
+            warmth = warmth._replace(around=lru_cache(MOMENTS)(warmth.around))
         self._previews = tuple(
             Preview(
                 params,
                 PowerNetwork(_with_loads(params.power, 1.0 + sign * more)),
                 planned.times(1.0 + sign * more),
-                _brighter(around, 1.0 - sign * brighter),
+                lru_cache(MOMENTS)(_brighter(around, 1.0 - sign * brighter)),
                 warmth,
             )
             for sign in (0.0, 1.0, -1.0)

@@ -307,7 +307,7 @@ def _switch(
 def _shed_reason(params: PowerManagerParams, state: PowerManagerState, rank: int) -> str:
     """Why a level is shed, in words."""
     if rank < state.level_by_charge:
-        return f"charge was below {params.shed_thresholds[rank]:.1%}"
+        return params.shed_words[rank]
     if rank < state.level_by_voltage:
         return f"bus was below {params.law.shed_voltage:.1f} V"
     return "asleep"

@@ -153,6 +153,11 @@ class PowerManagerParams(Params):
         return tuple(self.law.shed_soc_first - span * k / max(levels - 1, 1) for k in range(levels))
 
     @cached_property
+    def shed_words(self) -> tuple[str, ...]:
+        """Why each level is shed for its charge."""
+        return tuple(f"charge was below {threshold:.1%}" for threshold in self.shed_thresholds)
+
+    @cached_property
     def granted(self) -> tuple[tuple[float, str], ...]:
         """Of each load that is wanted: the fraction of its power that its limit allows, and why."""
         granted = []
@@ -167,7 +172,7 @@ class PowerManagerParams(Params):
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """As pydantic's, but a changed copy works out its own levels and limits."""
         copied = super().model_copy(update=update, deep=deep)
-        levels = ("shed_priorities", "shed_thresholds", "granted")
+        levels = ("shed_priorities", "shed_thresholds", "shed_words", "granted")
         for name in ("stores", "watched", "switch_watch", "shares", "ratios", *levels):
             copied.__dict__.pop(name, None)
         return copied

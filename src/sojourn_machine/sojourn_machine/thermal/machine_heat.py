@@ -162,4 +162,4 @@ class MachineHeat:
         thermal = self.network.step(state.thermal, around, heat, dt, fed=full)
         added = (np.zeros(len(full)) if thermal.heater_energy is None else thermal.heater_energy) - earlier
         closed = np.divide(added, full * self._rated * dt, out=thermal.heating.copy(), where=full > 0.0)
-        return replace(state, thermal=thermal, duty=np.clip(closed, 0.0, 1.0))
+        return replace(state, thermal=thermal, duty=np.minimum(np.maximum(closed, 0.0), 1.0))
