@@ -31,8 +31,8 @@ from sojourn_config.scenario import load_scenario
 from sojourn_contract import process
 from sojourn_contract.codecs import encode
 from sojourn_contract.heartbeat import MATCHED, STALLED, WAITING_FOR
-from sojourn_contract.node import SILENCE_S
 from sojourn_contract.run_table import table_of
+from sojourn_contract.silence import SILENCE_S
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_table import CLOCK
 from sojourn_contract.topic_types import Topic
@@ -196,7 +196,7 @@ def test_after_a_strangers_clock_it_says_that_it_could_begin(tmp_path: Path, mon
     try:
         stranger(recorder, clock, encode(clock, Clock(1_000_000_000_000)))
         assert recorder.now
-        recorder._heard_trigger = time.monotonic() - SILENCE_S
+        monkeypatch.setattr(recorder._silence, "until", lambda now: SILENCE_S)
         recorder.poll()
     finally:
         recorder.destroy_node()

@@ -1,6 +1,7 @@
 """The node of the drive, alone: goals, velocity commands, measurements that cannot be used, a start in mid-run."""
 
 import math
+import time
 from typing import Any
 
 import pytest
@@ -12,6 +13,8 @@ from ros_messages import ros_time
 from sojourn_contract.events import format_tick
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.messages import battery_state
+from sojourn_contract.silence import LOST_S, Silence
+from sojourn_contract.stamps import NANOSECONDS
 from sojourn_drive.node import DriveNode
 
 START_X = -1.0
@@ -357,6 +360,20 @@ def test_in_real_time_an_old_measurement_is_lost(bench: Bench) -> None:
     bench.send("/imu/data", imu(3))
     bench.until(lambda: node.counters.refused, "a stamp from the past is refused")
     assert node.counters.refused == {"/imu/data": 1} and "header.stamp" in node.counters.last_refusal
+
+
+def test_in_real_time_it_acts_in_silence_but_not_after_it_was_held_up_itself(bench: Bench) -> None:
+    """A process without a core for seconds has what it missed in its queues: it is nobody's silence."""
+    node = bench.start(DriveNode, "sensors", "drive", lockstep=False)
+    bench.connect(node, lockstep=False)
+    step(bench, *range(1, 12))
+    now = time.monotonic()
+    node._silence = Silence(now - 100.0)
+    node.poll()
+    assert node.now == at(11)
+    for look in range(1, 20):
+        node._bear_silence(now + 0.2 * look)
+    assert node.now > at(11) + LOST_S * NANOSECONDS, "the sensors have been silent while it looked"
 
 
 def test_with_the_arm_out_it_refuses_goals_and_velocities_with_the_reason(bench: Bench, drive: DriveNode) -> None:

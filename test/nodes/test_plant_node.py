@@ -1,6 +1,7 @@
 """The node of the plant, alone: the start, commands that cannot be followed, silence and whom it blames, the end."""
 
 import math
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -22,6 +23,7 @@ from sojourn_contract.heartbeat import (
     read_heartbeats,
     status_message,
 )
+from sojourn_contract.silence import Silence
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topics import outputs_of, topic
 from sojourn_contract.values import Header
@@ -279,6 +281,20 @@ def test_who_falls_silent_later_is_named(bench: Bench) -> None:
         bench.send("/joint_states", joints(period))
         bench.send("/imu/data", imu(period))
     assert "node 'sensors' did not answer: /drive_command stamped 0.22 s" in silent(bench, plant)
+
+
+def test_held_up_itself_it_takes_nobody_for_silent(bench: Bench) -> None:
+    """Stopped for longer than its patience and set going again, it has the answers in its queues."""
+    plant = chain(bench, DriveNode)
+    bench.speak(*MEASURED)
+    bench.listen("/drive_command", "/odom")
+    bench.met()
+    bench.say_ready("sensors")
+    bench.answer("/truth/joint_states", 1)
+    plant.timeout_s = 50.0
+    plant._silence_of_others = Silence(time.monotonic() - 100.0)
+    plant.poll()
+    assert plant.barrier.missing() and not plant.finished
 
 
 @pytest.mark.parametrize("answered", [0, 5])

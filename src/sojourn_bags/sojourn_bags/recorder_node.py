@@ -168,7 +168,7 @@ class RecorderNode(ContractNode):
         if allowed is not None:
             self.refuse(row.name, RefusedMessageError(row.name, "clock", f"{stamps.seconds(stamp):.3f} s", allowed))
             return
-        self._heard_trigger = time.monotonic()
+        self._silence.ends()
         self.recording.advance(self.latest.timeline.now)
         if stamp > self.now:
             self.act(stamp, {})

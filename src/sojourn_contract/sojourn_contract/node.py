@@ -38,6 +38,7 @@ from sojourn_contract.heartbeat import (
 )
 from sojourn_contract.latest_inputs import LatestInputs, trigger_of
 from sojourn_contract.run_table import table_of
+from sojourn_contract.silence import LOST_S, SILENCE_S, Silence
 from sojourn_contract.topic_table import CLOCK
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES
@@ -47,10 +48,6 @@ from sojourn_contract.words import Words
 OPERATOR = "operator"
 REFUSAL_LOG_S = 1.0
 """Wall time between two lines of the log on refused messages of one topic; the heartbeat counts them all."""
-SILENCE_S = 1.0
-"""Wall time without the input on which a node acts in real time, after which it says so in its heartbeat."""
-LOST_S = 3.0
-"""The same, after which a node that `acts_in_silence` acts: longer than the end of a run takes."""
 FAREWELL_S = 1.0
 """Wall time that a farewell has to arrive: a listener that is gone does not hold up the end."""
 READY_REPEAT_S = 0.2
@@ -118,7 +115,9 @@ class ContractNode(Node):
         self.barrier: Barrier[Any] = Barrier(self.awaited, every_period, longest_leap)
         self._awaited_by_name = {row.name: row for row in self.awaited}
         self._trigger = trigger_of(self.awaited)
-        self._last_progress = self._heard_trigger = time.monotonic()
+        self._last_progress = time.monotonic()
+        self._silence = Silence(self._last_progress)
+        """Of the trigger."""
         self._last_ready, self._complained, self._advancing = 0.0, 0.0, False
         self.received = 0
         """Messages that have come over the middleware."""
@@ -312,7 +311,7 @@ class ContractNode(Node):
         self.latest.keep(row, stamp, message)
         if row.name != self._trigger:
             return
-        self._heard_trigger = time.monotonic()
+        self._silence.ends()
         if row.name == CLOCK and stamp % (self.barrier.stride * stamps.CONTROL_PERIOD_NS):
             return  # it beats more often than the node acts
         if stamp <= self.now and self.now > self.latest.timeline.now + stamps.CONTROL_PERIOD_NS:
@@ -338,7 +337,7 @@ class ContractNode(Node):
         """In real time, where the trigger stays away: say once a second for whom it waits, and act if that is wanted,
         at whole seconds. One that a stranger's clock has set off before the run says that it could begin.
         """
-        silent = now - self._heard_trigger
+        silent = self._silence.until(now)
         if self.finished or not self._trigger or silent < SILENCE_S or now - self._complained < SILENCE_S:
             return
         self._complained = now

@@ -4,7 +4,6 @@ The start: it waits until all participants say that they are ready, then publish
 acts on a period when all that is due for it has come; in real time by the wall clock.
 """
 
-import math
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
@@ -18,6 +17,7 @@ from sojourn_contract.checkpoint_topic import CHECKPOINT, KEPT
 from sojourn_contract.errors import DomainInUseError, RefusedMessageError, SilentNodeError
 from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.role_state import RoleAtCheckpoint
+from sojourn_contract.silence import Silence
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import Header, Message
@@ -69,8 +69,7 @@ class PacingNode(AppNode):
         self._trigger = ""  # in real time it acts by the wall clock, whatever comes
         self.roster = Roster(self.role, self.participants, self.timeout_s, self.resumed_at)
         self._begun = False
-        self._waiting_since = math.inf
-        """Wall time since which the others are waited for: from the first look at them, as plants take long to make."""
+        self._silence_of_others = Silence(self._created)
         self._timer: Any = None
         self._asking_limit = AskingLimit()
         self.keeper: Keeper | None = None
@@ -113,20 +112,21 @@ class PacingNode(AppNode):
         super().poll()
         if self.finished:
             return
+        waited = self._silence_of_others.until(time.monotonic())
         if not self._begun:
-            self._begin_when_ready()
+            self._begin_when_ready(waited)
         elif self.lockstep and not self.awaited:
             until = time.monotonic() + FREE_RUN_S
             while time.monotonic() < until:
                 self.act(self.now + stamps.CONTROL_PERIOD_NS, {})
-        elif self.lockstep and time.monotonic() - self._waiting_since > self.timeout_s and self.barrier.missing():
+        elif self.lockstep and waited > self.timeout_s and self.barrier.missing():
             self._stop_for_silence()
         elif self.keeper is not None:
             self._advance()
 
     def act(self, stamp: int, inputs: Mapping[str, Any]) -> None:
         """Run one period, and wait anew."""
-        self._waiting_since = time.monotonic()
+        self._silence_of_others.ends()
         super().act(stamp, inputs)
         if self.keeper is not None:
             self.keeper.acted(stamp)
@@ -143,12 +143,10 @@ class PacingNode(AppNode):
     def _goals_are_in(self) -> bool:
         return super()._goals_are_in() and (self.keeper is None or self.keeper.may_act(self.barrier.stamp))
 
-    def _begin_when_ready(self) -> None:
+    def _begin_when_ready(self, waited: float) -> None:
         if self.count_publishers(self.endpoints.senders["/clock"].topic_name) > 1:
             self._fail(DomainInUseError(str(self.context.get_domain_id()), self.endpoints.senders["/clock"].topic_name))
             return
-        self._waiting_since = min(self._waiting_since, time.monotonic())
-        waited = time.monotonic() - self._waiting_since
         unmatched = self.unmatched()
         if unmatched or self.roster.missing():
             if waited > 3 * self.timeout_s:
@@ -157,7 +155,8 @@ class PacingNode(AppNode):
         if time.monotonic() - self._created < DISCOVERY_S:
             return
         self._begun = True
-        self._waiting_since = self._last_progress = time.monotonic()
+        self._last_progress = time.monotonic()
+        self._silence_of_others.ends()
         if self.first_words is None:
             self.publish_all(self.app.first_messages(self.state, stamps.CONTROL_PERIOD_NS))
         for name, message in self.first_words or ():

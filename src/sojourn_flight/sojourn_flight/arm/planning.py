@@ -48,7 +48,7 @@ from sojourn_flight.arm.param_groups import ClearanceParams, PoseGoalParams
 from sojourn_flight.arm.redundancy import Sphere, better_posture, measure_of
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground, GroundRelief, depth_below
-from sojourn_flight.arm.sampling_planner import Detours
+from sojourn_flight.arm.sampling_planner import Detours, posture_of
 from sojourn_flight.arm.tip_plan import checked_path, timed_path
 from sojourn_flight.arm.trajectory import (
     TrajectoryError,
@@ -172,7 +172,7 @@ def _plan(
             raise GoalRefusedError(f"unknown pose '{goal.name}': there are {', '.join(sorted(params.named_poses))}")
         named = np.array(params.named_poses[goal.name])
         check_position_limits(model, named, list(range(model.joint_count)), f"pose '{goal.name}'")
-        target = np.clip(named, model.lower, model.upper)
+        target = posture_of(params, model, goal.name)
     else:
         path = stop(model, departure.reference)
         end = path.sample(path.duration)[0]

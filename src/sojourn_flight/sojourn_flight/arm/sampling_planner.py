@@ -35,8 +35,8 @@ _SHORTER = 0.98
 """A shortcut is taken where it takes less than this share of the time [-]."""
 
 
-def via_pose(params: NamedPoseParams, model: ArmModel, name: str) -> FloatArray:
-    """Joint positions (n,) of a named pose to go by way of; a joint that does not move stays where it is."""
+def posture_of(params: NamedPoseParams, model: ArmModel, name: str) -> FloatArray:
+    """Joint positions (n,) of a named pose; a joint that does not move stays where it is."""
     named = np.array(params.named_poses[name])
     return np.asarray(np.minimum(np.maximum(named, model.lower), model.upper), dtype=np.float64)
 
@@ -103,7 +103,7 @@ class SamplingPlanner:
             return self._cut(self._joined(trees, 0, met))
         for name in self._params.via_poses:  # good places to come from, which a random posture seldom hits
             for tree in trees:
-                self._connect(tree, via_pose(self._params, model, name))
+                self._connect(tree, posture_of(self._params, model, name))
         span = model.upper - model.lower
         while self.checked < MOST_POSTURES:
             drawn = model.lower + self._generator.random(model.joint_count) * span

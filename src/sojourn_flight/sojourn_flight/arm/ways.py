@@ -21,7 +21,7 @@ from sojourn_flight.arm.motion_load import slower
 from sojourn_flight.arm.param_groups import NamedPoseParams
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground
-from sojourn_flight.arm.sampling_planner import MARGINS, Detours, via_pose
+from sojourn_flight.arm.sampling_planner import MARGINS, Detours, posture_of
 from sojourn_flight.arm.trajectory import JointReference, TrajectoryError, at_rest, point_to_point, stop
 from sojourn_machine.params import FloatArray
 
@@ -70,7 +70,7 @@ def _ways(
         yield [*head, *tail], ""
         for name in params.via_poses:
             yield (
-                [*head, via_pose(params, model, name), *tail],
+                [*head, posture_of(params, model, name), *tail],
                 f"by way of '{name}', the direct way collides",
             )
 
