@@ -65,6 +65,8 @@ def chain(legs: list[tuple[float, float]]) -> list[tuple[float, float]]:
 @given(turns, st.floats(-3.1, 3.1))
 @example([(2.0, 0.5), (2.0, 0.0)], 0.0)  # the first point in line with start and end, but not with the heading
 @example([(2.0, 0.5), (1.0, 0.0), (1.0, 0.0)], 0.1)
+@example([(1.0, 0.0), (2.0, 1e-5), (2.0, 1.1875)], 0.0)  # what is hardly a corner is one all the same
+@example([(6.0, 0.0), (6.0, 3e-7), (6.0, 3e-8), (6.0, 1.2)], 0.0)
 def test_a_machine_that_turns_on_the_spot_gets_a_path_through_any_points(
     params: GoalFollowerParams, legs: list[tuple[float, float]], yaw: float
 ) -> None:

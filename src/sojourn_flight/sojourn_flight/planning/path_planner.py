@@ -37,8 +37,8 @@ from sojourn_flight.planning.path import Leg, PlannedPath
 DROPPED = (0.25, 0.5, 0.1, 0.0)
 """Parts of corner_cut within which points are left out, in the order in which they are tried; 0 leaves out none but
 repeated ones, for one in line with its neighbours may be what the first turn has to lead to [-]."""
-STRAIGHT_ON = 1e-4
-"""A smaller turn is no corner [rad]."""
+STRAIGHT_ON = 1e-8
+"""A smaller turn is no corner: a hundred metres on, the path is less than a micrometre beside its point [rad]."""
 SCAN = 0.05
 """Step in which the turn towards a point is looked for [rad]."""
 APPROACHES = (1.5, 2.0, 3.0, 4.0)
