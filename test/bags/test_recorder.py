@@ -23,9 +23,9 @@ from sojourn_bags.completeness import RECORD
 from sojourn_bags.definitions import ChannelSpec
 from sojourn_bags.description import Run
 from sojourn_bags.errors import BagExistsError, UnreadableBagError, UnwritableBagError
+from sojourn_bags.parts import counts_in
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.recorder_node import RecorderNode
-from sojourn_bags.salvage import counts_in
 from sojourn_bags.writer import FLUSH_REALTIME_S, BagWriter
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import process

@@ -9,7 +9,7 @@ import yaml
 from mcap.records import Attachment, Channel, McapRecord, Message, Metadata, Schema
 from mcap.writer import CompressionType, Writer
 
-from sojourn_bags.metadata_file import TopicEntry, bag_information, write_metadata_file
+from sojourn_bags.metadata_file import PartEntry, TopicEntry, bag_information, write_metadata_file
 
 CHUNK = 1 << 20
 """Bytes of content after which a chunk ends."""
@@ -32,7 +32,7 @@ class BagCopy:
         self.writer = Writer(self._stream, chunk_size=chunk, compression=CompressionType.ZSTD)
         self.writer.start(profile="ros2", library="sojourn_bags")
         self._counts: dict[str, int] = {}
-        self._first = self._last = 0
+        self._part = PartEntry(file.name)
         self.channels: dict[int, tuple[int, Channel]] = {}
         self.schemas: dict[int, tuple[int, Schema]] = {0: (0, Schema(0, b"", "", ""))}
         self.texts: dict[str, str] = {}
@@ -73,7 +73,7 @@ class BagCopy:
         self.texts[name] = json.dumps(dict(values))
 
     def _finish(self) -> None:
-        information = bag_information(self._file.name, self._topics(), self._first, self._last, self.texts)
+        information = bag_information([self._part], self._topics(), self.texts)
         text = yaml.safe_dump(information["rosbag2_bagfile_information"], sort_keys=False)
         self.writer.add_metadata("rosbag2", {"serialized_metadata": text})
         self.writer.finish()
@@ -88,8 +88,7 @@ class BagCopy:
         return self.schemas.get(number, self.schemas[0])[0]
 
     def _count(self, name: str, log_time: int) -> None:
-        self._first = log_time if not self._counts else min(self._first, log_time)
-        self._last = max(self._last, log_time)
+        self._part.take(log_time)
         self._counts[name] = self._counts.get(name, 0) + 1
 
     def _topics(self) -> list[TopicEntry]:

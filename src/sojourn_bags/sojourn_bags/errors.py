@@ -38,7 +38,7 @@ class UnreadableBagError(BagsError):
 
     def __init__(self, path: Path, reason: str) -> None:
         super().__init__(f"{path} cannot be read as a bag: {reason}")
-        self.path = path
+        self.path, self.reason = path, reason
 
 
 class UnreadableMessageError(BagsError):

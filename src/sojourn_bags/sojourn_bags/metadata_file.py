@@ -23,17 +23,43 @@ class TopicEntry:
     count: int
 
 
+@dataclass
+class PartEntry:
+    """One file of a bag: its name, the messages in it, first and last log time [ns]."""
+
+    file: str
+    count: int = 0
+    first: int = 0
+    last: int = 0
+
+    def take(self, log_time: int) -> None:
+        """One more message."""
+        if not self.count or log_time < self.first:
+            self.first = log_time
+        if log_time > self.last:
+            self.last = log_time
+        self.count += 1
+
+    @property
+    def times(self) -> dict[str, dict[str, int]]:
+        """As metadata.yaml has them."""
+        return {
+            "starting_time": {"nanoseconds_since_epoch": self.first},
+            "duration": {"nanoseconds": self.last - self.first},
+        }
+
+
 def bag_information(
-    file: str, topics: Sequence[TopicEntry], start: int, end: int, custom: Mapping[str, str]
+    parts: Sequence[PartEntry], topics: Sequence[TopicEntry], custom: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Content of metadata.yaml of a bag of one file. Topics without a message are left out.
+    """Content of metadata.yaml. Topics without a message are left out.
 
     Args:
-        file: name of the MCAP file. start, end: first and last log time [ns]. custom: texts by name.
+        parts: files of the bag, in their order. custom: texts by name.
     """
     total = sum(topic.count for topic in topics)
-    starting = {"nanoseconds_since_epoch": start if total else 0}
-    duration = {"nanoseconds": end - start if total else 0}
+    filled = [part for part in parts if part.count]
+    whole = PartEntry("", total, min((part.first for part in filled), default=0), max(part.last for part in parts))
     entries = [
         {
             "topic_metadata": {
@@ -52,21 +78,14 @@ def bag_information(
         "rosbag2_bagfile_information": {
             "version": BAG_VERSION,
             "storage_identifier": "mcap",
-            "duration": duration,
-            "starting_time": starting,
+            "duration": whole.times["duration"],
+            "starting_time": whole.times["starting_time"],
             "message_count": total,
             "topics_with_message_count": entries,
             "compression_format": "",
             "compression_mode": "",
-            "relative_file_paths": [file],
-            "files": [
-                {
-                    "path": file,
-                    "starting_time": dict(starting),
-                    "duration": dict(duration),
-                    "message_count": total,
-                }
-            ],
+            "relative_file_paths": [part.file for part in parts],
+            "files": [{"path": part.file, **part.times, "message_count": part.count} for part in parts],
             "custom_data": dict(custom) or None,
             "ros_distro": "jazzy",
         }

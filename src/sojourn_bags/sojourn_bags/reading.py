@@ -18,9 +18,9 @@ from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from numpy.typing import NDArray
 
 from sojourn_bags.definitions import RUN_RECORD, deserialized, learn, typestore
-from sojourn_bags.errors import UnknownTopicInBagError, UnreadableBagError, UnreadableMessageError
+from sojourn_bags.errors import UnknownTopicInBagError, UnreadableMessageError
 from sojourn_bags.layout import MessageLayout, layout_of
-from sojourn_bags.salvage import Salvage
+from sojourn_bags.parts import BagSalvage, parts_of
 from sojourn_contract.run_table import row_named
 
 FloatArray = NDArray[np.float64]
@@ -298,7 +298,7 @@ class Bag:
     """A bag in memory.
 
     Attributes:
-        path: its MCAP file. whole: False if it was cut off. topics: messages by topic.
+        path: its MCAP file, the first of its `parts`. whole: False if it was cut off. topics: messages by topic.
         attachments: files inside, by name. records: metadata records, by name.
         unusable: messages that were written as they came, and are no messages of their topic; they are not in `topics`.
     """
@@ -309,6 +309,10 @@ class Bag:
     attachments: dict[str, bytes] = field(default_factory=dict)
     records: dict[str, dict[str, str]] = field(default_factory=dict)
     unusable: list[Unusable] = field(default_factory=list)
+    parts: tuple[Path, ...] = ()
+
+    def __post_init__(self) -> None:
+        self.parts = self.parts or (self.path,)
 
     def set_aside(self, messages: Messages, reasons: Mapping[int, str]) -> None:
         """Take messages out, by index, and keep why."""
@@ -341,28 +345,21 @@ def stamped_elsewhere(messages: Messages) -> dict[int, str]:
 
 
 def bag_file(path: Path) -> Path:
-    """The MCAP file of a bag: itself, the one in its folder, or the one in a run's folder `bag`.
+    """The first MCAP file of a bag: itself, one in its folder, or in a run's folder `bag`; its attachments are in it.
 
-    Raises UnreadableBagError if there is none or more than one.
+    Raises UnreadableBagError if there is none, or several that are not one bag.
     """
-    if path.is_file():
-        return path
-    for folder in (path, path / "bag"):
-        files = sorted(folder.glob("*.mcap"))
-        if len(files) == 1:
-            return files[0]
-        if files:
-            raise UnreadableBagError(path, f"there are {len(files)} MCAP files in {folder}: name one")
-    raise UnreadableBagError(path, "there is no such file or folder, or no MCAP file in it")
+    return parts_of(path)[0]
 
 
 def read_bag(path: Path | str) -> Bag:
     """Read a bag into memory, as far as it is whole. Raises UnreadableBagError for what is no ROS 2 bag."""
-    bag = Bag(bag_file(Path(path)))
+    parts = parts_of(Path(path))
+    bag = Bag(parts[0], parts=parts)
     schemas: dict[int, str] = {}
     channels: dict[int, Messages] = {}
     place = 0
-    salvage = Salvage(bag.path)
+    salvage = BagSalvage(parts)
     for record in salvage.records:
         if isinstance(record, Message):
             messages = channels[record.channel_id]

@@ -73,6 +73,7 @@ class RecordedRun:
         ]
         described = [*attachments(scenario), run_attachment(self.record())]
         writer = BagWriter(folder, [*channels, transform_channel()], described, offered)
+        writer.largest_part = round(scenario.config.bag_part_mb * 1e6)
         awaited = awaited_inputs(ROLE, self.participants, table)
         return Recording(
             writer, rows, awaited, self.participants, self.lockstep, refuse, self.onset, table.longest_leap

@@ -16,8 +16,7 @@ from sojourn_bags.bag_copy import BagCopy
 from sojourn_bags.completeness import HEARTBEATS, RECORD, Completeness, Count, PublishedCounts
 from sojourn_bags.errors import BagExistsError, NothingToRecoverError, UnwritableBagError
 from sojourn_bags.metadata_file import METADATA_FILE
-from sojourn_bags.reading import bag_file
-from sojourn_bags.salvage import Salvage
+from sojourn_bags.parts import BagSalvage, parts_of
 from sojourn_contract.codecs import decode
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import read_heartbeats
@@ -33,7 +32,8 @@ class Findings:
     """What a reading of a damaged bag gives.
 
     Attributes:
-        path: the MCAP file. whole: nothing is damaged. all_messages: the damage is behind the last message.
+        path: the MCAP file, the first of its `parts`. whole: nothing is damaged. all_messages: the damage is behind the
+            last message.
         damage, at: what is wrong, and from which byte of `size`.
         counts: whole messages, by topic. last: newest log time of each topic [ns].
         published: messages sent, by topic, as the last heartbeats say. heartbeat: stamp of the last one [ns], None
@@ -52,6 +52,7 @@ class Findings:
     published: dict[str, int] = field(default_factory=dict)
     heartbeat: int | None = None
     names: set[str] = field(default_factory=set)
+    parts: tuple[Path, ...] = ()
 
     @property
     def total(self) -> int:
@@ -76,9 +77,10 @@ def _is_logged(name: str) -> bool:
 
 def examine(path: Path) -> Findings:
     """Read a bag and find out what is there. Raises UnreadableBagError for what is no bag."""
-    found = Findings(bag_file(path))
-    found.size = found.path.stat().st_size
-    salvage = Salvage(found.path)
+    parts = parts_of(path)
+    found = Findings(parts[0], parts=parts)
+    found.size = sum(part.stat().st_size for part in parts)
+    salvage = BagSalvage(parts)
     topics: dict[int, str] = {}
     counts = PublishedCounts()
     for record in salvage.records:
@@ -145,7 +147,7 @@ def _hear(data: bytes, counts: PublishedCounts, found: Findings) -> None:
 
 def _write(found: Findings, file: Path) -> None:
     with BagCopy(file) as copy:
-        for record in Salvage(found.path).records:
+        for record in BagSalvage(found.parts).records:
             copy.take(record)
         copy.add_metadata(RECOVERY_RECORD, _recovery_record(found))
         if RECORD not in found.names and found.published:

@@ -201,19 +201,6 @@ class Salvage:
             self.damage, self.at = what, at
 
 
-def counts_in(path: Path) -> dict[str, int]:
-    """Whole messages in a file, by topic. Raises UnreadableBagError."""
-    topics: dict[int, str] = {}
-    counts: dict[str, int] = {}
-    for record in Salvage(path).records:
-        if isinstance(record, Channel):
-            topics[record.id] = record.topic
-        elif isinstance(record, Message):
-            name = topics[record.channel_id]
-            counts[name] = counts.get(name, 0) + 1
-    return counts
-
-
 def _end_without_zeros(stream: BinaryIO, size: int) -> int:
     """Place after the last byte that is not zero."""
     end, block = size, 1 << 20

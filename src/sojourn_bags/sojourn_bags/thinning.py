@@ -12,9 +12,9 @@ from mcap.records import Channel, Message
 from sojourn_bags.bag_copy import BagCopy
 from sojourn_bags.contract_version import table_of_bag
 from sojourn_bags.errors import BagExistsError
+from sojourn_bags.parts import BagSalvage
 from sojourn_bags.provenance import run_of
 from sojourn_bags.reading import Bag
-from sojourn_bags.salvage import Salvage
 from sojourn_contract.topic_table import CLOCK
 
 THINNED_RECORD = "sojourn_thinned"
@@ -51,7 +51,7 @@ def thinned(bag: Bag, folder: Path, roles: Sequence[str]) -> Path:
     file = folder / f"{folder.name}_0.mcap"
     left_out: set[int] = set()
     with BagCopy(file, _CHUNK) as copy:
-        for record in Salvage(bag.path).records:
+        for record in BagSalvage(bag.parts).records:
             if isinstance(record, Channel) and record.topic not in kept:
                 left_out.add(record.id)
             elif not (isinstance(record, Channel | Message) and _channel(record) in left_out):

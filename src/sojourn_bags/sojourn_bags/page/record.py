@@ -198,7 +198,8 @@ def completeness(story: Story) -> PageSection:
 def provenance(story: Story) -> PageSection:
     """Scenario, seed, versions, digests of the configuration."""
     bag, run = story.bag, story.run
-    rows = [["file", str(bag.path)], ["size", f"{bag.path.stat().st_size / 1e6:.1f} MB"]]
+    size = sum(part.stat().st_size for part in bag.parts) / 1e6
+    rows = [["file", ", ".join(map(str, bag.parts))], ["size", f"{size:.1f} MB"]]
     if run is not None:
         rows += [["scenario", run.name], ["description", run.scenario.description], ["seed", str(run.scenario.seed)],
                  ["overrides", ", ".join(run.overrides) or "none"]]  # fmt: skip

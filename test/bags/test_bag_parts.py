@@ -1,0 +1,139 @@
+"""Bags of several files: what they hold is what one file would, whoever reads them."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rosbags.rosbag2 import Reader
+
+from sojourn_bags import writer as writing
+from sojourn_bags.definitions import ChannelSpec, qos_entry
+from sojourn_bags.errors import BagExistsError, UnreadableBagError
+from sojourn_bags.metadata_file import METADATA_FILE
+from sojourn_bags.parts import BagSalvage, counts_in, parts_of
+from sojourn_bags.reading import Bag, bag_file, read_bag
+from sojourn_bags.recorded_run import RecordedRun
+from sojourn_bags.recovery import examine, recover
+from sojourn_bags.writer import Attachment, BagWriter
+from sojourn_contract import qos
+from sojourn_contract.codecs import encode
+from sojourn_contract.topics import topic
+from sojourn_contract.values import Clock, Header
+
+CLOCK, TICK = topic("/clock"), topic("/operator/tick")
+LATE = 60
+"""Message with which the second topic begins: in a later file than the first."""
+
+
+def written(folder: Path, largest: int, count: int = 120) -> Path:
+    """A bag of two topics whose files are to be no larger than so many bytes."""
+    rows = (CLOCK, TICK)
+    specs = [ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, True, row.publisher))) for row in rows]
+    writer = BagWriter(folder, specs, [Attachment("scenario.txt", "text/plain", b"where it was")])
+    writer.largest_part = largest
+    for number in range(1, count + 1):
+        writer.write(0, number, number, encode(CLOCK, Clock(number)))
+        if number >= LATE:
+            writer.write(1, number, number, encode(TICK, Header(number, "a tick that is not quite short " * 3)))
+        writer.flush()
+    writer.close({"account": {"complete": "true"}})
+    return folder
+
+
+def content(bag: Bag) -> dict[str, tuple[list[int], list[bytes], str]]:
+    return {name: (each.log_times, each.data, each.type) for name, each in bag.topics.items()}
+
+
+@pytest.fixture(autouse=True)
+def looks_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the size of its file, after each message."""
+    monkeypatch.setattr(writing, "LOOK_AFTER", 0)
+
+
+@pytest.fixture
+def split(tmp_path: Path) -> Path:
+    return written(tmp_path / "bag", 4000)
+
+
+def test_of_several_files_it_is_the_bag_of_one(tmp_path: Path, split: Path) -> None:
+    parts, one = read_bag(split), read_bag(written(tmp_path / "one", 1 << 30))
+    assert len(parts.parts) > 4 and len(one.parts) == 1
+    assert parts.whole and content(parts) == content(one)
+    assert parts.attachments == one.attachments and parts.records["account"] == one.records["account"]
+    assert parts[TICK.name].offered_qos == one[TICK.name].offered_qos
+    assert counts_in(split) == {CLOCK.name: 120, TICK.name: 120 - LATE + 1}
+    assert bag_file(split).name == "bag_0.mcap"
+    assert max(part.stat().st_size for part in parts.parts) < 4000 + 6000, "and what is told of it at its end"
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(500, 20_000), st.integers(1, 150))
+def test_any_size_of_a_file_gives_the_same(tmp_path_factory: pytest.TempPathFactory, largest: int, count: int) -> None:
+    folder = tmp_path_factory.mktemp("parts")
+    parts, one = written(folder / "many", largest, count), written(folder / "one", 1 << 30, count)
+    assert content(read_bag(parts)) == content(read_bag(one))
+
+
+def test_other_readers_of_ros_bags_take_it_for_one(split: Path) -> None:
+    """By rosbag2's metadata, which names the files with what each of them holds."""
+    with Reader(split) as reader:
+        heard = [(connection.topic, stamp, data) for connection, stamp, data in reader.messages()]
+        assert reader.message_count == len(heard)
+    own = read_bag(split)
+    for name in (CLOCK.name, TICK.name):
+        assert [(stamp, data) for heard_on, stamp, data in heard if heard_on == name] == list(
+            zip(own[name].log_times, own[name].data, strict=True)
+        )
+    told = yaml.safe_load((split / METADATA_FILE).read_text())["rosbag2_bagfile_information"]
+    assert told["relative_file_paths"] == [part.name for part in own.parts]
+    assert sum(file["message_count"] for file in told["files"]) == told["message_count"] == len(heard)
+    ends = [
+        file["starting_time"]["nanoseconds_since_epoch"] + file["duration"]["nanoseconds"] for file in told["files"]
+    ]
+    assert ends == sorted(ends) and ends[-1] == 120
+
+
+def test_a_recorder_that_dies_leaves_the_files_before_whole(tmp_path: Path, split: Path) -> None:
+    whole, last = read_bag(split), parts_of(split)[-2]
+    parts_of(split)[-1].unlink()
+    last.write_bytes(last.read_bytes()[: last.stat().st_size // 3])
+    cut = read_bag(split)
+    times, before = cut[CLOCK.name].log_times, whole[CLOCK.name].log_times
+    assert not cut.whole and 60 < len(times) < 120 and times == before[: len(times)]
+    found = examine(split)
+    assert found.damage.startswith(f"{last.name}: ") and not found.all_messages and not found.whole
+    assert 0 < found.size - found.at < last.stat().st_size
+    mended = read_bag(recover(found, tmp_path / "mended"))
+    assert mended.whole and content(mended) == content(cut) and mended.attachments == cut.attachments
+
+
+def test_a_file_that_was_just_begun_is_damage_at_the_end(split: Path) -> None:
+    whole = read_bag(split)
+    (split / f"bag_{len(whole.parts)}.mcap").write_bytes(b"")
+    cut = read_bag(split)
+    assert not cut.whole and content(cut) == content(whole)
+    salvage = BagSalvage(parts_of(split))
+    assert list(salvage.records) and "no MCAP file" in salvage.damage
+
+
+def test_what_is_not_one_bag_is_refused_in_words(split: Path) -> None:
+    parts_of(split)[2].unlink()
+    with pytest.raises(UnreadableBagError, match="its part 2 of at least"):
+        read_bag(split)
+    (split / "another.mcap").write_bytes(b"")
+    with pytest.raises(UnreadableBagError, match="name one"):
+        read_bag(split)
+    alone = read_bag(split / "bag_1.mcap")
+    assert len(alone.parts) == 1 and len(alone[CLOCK.name])
+
+
+def test_a_bag_of_several_files_is_never_written_over(split: Path) -> None:
+    with pytest.raises(BagExistsError):
+        BagWriter(split, [])
+
+
+def test_a_scenario_says_how_large_a_file_may_be(tmp_path: Path) -> None:
+    run = RecordedRun("flat_drive", ("bag_part_mb=2.5",), ("plant", "recorder"), True)
+    assert run.open(tmp_path / "bag", lambda name, error: None).writer.largest_part == 2_500_000
