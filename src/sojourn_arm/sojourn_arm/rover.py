@@ -11,6 +11,7 @@ from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.values import JointState, Odometry
 from sojourn_flight.arm.goals import PoseGoal
 from sojourn_flight.arm.interlock import InterlockParams
+from sojourn_machine.rotations import quaternion_of
 
 BASE_FRAME = "base_link"
 GROUND_FRAMES = ("map", "odom")
@@ -93,7 +94,9 @@ def in_base(goal: PoseGoal, base_in_frame: pin.SE3) -> PoseGoal:
     direction = None if goal.direction is None else base_in_frame.rotation.T @ np.array(goal.direction)
     if goal.orientation is None:
         return PoseGoal(tuple(position), None if direction is None else tuple(direction))
-    turned = pin.Quaternion(base_in_frame.rotation).inverse() * pin.Quaternion(np.array(goal.orientation))
+    turned = pin.Quaternion(quaternion_of(base_in_frame.rotation)).inverse() * pin.Quaternion(
+        np.array(goal.orientation)
+    )
     return PoseGoal(tuple(position), orientation=tuple(turned.coeffs()))
 
 

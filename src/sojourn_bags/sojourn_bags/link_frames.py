@@ -8,11 +8,10 @@ link, with z ahead, x right and y down (REP 103).
 import math
 from collections.abc import Iterable, Mapping
 
-import pinocchio as pin
-
 from sojourn_bags.transforms import Transform, TransformTemplate
 from sojourn_config.urdf import MOVING, UrdfJoint, UrdfSummary
 from sojourn_machine.params import FloatArray
+from sojourn_machine.rotations import quaternion_of
 
 OPTICAL = Transform((0.0, 0.0, 0.0), (-0.5, 0.5, -0.5, 0.5))
 """Of the frame of an image in the link of its camera."""
@@ -47,7 +46,7 @@ class LinkFrames:
 def origin_of(joint: UrdfJoint) -> Transform:
     """Of the child in the parent with the joint at zero."""
     matrix = joint.transform_parent_to_joint
-    return Transform(_vector(matrix[:3, 3]), tuple(pin.Quaternion(matrix[:3, :3]).coeffs().tolist()))
+    return Transform(_vector(matrix[:3, 3]), tuple(quaternion_of(matrix[:3, :3]).tolist()))
 
 
 def moved(joint: UrdfJoint, origin: Transform, position: float) -> Transform:

@@ -73,7 +73,8 @@ class RecordedRun:
         ]
         described = [*attachments(scenario), run_attachment(self.record())]
         writer = BagWriter(folder, [*channels, transform_channel()], described, offered)
-        writer.largest_part = round(scenario.config.bag_part_mb * 1e6)
+        if scenario.config.bag_part_mb is not None:
+            writer.largest_part = round(scenario.config.bag_part_mb * 1e6)
         awaited = awaited_inputs(ROLE, self.participants, table)
         return Recording(
             writer, rows, awaited, self.participants, self.lockstep, refuse, self.onset, table.longest_leap

@@ -31,7 +31,7 @@ FLUSH_S = 0.8
 FLUSH_REALTIME_S = 0.3
 """In real time, where a successor goes on at once: a recorder that dies loses this, what it holds for the order of the
 file, and the time until the other one listens, which together is to stay under a second."""
-LARGEST_PART = 1 << 30
+LARGEST_PART = 1_000_000_000
 """Bytes of a file after which the bag goes on in the next one, unless it is told otherwise."""
 LOOK_AFTER = 1 << 20
 """Bytes of messages between two looks at the size of the file."""

@@ -106,8 +106,11 @@ class ScenarioConfig(Params):
     battery_soc: float = Field(default=1.0, ge=0.0, le=1.0, description="state of charge at the start [1]")
     duration_limit_s: float = Field(gt=0.0, le=LONGEST, description="simulated time at which a run ends [s]")
     simulation: SimulationParams = Field(default_factory=SimulationParams, description="steps of the plant")
-    bag_part_mb: float = Field(
-        default=1000.0, ge=1.0, le=1e6, description="size of a file after which the bag goes on in the next one [MB]"
+    bag_part_mb: float | None = Field(
+        default=None,
+        ge=1.0,
+        le=1e6,
+        description="size of a file after which the bag goes on in the next one; none: 1000 [MB]",
     )
     leaps: LeapParams | None = Field(
         default=None,

@@ -17,6 +17,7 @@ from sojourn_flight.supervision.avoidance_types import AvoidanceState
 from sojourn_flight.supervision.drive_types import DriveOutput, DriveState
 from sojourn_flight.supervision.way_ahead import way_ahead
 from sojourn_machine.params import FloatArray
+from sojourn_machine.rotations import quaternion_of
 
 FRAME = "odom"
 
@@ -40,7 +41,7 @@ def odometry_report(stamp: int, output: DriveOutput, tilt_rates: tuple[float, fl
 def orientation(estimate: OdometryState) -> FloatArray:
     """Quaternion x y z w of base_link in odom."""
     rotation = pin.rpy.rpyToMatrix(estimate.roll, estimate.pitch, estimate.yaw)
-    return np.array(pin.Quaternion(rotation).coeffs())
+    return quaternion_of(rotation)
 
 
 def drive_report(stamp: int, goals: Mapping[str, Any], fields: Mapping[str, str | float]) -> DiagnosticArray:

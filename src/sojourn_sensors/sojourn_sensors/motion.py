@@ -7,11 +7,11 @@ from math import atan2, sqrt
 from typing import TypeAlias
 
 import numpy as np
-import pinocchio as pin
 
 from sojourn_contract.values import Odometry
 from sojourn_machine.mounting import IMU_LINK, mounting
 from sojourn_machine.params import FloatArray
+from sojourn_machine.rotations import quaternion_of
 from sojourn_physics.environment.gravity.field import GravityField
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -58,8 +58,7 @@ class ImuMotion:
     def orientation_imu_in_map(self, orientation_base_in_map: FloatArray) -> FloatArray:
         """Quaternion x y z w of the IMU from that of the base."""
         rotation = rotation_matrix(orientation_base_in_map) @ self._rotation_imu_to_base
-        coefficients: FloatArray = np.array(pin.Quaternion(rotation).coeffs())
-        return coefficients
+        return quaternion_of(rotation)
 
     def felt(self, before: MotionBefore | None, odometry: Odometry, dt: float) -> tuple[MotionBefore, InertialMotion]:
         """Motion at the end of a period of `dt` [s], from the base's true odometry; `before` None in the first."""

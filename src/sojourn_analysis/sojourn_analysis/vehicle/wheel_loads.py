@@ -33,6 +33,7 @@ from scipy.optimize import least_squares
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.machine import MachineParams
 from sojourn_machine.params import FloatArray
+from sojourn_machine.rotations import quaternion_of
 
 Ground: TypeAlias = Callable[[float, float], float]
 """Height of the ground [m] at x, y [m]."""
@@ -104,7 +105,7 @@ class StandingMachine:
         """
         start = self.posture(angles)
         start[:2] = x, y
-        start[3:7] = pin.Quaternion(pin.rpy.rpyToMatrix(0.0, 0.0, yaw)).coeffs()
+        start[3:7] = quaternion_of(pin.rpy.rpyToMatrix(0.0, 0.0, yaw))
         lowest = min(self._places(start)[:, 2] - self.radii)
         start[2] = ground(x, y) - lowest
         # turn about the heading and slide along the ground stay as asked: heave, roll, pitch, passive joints are free

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from sojourn_machine.rotations import quaternion_of
 from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantState
 from sojourn_physics.plant.step import in_posture, unmoved
@@ -35,7 +36,7 @@ def afloat_state(model: PlantModel, start: AfloatStart, soc: float, angles: dict
     configuration, command = in_posture(model, angles)
     rotation = pin.utils.rotate("z", start.yaw)
     configuration[:3] = start.place
-    configuration[3:7] = pin.Quaternion(rotation).coeffs()
+    configuration[3:7] = quaternion_of(rotation)
     state = unmoved(model, configuration, command, soc)
     state.velocity[:3] = rotation.T @ np.array(start.velocity)
     state.velocity[3:6] = start.rates

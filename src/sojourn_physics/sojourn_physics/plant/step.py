@@ -21,6 +21,7 @@ from sojourn_machine.contact_report import FORCE
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
+from sojourn_machine.rotations import quaternion_of
 from sojourn_physics.actuators.joint_drive import (
     ELECTRICAL,
     FRICTION_HEAT,
@@ -289,7 +290,7 @@ def _moved(model: PlantModel, state: PlantState, offset: FloatArray) -> FloatArr
     tilt = pin.exp3(np.array([slope_y, -slope_x, 0.0]))
     rotation = tilt @ turn @ pin.Quaternion(configuration[3:7]).toRotationMatrix()
     configuration[:3] += (offset[0], offset[1], rise)
-    configuration[3:7] = pin.Quaternion(rotation).coeffs()
+    configuration[3:7] = quaternion_of(rotation)
     return configuration
 
 
@@ -320,7 +321,7 @@ def _put_down(model: PlantModel, posture: FloatArray, command: PlantCommand, aim
     rotation = np.column_stack([forward, np.cross(normal, forward), normal])
     configuration = posture.copy()
     configuration[:3] = np.array([x, y, height]) + _standing_height(model, configuration) * normal
-    configuration[3:7] = pin.Quaternion(rotation).coeffs()
+    configuration[3:7] = quaternion_of(rotation)
     return unmoved(model, configuration, command, soc)
 
 

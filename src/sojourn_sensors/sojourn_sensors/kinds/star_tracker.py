@@ -13,6 +13,7 @@ from sojourn_contract.topic_types import FieldRule, Topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import NOT_MEASURED
 from sojourn_machine.params import FloatArray
+from sojourn_machine.rotations import quaternion_of
 from sojourn_machine.sensor_choice import SensorParams
 from sojourn_physics.sensors import star_tracker
 from sojourn_physics.sensors.star_tracker import THIN_AIR, StarTrackerParams, StarTrackerState, StarTrackerView
@@ -75,7 +76,7 @@ class StarTracker(Sensor[StarTrackerKindParams, StarTrackerState, FloatArray | N
         odometry = truth.odometry
         x, y, _ = odometry.position.tolist()
         rotation = rotation_matrix(odometry.orientation) @ self._link_to_base
-        orientation = np.array(pin.Quaternion(rotation).normalized().coeffs())
+        orientation = np.array(pin.Quaternion(quaternion_of(rotation)).normalized().coeffs())
         light = self._sun.light(stamps.seconds(truth.stamp), x, y)
         horizon = -math.inf
         if not self._in_orbit:
