@@ -260,22 +260,24 @@ def chain(bench: Bench, *nodes: Any) -> PlantNode:
     return plant
 
 
-def test_who_is_silent_from_the_first_period_on_is_named(bench: Bench) -> None:
-    """The drive's command is missing, but the drive has had nothing to act on: the sensors are to blame."""
+def chain_with_drive(bench: Bench) -> PlantNode:
+    """A plant with a real drive; the peer speaks for the sensors, which are ready."""
     plant = chain(bench, DriveNode)
     bench.speak(*MEASURED)
     bench.listen("/drive_command", "/odom")
     bench.met()
     bench.say_ready("sensors")
+    return plant
+
+
+def test_who_is_silent_from_the_first_period_on_is_named(bench: Bench) -> None:
+    """The drive's command is missing, but the drive has had nothing to act on: the sensors are to blame."""
+    plant = chain_with_drive(bench)
     assert "node 'sensors' did not answer: /drive_command stamped 0.02 s" in silent(bench, plant)
 
 
 def test_who_falls_silent_later_is_named(bench: Bench) -> None:
-    plant = chain(bench, DriveNode)
-    bench.speak(*MEASURED)
-    bench.listen("/drive_command", "/odom")
-    bench.met()
-    bench.say_ready("sensors")
+    plant = chain_with_drive(bench)
     for period in range(1, 11):
         bench.answer("/truth/joint_states", period)
         bench.send("/joint_states", joints(period))
@@ -285,11 +287,7 @@ def test_who_falls_silent_later_is_named(bench: Bench) -> None:
 
 def test_held_up_itself_it_takes_nobody_for_silent(bench: Bench) -> None:
     """Stopped for longer than its patience and set going again, it has the answers in its queues."""
-    plant = chain(bench, DriveNode)
-    bench.speak(*MEASURED)
-    bench.listen("/drive_command", "/odom")
-    bench.met()
-    bench.say_ready("sensors")
+    plant = chain_with_drive(bench)
     bench.answer("/truth/joint_states", 1)
     plant.timeout_s = 50.0
     plant._silence_of_others = Silence(time.monotonic() - 100.0)

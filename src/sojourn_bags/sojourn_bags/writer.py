@@ -78,8 +78,6 @@ class BagWriter:
         self._ask_offered = offered
         self._ids = [0] * len(self._channels)
         self.counts = [0] * len(self._channels)
-        self._registered = [False] * len(self._channels)
-        """In the file that is being written."""
         self._parts: list[PartEntry] = []
         """Files, the one that is being written last."""
         self._unseen = 0
@@ -186,6 +184,7 @@ class BagWriter:
             raise UnwritableBagError(self.folder, str(error)) from error
         self._schemas: dict[str, int] = {}
         self._registered = [False] * len(self._channels)
+        """In the file that is being written."""
 
     def _open(self, path: Path) -> BufferedWriter:
         self.folder.mkdir(parents=True, exist_ok=True)
