@@ -4,14 +4,17 @@ The pair is the navigation cameras' on the explorer's mast, 640 x 480 pixels; th
 beams all round. Both see level ground or the relief of the demonstration from where its run begins. For the loop two
 stacks with all roles and a recorder each, one with the pair and one without, go in turns in one process, a second of
 simulated time each, so that what the computer does besides falls on both alike: standing on level ground, and on the
-demonstration's drive, without and with the odometry that the drive makes of the images. Of a reading the processor's
-time counts, of the loop that of the wall, as the images of a pair are made at once where there is a second core.
+demonstration's drive, without and with the odometry that the drive makes of the images. Of a reading the time of one
+core counts, on which all threads run: two cores that are the two halves of one take each other's time. Of the loop that
+of the wall counts, as the images of a pair are made at once where there is a second core.
 """
 
+import os
 import statistics
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -97,7 +100,7 @@ def bench_cameras(readings: int, turns: int) -> dict[str, float]:
 
 
 def reading_ms(scenario: LoadedScenario, name: str, count: int) -> float:
-    """Milliseconds of the processor that one reading of a sensor takes at the start of a scenario: the median."""
+    """Milliseconds of one core that one reading of a sensor takes at the start of a scenario: the median."""
     sensor = scenario.sensors.sensors[name].sensor(name, SensorSite(scenario, table_of(scenario)))
     model, state = build_plant(scenario)
     still, joints = np.zeros(3), model.joints.names
@@ -107,12 +110,30 @@ def reading_ms(scenario: LoadedScenario, name: str, count: int) -> float:
     rest = np.zeros(len(joints))
     truth = Truth(CONTROL_PERIOD_NS, pose, JointState(CONTROL_PERIOD_NS, tuple(joints), rest, rest, rest), {})
     memory, taken = sensor.initial_state(truth), []
-    for number in range(WARM_READINGS + count):
-        begin = time.process_time()  # of all threads
+    for _ in range(WARM_READINGS):
         sensor.step(memory, truth, CONTROL_PERIOD_S)
-        if number >= WARM_READINGS:
+    with _on_one_core():
+        for _ in range(count):
+            begin = time.process_time()  # of all threads
+            sensor.step(memory, truth, CONTROL_PERIOD_S)
             taken.append(time.process_time() - begin)
     return 1e3 * statistics.median(taken)
+
+
+@contextmanager
+def _on_one_core() -> Iterator[None]:
+    """Keep all threads of this process on one core."""
+    cores = os.sched_getaffinity(0)
+    try:
+        _stay_on({min(cores)})
+        yield
+    finally:
+        _stay_on(cores)
+
+
+def _stay_on(cores: set[int]) -> None:
+    for thread in os.listdir("/proc/self/task"):
+        os.sched_setaffinity(int(thread), cores)
 
 
 def compare(machines: Sequence[Path], scenario: str, overrides: Sequence[str], turns: int) -> list[float]:
