@@ -76,6 +76,30 @@ def test_over_rough_ground_beams_end_where_a_march_in_small_steps_ends(
     assert near.size > 300 and near.mean() > 0.95  # from high up few beams end on it
 
 
+@settings(max_examples=40, deadline=None)
+@given(
+    st.floats(0.03, 0.47), st.floats(0.3, 8.0), st.sampled_from([(1, 0.0), (181, 120.0), (90, 60.0), (900, 120.0)]),
+    st.sampled_from([1, 7]),
+)  # fmt: skip
+def test_a_wall_of_one_cell_is_met_on_its_face(
+    height: float, before: float, columns: tuple[int, float], rows: int
+) -> None:
+    """A beam that ended just beside it, on level ground, would find nothing that returns it."""
+    nodes = 0.05 * np.arange(-200, 201)
+    field = ground(np.tile(np.where(nodes > 0.01, 0.5, 0.0), (401, 1)))
+    count, view = columns
+    beams = beams_of(lidar(columns=count, rows=rows, horizontal_view_deg=view, vertical_view_deg=3.0 * (rows - 1)))
+    place, face = np.array([-before, 0.0, height]), np.array([-10.0, 0.0, 1.0]) / math.sqrt(101.0)
+    distance, returned = sound(field, beams, place)
+    facing = -beams.directions @ face
+    expected = (face @ place) / np.where(facing > 0.0, facing, np.nan)
+    met = place + expected[:, np.newaxis] * beams.directions
+    on_face = (met[:, 2] > 0.02) & (met[:, 2] < 0.48) & (np.abs(met[:, 1]) < 9.0)
+    assert on_face.any() or rows > 1
+    assert distance[on_face] == pytest.approx(expected[on_face], abs=1e-3)
+    assert returned[on_face] == pytest.approx(MOON.albedo * facing[on_face], rel=1e-6)
+
+
 def test_a_box_in_the_way_ends_a_beam_and_returns_its_own_light() -> None:
     box = Shapes(
         np.array([[BOX, 0.2, 0.5, 0.5, 0.75, 0.6]]), np.eye(3)[np.newaxis], np.array([[3.0, 0.0, 1.0]]),

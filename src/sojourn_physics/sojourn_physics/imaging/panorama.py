@@ -10,8 +10,9 @@ Blelloch 1990, Prefix Sums and Their Applications, CMU-CS-90-190). A `Panorama` 
 azimuth, made when a ray first asks for one, by strides of half a node, or of a whole one where half a node is less than
 a bin of azimuth: for each bin of the ray's rise per metre of its own length the way s at which it is reached. A ray
 finds its bracket in the two walks beside it. Where that is short, and off the map, where the ground is smooth, the
-ground in it is a straight line; elsewhere its own crossing is found by steps of half a node and regula falsi
-(Illinois). A shape narrower than a bin of azimuth, about a pixel, may be missed.
+ground in it is a straight line; elsewhere, and where that line is steep and not on the ground, its own crossing is
+found by steps of half a node and regula falsi (Illinois): beside a wall of one cell lies level ground, which returns
+nothing. A shape narrower than a bin of azimuth, about a pixel, may be missed.
 
 Azimuth is counted in quarters by p = y/(|x| + |y|), which needs no arc tangent. The ground of a round body falls away
 by s²/2R under the level. Nothing is seen from below the ground.
@@ -35,9 +36,11 @@ SMOOTH, SMOOTH_PART = 0.5, 0.01
 """Where walks beside a ray meet the ground within so much of a node, and of the way, it is smooth between them [-]."""
 SMOOTH_OFF = 0.05
 """The same off the map, of the way [-]."""
-ACROSS, AZIMUTH, HEIGHT, BEGIN, END, NEAR_LEFT, NEAR_RIGHT, FAR_LEFT, FAR_RIGHT, LOW, HIGH = range(11)
-"""Rows of the room to work in: see `_bearings` and `_look_up`."""
-ROOM = 11
+STEEP, ON_GROUND = 0.4, 1e-3
+"""Where ground rises or falls so much along a ray [-], a straight line so far from it is not taken for it [m]."""
+ACROSS, AZIMUTH, HEIGHT, BEGIN, END, NEAR_LEFT, NEAR_RIGHT, FAR_LEFT, FAR_RIGHT, LOW, HIGH, STEEP_AT = range(12)
+"""Rows of the room to work in: see `_bearings`, `_look_up` and `_brackets`."""
+ROOM = 12
 PLUMB = 1e-7
 """Way over ground of a ray that is plumb, for each metre [-]."""
 UNKNOWN = -1.0
@@ -237,7 +240,9 @@ def meet_ground(
             distance[i] = -height_over(ground, eye, eye.place[0], eye.place[1], 0.0) if rays[2, i] < 0.0 else math.inf
         elif distance[i] < 0.0:
             ray = (rays[0, i] / across, rays[1, i] / across, rays[2, i] / across)
-            way = _crossing(ground, eye, ray, room[BEGIN, i], min(room[END, i], eye.reach))
+            way = room[STEEP_AT, i]
+            if way < 0.0 or abs(_over(ground, eye, ray, way)) > ON_GROUND:
+                way = _crossing(ground, eye, ray, room[BEGIN, i], min(room[END, i], eye.reach))
             distance[i] = way / across
 
 
@@ -270,7 +275,7 @@ def _brackets(
     ground: DrawnGround, eye: Eye, around: Panorama, rays: FloatArray, distance: np.ndarray, room: FloatArray
 ) -> None:
     """Write the distance of rays where the walks beside them tell it, UNKNOWN where they say no more than between which
-    two ways it is.
+    two ways it is, and where ground that is steep was met, if their line fits it.
     """
     last, place, bounds, smooth = around.way.shape[0] - 1.0, eye.place, ground.bounds, SMOOTH * ground.place[3]
     for i in range(distance.shape[0]):
@@ -282,14 +287,16 @@ def _brackets(
         short = smooth + SMOOTH_PART * begin if on else SMOOTH_OFF * begin
         part = room[AZIMUTH, i] - min(math.floor(room[AZIMUTH, i]), last - 1.0)
         low, high = a + part * (b - a), c + part * (d - c)
-        met = _on_line((room[LOW, i], room[HIGH, i]), (low, high), rays[2, i] / across) / across
-        met = met if end - begin < short else UNKNOWN
+        met, slope = _on_line((room[LOW, i], room[HIGH, i]), (low, high), rays[2, i] / across)
+        straight, steep = end - begin < short, abs(slope) >= STEEP
+        room[STEEP_AT, i] = met if straight & steep else UNKNOWN
+        met = UNKNOWN if steep | (not straight) else met / across
         distance[i] = math.inf if begin == math.inf else met
 
 
 @vector_kernel
-def _on_line(rises: tuple[float, float], ways: tuple[float, float], rise: float) -> float:
-    """Where a ray meets the straight ground between the places that two others meet [m].
+def _on_line(rises: tuple[float, float], ways: tuple[float, float], rise: float) -> tuple[float, float]:
+    """Where a ray meets the straight ground between the places that two others meet [m], and its slope [-].
 
     Args:
         rises: of the two for each metre over ground [-]. ways: over ground to their places [m]. rise: of the ray [-].
@@ -297,7 +304,14 @@ def _on_line(rises: tuple[float, float], ways: tuple[float, float], rise: float)
     low, high = ways
     slope = (rises[1] * high - rises[0] * low) / (high - low)
     met = min(max(low + (rise - rises[0]) * low / (slope - rise), 0.0), high)  # a plumb ray is before the first bin
-    return low if (high <= low) | (slope - rise < 1e-9) else met  # or along the ground
+    return low if (high <= low) | (slope - rise < 1e-9) else met, slope  # or along the ground
+
+
+@small_kernel
+def _over(ground: DrawnGround, eye: Eye, ray: tuple[float, float, float], way: float) -> float:
+    """How far a ray, see `_crossing`, is over the ground after a way over it [m]."""
+    x, y = eye.place[0] + way * ray[0], eye.place[1] + way * ray[1]
+    return float(ray[2] * way - height_over(ground, eye, x, y, way))
 
 
 @small_kernel
@@ -311,16 +325,16 @@ def _crossing(ground: DrawnGround, eye: Eye, ray: tuple[float, float, float], be
     x0, y0 = eye.place[0], eye.place[1]
     stride = stride_at(ground, x0 + begin * ahead_x, y0 + begin * ahead_y, begin)
     near = max(begin - MARGIN * stride, 0.0)
-    over = rise * near - height_over(ground, eye, x0 + near * ahead_x, y0 + near * ahead_y, near)
+    over = _over(ground, eye, ray, near)
     while over <= 0.0 and near > 0.0:  # between two walks the ground may stand higher than on both
         near = max(near - stride, 0.0)
-        over = rise * near - height_over(ground, eye, x0 + near * ahead_x, y0 + near * ahead_y, near)
+        over = _over(ground, eye, ray, near)
     if over <= 0.0:
         return 0.0
     far, limit = min(end + MARGIN * stride, near + stride), end + 4.0 * stride
     top = ground.place[4] - eye.place[2]
     while True:
-        beyond = rise * far - height_over(ground, eye, x0 + far * ahead_x, y0 + far * ahead_y, far)
+        beyond = _over(ground, eye, ray, far)
         if beyond <= 0.0:
             return float(_between(ground, eye, ray, (near, far), (over, beyond)))
         if far > limit or (rise * far > top and rise >= 0.0):
@@ -342,8 +356,7 @@ def _between(
     over, beyond = overs
     middle = near + (far - near) * over / (over - beyond)
     for _ in range(ILLINOIS):
-        x, y = eye.place[0] + middle * ray[0], eye.place[1] + middle * ray[1]
-        here = ray[2] * middle - height_over(ground, eye, x, y, middle)
+        here = _over(ground, eye, ray, middle)
         if abs(here) < CLOSE:
             break
         if here > 0.0:
