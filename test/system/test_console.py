@@ -4,6 +4,7 @@ import io
 import re
 import shutil
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -18,11 +19,36 @@ from sojourn_bags.comparison import compare
 from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.reading import read_bag
+from sojourn_console.feed import FeedMessage
+from sojourn_console.gate import GuardedServer
+from sojourn_console.page import SLOW
+from sojourn_console.page import Page as ConsolePage
+from sojourn_console.world import world_of_bag
+from sojourn_contract.codecs import encode
+from sojourn_contract.heartbeat import status_message
+from sojourn_operator.alarms.events import Event
+from sojourn_operator.alarms.params import Severity
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "console"))
+
+from deaf_feed import DeafFeed
 
 REFERENCE = Path(__file__).parents[1] / "replay" / "short_goals"
 CHROMIUM = next(
     (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), ""
 )
+MOVING_IS_CRITICAL = "alarms:\n  under_way: {field: /drive/status.state, critical: {equals: moving}}\n"
+SCROLLED_DOWN = """() => [...document.querySelectorAll("*")].filter(one => {
+    if (/auto|scroll/.test(getComputedStyle(one).overflowY)) one.scrollTop = one.scrollHeight;
+    return one.scrollTop > 0;
+}).length"""
+"""Scrolls whatever scrolls to its end: how many do."""
+ON_TOP = """one => {
+    const {left, top, width, height} = one.getBoundingClientRect();
+    const there = document.elementFromPoint(left + width / 2, top + height / 2);
+    return there !== null && one.contains(there);
+}"""
+"""Whether an element is what lies at its own middle; outside the window nothing does."""
 LONGEST_MS = 300_000.0
 """For what a busy machine has to draw without a graphics card."""
 WITHOUT_GRAPHICS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
@@ -39,6 +65,23 @@ def browser_page() -> Iterator[Page]:
         expect.set_options(timeout=LONGEST_MS)
         yield page
         browser.close()
+
+
+@pytest.fixture
+def long_page(tmp_path: Path) -> Iterator[ConsolePage]:
+    """A page with a long log, and a critical alarm that nobody has acknowledged."""
+    world = world_of_bag(read_bag(REFERENCE))
+    limits = tmp_path / "limits.yaml"
+    limits.write_text(MOVING_IS_CRITICAL)
+    page = ConsolePage(GuardedServer("long", 8990), world, DeafFeed(), limits)
+    row = world.table.topic("/drive/status")
+    moving = encode(row, status_message(1, "drive", {"state": "moving", "goal_stamp": "1"}))
+    page.bench.alarms.hear([FeedMessage(row, moving, 1)])
+    page.bench.alarms.log += [Event(at, "drive", "goal", Severity.NONE, "a goal of many words") for at in range(60)]
+    for _ in range(SLOW):
+        page.look()
+    yield page
+    page.close()
 
 
 def told(program: Program, words: str) -> str:
@@ -130,6 +173,37 @@ def test_a_bag_is_played_in_the_browser(start: Callable[..., Program], browser_p
 
 
 @in_a_browser
+@pytest.mark.parametrize(("width", "height"), [(1024, 700), (390, 800)])
+def test_what_stops_it_is_in_sight_wherever_the_page_is_scrolled(
+    long_page: ConsolePage, browser_page: Page, width: int, height: int
+) -> None:
+    page, feed = browser_page, long_page.bench.feed
+    assert isinstance(feed, DeafFeed)
+    page.set_viewport_size({"width": width, "height": height})
+    page.goto(long_page.bench.server.address)
+    expect(page.get_by_text("CRITICAL").first).to_be_visible()
+    open_tab(page, "Alarms")
+    wait_for(lambda: page.evaluate(SCROLLED_DOWN) > 0, "nothing scrolls")
+    names = ("STOP", "Pause", "Resume", "Cancel")
+    buttons = {name: page.get_by_role("button", name=name, exact=True) for name in names}
+    for name, one in (buttons | {"band": page.get_by_text("CRITICAL").first}).items():
+        assert one.evaluate(ON_TOP), name
+    box = buttons["STOP"].bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    wait_for(lambda: "/cmd_vel" in [name for name, _ in feed.said], "STOP was not pressed")
+
+
+@in_a_browser
+def test_a_telephone_has_the_panel_over_its_whole_width(long_page: ConsolePage, browser_page: Page) -> None:
+    page = browser_page
+    page.set_viewport_size({"width": 390, "height": 800})
+    page.goto(long_page.bench.server.address)
+    box = page.get_by_role("button", name="STOP", exact=True).bounding_box()
+    assert box is not None and box["width"] > 0.9 * 390
+
+
+@in_a_browser
 def test_a_goal_is_clicked_foreseen_sent_and_reached(
     tmp_path: Path, start: Callable[..., Program], domain: int, browser_page: Page
 ) -> None:
@@ -166,7 +240,7 @@ def test_a_sequence_runs_and_an_alarm_is_acknowledged(
 ) -> None:
     page = browser_page
     limits = tmp_path / "limits.yaml"
-    limits.write_text("alarms:\n  under_way: {field: /drive/status.state, critical: {equals: moving}}\n")
+    limits.write_text(MOVING_IS_CRITICAL)
     waiting = ("--set", "steps=[]", "--set", "duration_limit_s=3600", "--realtime", "--composed")
     run = start("start", SHORT_RUN, *PATIENT, *waiting, "--domain", domain, "--run-dir", tmp_path / "run")
     console = start("console", SHORT_RUN, "--domain", domain, "--limits", limits, "--who", "Ada")

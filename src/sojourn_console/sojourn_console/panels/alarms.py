@@ -11,6 +11,7 @@ from sojourn_console.alarm_sound import sound_html
 from sojourn_console.feed import FeedMessage
 from sojourn_console.model import RunScene
 from sojourn_console.panels.panel import QuietPanel, Workbench, put, table_html
+from sojourn_console.panels.sight import BAND_MARK, ONE_LINE
 from sojourn_contract.stamps import seconds
 from sojourn_operator.alarms.engine import Alarm, shown_value
 from sojourn_operator.alarms.params import Severity
@@ -86,11 +87,11 @@ def band_html(open_alarms: list[Alarm]) -> str:
     worst = max(alarm.worst for alarm in open_alarms)
     more = f" and {len(open_alarms) - 1} more" if len(open_alarms) > 1 else ""
     first = next(alarm for alarm in open_alarms if alarm.worst == worst)
-    style = f"background:{SEVERITY_COLORS[worst]};color:#fff;border-radius:6px;padding:3px 10px;margin:2px 14px"
+    style = f"background:{SEVERITY_COLORS[worst]};color:#fff;border-radius:6px;padding:0 10px;margin:0 14px;{ONE_LINE}"
     blinks = "animation:alarm 1s steps(2) infinite" if worst is Severity.CRITICAL else ""
     return (
         "<style>@keyframes alarm{50%{filter:brightness(.55)}}</style>"
-        f'<div style="{style};font-size:.84em;{blinks}"><b>{worst.word.upper()}</b> '
+        f'<div class="{BAND_MARK}" style="{style};font-size:.84em;{blinks}"><b>{worst.word.upper()}</b> '
         f"{html.escape(first.key + more)}</div>"
     )
 

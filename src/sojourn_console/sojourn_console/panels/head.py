@@ -10,6 +10,7 @@ from sojourn_console.bag_feed import BagFeed
 from sojourn_console.model import RunScene
 from sojourn_console.panels.alarms import band_html
 from sojourn_console.panels.panel import QuietPanel, Workbench, put
+from sojourn_console.panels.sight import BUTTONS_HTML, PAGE_HTML
 from sojourn_console.uplink import Uplink
 from sojourn_contract.heartbeat import RUNNING
 
@@ -27,6 +28,7 @@ class HeadPanel(QuietPanel):
     def __init__(self, bench: Workbench) -> None:
         self._bench = bench
         gui = bench.server.gui
+        gui.add_html(PAGE_HTML)
         self._band = gui.add_html("")
         self._words = gui.add_html("")
         self._told = ("", "")
@@ -54,6 +56,7 @@ class HeadPanel(QuietPanel):
 
     def _add_buttons(self) -> None:
         bench, gui = self._bench, self._bench.server.gui
+        gui.add_html(BUTTONS_HTML)
         stop = gui.add_button("STOP", color="red", icon=viser.Icon.HAND_STOP)
         row = gui.add_button_group("Goal", ("Pause", "Resume", "Cancel"))
         stop.on_click(lambda event: bench.commanding(event.client, self._stop, needs_control=False))
